@@ -1,0 +1,1 @@
+"""Extended hybrid zero dynamics gaits and guided reinforcement learning for SLIDER."""

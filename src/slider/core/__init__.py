@@ -1,0 +1,1 @@
+"""Configuration, artefact store, recipes, seeding and tracking."""

@@ -1,0 +1,84 @@
+"""Typed settings of the simulated environment: the same for training and evaluation."""
+
+from dataclasses import field
+
+from pydantic.dataclasses import dataclass
+
+from slider.core.config.strict import STRICT
+
+
+@dataclass(frozen=True, config=STRICT)
+class PhysicsConfig:
+    """Simulation step [s], its repetitions per control step, and solver iterations."""
+
+    timestep: float
+    substeps: int
+    solver_iterations: int
+    line_search_iterations: int
+
+
+@dataclass(frozen=True, config=STRICT)
+class ActionConfig:
+    """Desired joint position = nominal + scale · clip(action); scale [rad or m] per leg joint."""
+
+    clip: float
+    scale: dict[str, float]
+
+
+@dataclass(frozen=True, config=STRICT)
+class HeightScan:
+    """Grid of points around the base at which ground height is measured."""
+
+    points_x: int
+    points_y: int
+    spacing: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class ObservationConfig:
+    """Observation terms in order, each with its scale, and the clip after scaling."""
+
+    terms: dict[str, float]
+    clip: float
+    height_scan: HeightScan
+    velocity_filter: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class TerminationConfig:
+    """Active termination terms: name → parameter."""
+
+    terms: dict[str, float]
+
+
+@dataclass(frozen=True, config=STRICT)
+class StartNoise:
+    """Standard deviations of a robot's start: [rad], [m], [rad], [m/s], [rad/s], [rad/s]."""
+
+    joint_position: float
+    slide_position: float
+    tilt: float
+    linear_velocity: float
+    angular_velocity: float
+    joint_velocity: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class PhaseConfig:
+    """Clock that runs through the two steps of a walk; ``mirror`` shows left stance only."""
+
+    enabled: bool
+    mirror: bool
+
+
+@dataclass(frozen=True, config=STRICT)
+class EnvConfig:
+    """What a controller of the robot sees and commands, and what ends an episode."""
+
+    control_period: float
+    physics: PhysicsConfig
+    action: ActionConfig
+    observation: ObservationConfig
+    termination: TerminationConfig
+    phase: PhaseConfig
+    start: StartNoise = field(default_factory=lambda: StartNoise(0, 0, 0, 0, 0, 0))

@@ -1,0 +1,107 @@
+"""Typed settings of the gait optimisation and of the gait library."""
+
+from dataclasses import field
+
+from pydantic.dataclasses import dataclass
+
+from slider.core.config.strict import STRICT
+
+
+@dataclass(frozen=True, config=STRICT)
+class Axis:
+    """start, start + step, ... up to and including stop [m/s]."""
+
+    start: float
+    stop: float
+    step: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class GridBlock:
+    """A rectangle of commanded velocities [m/s]."""
+
+    vx: Axis
+    vy: Axis
+
+
+@dataclass(frozen=True, config=STRICT)
+class GridConfig:
+    """The commanded velocities of the library: one rectangle, and further ones beside it."""
+
+    vx: Axis
+    vy: Axis
+    extra: list[GridBlock] = field(default_factory=list)
+
+
+@dataclass(frozen=True, config=STRICT)
+class StepTime:
+    """Bounds of the duration of a step [s]."""
+
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class Touchdown:
+    """Velocity of the swing foot just before impact: [m/s], angular rate [rad/s]."""
+
+    forward: float
+    lateral: float
+    down_min: float
+    down_max: float
+    angular: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class Posture:
+    """Geometric limits of a gait: [m], [rad]."""
+
+    clearance: float
+    foot_separation_min: float
+    foot_separation_max: float
+    torso_roll: float
+    torso_pitch: float
+    torso_yaw: float
+    knee_min: float
+    knee_max: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class ContactLimits:
+    """Friction coefficient [-], least vertical force at toe and heel [fraction of weight]."""
+
+    friction: float
+    min_vertical: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class SolverConfig:
+    """IPOPT settings."""
+
+    max_iterations: int
+    tolerance: float
+    constraint_tolerance: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class GaitConfig:
+    """One gait per commanded velocity; see ``docs/method.md``."""
+
+    grid: GridConfig
+    nodes: int
+    degree: int
+    cost: str
+    kinematic_map: str
+    step_time: StepTime
+    touchdown: Touchdown
+    posture: Posture
+    contact: ContactLimits
+    solver: SolverConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class LibraryConfig:
+    """How gaits are collected."""
+
+    allow_holes: bool
+    max_violation: float

@@ -1,0 +1,124 @@
+"""Typed settings of the two trainings (standing, walking)."""
+
+from dataclasses import field
+
+from pydantic.dataclasses import dataclass
+
+from slider.core.config.strict import STRICT
+
+
+@dataclass(frozen=True, config=STRICT)
+class Interval:
+    """Closed interval."""
+
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class CommandConfig:
+    """Ranges of the commanded velocities and how often they change.
+
+    vx, vy [m/s]; yaw rate [rad/s]; ``period`` [s] is the mean time between changes (0: never);
+    ``standing_fraction`` of the commands are zero.
+    """
+
+    vx: Interval
+    vy: Interval
+    yaw_rate: Interval
+    period: float
+    standing_fraction: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class RewardTerm:
+    """Weight of a reward term and its parameters."""
+
+    weight: float
+    params: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, config=STRICT)
+class RewardConfig:
+    """Weighted sum of terms, times ``scale``, at least ``floor``; then ``on_fall`` is added."""
+
+    terms: dict[str, RewardTerm]
+    scale: float
+    floor: float
+    on_fall: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class ResetConfig:
+    """Share of episodes that start on the reference gait instead of at rest."""
+
+    reference_fraction: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class NetworkConfig:
+    """Actor and critic: multilayer perceptrons of the same shape."""
+
+    hidden: list[int]
+    activation: str
+    initial_std: float
+    std_min: float
+    std_max: float
+    output_scale: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class PpoConfig:
+    """Proximal policy optimisation with generalised advantage estimation."""
+
+    learning_rate: float
+    schedule: str
+    desired_kl: float
+    epochs: int
+    mini_batches: int
+    clip: float
+    gamma: float
+    lam: float
+    value_coefficient: float
+    entropy_coefficient: float
+    max_grad_norm: float
+    precision: str
+
+
+@dataclass(frozen=True, config=STRICT)
+class SelectionConfig:
+    """Periodic small evaluation that picks the checkpoint to keep."""
+
+    interval: int
+    commands: list[float]
+    robots: int
+    duration: float
+    skip: float
+    fall_weight: float
+    tilt_weight: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class TrainConfig:
+    """One training run."""
+
+    iterations: int
+    num_envs: int
+    steps_per_iteration: int
+    episode_length: float
+    checkpoint_interval: int
+    seed: int
+    commands: CommandConfig
+    reward: RewardConfig
+    reset: ResetConfig
+    network: NetworkConfig
+    ppo: PpoConfig
+    selection: SelectionConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class TrainingsConfig:
+    """Standing pre-training, then walking."""
+
+    standing: TrainConfig
+    walking: TrainConfig

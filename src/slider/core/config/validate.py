@@ -1,0 +1,205 @@
+"""Checks of values that types cannot express. Each failure is one line."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from slider.core.config import Config
+from slider.core.config.env import EnvConfig
+from slider.core.config.evaluation import EvaluationConfig
+from slider.core.config.gait import Axis, GaitConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.config.train import Interval, TrainConfig
+from slider.core.errors import UserError
+from slider.robot.names import LEG_JOINTS
+
+MAX_GRID = 5000
+MAX_NODES = 201
+
+
+def validate(config: Config) -> None:
+    """Refuse impossible values.
+
+    Raises:
+        UserError: names the key, what was expected and what was found.
+    """
+    _finite(config, "")
+    _robot(config.robot)
+    _gait(config.gait)
+    _env(config.env)
+    for name in ("standing", "walking"):
+        _train(getattr(config.train, name), f"train.{name}")
+    _evaluation(config.evaluation)
+    _at_least("resources.threads", config.resources.threads, 1)
+
+
+def _fail(key: str, expected: str, found: Any) -> None:
+    raise UserError(f"{key}: expected {expected}, found {found}")
+
+
+def _require(condition: bool, key: str, expected: str, found: Any) -> None:
+    if not condition:
+        _fail(key, expected, found)
+
+
+def _at_least(key: str, value: float, least: float) -> None:
+    _require(value >= least, key, f"a value ≥ {least}", value)
+
+
+def _positive(key: str, value: float) -> None:
+    _require(value > 0, key, "a positive value", value)
+
+
+def _in(key: str, value: Any, allowed: Iterable[Any]) -> None:
+    options = tuple(allowed)
+    _require(value in options, key, f"one of {', '.join(map(str, options))}", value)
+
+
+def _finite(node: Any, key: str) -> None:
+    if isinstance(node, float):
+        _require(math.isfinite(node), key, "a finite number", node)
+    elif is_dataclass(node):
+        for item in fields(node):
+            _finite(getattr(node, item.name), f"{key}.{item.name}".lstrip("."))
+    elif isinstance(node, dict):
+        for name, value in node.items():
+            _finite(value, f"{key}.{name}")
+    elif isinstance(node, (list, tuple)):
+        for index, value in enumerate(node):
+            _finite(value, f"{key}[{index}]")
+
+
+def _robot(robot: RobotConfig) -> None:
+    for table in ("limits", "drives", "gains"):
+        found = tuple(getattr(robot, table))
+        _require(
+            set(found) == set(LEG_JOINTS),
+            f"robot.{table}",
+            f"the joints {', '.join(LEG_JOINTS)}",
+            ", ".join(found),
+        )
+    for name, limit in robot.limits.items():
+        _require(limit.lower < limit.upper, f"robot.limits.{name}", "lower < upper", limit)
+    for item in fields(robot.links):
+        _positive(f"robot.links.{item.name}.mass", getattr(robot.links, item.name).mass)
+    _positive("robot.geometry.leg_length", robot.geometry.leg_length)
+    knee = robot.virtual_knee
+    reach = knee.thigh_length + knee.shank_length
+    _require(
+        reach > robot.geometry.leg_length,
+        "robot.virtual_knee",
+        f"thigh + shank longer than the leg ({robot.geometry.leg_length} m)",
+        reach,
+    )
+
+
+def axis_size(axis: Axis) -> int:
+    """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
+    if axis.step <= 0 or axis.stop < axis.start:
+        return 0
+    return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
+
+
+def _axis(key: str, axis: Axis) -> int:
+    _positive(f"{key}.step", axis.step)
+    size = axis_size(axis)
+    _require(size > 0, key, "start ≤ stop (a grid that is not empty)", axis)
+    return size
+
+
+def _gait(gait: GaitConfig) -> None:
+    size = _axis("gait.grid.vx", gait.grid.vx) * _axis("gait.grid.vy", gait.grid.vy)
+    for index, block in enumerate(gait.grid.extra):
+        key = f"gait.grid.extra[{index}]"
+        size += _axis(f"{key}.vx", block.vx) * _axis(f"{key}.vy", block.vy)
+    _require(size <= MAX_GRID, "gait.grid", f"at most {MAX_GRID} velocities", size)
+    nodes = gait.nodes
+    _require(
+        5 <= nodes <= MAX_NODES and nodes % 2 == 1,
+        "gait.nodes",
+        f"an odd number from 5 to {MAX_NODES}",
+        nodes,
+    )
+    _require(3 <= gait.degree <= 12, "gait.degree", "a degree from 3 to 12", gait.degree)
+    _in("gait.cost", gait.cost, ("paper", "torque"))
+    _in("gait.kinematic_map", gait.kinematic_map, ("exact", "paper"))
+    _interval("gait.step_time", gait.step_time.lower, gait.step_time.upper)
+    _positive("gait.step_time.lower", gait.step_time.lower)
+    _interval("gait.touchdown.down", gait.touchdown.down_min, gait.touchdown.down_max)
+    _interval("gait.posture.knee", gait.posture.knee_min, gait.posture.knee_max)
+    _positive("gait.contact.friction", gait.contact.friction)
+    _at_least("gait.solver.max_iterations", gait.solver.max_iterations, 1)
+
+
+def _interval(key: str, lower: float, upper: float) -> None:
+    _require(lower <= upper, key, "lower ≤ upper", f"{lower} > {upper}")
+
+
+def _env(env: EnvConfig) -> None:
+    _positive("env.control_period", env.control_period)
+    _positive("env.physics.timestep", env.physics.timestep)
+    _at_least("env.physics.substeps", env.physics.substeps, 1)
+    period = env.physics.timestep * env.physics.substeps
+    _require(
+        abs(period - env.control_period) < 1e-9,
+        "env.physics",
+        f"timestep × substeps = control_period ({env.control_period} s)",
+        period,
+    )
+    _require(
+        set(env.action.scale) == set(LEG_JOINTS),
+        "env.action.scale",
+        f"the joints {', '.join(LEG_JOINTS)}",
+        ", ".join(env.action.scale),
+    )
+    _positive("env.action.clip", env.action.clip)
+    _positive("env.observation.clip", env.observation.clip)
+    _require(bool(env.observation.terms), "env.observation.terms", "at least one term", "none")
+    _require(
+        env.phase.enabled or not env.phase.mirror,
+        "env.phase",
+        "mirror only with a phase",
+        env.phase,
+    )
+
+
+def _train(train: TrainConfig, key: str) -> None:
+    _at_least(f"{key}.iterations", train.iterations, 0)
+    _at_least(f"{key}.num_envs", train.num_envs, 1)
+    _at_least(f"{key}.steps_per_iteration", train.steps_per_iteration, 1)
+    _at_least(f"{key}.checkpoint_interval", train.checkpoint_interval, 1)
+    _positive(f"{key}.episode_length", train.episode_length)
+    for name in ("vx", "vy", "yaw_rate"):
+        interval: Interval = getattr(train.commands, name)
+        _interval(f"{key}.commands.{name}", interval.lower, interval.upper)
+    _in(f"{key}.ppo.precision", train.ppo.precision, ("float32", "bfloat16"))
+    _in(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
+    batch = train.num_envs * train.steps_per_iteration
+    _require(
+        1 <= train.ppo.mini_batches <= batch,
+        f"{key}.ppo.mini_batches",
+        f"1 to {batch} (num_envs × steps_per_iteration)",
+        train.ppo.mini_batches,
+    )
+    _require(bool(train.network.hidden), f"{key}.network.hidden", "at least one layer", "none")
+    _require(bool(train.reward.terms), f"{key}.reward.terms", "at least one term", "none")
+    _at_least(f"{key}.selection.robots", train.selection.robots, 1)
+    _at_least(f"{key}.selection.interval", train.selection.interval, 1)
+
+
+def _evaluation(evaluation: EvaluationConfig) -> None:
+    key = "evaluation"
+    _require(bool(evaluation.commands), f"{key}.commands", "at least one command", "none")
+    _require(bool(evaluation.controllers), f"{key}.controllers", "at least one controller", "none")
+    for name in evaluation.controllers:
+        _in(f"{key}.controllers", name, ("policy",))
+    _at_least(f"{key}.trials", evaluation.trials, 1)
+    _at_least(f"{key}.robots", evaluation.robots, 1)
+    _positive(f"{key}.duration", evaluation.duration)
+    _require(
+        0 <= evaluation.steady_from < evaluation.duration,
+        f"{key}.steady_from",
+        f"a time in [0, {evaluation.duration}) s",
+        evaluation.steady_from,
+    )

@@ -1,0 +1,80 @@
+"""What a stage is given besides its configuration and inputs, and what it returns.
+
+Every stage is one function ``run(section, inputs, out, job) -> summary``:
+
+* ``section``: the stage's own part of the resolved configuration, plain nested dictionaries;
+* ``inputs``: name → object folders of the stages it depends on, in a fixed order;
+* ``out``: empty folder for the result's files (same input, same bytes);
+* ``job``: work folder, threads, tracker and progress: nothing that may change the result;
+* ``summary``: small, deterministic facts for the manifest (JSON).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+Section = dict[str, Any]
+Inputs = Mapping[str, Sequence[Path]]
+Summary = dict[str, Any]
+
+
+class Tracker(Protocol):
+    """Records a run. Never raises: a stage does not fail because tracking fails."""
+
+    def log_params(self, params: Mapping[str, Any]) -> None:
+        """Record nested parameters of the run."""
+
+    def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
+        """Record scalar metrics at a step."""
+
+    def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
+        """Record columns of equal length as a table."""
+
+    def log_file(self, path: Path) -> None:
+        """Record a file as an artefact of the run."""
+
+
+class NoTracker:
+    """Records nothing."""
+
+    def log_params(self, params: Mapping[str, Any]) -> None:
+        """Do nothing."""
+
+    def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
+        """Do nothing."""
+
+    def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
+        """Do nothing."""
+
+    def log_file(self, path: Path) -> None:
+        """Do nothing."""
+
+
+def _silent(message: str) -> None:
+    """Drop a progress line."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """Surroundings of one stage.
+
+    Attributes:
+        work: folder that survives a killed job; checkpoints go here.
+        threads: processor threads the job may use.
+        tracker: records metrics and tables.
+        progress: shows one line to the person who waits.
+        volatile: facts that differ between runs (times, resumed); kept outside the manifest.
+        input_volatile: for each name in ``inputs``, the volatile facts of those stages in the same
+            order (an empty dictionary where none are known). For display and tracking only.
+    """
+
+    work: Path
+    threads: int = 1
+    tracker: Tracker = field(default_factory=NoTracker)
+    progress: Callable[[str], None] = _silent
+    volatile: dict[str, Any] = field(default_factory=dict)
+    input_volatile: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
+
+
+StageFunction = Callable[[Section, Inputs, Path, Job], Summary]

@@ -1,0 +1,1 @@
+"""Parameters, joint names and models of the robot."""

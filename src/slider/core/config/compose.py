@@ -1,12 +1,10 @@
 """Compose ``conf/`` with overrides into a typed, checked :class:`Config`."""
 
 import difflib
-import json
 import re
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from hydra import compose as hydra_compose
 from hydra import initialize_config_dir
@@ -14,13 +12,11 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import HydraException
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
-from pydantic import TypeAdapter, ValidationError
 
-from slider.core.config import Config
+from slider.core.config.convert import from_dict
+from slider.core.config.schema import Config
 from slider.core.config.validate import validate
 from slider.core.errors import UserError
-
-T = TypeVar("T")
 
 
 def compose(overrides: Sequence[str], conf: Path) -> Config:
@@ -32,11 +28,6 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     config = from_dict(Config, OmegaConf.to_container(_compose_untyped(overrides, conf)))
     validate(config)
     return config
-
-
-def to_dict(config: Any) -> dict[str, Any]:
-    """Plain nested dictionaries of a configuration dataclass."""
-    return asdict(config)
 
 
 def _compose_untyped(overrides: Sequence[str], conf: Path) -> DictConfig:
@@ -52,21 +43,6 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> DictConfig:
             raise UserError(_first_line(error)) from None
         except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
-
-
-def from_dict(cls: type[T], values: Any) -> T:
-    """A configuration object from plain nested values.
-
-    Raises:
-        UserError: names the key, what was expected and what was found.
-    """
-    try:
-        return TypeAdapter(cls).validate_json(json.dumps(values))
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        found = "" if first["type"] == "missing" else f", found {first['input']!r}"
-        raise UserError(f"configuration key '{key}': {first['msg']}{found}") from None
 
 
 def _first_line(error: BaseException) -> str:

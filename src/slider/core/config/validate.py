@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
-from slider.core.config import Config
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, GaitConfig
 from slider.core.config.robot import RobotConfig
+from slider.core.config.schema import Config
 from slider.core.config.train import Interval, TrainConfig
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS

@@ -1,0 +1,24 @@
+"""Root of the typed configuration."""
+
+from pydantic.dataclasses import dataclass
+
+from slider.core.config.env import EnvConfig
+from slider.core.config.evaluation import EvaluationConfig, ResourcesConfig, TrackingConfig
+from slider.core.config.gait import GaitConfig, LibraryConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.config.strict import STRICT
+from slider.core.config.train import TrainingsConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class Config:
+    """Root of the configuration; one field per group of ``conf/``."""
+
+    robot: RobotConfig
+    gait: GaitConfig
+    library: LibraryConfig
+    env: EnvConfig
+    train: TrainingsConfig
+    evaluation: EvaluationConfig
+    tracking: TrackingConfig
+    resources: ResourcesConfig

@@ -1,0 +1,53 @@
+"""The command ``slider``: a table of subcommands, each in a module of its own.
+
+A subcommand's module offers ``add_arguments(parser)`` and ``run(arguments)``; it is imported only
+when its command is given, so that a gait job does not wait for torch.
+"""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from slider.core.errors import UserError
+
+COMMANDS = {
+    "config": ("slider.core.commands.config", "print the resolved configuration"),
+    "run": ("slider.core.commands.run", "run one job of a plan"),
+    "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
+    "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
+}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one subcommand; bad input is one line and status 1."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    name = arguments[0] if arguments else ""
+    if name not in COMMANDS:
+        _overview().parse_args(arguments)
+        _overview().print_help()
+        return 1
+    module = importlib.import_module(COMMANDS[name][0])
+    parser = argparse.ArgumentParser(f"slider {name}", description=COMMANDS[name][1])
+    module.add_arguments(parser)
+    try:
+        return module.run(parser.parse_args(arguments[1:])) or 0
+    except UserError as error:
+        print(f"slider: {error}", file=sys.stderr)
+        return 1
+
+
+def _overview() -> argparse.ArgumentParser:
+    lines = [f"  {name:<12}{text}" for name, (_, text) in COMMANDS.items()]
+    parser = argparse.ArgumentParser(
+        "slider",
+        description="Gaits, training and evaluation of the biped SLIDER.",
+        epilog="\n".join(["commands:", *lines]),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("command", choices=COMMANDS, metavar="command", nargs="?")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -64,10 +64,15 @@ class JointLimits:
 
 @dataclass(frozen=True, config=STRICT)
 class JointDrive:
-    """Reflected inertia [kg m² or kg] and viscous damping [N m s/rad or N s/m]."""
+    """Reflected inertia [kg m² or kg], viscous damping [N m s/rad or N s/m].
+
+    ``stall_ratio``: torque of the torque-speed line at rest, as a multiple of the effort limit;
+    the line ends at the speed limit.
+    """
 
     armature: float
     damping: float
+    stall_ratio: float
 
 
 @dataclass(frozen=True, config=STRICT)

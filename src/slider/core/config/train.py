@@ -95,7 +95,7 @@ class SelectionConfig:
     duration: float
     skip: float
     fall_weight: float
-    tilt_weight: float
+    flight_weight: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -106,7 +106,6 @@ class TrainConfig:
     num_envs: int
     steps_per_iteration: int
     episode_length: float
-    checkpoint_interval: int
     seed: int
     commands: CommandConfig
     reward: RewardConfig

@@ -168,7 +168,6 @@ def _train(train: TrainConfig, key: str) -> None:
     _at_least(f"{key}.iterations", train.iterations, 0)
     _at_least(f"{key}.num_envs", train.num_envs, 1)
     _at_least(f"{key}.steps_per_iteration", train.steps_per_iteration, 1)
-    _at_least(f"{key}.checkpoint_interval", train.checkpoint_interval, 1)
     _positive(f"{key}.episode_length", train.episode_length)
     for name in ("vx", "vy", "yaw_rate"):
         interval: Interval = getattr(train.commands, name)

@@ -1,0 +1,1 @@
+"""Subcommands of ``slider`` that belong to the pipeline."""

@@ -1,0 +1,89 @@
+"""``slider run``: run one job of a plan, with its output in a log file."""
+
+import argparse
+import logging
+import os
+import signal
+import sys
+import traceback
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TextIO
+
+from slider.core.errors import UserError
+from slider.core.plan import read_plan
+from slider.core.runner import Runner
+from slider.core.store import ARTEFACTS, Store
+
+_TAIL = 15  # lines of the log shown after a failure
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("recipe", help="recipe of the job")
+    parser.add_argument("--plan", type=Path, required=True, help="file below artefacts/plans")
+    parser.add_argument("--threads", type=int, default=1, help="processor threads (default: 1)")
+    parser.add_argument(
+        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the job; on failure show the end of its log and where the log is."""
+    spec = read_plan(arguments.plan).jobs.get(arguments.recipe)
+    if spec is None:
+        raise UserError(f"expected a recipe of {arguments.plan}, found {arguments.recipe}")
+    store = Store(arguments.artefacts)
+    log = store.log_path(spec.stage, spec.recipe)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    with _output_to(log) as terminal:
+        runner = Runner(store, arguments.threads, _progress(spec.label, terminal))
+        try:
+            runner.run(spec)
+        except UserError as error:
+            print(f"slider: {spec.label}: {error}", file=terminal)
+            return 1
+        except Exception:
+            traceback.print_exc()
+            sys.stderr.flush()
+            print(f"slider: {spec.label} failed; {log} ends with", file=terminal)
+            print(_tail(log), file=terminal)
+            return 1
+    return 0
+
+
+@contextmanager
+def _output_to(log: Path) -> Iterator[TextIO]:
+    """Send all output to a log, libraries written in C included; yield the terminal."""
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with os.fdopen(os.dup(2), "w", buffering=1) as terminal:
+        saved = [os.dup(1), os.dup(2)]
+        with log.open("wb", buffering=0) as file:
+            _redirect((file.fileno(), file.fileno()))
+        logging.basicConfig(level=logging.WARNING, stream=sys.stderr)
+        try:
+            yield terminal
+        finally:
+            _redirect((saved[0], saved[1]))
+
+
+def _redirect(targets: tuple[int, int]) -> None:
+    sys.stdout.flush()
+    sys.stderr.flush()
+    for descriptor, target in zip((1, 2), targets, strict=True):
+        os.dup2(target, descriptor)
+
+
+def _progress(label: str, terminal: TextIO) -> Callable[[str], None]:
+    def show(message: str) -> None:
+        print(f"{label}: {message}", file=terminal)
+        print(message, flush=True)
+
+    return show
+
+
+def _tail(log: Path) -> str:
+    with log.open(encoding="utf-8", errors="replace") as file:
+        return "".join(f"  {line}" for line in deque(file, _TAIL)).rstrip()

@@ -1,0 +1,119 @@
+"""Files that appear whole or not at all, and digests of files, folders and plain values."""
+
+import hashlib
+import json
+import math
+import os
+import stat
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+TEMPORARY_PATTERN = ".*.part"
+_CHUNK = 1 << 20
+_READ_ONLY = stat.S_IRUSR | stat.S_IRGRP | stat.S_IROTH
+
+FileTable = dict[str, dict[str, Any]]
+"""Relative path → ``{"sha256": ..., "size": ...}``."""
+
+
+def write_atomic(path: Path, text: str) -> None:
+    """Replace a file in one step; a reader sees the old text or the new one."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Write standard JSON in one step; infinities and NaN become the strings inf, -inf, nan."""
+    text = json.dumps(plain(value), indent=1, ensure_ascii=False, allow_nan=False)
+    write_atomic(path, text + "\n")
+
+
+def read_json(path: Path) -> Any:
+    """Parse a JSON file."""
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def canonical(value: Any) -> str:
+    """JSON without spaces; keys keep their order, since the order of term tables has a meaning."""
+    return json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+
+
+def digest_value(value: Any) -> str:
+    """SHA-256 of the canonical JSON of a plain value."""
+    return hashlib.sha256(canonical(value).encode()).hexdigest()
+
+
+def digest_file(path: Path) -> str:
+    """SHA-256 of a file's bytes."""
+    digest = hashlib.sha256()
+    with path.open("rb") as file:
+        while chunk := file.read(_CHUNK):
+            digest.update(chunk)
+    return digest.hexdigest()
+
+
+def list_files(folder: Path) -> list[str]:
+    """Relative POSIX paths of all files of a folder, sorted.
+
+    Raises:
+        ValueError: something that is neither a file nor a folder, such as a link.
+    """
+    found = []
+    for path in folder.rglob("*"):
+        mode = path.lstat().st_mode
+        if stat.S_ISREG(mode):
+            found.append(path.relative_to(folder).as_posix())
+        elif not stat.S_ISDIR(mode):
+            raise ValueError(f"expected files and folders, found another kind: {path}")
+    return sorted(found)
+
+
+def file_table(folder: Path) -> FileTable:
+    """Digest and size [bytes] of every file of a folder."""
+    return {
+        name: {"sha256": digest_file(folder / name), "size": (folder / name).stat().st_size}
+        for name in list_files(folder)
+    }
+
+
+def digest_table(table: FileTable) -> str:
+    """Name of a folder's content: digest of its sorted paths and their files' digests."""
+    return digest_value([[name, table[name]["sha256"]] for name in sorted(table)])
+
+
+def has_files(folder: Path, table: FileTable) -> bool:
+    """Tell whether every listed file is there with its size; reads no content."""
+    try:
+        return folder.is_dir() and all(
+            (folder / name).stat().st_size == facts["size"] for name, facts in table.items()
+        )
+    except OSError:
+        return False
+
+
+def make_read_only(folder: Path) -> None:
+    """Protect the files of a folder from being changed by accident."""
+    for name in list_files(folder):
+        (folder / name).chmod(_READ_ONLY)
+
+
+def plain(value: Any) -> Any:
+    """Value as JSON can hold it; infinities and NaN become the strings inf, -inf, nan."""
+    if isinstance(value, Mapping):
+        return {str(name): plain(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if hasattr(value, "tolist"):  # numpy and torch scalars and arrays
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)
+    return value

@@ -1,0 +1,112 @@
+"""Tracking as seen by a job: a journal that one writer process brings to MLflow.
+
+Jobs append lines to a file of their own. None of them imports MLflow (1.8 s each) or opens its
+database, where several writers at once lose runs; a broken tracker cannot break a stage; and a
+job on another machine needs nothing but the shared folder.
+
+``tracking/<session>/`` holds the journals of one pipeline run; ``tracking/current`` names it.
+"""
+
+import json
+import logging
+import shutil
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from slider.core import files
+
+SESSION_FILE = "session.json"
+MAIN = "main"  # journal of the pipeline run itself
+BEGIN, PARAMS, TAGS, METRICS, TABLE, FILE, END = (
+    "begin",
+    "params",
+    "tags",
+    "metrics",
+    "table",
+    "file",
+    "end",
+)
+FINISHED, FAILED = "FINISHED", "FAILED"
+
+_log = logging.getLogger(__name__)
+
+
+class JournalTracker:
+    """Tracker that appends to a journal. Never raises; the first failure is logged as one line."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._broken = False
+
+    def begin(self, name: str, tags: Mapping[str, str]) -> None:
+        """Open the run under a name."""
+        self._append(BEGIN, lambda: {"name": name, "tags": dict(tags)})
+
+    def end(self, status: str, tags: Mapping[str, str]) -> None:
+        """Close the run as ``FINISHED`` or ``FAILED``."""
+        self._append(END, lambda: {"status": status, "tags": dict(tags)})
+
+    def log_params(self, params: Mapping[str, Any]) -> None:
+        """Record nested parameters of the run."""
+        self._append(PARAMS, lambda: {"values": flatten(params)})
+
+    def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
+        """Record scalar metrics at a step."""
+        values = metrics.items()
+        self._append(
+            METRICS, lambda: {"step": int(step), "values": {k: float(v) for k, v in values}}
+        )
+
+    def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
+        """Record columns of equal length as a table."""
+        self._append(TABLE, lambda: {"name": name, "columns": _plain_columns(table)})
+
+    def log_file(self, path: Path) -> None:
+        """Record a file as an artefact of the run; it may be moved afterwards."""
+        self._append(FILE, lambda: {"path": str(self._copy(path))})
+
+    def _copy(self, path: Path) -> Path:
+        folder = self._path.with_suffix(".files")
+        folder.mkdir(exist_ok=True)
+        return Path(shutil.copyfile(path, folder / path.name))
+
+    def _append(self, event: str, values: Callable[[], Mapping[str, Any]]) -> None:
+        if self._broken:
+            return
+        try:
+            line = json.dumps({"event": event, "time": _milliseconds(), **values()})
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(line + "\n")
+        except Exception as error:
+            self._broken = True
+            _log.warning("tracking stops here, the stage goes on: %s", error)
+
+
+def current_session(artefacts: Path) -> Path | None:
+    """Folder of the pipeline run that is being tracked, if there is one."""
+    try:
+        session = artefacts / "tracking" / (artefacts / "tracking" / "current").read_text().strip()
+    except OSError:
+        return None
+    return session if (session / SESSION_FILE).is_file() else None
+
+
+def flatten(node: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested mappings as one, with dotted names."""
+    flat: dict[str, Any] = {}
+    for name, value in node.items():
+        if isinstance(value, Mapping):
+            flat |= flatten(value, f"{prefix}{name}.")
+        else:
+            flat[f"{prefix}{name}"] = str(value)
+    return flat
+
+
+def _plain_columns(table: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
+    return {name: [files.plain(value) for value in column] for name, column in table.items()}
+
+
+def _milliseconds() -> int:
+    return time.time_ns() // 1_000_000

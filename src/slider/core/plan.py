@@ -1,0 +1,132 @@
+"""The plan: every job that leads to the current results, with all that a job needs to know.
+
+Written when the workflow is read, so that a job depends neither on Hydra nor on what happens to
+the configuration files later.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from slider.core import files
+from slider.core.errors import UserError
+from slider.core.recipe import Code, recipe_digest
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class JobSpec:
+    """One stage with one section: what it runs, on what, and its recipe.
+
+    Attributes:
+        stage: name of the stage.
+        label: what a person calls this job.
+        code: entry point, source digest and versions.
+        section: the stage's own part of the configuration.
+        inputs: name → jobs, in a fixed order.
+        tracked: whether the job is a run of its own in MLflow.
+        recipe: digest of all of these but ``label`` and ``tracked``.
+    """
+
+    stage: str
+    label: str
+    code: Code
+    section: Mapping[str, Any]
+    inputs: Mapping[str, Sequence["JobSpec"]] = field(default_factory=dict)
+    tracked: bool = True
+    recipe: str = ""
+
+    def __post_init__(self) -> None:
+        recipes = {name: [job.recipe for job in jobs] for name, jobs in self.inputs.items()}
+        found = recipe_digest(self.stage, self.section, self.code, recipes)
+        object.__setattr__(self, "recipe", found)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Jobs by recipe, inputs before those who use them, and the recipe of each named target."""
+
+    jobs: Mapping[str, JobSpec]
+    targets: Mapping[str, str]
+
+
+def build_plan(targets: Mapping[str, JobSpec]) -> Plan:
+    """Collect the jobs that the targets need."""
+    jobs: dict[str, JobSpec] = {}
+
+    def visit(job: JobSpec) -> None:
+        if job.recipe in jobs:
+            return
+        for group in job.inputs.values():
+            for item in group:
+                visit(item)
+        jobs[job.recipe] = job
+
+    for target in targets.values():
+        visit(target)
+    return Plan(jobs, {name: job.recipe for name, job in targets.items()})
+
+
+def write_plan(plan: Plan, folder: Path) -> Path:
+    """Write a plan under the digest of its content, if it is not there yet."""
+    values = _to_values(plan)
+    path = folder / f"{files.digest_value(values)}.json"
+    if not path.is_file():
+        files.write_atomic(path, files.canonical(values) + "\n")
+    return path
+
+
+def read_plan(path: Path) -> Plan:
+    """Read a plan.
+
+    Raises:
+        UserError: the file is missing or is no plan.
+    """
+    try:
+        values = files.read_json(path)
+        return _from_values(values)
+    except (OSError, ValueError, KeyError, TypeError):
+        raise UserError(f"expected a plan, found none at {path}") from None
+
+
+def _to_values(plan: Plan) -> dict[str, Any]:
+    """Plain values. Parts of sections are stored once: all gaits share all but the velocity."""
+    parts: dict[str, Any] = {}
+    codes: dict[str, Any] = {}
+    jobs = {}
+    for recipe, job in plan.jobs.items():
+        section = {name: files.digest_value(value)[:16] for name, value in job.section.items()}
+        parts |= {section[name]: value for name, value in job.section.items()}
+        codes[job.stage] = asdict(job.code)
+        jobs[recipe] = {
+            "stage": job.stage,
+            "label": job.label,
+            "section": section,
+            "inputs": {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()},
+            "tracked": job.tracked,
+        }
+    return {
+        "schema": SCHEMA,
+        "targets": dict(plan.targets),
+        "codes": codes,
+        "parts": parts,
+        "jobs": jobs,
+    }
+
+
+def _from_values(values: Mapping[str, Any]) -> Plan:
+    jobs: dict[str, JobSpec] = {}
+    for recipe, job in values["jobs"].items():
+        jobs[recipe] = JobSpec(
+            stage=job["stage"],
+            label=job["label"],
+            code=Code(**values["codes"][job["stage"]]),
+            section={name: values["parts"][part] for name, part in job["section"].items()},
+            inputs={name: [jobs[item] for item in items] for name, items in job["inputs"].items()},
+            tracked=job["tracked"],
+        )
+        if jobs[recipe].recipe != recipe:
+            raise ValueError(f"recipe {recipe} does not match its job")
+    return Plan(jobs, values["targets"])

@@ -1,0 +1,143 @@
+"""What code a stage really imports: its modules within a package, and third-party packages.
+
+Found statically, on the syntax tree, so that no stage has to be imported to learn its recipe.
+"""
+
+import ast
+import hashlib
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from slider.core.errors import UserError
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Modules that an entry module imports, directly or not, and third-party packages."""
+
+    modules: tuple[str, ...]
+    third_party: tuple[str, ...]
+    digest: str
+
+
+@dataclass(frozen=True)
+class _Module:
+    digest: str
+    imports: tuple[str, ...]
+
+
+def closure(entry: str, root: Path) -> Closure:
+    """Follow the imports of module ``entry`` within its own package below folder ``root``.
+
+    The digest covers the syntax trees without docstrings (comments are not part of them) and
+    the data files that lie beside the modules.
+
+    Raises:
+        UserError: the entry module does not exist or a module does not parse.
+    """
+    package = entry.partition(".")[0]
+    if _find(root, entry) is None:
+        raise UserError(f"expected the stage's module {entry} below {root}, found none")
+    found: dict[str, str] = {}
+    third_party: set[str] = set()
+    waiting = [entry]
+    while waiting:
+        name = waiting.pop()
+        path = _find(root, name)
+        if name in found or path is None:  # None: a function or class, not a module
+            continue
+        module = _read(path, name)
+        found[name] = module.digest
+        waiting += [parent for parent in _parents(name) if parent not in found]
+        for target in module.imports:
+            if target.partition(".")[0] == package:
+                waiting.append(target)
+            else:
+                third_party.add(target.partition(".")[0])
+    return _summarise(found, third_party, root)
+
+
+def _summarise(found: dict[str, str], third_party: set[str], root: Path) -> Closure:
+    digest = hashlib.sha256()
+    for name in sorted(found):
+        digest.update(f"{name} {found[name]}\n".encode())
+    folders = {_folder(root, name) for name in found}
+    for path in sorted(data for folder in folders for data in _data_files(folder)):
+        content = hashlib.sha256(path.read_bytes()).hexdigest()
+        digest.update(f"{path.relative_to(root).as_posix()} {content}\n".encode())
+    packages = sorted(third_party - sys.stdlib_module_names)
+    return Closure(tuple(sorted(found)), tuple(packages), digest.hexdigest())
+
+
+def _find(root: Path, name: str) -> Path | None:
+    stem = root.joinpath(*name.split("."))
+    for path in (stem.with_name(stem.name + ".py"), stem / "__init__.py"):
+        if path.is_file():
+            return path
+    return None
+
+
+def _parents(name: str) -> list[str]:
+    """Packages on the way: importing a.b.c runs the __init__ files of a and a.b."""
+    parts = name.split(".")
+    return [".".join(parts[:end]) for end in range(1, len(parts))]
+
+
+def _folder(root: Path, name: str) -> Path:
+    path = _find(root, name)
+    assert path is not None
+    return path.parent
+
+
+def _data_files(folder: Path) -> Iterator[Path]:
+    """Files that are not Python, here and in sub-folders that are no packages."""
+    for path in folder.iterdir():
+        if path.is_dir() and path.name != "__pycache__" and not any(path.glob("*.py")):
+            yield from _data_files(path)
+        elif path.is_file() and path.suffix not in (".py", ".pyc"):
+            yield path
+
+
+def _read(path: Path, name: str) -> _Module:
+    return _analyse(path.read_bytes(), name, path.name == "__init__.py")
+
+
+@lru_cache(maxsize=4096)
+def _analyse(content: bytes, name: str, is_package: bool) -> _Module:
+    try:
+        tree = ast.parse(content)
+    except SyntaxError as error:
+        raise UserError(f"module {name}, line {error.lineno}: {error.msg}") from None
+    imports = tuple(sorted(set(_imports(tree, name, is_package))))
+    _strip_docstrings(tree)
+    return _Module(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports)
+
+
+def _imports(tree: ast.Module, name: str, is_package: bool) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = _base(node, name, is_package)
+            yield base
+            # An imported name may be a submodule; _find tells.
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def _base(node: ast.ImportFrom, name: str, is_package: bool) -> str:
+    if node.level == 0:
+        return node.module or ""
+    parts = name.split(".")
+    here = parts if is_package else parts[:-1]
+    anchor = here[: len(here) - (node.level - 1)]
+    return ".".join([*anchor, *([node.module] if node.module else [])])
+
+
+def _strip_docstrings(tree: ast.Module) -> None:
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    for node in ast.walk(tree):
+        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
+            del node.body[0]

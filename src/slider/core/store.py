@@ -1,0 +1,190 @@
+"""The artefact store: objects named by their content, manifests named by their recipe.
+
+``objects/<ab>/<sha256>/`` holds the files of one result and ``<stage>/<recipe>.json`` says which
+object a recipe led to. A result is computed in ``tmp/`` and renamed into place, then its manifest
+is written: whatever is visible is whole, whenever a process dies.
+"""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from slider.core import files
+from slider.core.errors import UserError
+from slider.core.files import FileTable
+
+SCHEMA = 1
+ARTEFACTS = "artefacts"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a stage produced: the object, its files and a few deterministic facts.
+
+    ``resumed`` is the one trace of a run's history that is kept here: a training that was resumed
+    from a checkpoint is not bit-equal to an uninterrupted one, and who uses it must know.
+    """
+
+    object: str
+    files: FileTable
+    summary: dict[str, Any]
+    resumed: bool = False
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """The result of a recipe and the recipes of its inputs. Holds nothing volatile."""
+
+    stage: str
+    recipe: str
+    inputs: Mapping[str, Sequence[str]]
+    result: Result
+
+
+@dataclass(frozen=True)
+class Store:
+    """The store below a folder such as ``artefacts/``."""
+
+    root: Path
+
+    def object_folder(self, digest: str) -> Path:
+        """Folder of an object."""
+        return self.root / "objects" / digest[:2] / digest
+
+    def manifest_path(self, stage: str, recipe: str) -> Path:
+        """File that says which object a recipe led to."""
+        return self.root / stage / f"{recipe}.json"
+
+    def sidecar_path(self, stage: str, recipe: str) -> Path:
+        """File with what differs from run to run: times, load, whether it was resumed."""
+        return self.root / stage / f"{recipe}.run.json"
+
+    def log_path(self, stage: str, recipe: str) -> Path:
+        """Log of the latest job of a recipe."""
+        return self.root / "logs" / stage / f"{recipe}.log"
+
+    def work_folder(self, stage: str, recipe: str) -> Path:
+        """Folder that survives a killed job, for checkpoints."""
+        return self.root / "work" / stage / recipe
+
+    @property
+    def lock_path(self) -> Path:
+        """File of the locks between processes."""
+        return self.root / "lock"
+
+    @contextmanager
+    def temporary(self, name: str) -> Iterator[Path]:
+        """Empty folder on the store's file system, removed at the end."""
+        parent = self.root / "tmp"
+        parent.mkdir(parents=True, exist_ok=True)
+        folder = Path(tempfile.mkdtemp(prefix=f"{name}-", dir=parent))
+        try:
+            yield folder
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    def publish(self, folder: Path, summary: dict[str, Any], resumed: bool = False) -> Result:
+        """Move a finished folder of this file system to where its content puts it."""
+        table = files.file_table(folder)
+        result = Result(files.digest_table(table), table, summary, resumed)
+        files.make_read_only(folder)
+        folder.chmod(0o755)  # mkdtemp makes it private
+        target = self.object_folder(result.object)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.is_dir() and not self.is_whole(result.object):
+            self._discard(target)
+        try:
+            os.rename(folder, target)
+        except OSError:
+            if not target.is_dir():  # else the same content is there already: ours is not needed
+                raise
+        return result
+
+    def is_whole(self, digest: str) -> bool:
+        """Rehash an object and tell whether its content still has its name."""
+        try:
+            return files.digest_table(files.file_table(self.object_folder(digest))) == digest
+        except (OSError, ValueError):
+            return False
+
+    def drop_object(self, digest: str) -> None:
+        """Remove an object in one visible step."""
+        self._discard(self.object_folder(digest))
+
+    def _discard(self, folder: Path) -> None:
+        if not folder.exists():
+            return
+        with self.temporary("discarded") as grave:
+            os.rename(folder, grave / "object")
+
+    def write_manifest(self, manifest: Manifest) -> None:
+        """Write the manifest of a recipe; its object is already in place."""
+        values = {
+            "schema": SCHEMA,
+            "stage": manifest.stage,
+            "recipe": manifest.recipe,
+            "inputs": {name: list(recipes) for name, recipes in manifest.inputs.items()},
+        } | result_values(manifest.result)
+        files.write_json(self.manifest_path(manifest.stage, manifest.recipe), values)
+
+    def read_manifest(self, stage: str, recipe: str) -> Manifest:
+        """Read the manifest of a recipe.
+
+        Raises:
+            UserError: there is none, or it is not one of ours.
+        """
+        return parse_manifest(self.manifest_path(stage, recipe))
+
+    def manifests(self) -> list[Path]:
+        """Every manifest of the store."""
+        found = self.root.glob("*/" + "[0-9a-f]" * 64 + ".json")
+        return sorted(path for path in found if path.parent.name not in ("plans", "index"))
+
+    def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
+        """Remove the manifests whose object is gone, so that nobody trusts them; list them."""
+        dropped = [path for path in paths if path.is_file() and not self._has_object(path)]
+        for path in dropped:
+            path.unlink(missing_ok=True)
+        return dropped
+
+    def _has_object(self, path: Path) -> bool:
+        try:
+            result = parse_manifest(path).result
+        except UserError:
+            return False
+        return files.has_files(self.object_folder(result.object), result.files)
+
+
+def parse_manifest(path: Path) -> Manifest:
+    """Read a manifest file.
+
+    Raises:
+        UserError: there is none, or it is not one of ours.
+    """
+    try:
+        values = files.read_json(path)
+        return Manifest(values["stage"], values["recipe"], values["inputs"], parse_result(values))
+    except FileNotFoundError:
+        raise UserError(f"expected a manifest, found none at {path}") from None
+    except (ValueError, KeyError, TypeError):
+        raise UserError(f"expected a manifest, found something else in {path}") from None
+
+
+def result_values(result: Result) -> dict[str, Any]:
+    """Plain values of a result; ``resumed`` appears only when it is true."""
+    values = asdict(result)
+    if not values.pop("resumed"):
+        return values
+    return values | {"resumed": True}
+
+
+def parse_result(values: Mapping[str, Any]) -> Result:
+    """Result from its plain values."""
+    return Result(
+        values["object"], values["files"], values["summary"], values.get("resumed", False)
+    )

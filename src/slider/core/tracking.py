@@ -1,0 +1,94 @@
+"""Sessions of tracking: one per pipeline run, each with one writer process that feeds MLflow.
+
+See :mod:`slider.core.journal` for why jobs do not talk to MLflow themselves.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from slider.core import files
+from slider.core.journal import MAIN, SESSION_FILE, JournalTracker
+
+_PATIENCE = 120.0  # for the writer to finish [s]
+
+
+@dataclass(frozen=True)
+class SessionInfo:
+    """What the writer must know: MLflow experiment, and the process whose end ends the session."""
+
+    experiment: str
+    owner: int
+
+
+def start(artefacts: Path, info: SessionInfo, run: Mapping[str, Any]) -> "Session":
+    """Open a session and start its writer.
+
+    ``run`` describes the pipeline run: its ``name``, ``tags`` and ``params``.
+    """
+    folder = artefacts / "tracking" / time.strftime(f"%Y%m%dT%H%M%S-{os.getpid()}", time.gmtime())
+    folder.mkdir(parents=True)
+    files.write_json(folder / SESSION_FILE, {"experiment": info.experiment, "owner": info.owner})
+    journal = JournalTracker(folder / f"{MAIN}.jsonl")
+    journal.begin(run["name"], run["tags"])
+    journal.log_params(run["params"])
+    files.write_atomic(artefacts / "tracking" / "current", folder.name + "\n")
+    return Session(artefacts, folder, _spawn_writer(artefacts, folder))
+
+
+@dataclass(frozen=True)
+class Session:
+    """An open session and its writer."""
+
+    artefacts: Path
+    folder: Path
+    writer: "subprocess.Popen[bytes]"
+
+    def finish(self, status: str) -> None:
+        """Close the session as ``FINISHED`` or ``FAILED`` and wait for its writer."""
+        JournalTracker(self.folder / f"{MAIN}.jsonl").end(status, {})
+        stop(self.artefacts)
+        # A writer that hangs goes on alone; what it does not write, the next session's will.
+        with suppress(subprocess.TimeoutExpired):
+            self.writer.wait(_PATIENCE)
+
+
+def stop(artefacts: Path) -> None:
+    """Let no further job write to a session, such as one that a killed pipeline left behind."""
+    (artefacts / "tracking" / "current").unlink(missing_ok=True)
+
+
+def read_session(folder: Path) -> SessionInfo:
+    """Read what a session is about."""
+    return SessionInfo(**files.read_json(folder / SESSION_FILE))
+
+
+def is_alive(process: int) -> bool:
+    """Tell whether a process of this machine is running."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True
+
+
+def _spawn_writer(artefacts: Path, folder: Path) -> subprocess.Popen[bytes]:
+    log = artefacts / "logs" / "tracking.log"
+    log.parent.mkdir(parents=True, exist_ok=True)
+    command = [sys.executable, "-m", "slider.cli", "tracking", "follow", folder.name]
+    with log.open("a") as output:
+        return subprocess.Popen(
+            [*command, "--artefacts", str(artefacts)],
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=output,
+            start_new_session=True,  # Ctrl-C ends the pipeline; the writer still closes its runs
+        )

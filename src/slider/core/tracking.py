@@ -3,18 +3,20 @@
 See :mod:`slider.core.journal` for why jobs do not talk to MLflow themselves.
 """
 
+import logging
 import os
 import subprocess
 import sys
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from slider.core import files
 from slider.core.journal import MAIN, SESSION_FILE, JournalTracker
+
+_log = logging.getLogger(__name__)
 
 _PATIENCE = 120.0  # for the writer to finish [s]
 
@@ -51,12 +53,18 @@ class Session:
     writer: "subprocess.Popen[bytes]"
 
     def finish(self, status: str) -> None:
-        """Close the session as ``FINISHED`` or ``FAILED`` and wait for its writer."""
+        """Close the session as ``FINISHED`` or ``FAILED`` and wait for its writer.
+
+        What a writer that fails or hangs does not write, the next session's will.
+        """
         JournalTracker(self.folder / f"{MAIN}.jsonl").end(status, {})
         stop(self.artefacts)
-        # A writer that hangs goes on alone; what it does not write, the next session's will.
-        with suppress(subprocess.TimeoutExpired):
-            self.writer.wait(_PATIENCE)
+        try:
+            status_code = self.writer.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            status_code = None
+        if status_code != 0:
+            _log.warning("MLflow misses part of this run: see %s", _log_path(self.artefacts))
 
 
 def stop(artefacts: Path) -> None:
@@ -80,8 +88,12 @@ def is_alive(process: int) -> bool:
     return True
 
 
+def _log_path(artefacts: Path) -> Path:
+    return artefacts / "logs" / "tracking.log"
+
+
 def _spawn_writer(artefacts: Path, folder: Path) -> subprocess.Popen[bytes]:
-    log = artefacts / "logs" / "tracking.log"
+    log = _log_path(artefacts)
     log.parent.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "slider.cli", "tracking", "follow", folder.name]
     with log.open("a") as output:

@@ -1,0 +1,32 @@
+# From the configuration to Table 1. The jobs come from pipeline/stages.py; see README.md.
+#   snakemake -j2 reports/table1.csv --config hydra='experiment=smoke'
+import sys
+from pathlib import Path
+
+sys.path.insert(0, workflow.basedir)
+
+from pipeline.entry import open_pipeline
+
+PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
+
+
+wildcard_constraints:
+    recipe="[0-9a-f]{64}",
+
+
+include: "pipeline/rules/reports.smk"
+include: "pipeline/rules/gaits.smk"
+include: "pipeline/rules/learning.smk"
+include: "pipeline/rules/evaluation.smk"
+
+
+onstart:
+    PIPELINE.start_tracking()
+
+
+onsuccess:
+    PIPELINE.finish_tracking("FINISHED")
+
+
+onerror:
+    PIPELINE.finish_tracking("FAILED")

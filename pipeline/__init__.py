@@ -1,0 +1,1 @@
+"""The stage graph and what the Snakefile needs to run it."""

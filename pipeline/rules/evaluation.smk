@@ -1,0 +1,23 @@
+# The ten-trial protocol, one job per controller and command.
+
+
+rule evaluation:
+    input:
+        PIPELINE.inputs,
+    output:
+        "artefacts/evaluation/{recipe}.json",
+    log:
+        "artefacts/logs/evaluation/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"
+
+
+rule table1:
+    input:
+        PIPELINE.inputs,
+    output:
+        "artefacts/table1/{recipe}.json",
+    log:
+        "artefacts/logs/table1/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"

@@ -1,0 +1,160 @@
+"""A copy of the repository in which tests run the real Snakemake."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+REPOSITORY = Path(__file__).parents[2]
+COPIED = ("Snakefile", "pipeline", "conf", "src")
+
+# Stages in miniature: for tests of the machinery that need many runs.
+DUMMIES = {
+    "gait": """
+from typing import TYPE_CHECKING
+from slider.gait.tiny import speed
+if TYPE_CHECKING:
+    import casadi
+
+
+def run(section, inputs, out, job):
+    (out / "gait.txt").write_text(f"{speed(section)} {section['gait']['nodes']}")
+    job.volatile["solve_s"] = 0.1
+    return {"converged": True}
+""",
+    "library": """
+def run(section, inputs, out, job):
+    text = "\\n".join((folder / "gait.txt").read_text() for folder in inputs["gaits"])
+    (out / "library.txt").write_text(text)
+    job.tracker.log_table({"solve_s": [f["solve_s"] for f in job.input_volatile["gaits"]]}, "t.json")
+    return {"gaits": len(inputs["gaits"])}
+""",
+    "training": """
+import os
+import signal
+
+
+def run_standing(section, inputs, out, job):
+    (out / "policy.txt").write_text(str(section["train"]["iterations"]))
+    return {}
+
+
+def run_walking(section, inputs, out, job):
+    checkpoint = job.work / "checkpoint.txt"
+    job.volatile["resumed"] = checkpoint.is_file()
+    checkpoint.write_text("half way")
+    (out / "half.txt").write_text("half")
+    if os.environ.get("SUICIDE") and not job.volatile["resumed"]:
+        os.kill(os.getpid(), signal.SIGKILL)
+    (out / "half.txt").unlink()
+    iterations = section["train"]["iterations"]
+    for step in range(iterations):
+        job.tracker.log_metrics({"reward": step / 2}, step)
+    library = (inputs["library"][0] / "library.txt").read_text()
+    (out / "policy.txt").write_text(f"{iterations}\\n{library}")
+    return {"reward": iterations / 2}
+""",
+    "evaluation": """
+def run(section, inputs, out, job):
+    policy = (inputs["walking"][0] / "policy.txt").read_text()
+    (out / "records.txt").write_text(f"{section['command']} {policy}")
+    return {}
+""",
+    "reports": """
+def run(section, inputs, out, job):
+    records = [(folder / "records.txt").read_text() for folder in inputs["evaluations"]]
+    (out / "table1.csv").write_text("command\\n" + "\\n".join(records) + "\\n")
+    return {}
+""",
+}
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """A folder with a copy of the pipeline, and what happens in it."""
+
+    folder: Path
+
+    def snakemake(self, *arguments: str, hydra: str = "", **environment: str):
+        """Run Snakemake with overrides; never raises."""
+        config = ["--config", f"hydra={'experiment=test ' + hydra}"]
+        return self.command(["-m", "snakemake", "-j2", *arguments, *config], **environment)
+
+    def command(self, arguments: list[str], **environment: str):
+        """Run a Python module in the workspace with its own sources first."""
+        paths = [environment.pop("FIRST", ""), str(self.folder / "src")]
+        env = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | environment
+        return subprocess.run(
+            [sys.executable, *arguments],
+            cwd=self.folder,
+            env=env,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+
+    def slider(self, *arguments: str):
+        """Run the command ``slider``."""
+        return self.command(["-m", "slider.cli", *arguments])
+
+    def computed(self, hydra: str = "", **environment: str) -> list[str]:
+        """Run the pipeline, expect success, and list the stages that were really computed."""
+        before = self._computations()
+        done = self.snakemake("reports/table1.csv", hydra=hydra, **environment)
+        assert done.returncode == 0, done.stderr
+        after = self._computations()
+        return sorted(path.parent.name for path, start in after.items() if before.get(path) != start)
+
+    def _computations(self) -> dict[Path, str]:
+        facts = {path: json.loads(path.read_text()) for path in self.artefacts.glob("*/*.run.json")}
+        return {path: found["started"] for path, found in facts.items() if found["computed"]}
+
+    @property
+    def artefacts(self) -> Path:
+        return self.folder / "artefacts"
+
+    @property
+    def table(self) -> Path:
+        return self.folder / "reports" / "table1.csv"
+
+    def manifests(self, stage: str) -> list[dict[str, Any]]:
+        """Manifests of a stage."""
+        paths = [p for p in (self.artefacts / stage).glob("*.json") if ".run." not in p.name]
+        return [json.loads(path.read_text()) for path in paths]
+
+    def edit(self, path: str, old: str, new: str) -> None:
+        """Replace text that must be there in a file."""
+        file = self.folder / path
+        text = file.read_text()
+        assert old in text
+        file.write_text(text.replace(old, new))
+
+
+def copy_repository(folder: Path) -> Workspace:
+    """Copy what the pipeline consists of, not what it produced."""
+    for name in COPIED:
+        source = REPOSITORY / name
+        copy = shutil.copytree if source.is_dir() else shutil.copy
+        copy(source, folder / name)
+    (folder / "profiles").symlink_to("pipeline/profiles")
+    return Workspace(folder)
+
+
+def with_dummies(workspace: Workspace) -> Workspace:
+    """Put stages in miniature in the place of the real ones."""
+    source = workspace.folder / "src" / "slider"
+    for name, text in DUMMIES.items():
+        shutil.rmtree(source / name, ignore_errors=True)
+        (source / name).mkdir()
+        (source / name / "__init__.py").write_text("")
+        module = "table1" if name == "reports" else "stage"
+        (source / name / f"{module}.py").write_text(text)
+    (source / "gait" / "tiny.py").write_text(
+        "def speed(section):\n    return sum(section['velocity'])\n"
+    )
+    return workspace

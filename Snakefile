@@ -5,8 +5,10 @@ from pathlib import Path
 
 sys.path.insert(0, workflow.basedir)
 
+from pipeline.console import calm
 from pipeline.entry import open_pipeline
 
+calm()
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
 
 

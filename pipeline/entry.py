@@ -66,8 +66,8 @@ class Pipeline:
         tracking.stop(artefacts)
         if not self.config.tracking.enabled:
             return
-        info = tracking.SessionInfo(self.config.tracking.experiment, os.getpid())
-        tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides), **_git()}
+        info = tracking.SessionInfo(self.config.tracking.experiment, os.getpid(), _git())
+        tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides)}
         run = {"name": "pipeline", "tags": tags, "params": to_dict(self.config)}
         self.session = tracking.start(artefacts, info, run)
 
@@ -105,7 +105,9 @@ def _overrides(settings: Mapping[str, Any]) -> list[str]:
             f"unknown --config name '{unknown[0]}', expected {OPTION}='key=value ...', "
             "such as --config hydra='gait.cost=torque experiment=paper'"
         )
-    text = settings.get(OPTION, "")
+    text = settings.get(OPTION)
+    if text is None:  # not given, or nothing between the quotes
+        return []
     if not isinstance(text, str):
         raise UserError(f"--config {OPTION}: expected text of the form key=value, found {text!r}")
     try:

@@ -26,7 +26,8 @@ Velocity = tuple[float, float]
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs up to Table 1 by the name of their target."""
-    gaits = [gait(config, velocity) for velocity in velocities(config.gait.grid)]
+    shared = gait_section(config)
+    gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
     library = gait_library(config, gaits)
     standing = standing_training(config, library)
     walking = walking_training(config, library, standing)
@@ -55,14 +56,18 @@ def _values(axis: Axis) -> list[float]:
     return [round(axis.start + index * axis.step, 10) + 0.0 for index in steps]
 
 
-def gait(config: Config, velocity: Velocity) -> JobSpec:
-    """One gait; it does not know of the other velocities."""
-    section = {
+def gait_section(config: Config) -> dict[str, Any]:
+    """What all gaits share: neither the gains of the simulated drives nor the grid."""
+    return {
         "robot": _only(to_dict(config.robot), "geometry", "links", "virtual_knee", "limits"),
         "gait": _without(to_dict(config.gait), "grid"),
-        "velocity": list(velocity),
     }
+
+
+def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
+    """One gait; it does not know of the other velocities."""
     label = f"gait {velocity[0]:.2f} {velocity[1]:+.2f} m/s"
+    section = shared | {"velocity": list(velocity)}
     # 125 runs would bury the others: the library stage records the gaits as a table.
     return JobSpec("gait", label, code_of(GAIT), section, tracked=False)
 

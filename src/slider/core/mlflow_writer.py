@@ -156,7 +156,7 @@ class _Session:
         run = self._client.create_run(
             self._experiment,
             start_time=event["time"],
-            tags=event["tags"] | parent,
+            tags={**self._info.tags, **event["tags"], **parent},
             run_name=event["name"],
         )
         return run.info.run_id

@@ -93,12 +93,11 @@ def read_plan(path: Path) -> Plan:
 
 def _to_values(plan: Plan) -> dict[str, Any]:
     """Plain values. Parts of sections are stored once: all gaits share all but the velocity."""
-    parts: dict[str, Any] = {}
+    part_of = _PartDigests()
     codes: dict[str, Any] = {}
     jobs = {}
     for recipe, job in plan.jobs.items():
-        section = {name: files.digest_value(value)[:16] for name, value in job.section.items()}
-        parts |= {section[name]: value for name, value in job.section.items()}
+        section = {name: part_of(value) for name, value in job.section.items()}
         codes[job.stage] = asdict(job.code)
         jobs[recipe] = {
             "stage": job.stage,
@@ -111,9 +110,25 @@ def _to_values(plan: Plan) -> dict[str, Any]:
         "schema": SCHEMA,
         "targets": dict(plan.targets),
         "codes": codes,
-        "parts": parts,
+        "parts": part_of.values,
         "jobs": jobs,
     }
+
+
+class _PartDigests:
+    """Name parts by their content; a part that many jobs share is digested once."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, Any] = {}
+        self._known: dict[int, str] = {}
+
+    def __call__(self, value: Any) -> str:
+        if id(value) not in self._known:
+            digest = files.digest_value(value)[:16]
+            # The plan keeps all values alive, so that an id stays that of one value.
+            self.values.setdefault(digest, value)
+            self._known[id(value)] = digest
+        return self._known[id(value)]
 
 
 def _from_values(values: Mapping[str, Any]) -> Plan:

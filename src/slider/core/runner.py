@@ -31,8 +31,8 @@ class Runner:
     threads: int = 1
     progress: Callable[[str], None] = field(default=lambda message: None)
 
-    def run(self, spec: JobSpec) -> Manifest:
-        """Bring the manifest of a job into being.
+    def run(self, spec: JobSpec) -> str:
+        """Bring the manifest of a job into being; tell in a word or two what was done.
 
         Raises:
             UserError: an input is missing or damaged, or the source changed since the plan.
@@ -44,12 +44,14 @@ class Runner:
             if known is None:
                 known = Entry(spec.recipe, self._compute(spec))
                 index.add(key, known)
+                outcome = f"{self._sidecar(spec)['wall_s']:.1f} s"
             else:
                 self._note_reuse(spec, known)
+                outcome = "reused"
             manifest = Manifest(spec.stage, spec.recipe, _input_recipes(spec), known.result)
             self.store.write_manifest(manifest)
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
-        return manifest
+        return outcome
 
     def _key(self, spec: JobSpec) -> str:
         contents = {

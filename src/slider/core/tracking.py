@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,17 @@ _PATIENCE = 120.0  # for the writer to finish [s]
 
 @dataclass(frozen=True)
 class SessionInfo:
-    """What the writer must know: MLflow experiment, and the process whose end ends the session."""
+    """What the writer must know.
+
+    Attributes:
+        experiment: name of the MLflow experiment.
+        owner: process whose end ends the session.
+        tags: of all runs, such as the commit.
+    """
 
     experiment: str
     owner: int
+    tags: Mapping[str, str]
 
 
 def start(artefacts: Path, info: SessionInfo, run: Mapping[str, Any]) -> "Session":
@@ -36,7 +43,7 @@ def start(artefacts: Path, info: SessionInfo, run: Mapping[str, Any]) -> "Sessio
     """
     folder = artefacts / "tracking" / time.strftime(f"%Y%m%dT%H%M%S-{os.getpid()}", time.gmtime())
     folder.mkdir(parents=True)
-    files.write_json(folder / SESSION_FILE, {"experiment": info.experiment, "owner": info.owner})
+    files.write_json(folder / SESSION_FILE, asdict(info))
     journal = JournalTracker(folder / f"{MAIN}.jsonl")
     journal.begin(run["name"], run["tags"])
     journal.log_params(run["params"])

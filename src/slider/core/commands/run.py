@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TextIO
 
 from slider.core.errors import UserError
-from slider.core.plan import read_plan
+from slider.core.plan import Plan, read_plan
 from slider.core.runner import Runner
 from slider.core.store import ARTEFACTS, Store
 
@@ -32,7 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the job; on failure show the end of its log and where the log is."""
-    spec = read_plan(arguments.plan).jobs.get(arguments.recipe)
+    plan = read_plan(arguments.plan)
+    spec = plan.jobs.get(arguments.recipe)
     if spec is None:
         raise UserError(f"expected a recipe of {arguments.plan}, found {arguments.recipe}")
     store = Store(arguments.artefacts)
@@ -41,7 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     with _output_to(log) as terminal:
         runner = Runner(store, arguments.threads, _progress(spec.label, terminal))
         try:
-            runner.run(spec)
+            outcome = runner.run(spec)
+            print(_progress_count(store, plan), spec.label, outcome, file=terminal)
         except UserError as error:
             print(f"slider: {spec.label}: {error}", file=terminal)
             return 1
@@ -74,6 +76,13 @@ def _redirect(targets: tuple[int, int]) -> None:
     sys.stderr.flush()
     for descriptor, target in zip((1, 2), targets, strict=True):
         os.dup2(target, descriptor)
+
+
+def _progress_count(store: Store, plan: Plan) -> str:
+    """How many results of the plan are there, whenever they were computed."""
+    jobs = plan.jobs.values()
+    done = sum(store.manifest_path(job.stage, job.recipe).is_file() for job in jobs)
+    return f"[{done}/{len(jobs)}]"
 
 
 def _progress(label: str, terminal: TextIO) -> Callable[[str], None]:

@@ -172,7 +172,7 @@ def _train(train: TrainConfig, key: str) -> None:
     for name in ("vx", "vy", "yaw_rate"):
         interval: Interval = getattr(train.commands, name)
         _interval(f"{key}.commands.{name}", interval.lower, interval.upper)
-    _in(f"{key}.ppo.precision", train.ppo.precision, ("float32", "bfloat16"))
+    _in(f"{key}.ppo.precision", train.ppo.precision, ("auto", "float32", "bfloat16"))
     _in(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
     batch = train.num_envs * train.steps_per_iteration
     _require(

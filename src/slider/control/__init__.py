@@ -1,0 +1,1 @@
+"""Controllers of the robot: the learned policy."""

@@ -1,0 +1,1 @@
+"""Batched simulation, what agents see and do, rewards, terminations, rollouts and metrics."""

@@ -1,0 +1,73 @@
+"""The gait library as a guide: the reference at a phase, or the nearest sample."""
+
+import numpy as np
+
+from slider.env.view import View
+from slider.library.lookup import GaitLibrary, GaitTable
+from slider.robot.names import CHANNELS, JOINTS
+
+_PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
+NUM_POSITIONS = len(JOINTS)
+
+
+def observed_channels(view: View) -> np.ndarray:
+    """Ô of eq. 3: joint positions, joint velocities, forward and leftward velocity (N, 26)."""
+    state = view.state
+    return np.concatenate(
+        [state.joint_positions, state.joint_velocities, state.heading_velocity], axis=1
+    )
+
+
+class Guide:
+    """Reference samples for N robots.
+
+    The gait in use follows the command; within it the sample follows the clock (``at_phase``)
+    or the state (``nearest_distance``).
+    """
+
+    def __init__(self, library: GaitLibrary, table: GaitTable) -> None:
+        self._library = library
+        self._table = table
+        samples = library.samples.astype(np.float32)
+        self._samples = samples
+        self._active = ~_PASSIVE
+        self._norms = {
+            False: (samples**2).sum(axis=2),
+            True: (samples[:, :, self._active] ** 2).sum(axis=2),
+        }
+
+    def at_phase(self, view: View) -> np.ndarray:
+        """Interpolated reference channels (N, 26) at the clock's phase."""
+        return self._table.sample_at(view.command[:, 0], view.command[:, 1], view.phase)
+
+    def base_at_phase(self, view: View) -> np.ndarray:
+        """Interpolated base motion (N, 13) at the clock's phase."""
+        return self._table.base_at(view.command[:, 0], view.command[:, 1], view.phase)
+
+    def states(
+        self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18)."""
+        sample = self._table.sample_at(vx, vy, phase)
+        base = self._table.base_at(vx, vy, phase)
+        qpos = np.concatenate([base[:, :7], sample[:, :NUM_POSITIONS]], axis=1)
+        qpos[:, :2] = 0.0
+        velocities = sample[:, NUM_POSITIONS : 2 * NUM_POSITIONS]
+        return qpos, np.concatenate([base[:, 7:13], velocities], axis=1)
+
+    def nearest_distance(self, view: View, masked: bool) -> np.ndarray:
+        """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait nearest to the command (eq. 3).
+
+        Args:
+            view: N robots.
+            masked: leave the passive channels out.
+        """
+        gait = self._library.nearest(view.command[:, 0], view.command[:, 1])
+        observed = observed_channels(view).astype(np.float32)
+        samples = self._samples
+        if masked:
+            observed, samples = observed[:, self._active], samples[:, :, self._active]
+        # ‖o − g‖² = ‖o‖² − 2 o·g + ‖g‖², which needs no (N, 42, 26) difference.
+        product = np.einsum("nk,nsk->ns", observed, samples[gait])
+        square = (observed**2).sum(axis=1)[:, None] - 2.0 * product + self._norms[masked][gait]
+        return np.sqrt(np.maximum(square.min(axis=1), 0.0)).astype(np.float64)

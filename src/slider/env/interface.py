@@ -1,0 +1,127 @@
+"""The agent's side of the robot: from state to observation, from action to joint targets.
+
+Training and evaluation use this same object, so a policy sees the same thing in both.
+"""
+
+import numpy as np
+
+from slider.core.config.env import EnvConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.errors import UserError
+from slider.env.observations import Observer
+from slider.env.phase import Clock, StepTimes
+from slider.env.starts import joint_range
+from slider.env.state import RobotState
+from slider.env.view import View
+from slider.robot.mjcf import nominal_qpos
+from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
+
+_PERMUTATION = np.array(MIRROR_PERMUTATION)
+_SIGN = np.array(MIRROR_SIGN)
+
+
+class AgentInterface:
+    """Observations, actions, clock and heading target of N robots."""
+
+    def __init__(
+        self, robot: RobotConfig, config: EnvConfig, num_robots: int, times: StepTimes | None
+    ) -> None:
+        if config.phase.enabled and times is None:
+            raise UserError("env.phase.enabled: expected the step times of a gait library")
+        self.observer = Observer(config.observation)
+        self.num_robots = num_robots
+        self._config = config
+        nominal = nominal_qpos(robot)
+        self.nominal, self._nominal_height = nominal[7:], float(nominal[2])
+        self._scale = np.array([config.action.scale[_joint(name)] for name in JOINTS])
+        self._lower, self._upper = joint_range(robot)
+        effort = np.array([robot.limits[_joint(name)].effort for name in JOINTS])
+        self._effort_limits = np.where(effort > 0, effort, np.inf)
+        self.clock: Clock | None = None
+        if config.phase.enabled and times is not None:
+            self.clock = Clock(times, config.control_period, num_robots)
+        self.command = np.zeros((num_robots, 4))
+        self.action = np.zeros((num_robots, NUM_JOINTS))
+        self.previous_action = np.zeros((num_robots, NUM_JOINTS))
+        self.filtered_velocity = np.zeros((num_robots, 2))
+        self.heading_target = np.zeros(num_robots)
+
+    def reset(
+        self,
+        index: np.ndarray,
+        state: RobotState,
+        phase: np.ndarray | float = 0.0,
+        velocity: np.ndarray | float = 0.0,
+    ) -> None:
+        """Forget the past of robots ``index``; they head where they look.
+
+        Args:
+            index: robots to reset.
+            state: of all robots, after their reset.
+            phase: start of the clock, (n,) or one for all.
+            velocity: start of the velocity filter (n, 2) [m/s], or one value for all.
+        """
+        self.action[index] = 0.0
+        self.previous_action[index] = 0.0
+        self.filtered_velocity[index] = velocity
+        self.heading_target[index] = state.yaw[index]
+        if self.clock is not None:
+            self.clock.phase[index] = phase
+
+    def set_velocity_command(self, index: np.ndarray, velocity: np.ndarray) -> None:
+        """Command vx, vy [m/s] and yaw rate [rad/s], (n, 3), to robots ``index``."""
+        self.command[index, :3] = velocity
+
+    def act(self, action: np.ndarray) -> np.ndarray:
+        """Joint targets (N, 12) [rad or m] of the agent's actions (N, 12)."""
+        action = np.clip(action, -self._config.action.clip, self._config.action.clip)
+        mirrored = self._mirrored()
+        action[mirrored] = action[mirrored][:, _PERMUTATION] * _SIGN
+        self.previous_action = self.action
+        self.action = np.where(self._scale > 0, action, 0.0)
+        return np.clip(self.nominal + self._scale * self.action, self._lower, self._upper)
+
+    def advance(self, state: RobotState) -> None:
+        """Move clock, heading target and velocity filter on by one control period."""
+        period = self._config.control_period
+        if self.clock is not None:
+            self.clock.advance(self.command)
+        self.heading_target += self.command[:, 2] * period
+        gain = min(1.0, period / self._config.observation.velocity_filter)
+        self.filtered_velocity += gain * (state.heading_velocity - self.filtered_velocity)
+        self.refresh_heading(state)
+
+    def refresh_heading(self, state: RobotState) -> None:
+        """Write the wrapped heading error into the command."""
+        error = self.heading_target - state.yaw
+        self.command[:, 3] = (error + np.pi) % (2 * np.pi) - np.pi
+
+    def view(self, state: RobotState) -> View:
+        """Everything that terms may read."""
+        scan = self._config.observation.height_scan
+        return View(
+            state=state,
+            command=self.command,
+            action=self.action,
+            previous_action=self.previous_action,
+            filtered_velocity=self.filtered_velocity,
+            phase=np.zeros(self.num_robots) if self.clock is None else self.clock.phase,
+            nominal=self.nominal,
+            nominal_height=self._nominal_height,
+            effort_limits=self._effort_limits,
+            scan_points=(scan.points_x, scan.points_y),
+        )
+
+    def observe(self, state: RobotState) -> np.ndarray:
+        """Observations (N, size) float32."""
+        return self.observer(self.view(state), self._mirrored())
+
+    def _mirrored(self) -> np.ndarray:
+        """Robots that the agent sees reflected: those in right stance."""
+        if self.clock is None or not self._config.phase.mirror:
+            return np.zeros(self.num_robots, dtype=bool)
+        return ~self.clock.left_stance
+
+
+def _joint(name: str) -> str:
+    return name.split("_", 1)[1]

@@ -1,0 +1,114 @@
+"""Numbers about one recorded rollout: per robot tracking and quality of the gait."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.env.rollout import Recording
+
+CONTACT_FORCE = 5.0  # a foot with more than this on it is on the ground [N]
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """Velocity tracking per robot (N,); NaN where a robot fell.
+
+    Attributes:
+        survived: no termination.
+        squared_error: mean over all control steps of (forward velocity − command)² [m²/s²].
+        squared_error_steady: the same from ``steady_from`` on.
+        mean_velocity: mean forward velocity from ``steady_from`` on [m/s].
+        tracked: survived and the mean velocity is close enough to the command.
+    """
+
+    survived: np.ndarray
+    squared_error: np.ndarray
+    squared_error_steady: np.ndarray
+    mean_velocity: np.ndarray
+    tracked: np.ndarray
+
+
+def tracking(
+    recording: Recording, steady_from: float, tolerance: float, relative: float
+) -> Tracking:
+    """Velocity tracking; tracked means |mean v − command| ≤ max(tolerance, relative·|command|)."""
+    first = round(steady_from / recording.period)
+    survived = recording.survived
+    forward = recording.velocity[:, :, 0]
+    error = (forward - recording.command[:, 0]) ** 2
+    mean = forward[first:].mean(axis=0)
+    allowed = np.maximum(tolerance, relative * np.abs(recording.command[:, 0]))
+    return Tracking(
+        survived=survived,
+        squared_error=_where(survived, error.mean(axis=0)),
+        squared_error_steady=_where(survived, error[first:].mean(axis=0)),
+        mean_velocity=_where(survived, mean),
+        tracked=survived & (np.abs(mean - recording.command[:, 0]) <= allowed),
+    )
+
+
+@dataclass(frozen=True)
+class GaitQuality:
+    """How a robot walks, per robot (N,), from ``steady_from`` on; NaN where a robot fell.
+
+    Attributes:
+        flight: share of time with no foot on the ground.
+        double_support: share of time with both feet on the ground.
+        touchdown_rate: touchdowns per second, both feet.
+        alternation: share of touchdowns that follow one of the other foot.
+        clearance: mean over feet of the 90th percentile of the sole's height while unloaded [m].
+        slip: mean horizontal speed of soles while loaded [m/s].
+        heading: largest |yaw − yaw at the start| [rad] of the whole rollout, command yaw rate 0.
+    """
+
+    flight: np.ndarray
+    double_support: np.ndarray
+    touchdown_rate: np.ndarray
+    alternation: np.ndarray
+    clearance: np.ndarray
+    slip: np.ndarray
+    heading: np.ndarray
+
+
+def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
+    """Quality of the gait from contacts and foot motion."""
+    first = round(steady_from / recording.period)
+    survived = recording.survived
+    contact = recording.foot_forces[first:] > CONTACT_FORCE
+    touchdown = contact[1:] & ~contact[:-1]
+    seconds = len(touchdown) * recording.period
+    turned = np.unwrap(recording.yaw, axis=0) - recording.yaw[0]
+    return GaitQuality(
+        flight=_where(survived, (~contact.any(axis=2)).mean(axis=0)),
+        double_support=_where(survived, contact.all(axis=2).mean(axis=0)),
+        touchdown_rate=_where(survived, touchdown.sum(axis=(0, 2)) / seconds),
+        alternation=_where(survived, _alternation(touchdown)),
+        clearance=_where(survived, _clearance(recording.foot_positions[first:], contact)),
+        slip=_where(survived, _slip(recording.foot_positions[first:], contact, recording.period)),
+        heading=_where(survived, np.abs(turned).max(axis=0)),
+    )
+
+
+def _where(survived: np.ndarray, values: np.ndarray) -> np.ndarray:
+    return np.where(survived, values, np.nan)
+
+
+def _alternation(touchdown: np.ndarray) -> np.ndarray:
+    """Share of touchdowns (S, N, 2) that follow one of the other foot (N,)."""
+    share = np.zeros(touchdown.shape[1])
+    for robot in range(touchdown.shape[1]):
+        _, feet = np.nonzero(touchdown[:, robot])
+        if len(feet) > 1:
+            share[robot] = np.mean(feet[1:] != feet[:-1])
+    return share
+
+
+def _clearance(positions: np.ndarray, contact: np.ndarray) -> np.ndarray:
+    heights = np.where(contact, 0.0, positions[..., 2])
+    return np.percentile(heights, 90, axis=0).mean(axis=1)
+
+
+def _slip(positions: np.ndarray, contact: np.ndarray, period: float) -> np.ndarray:
+    speed = np.linalg.norm(np.diff(positions[..., :2], axis=0), axis=-1) / period
+    loaded = contact[1:] & contact[:-1]
+    return (speed * loaded).sum(axis=(0, 2)) / np.maximum(loaded.sum(axis=(0, 2)), 1)

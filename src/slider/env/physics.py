@@ -1,0 +1,143 @@
+"""Batched MuJoCo physics on a thread pool."""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+
+from slider.core.config.env import PhysicsConfig
+from slider.core.config.robot import RobotConfig
+from slider.env.state import RobotState
+from slider.robot import names
+from slider.robot.kinematics import rotation_from_quaternion
+from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+
+_FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
+_ACTUATED = np.array(names.ACTUATED)
+
+
+def _ignore_warning(message: str) -> None:
+    """Blow-ups are found, counted and ended here; MuJoCo would write a log file for each."""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+
+class BatchedPhysics:
+    """Steps ``num_robots`` copies of the robot; targets are desired joint positions."""
+
+    def __init__(
+        self, robot: RobotConfig, config: PhysicsConfig, num_robots: int, threads: int = 1
+    ) -> None:
+        options = SimulationOptions(
+            config.timestep, config.solver_iterations, config.line_search_iterations
+        )
+        mujoco.set_mju_user_warning(_ignore_warning)
+        self.robot = robot
+        self.model = build_model(robot, options)
+        self.num_robots = num_robots
+        self.nominal = nominal_qpos(robot)
+        self._substeps = config.substeps
+        self._period = config.substeps * config.timestep
+        self._data = [mujoco.MjData(self.model) for _ in range(threads)]
+        self._pool = rollout.Rollout(nthread=threads)
+        self._state = np.tile(self._rest_state(), (num_robots, 1))
+        self._sensors = np.zeros((num_robots, self.model.nsensordata))
+        self._diverged = np.zeros(num_robots, dtype=bool)
+        self._index = _SensorIndex(self.model)
+
+    def _rest_state(self) -> np.ndarray:
+        data = self._data[0]
+        data.qpos[:] = self.nominal
+        state = np.zeros(mujoco.mj_stateSize(self.model, _FULL))
+        mujoco.mj_getState(self.model, data, state, _FULL)
+        expected = 1 + self.model.nq + self.model.nv
+        if len(state) != expected:
+            raise RuntimeError(f"expected a physics state of {expected} values, found {len(state)}")
+        return state
+
+    @property
+    def qpos(self) -> np.ndarray:
+        """View of the base pose and joint positions (N, 19)."""
+        return self._state[:, 1 : 1 + self.model.nq]
+
+    @property
+    def qvel(self) -> np.ndarray:
+        """View of the base and joint velocities (N, 18): linear world, angular base frame."""
+        return self._state[:, 1 + self.model.nq :]
+
+    def reset(self, index: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
+        """Place robots ``index`` at positions (n, 19) and velocities (n, 18)."""
+        self.qpos[index] = qpos
+        self.qvel[index] = qvel
+        self._sensors[index] = 0.0
+        self._diverged[index] = False
+
+    def step(self, targets: np.ndarray) -> None:
+        """Simulate one control period with desired joint positions (N, 12)."""
+        self._state[:, 0] = 0.0
+        control = np.repeat(targets[:, None, _ACTUATED], self._substeps, axis=1)
+        series = self._pool.rollout(self.model, self._data, self._state, control)
+        self._state, self._sensors = (np.asarray(values)[:, -1].copy() for values in series)
+        self._diverged = self._find_diverged()
+        if self._diverged.any():
+            self._state[self._diverged] = self._rest_state()
+            self._sensors[self._diverged] = 0.0
+
+    def _find_diverged(self) -> np.ndarray:
+        """MuJoCo resets a blown-up state silently: its clock then lags behind."""
+        late = np.abs(self._state[:, 0] - self._period) > 1e-9
+        wild = ~np.isfinite(self._state).all(axis=1)
+        with np.errstate(invalid="ignore"):
+            fast = np.abs(self.qvel).max(axis=1) > _SPEED_LIMIT
+        return late | wild | fast
+
+    def read(self) -> RobotState:
+        """Name the quantities of the current state."""
+        qpos, qvel, sensors, index = self.qpos, self.qvel, self._sensors, self._index
+        rotation = rotation_from_quaternion(qpos[:, 3:7])
+        yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+        cosine, sine = np.cos(yaw), np.sin(yaw)
+        forward = cosine * qvel[:, 0] + sine * qvel[:, 1]
+        leftward = -sine * qvel[:, 0] + cosine * qvel[:, 1]
+        efforts = np.zeros((self.num_robots, names.NUM_JOINTS))
+        efforts[:, _ACTUATED] = sensors[:, index.efforts]
+        return RobotState(
+            base_position=qpos[:, :3].copy(),
+            rotation=rotation,
+            yaw=yaw,
+            linear_velocity=np.einsum("nij,ni->nj", rotation, qvel[:, :3]),
+            angular_velocity=qvel[:, 3:6].copy(),
+            heading_velocity=np.stack([forward, leftward], axis=1),
+            gravity=-rotation[:, 2, :],
+            joint_positions=qpos[:, 7:].copy(),
+            joint_velocities=qvel[:, 6:].copy(),
+            efforts=efforts,
+            foot_positions=sensors[:, index.soles].reshape(-1, 2, 3),
+            foot_velocities=sensors[:, index.sole_velocities].reshape(-1, 2, 3),
+            foot_forces=np.abs(sensors[:, index.forces]),
+            body_contacts=sensors[:, index.contacts].sum(axis=1),
+            diverged=self._diverged.copy(),
+        )
+
+
+class _SensorIndex:
+    """Columns of the sensor array."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        def columns(sensor: str) -> Sequence[int]:
+            start = int(model.sensor(sensor).adr[0])
+            return range(start, start + int(model.sensor(sensor).dim[0]))
+
+        sides = names.SIDES
+        self.efforts = [columns(f"{names.JOINTS[i]}_effort")[0] for i in names.ACTUATED]
+        self.soles = [c for side in sides for c in columns(f"{side}_sole_position")]
+        self.sole_velocities = [c for side in sides for c in columns(f"{side}_sole_velocity")]
+        self.forces = [columns(f"{side}_foot_force")[2] for side in sides]  # z of the net force
+        bodies = (names.BASE, *(f"{side}_tube" for side in sides))
+        self.contacts = [columns(f"{body}_contact")[0] for body in bodies]

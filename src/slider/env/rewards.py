@@ -1,0 +1,249 @@
+"""Reward terms: pure functions of a view and the guide, each (N,), named in the configuration."""
+
+import inspect
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from slider.core.config.train import RewardConfig
+from slider.core.errors import UserError
+from slider.env.guide import NUM_POSITIONS, Guide
+from slider.env.view import View
+from slider.robot.names import JOINTS
+
+# Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
+# like several radians.
+_GUIDE_WEIGHT = np.array(
+    [
+        {
+            "hip_yaw": 2.0,
+            "hip_roll": 2.0,
+            "hip_pitch": 1.0,
+            "slide": 40.0,
+            "ankle": 0.5,
+            "upper_foot": 0.0,
+        }[name.split("_", 1)[1]]
+        for name in JOINTS
+    ]
+)
+
+
+class RewardView:
+    """A view together with the guide; the reference is looked up once per step."""
+
+    def __init__(self, view: View, guide: Guide | None) -> None:
+        self.view = view
+        self.state = view.state
+        self._guide = guide
+
+    @property
+    def guide(self) -> Guide:
+        """The gait library's guide; an error where the training has none."""
+        if self._guide is None:
+            raise UserError("reward: expected a gait library for its guide terms, found none")
+        return self._guide
+
+    @cached_property
+    def reference(self) -> np.ndarray:
+        """Reference channels (N, 26)."""
+        return self.guide.at_phase(self.view)
+
+    @cached_property
+    def reference_base(self) -> np.ndarray:
+        """Reference base motion (N, 13)."""
+        return self.guide.base_at_phase(self.view)
+
+
+def _kernel(square: np.ndarray, width: np.ndarray | float) -> np.ndarray:
+    return np.exp(-square / width)
+
+
+def _norm(values: np.ndarray) -> np.ndarray:
+    return np.sqrt((values**2).sum(axis=1))
+
+
+def _velocity_error(view: View) -> np.ndarray:
+    return view.state.heading_velocity - view.command[:, :2]
+
+
+def alive(r: RewardView) -> np.ndarray:
+    """1."""
+    return np.ones(r.state.num_robots)
+
+
+def forward_velocity(r: RewardView) -> np.ndarray:
+    """1 − tanh|vx − command|: a gradient at every distance."""
+    return 1.0 - np.tanh(np.abs(_velocity_error(r.view)[:, 0]))
+
+
+def forward_velocity_filtered(r: RewardView, width: float, relative: float) -> np.ndarray:
+    """exp(−e²/(width + relative·vx²)) of the low-passed forward velocity [m²/s²]."""
+    error = r.view.filtered_velocity[:, 0] - r.view.command[:, 0]
+    return _kernel(error**2, width + relative * r.view.command[:, 0] ** 2)
+
+
+def lateral_velocity_filtered(r: RewardView, width: float) -> np.ndarray:
+    """exp(−e²/width) of the low-passed leftward velocity [m²/s²]."""
+    return _kernel((r.view.filtered_velocity[:, 1] - r.view.command[:, 1]) ** 2, width)
+
+
+def yaw_rate(r: RewardView, width: float) -> np.ndarray:
+    """exp(−e²/width) of the yaw rate [rad²/s²]."""
+    return _kernel((r.state.angular_velocity[:, 2] - r.view.command[:, 2]) ** 2, width)
+
+
+def heading(r: RewardView, width: float) -> np.ndarray:
+    """exp(−e²/width) of the heading error [rad²]."""
+    return _kernel(r.view.command[:, 3] ** 2, width)
+
+
+def guide_phase(r: RewardView, width: float) -> np.ndarray:
+    """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
+    error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS]
+    return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
+
+
+def guide_nearest(r: RewardView, masked: float) -> np.ndarray:
+    """−‖Ô − Ĝ‖ to the nearest sample (eq. 3); ``masked`` 1 leaves the upper feet out."""
+    return -r.guide.nearest_distance(r.view, masked > 0)
+
+
+def contact_schedule(r: RewardView, loaded: float, unloaded: float, margin: float) -> np.ndarray:
+    """Half for a loaded stance foot, half for a free swing foot, away from the switches.
+
+    ``loaded``, ``unloaded``: force thresholds [N]; ``margin``: share of a step at either end
+    in which nothing is asked.
+    """
+    left = r.view.phase < 0.5
+    forces = r.state.foot_forces
+    stance = np.where(left, forces[:, 0], forces[:, 1])
+    swing = np.where(left, forces[:, 1], forces[:, 0])
+    progress = (2.0 * r.view.phase) % 1.0
+    asked = (progress > margin) & (progress < 1.0 - margin)
+    return np.where(asked, 0.5 * (stance > loaded) + 0.5 * (swing < unloaded), 1.0)
+
+
+def upright(r: RewardView, width: float) -> np.ndarray:
+    """exp(−(g_x² + g_y²)/width) of the projected gravity."""
+    return _kernel((r.state.gravity[:, :2] ** 2).sum(axis=1), width)
+
+
+def height(r: RewardView, width: float) -> np.ndarray:
+    """exp(−(z − nominal)²/width) of the base height [m²]."""
+    return _kernel((r.state.base_position[:, 2] - r.view.nominal_height) ** 2, width)
+
+
+def guide_height(r: RewardView, width: float) -> np.ndarray:
+    """exp(−(z − gait(phase))²/width) of the base height [m²]."""
+    return _kernel((r.state.base_position[:, 2] - r.reference_base[:, 2]) ** 2, width)
+
+
+def action_rate(r: RewardView) -> np.ndarray:
+    """Σ (a − a_previous)²."""
+    return ((r.view.action - r.view.previous_action) ** 2).sum(axis=1)
+
+
+def roll_pitch_rate(r: RewardView) -> np.ndarray:
+    """ω_x² + ω_y² [rad²/s²]."""
+    return (r.state.angular_velocity[:, :2] ** 2).sum(axis=1)
+
+
+def effort(r: RewardView) -> np.ndarray:
+    """Σ (effort/limit)²."""
+    return ((r.state.efforts / r.view.effort_limits) ** 2).sum(axis=1)
+
+
+def foot_slip(r: RewardView, loaded: float) -> np.ndarray:
+    """Σ over loaded feet of the squared horizontal speed of the sole [m²/s²]."""
+    speed = (r.state.foot_velocities[:, :, :2] ** 2).sum(axis=2)
+    return (speed * (r.state.foot_forces > loaded)).sum(axis=1)
+
+
+def torque_tanh(r: RewardView) -> np.ndarray:
+    """tanh‖τ‖ (paper)."""
+    return np.tanh(_norm(r.state.efforts))
+
+
+def angular_velocity_tanh(r: RewardView) -> np.ndarray:
+    """tanh‖ω‖ (paper)."""
+    return np.tanh(_norm(r.state.angular_velocity))
+
+
+def linear_error_tanh(r: RewardView) -> np.ndarray:
+    """tanh‖v − v_des‖, base frame, three components (paper)."""
+    target = np.pad(r.view.command[:, :2], ((0, 0), (0, 1)))
+    return np.tanh(_norm(r.state.linear_velocity - target))
+
+
+def angular_error_tanh(r: RewardView) -> np.ndarray:
+    """tanh‖ω − ω_des‖ (paper)."""
+    target = np.pad(r.view.command[:, 2:3], ((0, 0), (2, 0)))
+    return np.tanh(_norm(r.state.angular_velocity - target))
+
+
+def height_tanh(r: RewardView) -> np.ndarray:
+    """tanh(H) of the base height [m] (paper)."""
+    return np.tanh(r.state.base_position[:, 2])
+
+
+def action_rate_tanh(r: RewardView) -> np.ndarray:
+    """tanh‖A − A_previous‖ (paper)."""
+    return np.tanh(_norm(r.view.action - r.view.previous_action))
+
+
+TERMS: dict[str, Callable[..., np.ndarray]] = {
+    function.__name__: function
+    for function in (
+        alive,
+        forward_velocity,
+        forward_velocity_filtered,
+        lateral_velocity_filtered,
+        yaw_rate,
+        heading,
+        guide_phase,
+        guide_nearest,
+        contact_schedule,
+        upright,
+        height,
+        guide_height,
+        action_rate,
+        roll_pitch_rate,
+        effort,
+        foot_slip,
+        torque_tanh,
+        angular_velocity_tanh,
+        linear_error_tanh,
+        angular_error_tanh,
+        height_tanh,
+        action_rate_tanh,
+    )
+}
+
+
+class Reward:
+    """The configured sum of terms."""
+
+    def __init__(self, config: RewardConfig) -> None:
+        for name, term in config.terms.items():
+            _check(name, set(term.params))
+        self._config = config
+
+    def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """Reward (N,) and the weighted terms by name, each (N,)."""
+        config = self._config
+        parts = {
+            name: term.weight * TERMS[name](r, **term.params) for name, term in config.terms.items()
+        }
+        total = np.maximum(sum(parts.values()), config.floor) * config.scale
+        return total + config.on_fall * fell, parts
+
+
+def _check(name: str, params: set[str]) -> None:
+    if name not in TERMS:
+        raise UserError(f"reward.terms: expected some of {', '.join(TERMS)}; found {name}")
+    expected = set(list(inspect.signature(TERMS[name]).parameters)[1:])
+    if params != expected:
+        raise UserError(
+            f"reward.terms.{name}.params: expected {sorted(expected)}, found {sorted(params)}"
+        )

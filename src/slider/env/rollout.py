@@ -1,0 +1,105 @@
+"""Roll a controller out from given starts and record what the metrics need.
+
+The rollout owns plant, starts, commands and terminations; a controller only maps state to joint
+targets. It is the same for every controller and for the checks during training.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from slider.core.config.env import EnvConfig
+from slider.env import terminations
+from slider.env.physics import BatchedPhysics
+from slider.env.state import RobotState
+
+
+class Controller(Protocol):
+    """Maps the state of N robots to joint targets, once per control period."""
+
+    def reset(self, state: RobotState, velocity: np.ndarray) -> None:
+        """Start anew for N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
+
+    def control(self, state: RobotState) -> np.ndarray:
+        """Desired joint positions (N, 12) [rad or m]."""
+        ...
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Time series of N robots over S control steps; after a failure the values are meaningless.
+
+    Attributes:
+        period: control period [s].
+        command: (N, 3) vx, vy [m/s], yaw rate [rad/s].
+        alive: (S, N) not failed up to and including this step.
+        velocity: (S, N, 2) forward and leftward velocity of the base [m/s].
+        yaw: (S, N) [rad].
+        foot_forces: (S, N, 2) [N].
+        foot_positions: (S, N, 2, 3) [m].
+        diverged: (N,) the simulation blew up.
+    """
+
+    period: float
+    command: np.ndarray
+    alive: np.ndarray
+    velocity: np.ndarray
+    yaw: np.ndarray
+    foot_forces: np.ndarray
+    foot_positions: np.ndarray
+    diverged: np.ndarray
+
+    @property
+    def survived(self) -> np.ndarray:
+        """Robots (N,) that did not fail."""
+        return self.alive[-1]
+
+
+def roll_out(
+    controller: Controller,
+    physics: BatchedPhysics,
+    config: EnvConfig,
+    start: tuple[np.ndarray, np.ndarray],
+    command: np.ndarray,
+    duration: float,
+    progress: Callable[[float], None] = lambda share: None,
+) -> Recording:
+    """Simulate N robots for ``duration`` [s].
+
+    Args:
+        controller: for N robots.
+        physics: of N robots; its state is overwritten.
+        config: control period and terminations.
+        start: positions (N, 19) and velocities (N, 18).
+        command: (N, 3) vx, vy [m/s], yaw rate [rad/s], constant from t = 0.
+        duration: [s].
+        progress: called with the share done.
+    """
+    steps = round(duration / config.control_period)
+    physics.reset(np.arange(physics.num_robots), *start)
+    state = physics.read()
+    controller.reset(state, command)
+    alive = np.ones(physics.num_robots, dtype=bool)
+    diverged = np.zeros(physics.num_robots, dtype=bool)
+    rows: list[tuple[np.ndarray, ...]] = []
+    for step in range(steps):
+        physics.step(controller.control(state))
+        state = physics.read()
+        alive = alive & ~terminations.failed(state, config.termination.terms)
+        diverged |= state.diverged
+        rows.append(_row(alive, state))
+        progress((step + 1) / steps)
+    series = [np.stack(column) for column in zip(*rows, strict=True)]
+    return Recording(config.control_period, command, *series, diverged=diverged)
+
+
+def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:
+    return (
+        alive,
+        state.heading_velocity,
+        state.yaw,
+        state.foot_forces.astype(np.float32),
+        state.foot_positions.astype(np.float32),
+    )

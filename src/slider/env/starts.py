@@ -1,0 +1,65 @@
+"""Starting states of robots: at rest with noise, or on a reference gait."""
+
+import numpy as np
+
+from slider.core.config.env import StartNoise
+from slider.core.config.robot import RobotConfig
+from slider.robot.kinematics import (
+    quaternion_from_tilt,
+    rotation_from_quaternion,
+    standing_height,
+)
+from slider.robot.mjcf import nominal_qpos
+from slider.robot.names import JOINTS, NUM_JOINTS
+
+_SLIDES = np.array([name.endswith("slide") for name in JOINTS])
+
+
+def at_rest(
+    robot: RobotConfig, noise: StartNoise, rng: np.random.Generator, count: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (count, 19) and velocities (count, 18) about the nominal pose.
+
+    The lowest foot point touches the ground, whatever the noise.
+    """
+    qpos = np.tile(nominal_qpos(robot), (count, 1))
+    qvel = np.zeros((count, 6 + NUM_JOINTS))
+    perturb(qpos, qvel, robot, noise, rng)
+    rotation = rotation_from_quaternion(qpos[:, 3:7])
+    qpos[:, 2] = standing_height(robot.geometry, rotation, qpos[:, 7:])
+    return qpos, qvel
+
+
+def perturb(
+    qpos: np.ndarray,
+    qvel: np.ndarray,
+    robot: RobotConfig,
+    noise: StartNoise,
+    rng: np.random.Generator,
+) -> None:
+    """Add noise in place; joints stay within their limits."""
+    count = len(qpos)
+    tilt = noise.tilt * rng.standard_normal((count, 2))
+    qpos[:, 3:7] = multiply_quaternions(qpos[:, 3:7], quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
+    spread = np.where(_SLIDES, noise.slide_position, noise.joint_position)
+    qpos[:, 7:] += spread * rng.standard_normal((count, NUM_JOINTS))
+    lower, upper = joint_range(robot)
+    np.clip(qpos[:, 7:], lower, upper, out=qpos[:, 7:])
+    qvel[:, :3] += noise.linear_velocity * rng.standard_normal((count, 3))
+    qvel[:, 3:6] += noise.angular_velocity * rng.standard_normal((count, 3))
+    share = np.where(_SLIDES, 0.2, 1.0)  # a slide's m/s weigh more than a hinge's rad/s
+    qvel[:, 6:] += noise.joint_velocity * share * rng.standard_normal((count, NUM_JOINTS))
+
+
+def joint_range(robot: RobotConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper joint limits (12,) [rad or m]."""
+    limits = [robot.limits[name.split("_", 1)[1]] for name in JOINTS]
+    return np.array([x.lower for x in limits]), np.array([x.upper for x in limits])
+
+
+def multiply_quaternions(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Products (N, 4) of quaternions (N, 4) as w, x, y, z."""
+    w, v = a[:, :1], a[:, 1:]
+    scalar = w[:, 0] * b[:, 0] - (v * b[:, 1:]).sum(axis=1)
+    vector = w * b[:, 1:] + b[:, :1] * v + np.cross(v, b[:, 1:])
+    return np.concatenate([scalar[:, None], vector], axis=1)

@@ -1,0 +1,48 @@
+"""Named quantities of many robots, read from the physics once per control step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class RobotState:
+    """State of N robots. World frame: x, y horizontal, z up; heading frame: turned by the yaw.
+
+    Attributes:
+        base_position: (N, 3) [m], world.
+        rotation: (N, 3, 3), base to world.
+        yaw: (N,) [rad].
+        linear_velocity: (N, 3) [m/s], base frame.
+        angular_velocity: (N, 3) [rad/s], base frame.
+        heading_velocity: (N, 2) forward and leftward velocity of the base [m/s], heading frame.
+        gravity: (N, 3), direction of gravity in the base frame.
+        joint_positions, joint_velocities: (N, 12) [rad or m], [rad/s or m/s].
+        efforts: (N, 12) [N m or N]; passive joints 0.
+        foot_positions: (N, 2, 3) middle of the foot lines [m], world.
+        foot_velocities: (N, 2, 3) of the same points [m/s], world.
+        foot_forces: (N, 2) vertical ground reaction [N].
+        body_contacts: (N,) number of contacts of other bodies with the ground.
+        diverged: (N,) the simulation of this robot blew up in the last control step.
+    """
+
+    base_position: np.ndarray
+    rotation: np.ndarray
+    yaw: np.ndarray
+    linear_velocity: np.ndarray
+    angular_velocity: np.ndarray
+    heading_velocity: np.ndarray
+    gravity: np.ndarray
+    joint_positions: np.ndarray
+    joint_velocities: np.ndarray
+    efforts: np.ndarray
+    foot_positions: np.ndarray
+    foot_velocities: np.ndarray
+    foot_forces: np.ndarray
+    body_contacts: np.ndarray
+    diverged: np.ndarray
+
+    @property
+    def num_robots(self) -> int:
+        """Number of robots N."""
+        return len(self.yaw)

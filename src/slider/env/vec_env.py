@@ -1,0 +1,153 @@
+"""The training environment: batched physics behind rsl-rl's ``VecEnv`` contract."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from rsl_rl.env import VecEnv
+from tensordict import TensorDict
+
+from slider.core.config.env import EnvConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.config.train import TrainConfig
+from slider.env import terminations
+from slider.env.commands import CommandSampler
+from slider.env.guide import Guide
+from slider.env.interface import AgentInterface
+from slider.env.phase import StepTimes
+from slider.env.physics import BatchedPhysics
+from slider.env.rewards import Reward, RewardView
+from slider.env.starts import at_rest, perturb
+from slider.robot.names import NUM_JOINTS
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """What ended in a control step."""
+
+    fell: np.ndarray
+    timed_out: np.ndarray
+    diverged: int
+
+
+class WalkingEnv(VecEnv):
+    """N robots that are told to walk; falls end an episode, and so does its length.
+
+    Observations: TensorDict with ``policy`` (N, size) float32. Actions: (N, 12).
+    ``extras``: ``time_outs`` (N,) and ``log`` with the mean of every reward term.
+    """
+
+    def __init__(
+        self,
+        robot: RobotConfig,
+        config: EnvConfig,
+        train: TrainConfig,
+        rng: np.random.Generator,
+        times: StepTimes | None = None,
+        guide: Guide | None = None,
+        threads: int = 1,
+    ) -> None:
+        terminations.check(config.termination.terms)
+        self.num_envs = train.num_envs
+        self.num_actions = NUM_JOINTS
+        self.max_episode_length = round(train.episode_length / config.control_period)
+        self.episode_length_buf = torch.zeros(self.num_envs, dtype=torch.long)
+        self.device = "cpu"
+        self.cfg: dict | object = config
+        self.total_diverged = 0
+        self._robot, self._config, self._train = robot, config, train
+        self._rng = rng
+        self._guide = guide
+        self._physics = BatchedPhysics(robot, config.physics, self.num_envs, threads)
+        self._agent = AgentInterface(robot, config, self.num_envs, times)
+        self._commands = CommandSampler(train.commands, config.control_period)
+        self._reward = Reward(train.reward)
+        self._reset(np.arange(self.num_envs))
+        self._observe()
+
+    @property
+    def observation_layout(self) -> dict[str, int]:
+        """Name → width of the observation terms, in order."""
+        return self._agent.observer.layout
+
+    def get_observations(self) -> TensorDict:
+        """Current observations."""
+        return self._observations
+
+    def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict]:
+        """One control period for all robots."""
+        targets = self._agent.act(actions.numpy().astype(np.float64))
+        self._physics.step(targets)
+        state = self._physics.read()
+        self._agent.advance(state)
+        fell = terminations.failed(state, self._config.termination.terms)
+        view = self._agent.view(state)
+        reward, parts = self._reward(RewardView(view, self._guide), fell)
+        speed_error = np.abs(view.filtered_velocity[:, 0] - view.command[:, 0])
+        episodes = self._end_episodes(fell, int(state.diverged.sum()))
+        self._change_commands()
+        self._observe()
+        extras = {
+            "time_outs": torch.from_numpy(episodes.timed_out.astype(np.float32)),
+            "log": self._log(parts, speed_error, episodes),
+        }
+        done = torch.from_numpy((episodes.fell | episodes.timed_out).astype(np.int64))
+        return self._observations, torch.from_numpy(reward.astype(np.float32)), done, extras
+
+    def _end_episodes(self, fell: np.ndarray, diverged: int) -> Episodes:
+        self.total_diverged += diverged
+        self.episode_length_buf += 1
+        timed_out = (self.episode_length_buf >= self.max_episode_length).numpy() & ~fell
+        ended = np.flatnonzero(fell | timed_out)
+        if len(ended):
+            self._reset(ended)
+            self.episode_length_buf[torch.from_numpy(ended)] = 0
+        return Episodes(fell, timed_out, diverged)
+
+    def _log(
+        self, parts: dict[str, np.ndarray], speed_error: np.ndarray, episodes: Episodes
+    ) -> dict[str, float]:
+        log = {f"/reward/{name}": float(values.mean()) for name, values in parts.items()}
+        log["/episode/falls_per_second"] = float(episodes.fell.mean()) / self._config.control_period
+        log["/episode/speed_error"] = float(speed_error.mean())
+        log["/episode/diverged"] = float(episodes.diverged)
+        return log
+
+    def _reset(self, index: np.ndarray) -> None:
+        count, rng = len(index), self._rng
+        self._agent.set_velocity_command(index, self._commands.sample(rng, count))
+        phase = rng.uniform(size=count) if self._agent.clock is not None else np.zeros(count)
+        on_gait = self._choose_reference_starts(count)
+        qpos, qvel = at_rest(self._robot, self._config.start, rng, count)
+        velocity = np.zeros((count, 2))
+        if on_gait.any():
+            chosen = index[on_gait]
+            qpos[on_gait], qvel[on_gait] = self._on_reference(chosen, phase[on_gait])
+            velocity[on_gait] = self._agent.command[chosen, :2]
+        self._physics.reset(index, qpos, qvel)
+        state = self._physics.read()
+        self._agent.reset(index, state, phase, velocity)
+        self._agent.refresh_heading(state)
+
+    def _choose_reference_starts(self, count: int) -> np.ndarray:
+        draw = self._rng.uniform(size=count)
+        if self._guide is None:
+            return np.zeros(count, dtype=bool)
+        return draw < self._train.reset.reference_fraction
+
+    def _on_reference(self, index: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and velocities on the gait of the robots' commands, with noise."""
+        assert self._guide is not None
+        command = self._agent.command[index]
+        qpos, qvel = self._guide.states(command[:, 0], command[:, 1], phase)
+        perturb(qpos, qvel, self._robot, self._config.start, self._rng)
+        return qpos, qvel
+
+    def _change_commands(self) -> None:
+        index = self._commands.changing(self._rng, self.num_envs)
+        if len(index):
+            self._agent.set_velocity_command(index, self._commands.sample(self._rng, len(index)))
+
+    def _observe(self) -> None:
+        values = torch.from_numpy(self._agent.observe(self._physics.read()))
+        self._observations = TensorDict({"policy": values}, batch_size=[self.num_envs])

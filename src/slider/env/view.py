@@ -1,0 +1,35 @@
+"""What observation and reward terms read."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.env.state import RobotState
+
+
+@dataclass(frozen=True)
+class View:
+    """State of N robots together with what the agent has been told and has done.
+
+    Attributes:
+        state: the robots.
+        command: (N, 4) vx, vy [m/s], yaw rate [rad/s], heading error [rad].
+        action, previous_action: (N, 12) unscaled, unmirrored.
+        filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
+        phase: (N,) clock in [0, 1); zero without a clock.
+        nominal: (12,) joint positions of the nominal pose [rad or m].
+        nominal_height: base height of the nominal pose [m].
+        effort_limits: (12,) [N m or N]; infinite for passive joints.
+        scan_points: number of points of the height scan.
+    """
+
+    state: RobotState
+    command: np.ndarray
+    action: np.ndarray
+    previous_action: np.ndarray
+    filtered_velocity: np.ndarray
+    phase: np.ndarray
+    nominal: np.ndarray
+    nominal_height: float
+    effort_limits: np.ndarray
+    scan_points: tuple[int, int]

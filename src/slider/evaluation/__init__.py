@@ -1,0 +1,1 @@
+"""The paper's protocol: trials of many robots per controller and command."""

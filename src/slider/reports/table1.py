@@ -1,0 +1,107 @@
+"""The stage ``table1``: ours beside the paper's, one row per controller and command."""
+
+import csv
+import json
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation import records
+from slider.evaluation.stage import RECORDS
+
+COLUMNS = (
+    "controller",
+    "source",
+    "command_velocity",
+    "success_rate",
+    "success_rate_std",
+    "mse",
+    "mse_std",
+    "mse_steady",
+    "mse_steady_std",
+    "tracking_rate",
+    "tracking_rate_std",
+)
+OURS, PAPER = "measured", "paper"
+_PAPER_TABLE = "paper_table1.csv"
+
+Row = dict[str, str | float]
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write ``table1.csv`` and a second table about the quality of the gait."""
+    evaluations = [_read(folder) for folder in inputs["evaluations"]]
+    rows = [table_row(*evaluation) for evaluation in evaluations]
+    _write(rows + paper_rows(), COLUMNS, out / "table1.csv")
+    quality = [quality_row(*evaluation) for evaluation in evaluations]
+    _write(quality, tuple(quality[0]), out / "gait_quality.csv")
+    job.tracker.log_file(out / "table1.csv")
+    return {"rows": len(rows)}
+
+
+def table_row(controller: str, command: float, table: records.Records) -> Row:
+    """Means over all robots; spreads are standard deviations over trials.
+
+    Errors are means over surviving robots, ``inf`` where none survived, as in the paper.
+    """
+    survived, trial = table["survived"], table["trial"]
+    row: Row = {"controller": controller, "source": OURS, "command_velocity": command}
+    for name, column in (("success_rate", "survived"), ("tracking_rate", "tracked")):
+        values = table[column].astype(float)
+        row[name] = float(values.mean())
+        row[f"{name}_std"] = _spread(values, trial)
+    for name, column in (("mse", "squared_error"), ("mse_steady", "squared_error_steady")):
+        values = table[column][survived]
+        row[name] = float(values.mean()) if len(values) else float("inf")
+        row[f"{name}_std"] = _spread(values, trial[survived])
+    return row
+
+
+def quality_row(controller: str, command: float, table: records.Records) -> Row:
+    """Means over surviving robots of the gait's quality; empty where none survived."""
+    names = ("mean_velocity", *records.QUALITY)
+    row: Row = {"controller": controller, "command_velocity": command}
+    for name in names:
+        values = table[name][table["survived"]]
+        row[name] = float(values.mean()) if len(values) else ""
+    return row
+
+
+def paper_rows() -> list[Row]:
+    """The paper's own Table 1, labelled as the paper's; it states no spread."""
+    text = (files("slider.reports") / _PAPER_TABLE).read_text()
+    rows: list[Row] = []
+    for entry in csv.DictReader(text.splitlines()):
+        row: Row = dict.fromkeys(COLUMNS, "")
+        row |= {
+            "controller": entry["controller"],
+            "source": PAPER,
+            "command_velocity": float(entry["command_velocity"]),
+            "success_rate": float(entry["success_rate"]),
+            "mse": float(entry["mse"]),
+        }
+        rows.append(row)
+    return rows
+
+
+def _read(folder: Path) -> tuple[str, float, records.Records]:
+    about = json.loads((folder / "command.json").read_text())
+    return about["controller"], about["command"], records.read(folder / RECORDS)
+
+
+def _spread(values: np.ndarray, trial: np.ndarray) -> float | str:
+    """Standard deviation over trials of the trial means; empty for fewer than two trials."""
+    means = [values[trial == t].mean() for t in np.unique(trial)]
+    return float(np.std(means, ddof=1)) if len(means) > 1 else ""
+
+
+def _write(rows: list[Row], columns: tuple[str, ...], path: Path) -> None:
+    lines = [",".join(columns)]
+    lines += [",".join(_text(row[name]) for name in columns) for row in rows]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def _text(value: str | float) -> str:
+    return value if isinstance(value, str) else f"{value:.6g}"

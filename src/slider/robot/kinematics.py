@@ -1,0 +1,82 @@
+"""Forward kinematics of the prismatic legs, vectorised over robots."""
+
+import numpy as np
+
+from slider.core.config.robot import Geometry
+from slider.robot.names import LEG_JOINTS
+
+_YAW, _ROLL, _PITCH, _SLIDE, _ANKLE = (
+    LEG_JOINTS.index(name) for name in ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle")
+)
+
+
+def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
+    """Rotation matrices (N, 3, 3), body to world, of unit quaternions (N, 4) as w, x, y, z."""
+    w, x, y, z = quaternion.T
+    rotation = np.empty((len(quaternion), 3, 3))
+    rotation[:, 0, 0] = 1 - 2 * (y * y + z * z)
+    rotation[:, 0, 1] = 2 * (x * y - w * z)
+    rotation[:, 0, 2] = 2 * (x * z + w * y)
+    rotation[:, 1, 0] = 2 * (x * y + w * z)
+    rotation[:, 1, 1] = 1 - 2 * (x * x + z * z)
+    rotation[:, 1, 2] = 2 * (y * z - w * x)
+    rotation[:, 2, 0] = 2 * (x * z - w * y)
+    rotation[:, 2, 1] = 2 * (y * z + w * x)
+    rotation[:, 2, 2] = 1 - 2 * (x * x + y * y)
+    return rotation
+
+
+def quaternion_from_tilt(roll: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+    """Unit quaternions (N, 4), pitch about y after roll about x, both (N,) in rad."""
+    cr, sr = np.cos(roll / 2), np.sin(roll / 2)
+    cp, sp = np.cos(pitch / 2), np.sin(pitch / 2)
+    return np.stack([cp * cr, cp * sr, sp * cr, -sp * sr], axis=1)
+
+
+def foot_ends(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> np.ndarray:
+    """Lowest points of heel and toe of both feet relative to the base origin, in world axes [m].
+
+    Args:
+        rotation: base to world (N, 3, 3).
+        joints: joint positions (N, 12).
+
+    Returns:
+        (N, 2, 2, 3): foot (left, right), end (heel, toe), coordinate.
+    """
+    ends = np.empty((len(joints), 2, 2, 3))
+    for leg, sign in enumerate((1.0, -1.0)):
+        q = joints[:, leg * len(LEG_JOINTS) :]
+        hip = rotation @ _about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
+        foot = hip @ _about_y(q[:, _ANKLE])
+        origin = rotation @ np.array([0.0, sign * geometry.hip_offset, 0.0])
+        ankle = origin - hip[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None]
+        for end, x in enumerate((-geometry.heel, geometry.toe)):
+            centre = foot @ np.array([x, 0.0, geometry.foot_radius - geometry.ankle_height])
+            ends[:, leg, end] = ankle + centre - [0.0, 0.0, geometry.foot_radius]
+    return ends
+
+
+def standing_height(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> np.ndarray:
+    """Height of the base [m] (N,) at which the lowest foot point touches flat ground."""
+    return -foot_ends(geometry, rotation, joints)[..., 2].min(axis=(1, 2))
+
+
+def _about_x(angle: np.ndarray) -> np.ndarray:
+    return _rotation(angle, 1, 2)
+
+
+def _about_y(angle: np.ndarray) -> np.ndarray:
+    return _rotation(angle, 2, 0)
+
+
+def _about_z(angle: np.ndarray) -> np.ndarray:
+    return _rotation(angle, 0, 1)
+
+
+def _rotation(angle: np.ndarray, first: int, second: int) -> np.ndarray:
+    """Rotation by an angle that turns axis ``first`` towards axis ``second``."""
+    matrix = np.tile(np.eye(3), (len(angle), 1, 1))
+    cosine, sine = np.cos(angle), np.sin(angle)
+    matrix[:, first, first] = matrix[:, second, second] = cosine
+    matrix[:, first, second], matrix[:, second, first] = -sine, sine
+    return matrix

@@ -1,0 +1,267 @@
+"""The prismatic MuJoCo model, generated from the robot parameters.
+
+Drives are MuJoCo's DC motors with an on-board position loop: PD torque, bounded by the effort
+limit and by a linear torque-speed line that ends at the speed limit.
+"""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from slider.core.config.robot import Link, RobotConfig
+from slider.robot import names
+
+BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
+_GROUND = (1, 0)  # contype, conaffinity of the floor
+_BODY = (0, 1)
+
+# Contact sensors: (data field bits, reduction, slots), as the XML attributes data, reduce and num.
+_NET_FORCE = (1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), 3, 1)
+_FOUND = (1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1)
+
+
+@dataclass(frozen=True)
+class SimulationOptions:
+    """Integration settings: step [s], solver and line-search iterations."""
+
+    timestep: float = 0.005
+    solver_iterations: int = 4
+    line_search_iterations: int = 8
+    visual: bool = False
+
+
+def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
+    """Compile the model of a robot on flat ground."""
+    return build_spec(robot, options).compile()
+
+
+def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
+    """Describe the robot, the ground and the sensors, not yet compiled."""
+    spec = mujoco.MjSpec()
+    spec.modelname = robot.name
+    spec.compiler.degree = False
+    _set_options(spec, options)
+    _add_ground(spec, options.visual)
+    base = _add_base(spec, robot)
+    for sign, side in zip((1.0, -1.0), names.SIDES, strict=True):
+        _add_leg(spec, base, robot, side, sign)
+    _add_actuators(spec, robot)
+    _add_sensors(spec)
+    return spec
+
+
+def nominal_qpos(robot: RobotConfig) -> np.ndarray:
+    """Base pose and joint positions of the upright nominal pose, soles on the ground (19,)."""
+    qpos = np.zeros(7 + names.NUM_JOINTS)
+    qpos[2] = robot.geometry.leg_length + robot.geometry.ankle_height
+    qpos[3] = 1.0
+    return qpos
+
+
+def _set_options(spec: mujoco.MjSpec, options: SimulationOptions) -> None:
+    spec.option.timestep = options.timestep
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.iterations = options.solver_iterations
+    spec.option.ls_iterations = options.line_search_iterations
+    # MuJoCo 4.0.0 has wrong accelerations with its sparse factor (google-deepmind/mujoco#3767).
+    spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+
+
+def _add_ground(spec: mujoco.MjSpec, visual: bool) -> None:
+    floor = spec.worldbody.add_geom(
+        name=names.FLOOR, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[100, 100, 0.1]
+    )
+    floor.contype, floor.conaffinity = _GROUND
+    if not visual:
+        return
+    spec.worldbody.add_light(
+        pos=[0, 0, 4], dir=[0.2, 0.3, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
+    )
+    texture = spec.add_texture(
+        name="grid",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        rgb1=[0.82, 0.84, 0.86],
+        rgb2=[0.66, 0.72, 0.78],
+        width=256,
+        height=256,
+    )
+    material = spec.add_material(name="grid", texrepeat=[200, 200])
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = texture.name
+    floor.material = material.name
+
+
+def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
+    base = spec.worldbody.add_body(name=names.BASE, pos=nominal_qpos(robot)[:3])
+    base.add_freejoint(name="root")
+    _set_inertia(base, robot.links.base)
+    _add_geom(
+        base,
+        names.BASE,
+        mujoco.mjtGeom.mjGEOM_BOX,
+        size=[0.07, 0.1, 0.06],
+        pos=[0.0, 0.0, 0.05],
+        rgba=[0.20, 0.28, 0.55, 1],
+    )
+    base.add_site(name=names.IMU)
+    base.add_camera(
+        name="side",
+        pos=[0, -2.4, 0.0],
+        xyaxes=[1, 0, 0, 0, 0.05, 1],
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
+    )
+    return base
+
+
+def _add_leg(
+    spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float
+) -> None:
+    geometry, links = robot.geometry, robot.links
+    yaw = _add_link(base, robot, side, "hip_yaw", links.yaw, [0, sign * geometry.hip_offset, 0])
+    roll = _add_link(yaw, robot, side, "hip_roll", links.roll)
+    _add_geom(
+        roll,
+        f"{side}_hip",
+        mujoco.mjtGeom.mjGEOM_SPHERE,
+        size=[0.05, 0, 0],
+        rgba=[0.35, 0.37, 0.4, 1],
+    )
+    pitch = _add_link(roll, robot, side, "hip_pitch", links.pitch)
+    tube = _add_link(pitch, robot, side, "slide", links.tube)
+    # The collision tube ends above the ankle, so that the foot alone touches the ground.
+    _add_geom(
+        tube,
+        f"{side}_tube",
+        mujoco.mjtGeom.mjGEOM_CAPSULE,
+        size=[0.013, 0, 0],
+        fromto=[0, 0, geometry.upper_foot_height, 0, 0, -geometry.leg_length + 0.05],
+        rgba=[0.12, 0.12, 0.13, 1],
+    )
+    _add_link(tube, robot, side, "upper_foot", links.upper_foot, [0, 0, geometry.upper_foot_height])
+    foot = _add_link(tube, robot, side, "ankle", links.foot, [0, 0, -geometry.leg_length])
+    _add_foot(foot, robot, side)
+
+
+_AXES = {
+    "hip_yaw": [0, 0, 1],
+    "hip_roll": [1, 0, 0],
+    "hip_pitch": [0, 1, 0],
+    "slide": [0, 0, -1],  # grows as the leg gets longer
+    "ankle": [0, 1, 0],
+    "upper_foot": [0, 1, 0],
+}
+
+
+def _add_link(
+    parent: mujoco.MjsBody,
+    robot: RobotConfig,
+    side: str,
+    joint: str,
+    link: Link,
+    pos: list[float] | None = None,
+) -> mujoco.MjsBody:
+    limit, drive = robot.limits[joint], robot.drives[joint]
+    body_name = names.foot(side) if joint == "ankle" else f"{side}_{joint}"
+    body = parent.add_body(name=body_name, pos=pos or [0, 0, 0])
+    slide = joint == "slide"
+    body.add_joint(
+        name=f"{side}_{joint}",
+        type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
+        axis=_AXES[joint],
+        limited=mujoco.mjtLimited.mjLIMITED_TRUE,
+        range=[limit.lower, limit.upper],
+        armature=drive.armature,
+        damping=np.array([drive.damping]),
+    )
+    _set_inertia(body, link)
+    return body
+
+
+def _set_inertia(body: mujoco.MjsBody, link: Link) -> None:
+    body.explicitinertial = True
+    body.mass, body.ipos, body.inertia = link.mass, link.com, link.inertia
+
+
+def _add_geom(body: mujoco.MjsBody, name: str, kind: mujoco.mjtGeom, **shape) -> mujoco.MjsGeom:
+    geom = body.add_geom(name=name, type=kind, mass=0.0, **shape)
+    geom.contype, geom.conaffinity = _BODY
+    return geom
+
+
+def _add_foot(foot: mujoco.MjsBody, robot: RobotConfig, side: str) -> None:
+    geometry = robot.geometry
+    height = geometry.foot_radius - geometry.ankle_height
+    line = _add_geom(
+        foot,
+        names.foot(side),
+        mujoco.mjtGeom.mjGEOM_CAPSULE,
+        size=[geometry.foot_radius, 0, 0],
+        fromto=[-geometry.heel, 0, height, geometry.toe, 0, height],
+        rgba=[0.75, 0.35, 0.15, 1],
+    )
+    line.friction = [robot.contact.friction, 0.005, 0.0001]
+    line.priority = 1  # the foot's friction counts, not the floor's
+    foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
+
+
+def _add_actuators(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
+    for index in names.ACTUATED:
+        name = names.JOINTS[index]
+        joint = name.split("_", 1)[1]
+        limit, gains = robot.limits[joint], robot.gains[joint]
+        actuator = spec.add_actuator(name=name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=name)
+        stall = robot.drives[joint].stall_ratio * limit.effort
+        actuator.set_to_dcmotor(
+            motorconst=[0.0, 0.0],
+            resistance=0.0,
+            nominal=[BUS_VOLTAGE, stall, limit.speed],
+            saturation=[limit.effort, 0.0, 0.0],
+            controller=[gains.kp, 0.0, gains.kd, 0.0, 0.0, BUS_VOLTAGE],
+            ctrlspec=mujoco.mjtCtrlInput.mjINPUT_POS,
+        )
+
+
+def _add_sensors(spec: mujoco.MjSpec) -> None:
+    site, sensor = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtSensor
+    for name, kind in (
+        ("base_linear_velocity", sensor.mjSENS_VELOCIMETER),
+        ("base_angular_velocity", sensor.mjSENS_GYRO),
+    ):
+        spec.add_sensor(name=name, type=kind, objtype=site, objname=names.IMU)
+    for index in names.ACTUATED:
+        spec.add_sensor(
+            name=f"{names.JOINTS[index]}_effort",
+            type=sensor.mjSENS_ACTUATORFRC,
+            objtype=mujoco.mjtObj.mjOBJ_ACTUATOR,
+            objname=names.JOINTS[index],
+        )
+    for side in names.SIDES:
+        for name, kind in (
+            ("position", sensor.mjSENS_FRAMEPOS),
+            ("velocity", sensor.mjSENS_FRAMELINVEL),
+        ):
+            spec.add_sensor(
+                name=f"{side}_sole_{name}", type=kind, objtype=site, objname=names.sole(side)
+            )
+        _add_contact_sensor(spec, f"{side}_foot_force", names.foot(side), _NET_FORCE)
+    for body in (names.BASE, *(f"{side}_tube" for side in names.SIDES)):
+        _add_contact_sensor(spec, f"{body}_contact", body, _FOUND)
+
+
+def _add_contact_sensor(
+    spec: mujoco.MjSpec, name: str, geom: str, content: tuple[int, int, int]
+) -> None:
+    """Sense the contact of a geom with the floor."""
+    spec.add_sensor(
+        name=name,
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=mujoco.mjtObj.mjOBJ_GEOM,
+        objname=names.FLOOR,
+        reftype=mujoco.mjtObj.mjOBJ_GEOM,
+        refname=geom,
+        intprm=content,
+    )

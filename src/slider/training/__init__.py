@@ -1,0 +1,1 @@
+"""Training of the standing and walking policies with PPO."""

@@ -1,0 +1,93 @@
+"""The small periodic evaluation that picks the checkpoint to keep."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from slider.control.policy import PolicyController
+from slider.core.config.env import EnvConfig, StartNoise
+from slider.core.config.robot import RobotConfig
+from slider.core.config.train import SelectionConfig
+from slider.env.interface import AgentInterface
+from slider.env.metrics import gait_quality, tracking
+from slider.env.phase import StepTimes
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import roll_out
+from slider.env.starts import at_rest
+
+# The protocol's start noise of evaluations (design, readings of the paper).
+_START = StartNoise(
+    joint_position=0.02,
+    slide_position=0.005,
+    tilt=0.03,
+    linear_velocity=0.0,
+    angular_velocity=0.0,
+    joint_velocity=0.0,
+)
+
+
+@dataclass(frozen=True)
+class Score:
+    """Result of one check; lower ``value`` is better.
+
+    Attributes:
+        value: fall_weight · share of falls + mean over commands of the mean squared velocity
+            error / (0.01 + 0.01 v²) + flight_weight · mean flight share below the run speed.
+        success: share of robots that survived.
+        speed_error: mean over survivors of |mean forward velocity − command| [m/s].
+        flight: mean share of time with no foot on the ground.
+    """
+
+    value: float
+    success: float
+    speed_error: float
+    flight: float
+
+
+class Selector:
+    """Evaluates policies on a few robots per command, always from the same starts."""
+
+    def __init__(
+        self,
+        robot: RobotConfig,
+        env: EnvConfig,
+        config: SelectionConfig,
+        times: StepTimes | None,
+        seed: int,
+        threads: int,
+    ) -> None:
+        self._env, self._config = env, config
+        count = len(config.commands) * config.robots
+        self._physics = BatchedPhysics(robot, env.physics, count, threads)
+        self._agent = AgentInterface(robot, env, count, times)
+        self._start = at_rest(robot, _START, np.random.default_rng([seed, 7]), count)
+        self._command = np.zeros((count, 3))
+        self._command[:, 0] = np.repeat(config.commands, config.robots)
+
+    def score(self, network: Callable[[torch.Tensor], torch.Tensor]) -> Score:
+        """Roll a deterministic policy out and judge it."""
+        config = self._config
+        controller = PolicyController(network, self._agent)
+        recording = roll_out(
+            controller, self._physics, self._env, self._start, self._command, config.duration
+        )
+        tracked = tracking(recording, config.skip, 0.1, 0.1)
+        quality = gait_quality(recording, config.skip)
+        command = self._command[:, 0]
+        fallen = 1.0 - tracked.survived.mean()
+        relative = tracked.squared_error_steady / (0.01 + 0.01 * command**2)
+        flight = _mean(quality.flight)
+        return Score(
+            value=config.fall_weight * fallen + _mean(relative) + config.flight_weight * flight,
+            success=float(tracked.survived.mean()),
+            speed_error=_mean(np.abs(tracked.mean_velocity - command)),
+            flight=flight,
+        )
+
+
+def _mean(values: np.ndarray) -> float:
+    """Mean over survivors; a large number where there is none."""
+    valid = values[~np.isnan(values)]
+    return float(valid.mean()) if len(valid) else 1e3

@@ -1,0 +1,177 @@
+"""Train a policy with PPO: in chunks, checkpointed, checked, the best kept."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from rsl_rl.runners import OnPolicyRunner
+
+from slider.control.network import from_actor
+from slider.control.policy_file import Policy, save_policy
+from slider.core.config.env import EnvConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.config.train import TrainConfig
+from slider.core.job import Job
+from slider.env.guide import Guide
+from slider.env.phase import StepTimes
+from slider.env.vec_env import WalkingEnv
+from slider.training.ppo import NORMALISER_EPSILON, runner_config
+from slider.training.selection import Score, Selector
+
+CHECKPOINT = "checkpoint.pt"
+BEST = "best.pt"
+POLICY = "policy.pt"
+WEIGHTS = "weights.pt"
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is trained, in which environment, towards which guide."""
+
+    robot: RobotConfig
+    env: EnvConfig
+    train: TrainConfig
+    times: StepTimes | None
+    guide: Guide | None
+
+
+class Trainer:
+    """One training run that survives being killed."""
+
+    def __init__(self, task: Task, job: Job) -> None:
+        train = task.train
+        torch.set_num_threads(job.threads)
+        torch.set_flush_denormal(True)
+        torch.manual_seed(train.seed)
+        rng = np.random.default_rng(train.seed)
+        self._task, self._job = task, job
+        self._rng = rng
+        self._env = WalkingEnv(
+            task.robot, task.env, train, rng, task.times, task.guide, job.threads
+        )
+        job.work.mkdir(parents=True, exist_ok=True)
+        config = runner_config(train, job.tracker)
+        self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
+        self._shrink_first_actions()
+        self._selector = Selector(
+            task.robot, task.env, train.selection, task.times, train.seed, job.threads
+        )
+        self._iteration = 0
+        self._best: dict[str, Any] = {}
+        self._history: list[dict[str, float]] = []
+
+    def _shrink_first_actions(self) -> None:
+        with torch.no_grad():
+            last = list(self._runner.alg.get_policy().mlp.parameters())[-2]  # weight, then bias
+            last.mul_(self._task.train.network.output_scale)
+
+    def start_from(self, weights: Path) -> None:
+        """Initialise actor, critic and normalisers; the action noise starts anew."""
+        content = torch.load(weights, weights_only=True)
+        own = self._runner.alg.get_policy().state_dict()
+        noise = {k: v for k, v in own.items() if k.startswith("distribution.")}
+        content["actor_state_dict"] = {**content["actor_state_dict"], **noise}
+        self._runner.alg.load(content, {"actor": True, "critic": True}, strict=True)
+
+    def run(self) -> None:
+        """Train up to the configured number of iterations, resuming where a killed job was."""
+        self._resume()
+        started, done_before = time.monotonic(), self._iteration
+        total = self._task.train.iterations
+        while self._iteration < total:
+            chunk = min(self._task.train.selection.interval, total - self._iteration)
+            self._runner.current_learning_iteration = self._iteration
+            self._runner.learn(chunk)
+            self._iteration += chunk
+            score = self._check()
+            self._save_checkpoint()
+            pace = (time.monotonic() - started) / (self._iteration - done_before)
+            self._report(score, pace)
+        if not self._best:
+            self._check()
+        self._job.volatile["blow_ups"] = self._env.total_diverged
+
+    def _check(self) -> Score:
+        """Judge the current policy; remember it if it is the best so far."""
+        actor = self._runner.alg.get_policy()
+        network = self._network(actor.state_dict())
+        score = self._selector.score(network)
+        self._history.append({"iteration": self._iteration, **asdict(score)})
+        if not self._best or score.value <= self._best["score"]["value"]:
+            state = self._runner.alg.save()
+            weights = {k: _copy(state[k]) for k in ("actor_state_dict", "critic_state_dict")}
+            self._best = {"score": asdict(score), "iteration": self._iteration, "weights": weights}
+        metrics = {f"selection/{name}": value for name, value in asdict(score).items()}
+        self._job.tracker.log_metrics(metrics, self._iteration)
+        return score
+
+    def _network(self, actor_state: Mapping[str, torch.Tensor]):
+        network = self._task.train.network
+        return from_actor(actor_state, network.hidden, network.activation, NORMALISER_EPSILON)
+
+    def _report(self, score: Score, pace: float) -> None:
+        train = self._task.train
+        left = pace * (train.iterations - self._iteration)
+        rate = train.num_envs * train.steps_per_iteration / pace
+        self._job.progress(
+            f"iteration {self._iteration}/{train.iterations}, {rate / 1e3:.1f} k steps/s, "
+            f"{left / 60:.1f} min left, success {100 * score.success:.0f} %, "
+            f"speed error {score.speed_error:.3f} m/s, score {score.value:.3f}"
+        )
+
+    def _save_checkpoint(self) -> None:
+        content = {
+            **self._runner.alg.save(),
+            "iteration": self._iteration,
+            "best": self._best,
+            "history": self._history,
+        }
+        partial = self._job.work / f"{CHECKPOINT}.partial"
+        torch.save(content, partial)
+        partial.replace(self._job.work / CHECKPOINT)
+        for leftover in self._job.work.glob("model_*.pt"):  # rsl-rl saves at the end of each chunk
+            leftover.unlink()
+
+    def _resume(self) -> None:
+        path = self._job.work / CHECKPOINT
+        if not path.exists():
+            return
+        content = torch.load(path, weights_only=True)
+        self._runner.alg.load(content, {"actor": True, "critic": True, "optimizer": True}, True)
+        self._iteration = content["iteration"]
+        self._best, self._history = content["best"], content["history"]
+        # The states of environments and generators are gone: go on with fresh, distinct noise.
+        torch.manual_seed(self._task.train.seed + self._iteration)
+        self._job.volatile["resumed"] = True
+
+    def export(self, out: Path) -> dict[str, Any]:
+        """Write the best policy and its weights; return facts for the manifest."""
+        weights = self._best["weights"]
+        network = self._task.train.network
+        policy = Policy(
+            network=self._network(weights["actor_state_dict"]),
+            hidden=tuple(network.hidden),
+            activation=network.activation,
+            observations=self._env.observation_layout,
+            times=self._task.times,
+        )
+        save_policy(policy, out / POLICY)
+        torch.save(weights, out / WEIGHTS)
+        _write_history(self._history, out / "selection.csv")
+        self._job.tracker.log_file(out / POLICY)
+        return {"iteration": self._best["iteration"], **self._best["score"]}
+
+
+def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    return {name: value.detach().clone() for name, value in state.items()}
+
+
+def _write_history(history: list[dict[str, float]], path: Path) -> None:
+    names = list(history[0])
+    lines = [",".join(names)]
+    lines += [",".join(f"{row[name]:.6g}" for name in names) for row in history]
+    path.write_text("\n".join(lines) + "\n")

@@ -1,0 +1,34 @@
+# make table1                            Table 1 of our controller
+# make table1 HYDRA="experiment=smoke"   with overrides of the configuration
+# make test                              lint, type check and tests
+PYTHON ?= python3
+CORES ?= 2
+HYDRA ?=
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/installed
+
+.DELETE_ON_ERROR:
+.PHONY: table1 install lint test clean
+
+table1: $(STAMP)
+	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/table1.csv --config hydra='$(HYDRA)'
+
+install: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[test]'
+	touch $@
+
+lint: $(STAMP)
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/snakefmt --check Snakefile pipeline
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/pyright
+
+test: lint
+	$(BIN)/python -m pytest
+
+clean: # what is left of interrupted jobs and of forgotten configurations
+	$(BIN)/slider store gc

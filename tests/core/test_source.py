@@ -1,0 +1,99 @@
+"""The source digest: what counts as a change of a stage's code."""
+
+from pathlib import Path
+
+import pytest
+
+from slider.core.errors import UserError
+from slider.core.source import closure
+
+FILES = {
+    "slider/__init__.py": "",
+    "slider/gait/__init__.py": "",
+    "slider/gait/stage.py": '''"""A stage."""
+import numpy as np
+from slider.gait import solve
+
+
+def run():
+    """Run."""
+    from slider.robot.names import JOINTS  # inside a function
+    return solve.solve(JOINTS)
+''',
+    "slider/gait/solve.py": "import json\nfrom ..robot import names\n\ndef solve(x): return x\n",
+    "slider/robot/__init__.py": "",
+    "slider/robot/names.py": "JOINTS = (1, 2)\n",
+    "slider/env/__init__.py": "",
+    "slider/env/other.py": "import torch\n",
+}
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    for name, text in FILES.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path
+
+
+def digest(root: Path) -> str:
+    return closure("slider.gait.stage", root).digest
+
+
+def test_follows_all_imports_and_nothing_else(root):
+    found = closure("slider.gait.stage", root)
+    assert found.modules == (
+        "slider",
+        "slider.gait",
+        "slider.gait.solve",
+        "slider.gait.stage",
+        "slider.robot",
+        "slider.robot.names",
+    )
+    assert found.third_party == ("numpy",)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("gait/stage.py", "inside a function", "another comment"),
+        ("gait/stage.py", '"""Run."""', '"""Do something else,\n\n    at length.\n    """'),
+        ("gait/stage.py", '"""A stage."""', "# no docstring"),
+        ("gait/solve.py", "return x", "return (x)  # parentheses and\n\n"),
+        ("env/other.py", "import torch", "import casadi"),
+    ],
+)
+def test_ignores_what_does_not_run(root, name, old, new):
+    before = digest(root)
+    path = root / "slider" / name
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    assert digest(root) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("robot/names.py", "JOINTS = (1, 3)\n"),
+        ("robot/__init__.py", "import math\n"),
+        ("gait/__init__.py", "X = 1\n"),
+        ("gait/table.csv", "1,2\n"),
+        ("gait/data/table.csv", "1,2\n"),
+    ],
+)
+def test_sees_every_change_of_what_runs(root, name, text):
+    before = digest(root)
+    path = root / "slider" / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    assert digest(root) != before
+
+
+def test_names_the_missing_module_and_the_line_that_does_not_parse(root):
+    with pytest.raises(UserError, match=r"slider\.gait\.nothing"):
+        closure("slider.gait.nothing", root)
+    (root / "slider/robot/names.py").write_text("JOINTS =\n")
+    with pytest.raises(UserError, match=r"slider\.robot\.names, line 1"):
+        digest(root)

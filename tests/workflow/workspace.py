@@ -30,7 +30,8 @@ def run(section, inputs, out, job):
 def run(section, inputs, out, job):
     text = "\\n".join((folder / "gait.txt").read_text() for folder in inputs["gaits"])
     (out / "library.txt").write_text(text)
-    job.tracker.log_table({"solve_s": [f["solve_s"] for f in job.input_volatile["gaits"]]}, "t.json")
+    times = [facts["solve_s"] for facts in job.input_volatile["gaits"]]
+    job.tracker.log_table({"solve_s": times}, "gaits.json")
     return {"gaits": len(inputs["gaits"])}
 """,
     "training": """
@@ -108,7 +109,9 @@ class Workspace:
         done = self.snakemake("reports/table1.csv", hydra=hydra, **environment)
         assert done.returncode == 0, done.stderr
         after = self._computations()
-        return sorted(path.parent.name for path, start in after.items() if before.get(path) != start)
+        return sorted(
+            path.parent.name for path, start in after.items() if before.get(path) != start
+        )
 
     def _computations(self) -> dict[Path, str]:
         facts = {path: json.loads(path.read_text()) for path in self.artefacts.glob("*/*.run.json")}

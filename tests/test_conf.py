@@ -1,0 +1,107 @@
+"""Every file of ``conf/`` composes, every mistake is one line, every robot value has a source."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.entry import open_pipeline
+from slider.cli import main
+from slider.core.config.compose import compose
+from slider.core.config.convert import to_dict
+from slider.core.errors import UserError
+
+CONF = Path(__file__).parents[1] / "conf"
+TAGS = ("paper", "earlier", "assumed")
+
+
+def options() -> list[str]:
+    """``group=name`` for every file but the bases, which only others use."""
+    paths = [path.relative_to(CONF) for path in CONF.rglob("*.yaml") if path.stem != "base"]
+    return sorted(f"{path.parent}={path.stem}" for path in paths if path.parent != Path("."))
+
+
+@pytest.mark.parametrize("option", options())
+def test_every_option_composes(option):
+    compose([option], CONF)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
+        ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
+        ("nonsense=3", "unknown configuration key 'nonsense'"),
+        ("experiment=nope", "unknown option experiment=nope, expected one of: default"),
+        ("+gait.extra=3", "gait.extra"),
+        ("gait.nodes=many", "'gait.nodes': Input should be a valid integer, found 'many'"),
+        ("gait.nodes=21.5", "'gait.nodes'"),
+        ("tracking.enabled=3", "'tracking.enabled'"),
+        ("evaluation.commands=0.2", "'evaluation.commands'"),
+        ("robot.limits.slide.upper=wide", "'robot.limits.slide.upper'"),
+        ("gait.nodes=1001", "gait.nodes: expected an odd number from 5 to 201, found 1001"),
+        ("gait.grid.vx.step=-0.1", "gait.grid.vx.step: expected a positive value, found -0.1"),
+        ("gait.grid.vx.stop=-1.0", "gait.grid.vx: expected start ≤ stop"),
+        ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
+        ("env.physics.timestep=-0.005", "env.physics.timestep: expected a positive value"),
+        ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
+        ("gait.cost=cheap", "gait.cost: expected one of paper, torque, found cheap"),
+        ("gait.step_time.upper=nan", "a finite number"),
+        ("what", "what"),
+        ("gait=[1]", "gait"),
+    ],
+)
+def test_every_mistake_is_one_line(override, message, capsys):
+    with pytest.raises(UserError) as caught:
+        compose([override], CONF)
+    assert message in str(caught.value)
+    assert main(["config", override, "--conf", str(CONF)]) == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert message in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"hydar": "gait.nodes=5"}, "unknown --config name 'hydar'"),
+        ({"hydra": 3}, "expected text of the form key=value, found 3"),
+        ({"hydra": ["gait.nodes=5"]}, "expected text of the form key=value"),
+        ({"hydra": "gait.cost='paper"}, "No closing quotation"),
+        ({"hydra": "gait.nods=3"}, "did you mean 'gait.nodes'?"),
+    ],
+)
+def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as caught:
+        open_pipeline(settings, CONF)
+    assert caught.value.code == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert message in lines[0]
+    assert not list(tmp_path.iterdir())
+
+
+def test_config_prints_the_resolved_configuration(capsys):
+    assert main(["config", "gait.cost=torque", "--conf", str(CONF)]) == 0
+    assert "  cost: torque\n" in capsys.readouterr().out
+
+
+def leaves(node: Any, prefix: str = "") -> list[str]:
+    if not isinstance(node, dict):
+        return [prefix]
+    return [leaf for name, value in node.items() for leaf in leaves(value, f"{prefix}.{name}")]
+
+
+def test_every_robot_parameter_has_a_source():
+    robot = to_dict(compose([], CONF).robot)
+    provenance = robot.pop("provenance")
+    robot.pop("name")
+    assert set(provenance.values()) <= set(TAGS)
+    paths = [leaf.removeprefix(".") for leaf in leaves(robot)]
+    for path in paths:
+        parts = path.split(".")
+        prefixes = [".".join(parts[:end]) for end in range(1, len(parts) + 1)]
+        assert any(prefix in provenance for prefix in prefixes), f"{path} has no source"
+    for name in provenance:
+        assert any(f"{path}.".startswith(f"{name}.") for path in paths), f"{name} is no parameter"

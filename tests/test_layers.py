@@ -1,0 +1,69 @@
+"""Data flows one way: robot → gait → library → env → control → training → evaluation → reports."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from pipeline.stages import EVALUATION, GAIT, LIBRARY, STANDING, TABLE1, WALKING
+from slider.core.source import closure
+
+SOURCE = Path(__file__).parents[1] / "src"
+ORDER = ("robot", "gait", "library", "env", "control", "training", "evaluation", "reports")
+ALLOWED = {
+    "core": {"core"},
+    "verification": {"core", "robot", "gait", "library", "verification"},
+} | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
+# The checks of the configuration know the names of joints.
+EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
+STAGES = (GAIT, LIBRARY, STANDING, WALKING, EVALUATION, TABLE1)
+MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
+
+
+def imports(path: Path) -> set[str]:
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "absolute imports only"
+            # `from slider.robot import names` imports the module slider.robot.names.
+            found.add(node.module)
+            found |= {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_module_imports_only_to_its_left(path):
+    name = path.relative_to(SOURCE / "slider").as_posix()
+    package = name.partition("/")[0]
+    if package not in ALLOWED:  # slider/__init__.py and cli.py
+        assert name in ("__init__.py", "cli.py"), "a package without a place in the order"
+        return
+    for target in imports(path):
+        parts = target.split(".")
+        if parts[0] != "slider" or len(parts) < 2 or _is_exception(name, target):
+            continue
+        assert parts[1] in ALLOWED[package], f"{name} imports {target}"
+
+
+def _is_exception(name: str, target: str) -> bool:
+    return any(name == path and target.startswith(module) for path, module in EXCEPTIONS)
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(SOURCE)))
+def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
+    packages = {target.partition(".")[0] for target in imports(path)}
+    assert "snakemake" not in packages
+    assert "pipeline" not in packages
+    name = path.relative_to(SOURCE / "slider").as_posix()
+    allowed = name.startswith("core/config/") or name == "core/commands/config.py"
+    assert allowed or not packages & {"hydra", "omegaconf"}
+
+
+@pytest.mark.parametrize("entry", STAGES)
+def test_stages_import_neither_hydra_nor_mlflow_nor_the_machinery(entry):
+    found = closure(entry.partition(":")[0], SOURCE)
+    assert not {"hydra", "mlflow", "snakemake"} & set(found.third_party)
+    assert entry != GAIT or "torch" not in found.third_party
+    assert not {"slider.core.runner", "slider.core.store"} & set(found.modules)

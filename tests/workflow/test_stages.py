@@ -1,0 +1,72 @@
+"""The stage graph: which value of the configuration reaches which recipe."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline import stages
+from pipeline.stages import table1_jobs, velocities
+from slider.core.config.compose import compose
+from slider.core.plan import build_plan
+from slider.core.recipe import Code
+
+CONF = Path(__file__).parents[2] / "conf"
+ALL = {"gait", "library", "standing", "walking", "evaluation", "table1"}
+AFTER_STANDING = {"standing", "walking", "evaluation", "table1"}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _constant_code():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(stages, "code_of", lambda entry: Code(entry, "source", {}))
+        yield
+
+
+@pytest.fixture(scope="module")
+def before() -> dict[str, set[str]]:
+    return recipes()
+
+
+def recipes(*overrides: str) -> dict[str, set[str]]:
+    jobs = build_plan(table1_jobs(compose(["experiment=test", *overrides], CONF))).jobs.values()
+    return {stage: {job.recipe for job in jobs if job.stage == stage} for stage in ALL}
+
+
+@pytest.mark.parametrize(
+    ("override", "changed"),
+    [
+        ("gait.contact.friction=0.5", ALL),
+        ("robot.links.tube.mass=1.0", ALL),
+        ("robot.gains.slide.kp=7000", AFTER_STANDING),
+        ("robot.contact.friction=0.8", AFTER_STANDING),
+        ("library.max_violation=1e-5", ALL - {"gait"}),
+        ("env.action.clip=3.0", AFTER_STANDING),
+        ("train.standing.iterations=3", AFTER_STANDING),
+        ("train.walking.iterations=4", {"walking", "evaluation", "table1"}),
+        ("train.walking.seed=2", {"walking", "evaluation", "table1"}),
+        ("evaluation.trials=3", {"evaluation", "table1"}),
+        ("evaluation.commands=[0.4,0.2]", {"table1"}),
+        ("resources.threads=1", set()),
+        ("tracking.enabled=false", set()),
+        ("robot.provenance.gains=paper", set()),
+    ],
+)
+def test_a_value_reaches_what_depends_on_it(before, override, changed):
+    after = recipes(override)
+    assert {stage for stage in ALL if before[stage] != after[stage]} == changed
+
+
+def test_a_wider_grid_keeps_its_gaits(before):
+    after = recipes("gait.grid.vx.stop=0.6")
+    assert before["gait"] < after["gait"]
+    assert len(after["gait"] - before["gait"]) == 1
+
+
+def test_grids_share_their_velocities():
+    paper = velocities(compose(["gait/grid=default"], CONF).gait.grid)
+    extended = velocities(compose(["gait/grid=extended"], CONF).gait.grid)
+    assert len(paper) == len(set(paper)) == 125
+    assert paper == sorted(paper)
+    assert set(paper) < set(extended)
+    assert (0.15, -0.05) in paper  # exactly, not 0.15000000000000002
+    assert not any(str(value) == "-0.0" for pair in paper for value in pair)

@@ -130,6 +130,10 @@ class Workspace:
         paths = [p for p in (self.artefacts / stage).glob("*.json") if ".run." not in p.name]
         return [json.loads(path.read_text()) for path in paths]
 
+    def objects(self, stage: str) -> set[str]:
+        """Objects that the manifests of a stage name."""
+        return {manifest["object"] for manifest in self.manifests(stage)}
+
     def edit(self, path: str, old: str, new: str) -> None:
         """Replace text that must be there in a file."""
         file = self.folder / path

@@ -8,8 +8,10 @@ import json
 import logging
 import os
 import shutil
+import sqlite3
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -64,7 +66,11 @@ def _connect(artefacts: Path) -> Any:
     os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
     from mlflow import MlflowClient
 
-    return MlflowClient(f"sqlite:///{(artefacts / 'mlflow.db').resolve()}")
+    database = (artefacts / "mlflow.db").resolve()
+    # MLflow tries a broken database again for almost two minutes: ask SQLite first.
+    with closing(sqlite3.connect(database)) as connection:
+        connection.execute("PRAGMA schema_version")
+    return MlflowClient(f"sqlite:///{database}")
 
 
 @dataclass

@@ -18,7 +18,7 @@ from slider.core.journal import MAIN, SESSION_FILE, JournalTracker
 
 _log = logging.getLogger(__name__)
 
-_PATIENCE = 120.0  # for the writer to finish [s]
+_PATIENCE = 60.0  # for the writer to finish [s]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,98 @@
+"""The real stages, tiny: what is computed when something changes.
+
+All tests share one workspace and leave its sources and its table as they found them, so that each
+starts from a finished pipeline; the recipes of earlier tests stay known to the store.
+"""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from tests.workflow.workspace import Workspace, copy_repository
+
+pytestmark = pytest.mark.workflow
+
+ONE_COMMAND = ["evaluation", "evaluation"]  # one per command
+AFTER_LIBRARY = [*ONE_COMMAND, "standing", "table1", "walking"]
+EVERYTHING = sorted([*AFTER_LIBRARY, "gait", "gait", "library"])
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory) -> Workspace:
+    """A pipeline that ran from nothing to its table, once."""
+    workspace = copy_repository(tmp_path_factory.mktemp("dag"))
+    assert workspace.computed() == EVERYTHING
+    return workspace
+
+
+def restored(workspace: Workspace, path: str, old: str, new: str) -> list[str]:
+    """Stages computed after an edit of the source, which is then taken back."""
+    workspace.edit(path, old, new)
+    computed = workspace.computed()
+    workspace.edit(path, new, old)
+    return computed
+
+
+def test_ends_with_a_table_of_our_controller(finished):
+    rows = list(csv.DictReader(finished.table.read_text().splitlines()))
+    assert rows
+    assert {"controller", "command"} <= set(rows[0])
+    assert list(finished.artefacts.glob("mlflow.db"))
+    assert not list((finished.artefacts / "tmp").iterdir())
+
+
+def test_computes_nothing_on_a_second_run(finished):
+    assert finished.computed() == []
+
+
+def test_computes_nothing_after_a_comment(finished):
+    path = next((finished.folder / "src/slider/gait").glob("stage.py"))
+    relative = str(path.relative_to(finished.folder))
+    first_line = path.read_text().splitlines()[0]
+    assert restored(finished, relative, first_line, f"# A comment.\n{first_line}") == []
+
+
+def test_computes_walking_and_what_follows_after_one_of_its_values(finished):
+    before = finished.table.read_bytes()
+    expected = sorted([*ONE_COMMAND, "table1", "walking"])
+    assert finished.computed("train.walking.ppo.learning_rate=3e-4") == expected
+    assert finished.computed() == []
+    assert finished.table.read_bytes() == before
+
+
+def test_computes_everything_after_a_gait_value(finished):
+    assert finished.computed("gait.posture.clearance=0.045") == EVERYTHING
+    assert finished.computed() == []
+
+
+def test_computes_only_the_new_gaits_when_the_grid_grows(finished):
+    found = finished.computed("gait.grid.vx.stop=0.6")
+    assert found == sorted([*AFTER_LIBRARY, "gait", "library"])
+
+
+def test_a_refactoring_with_identical_results_stops_at_its_stage(finished):
+    path = "src/slider/gait/stage.py"
+    text = (finished.folder / path).read_text()
+    (finished.folder / path).write_text(text + "\n\ndef unused() -> None:\n    pass\n")
+    assert finished.computed() == ["gait", "gait"]
+    (finished.folder / path).write_text(text)
+    assert finished.computed() == []
+
+
+def test_a_new_version_of_a_package_reaches_what_imports_it(finished, tmp_path: Path):
+    info = tmp_path / "casadi-99.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: casadi\nVersion: 99.0\n")
+    # Only the gaits import casadi; as their content stays the same, nothing follows.
+    assert finished.computed(FIRST=str(tmp_path)) == ["gait", "gait"]
+
+
+def test_same_seed_same_table(finished, tmp_path: Path):
+    again = copy_repository(tmp_path)
+    again.computed("tracking.enabled=false")
+    finished.computed()
+    assert again.table.read_bytes() == finished.table.read_bytes()
+    for stage in ("gait", "library"):
+        assert again.objects(stage) == finished.objects(stage) & again.objects(stage)
+        assert again.objects(stage)

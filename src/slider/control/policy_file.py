@@ -9,7 +9,7 @@ import torch
 
 from slider.control.network import PolicyNetwork
 from slider.core.errors import UserError
-from slider.env.phase import StepTimes
+from slider.library.step_times import StepTimes
 from slider.robot.names import JOINTS
 
 FORMAT = "slider-policy"

@@ -8,6 +8,8 @@ from slider.robot.names import CHANNELS, JOINTS
 
 _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
 NUM_POSITIONS = len(JOINTS)
+NUM_CHANNELS = len(CHANNELS)
+BASE_HEIGHT = NUM_CHANNELS + 2  # column of the base height in a reference
 
 
 def observed_channels(view: View) -> np.ndarray:
@@ -37,23 +39,18 @@ class Guide:
         }
 
     def at_phase(self, view: View) -> np.ndarray:
-        """Interpolated reference channels (N, 26) at the clock's phase."""
-        return self._table.sample_at(view.command[:, 0], view.command[:, 1], view.phase)
-
-    def base_at_phase(self, view: View) -> np.ndarray:
-        """Interpolated base motion (N, 13) at the clock's phase."""
-        return self._table.base_at(view.command[:, 0], view.command[:, 1], view.phase)
+        """Interpolated reference at the clock's phase: channels and base motion (N, 26 + 13)."""
+        return self._table.at(view.command[:, 0], view.command[:, 1], view.phase)
 
     def states(
         self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18)."""
-        sample = self._table.sample_at(vx, vy, phase)
-        base = self._table.base_at(vx, vy, phase)
-        qpos = np.concatenate([base[:, :7], sample[:, :NUM_POSITIONS]], axis=1)
+        reference = self._table.at(vx, vy, phase)
+        joints, base = reference[:, : 2 * NUM_POSITIONS], reference[:, NUM_CHANNELS:]
+        qpos = np.concatenate([base[:, :7], joints[:, :NUM_POSITIONS]], axis=1)
         qpos[:, :2] = 0.0
-        velocities = sample[:, NUM_POSITIONS : 2 * NUM_POSITIONS]
-        return qpos, np.concatenate([base[:, 7:13], velocities], axis=1)
+        return qpos, np.concatenate([base[:, 7:13], joints[:, NUM_POSITIONS:]], axis=1)
 
     def nearest_distance(self, view: View, masked: bool) -> np.ndarray:
         """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait nearest to the command (eq. 3).

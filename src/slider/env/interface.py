@@ -9,10 +9,11 @@ from slider.core.config.env import EnvConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.env.observations import Observer
-from slider.env.phase import Clock, StepTimes
+from slider.env.phase import Clock
 from slider.env.starts import joint_range
 from slider.env.state import RobotState
 from slider.env.view import View
+from slider.library.step_times import StepTimes
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
 

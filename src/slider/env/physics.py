@@ -24,6 +24,7 @@ _ACTUATED = np.array(names.ACTUATED)
 def _ignore_warning(message: str) -> None:
     """Blow-ups are found, counted and ended here; MuJoCo would write a log file for each."""
 
+
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from slider.core.config.train import RewardConfig
 from slider.core.errors import UserError
-from slider.env.guide import NUM_POSITIONS, Guide
+from slider.env.guide import BASE_HEIGHT, NUM_POSITIONS, Guide
 from slider.env.view import View
 from slider.robot.names import JOINTS
 
@@ -46,13 +46,8 @@ class RewardView:
 
     @cached_property
     def reference(self) -> np.ndarray:
-        """Reference channels (N, 26)."""
+        """Reference channels and base motion (N, 39)."""
         return self.guide.at_phase(self.view)
-
-    @cached_property
-    def reference_base(self) -> np.ndarray:
-        """Reference base motion (N, 13)."""
-        return self.guide.base_at_phase(self.view)
 
 
 def _kernel(square: np.ndarray, width: np.ndarray | float) -> np.ndarray:
@@ -136,7 +131,7 @@ def height(r: RewardView, width: float) -> np.ndarray:
 
 def guide_height(r: RewardView, width: float) -> np.ndarray:
     """exp(−(z − gait(phase))²/width) of the base height [m²]."""
-    return _kernel((r.state.base_position[:, 2] - r.reference_base[:, 2]) ** 2, width)
+    return _kernel((r.state.base_position[:, 2] - r.reference[:, BASE_HEIGHT]) ** 2, width)
 
 
 def action_rate(r: RewardView) -> np.ndarray:

@@ -14,10 +14,10 @@ from slider.env import terminations
 from slider.env.commands import CommandSampler
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
-from slider.env.phase import StepTimes
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, perturb
+from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
 
 

@@ -12,10 +12,10 @@ from slider.core.config.robot import RobotConfig
 from slider.core.config.train import SelectionConfig
 from slider.env.interface import AgentInterface
 from slider.env.metrics import gait_quality, tracking
-from slider.env.phase import StepTimes
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
+from slider.library.step_times import StepTimes
 
 # The protocol's start noise of evaluations (design, readings of the paper).
 _START = StartNoise(

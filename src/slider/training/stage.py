@@ -8,7 +8,6 @@ from slider.core.config.robot import RobotConfig
 from slider.core.config.train import TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.guide import Guide
-from slider.env.phase import StepTimes
 from slider.library.lookup import GaitLibrary, GaitTable
 from slider.training.trainer import WEIGHTS, Task, Trainer
 
@@ -37,11 +36,10 @@ def _task(section: Section, inputs: Inputs, guided: bool) -> Task:
     env = from_dict(EnvConfig, section["env"])
     library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
     table = GaitTable.from_library(library)
-    times = StepTimes(table.vx_axis, table.vy_axis, table.step_time)
     return Task(
         robot=from_dict(RobotConfig, section["robot"]),
         env=env,
         train=from_dict(TrainConfig, section["train"]),
-        times=times if env.phase.enabled else None,
+        times=table.times if env.phase.enabled else None,
         guide=Guide(library, table) if guided else None,
     )

@@ -17,8 +17,8 @@ from slider.core.config.robot import RobotConfig
 from slider.core.config.train import TrainConfig
 from slider.core.job import Job
 from slider.env.guide import Guide
-from slider.env.phase import StepTimes
 from slider.env.vec_env import WalkingEnv
+from slider.library.step_times import StepTimes
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.selection import Score, Selector
 

@@ -1,0 +1,1 @@
+"""The gait library: assembled from gaits, looked up by velocity, interpolated."""

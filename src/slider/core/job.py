@@ -64,9 +64,11 @@ class Job:
         threads: processor threads the job may use.
         tracker: records metrics and tables.
         progress: shows one line to the person who waits.
-        volatile: facts that differ between runs (times, resumed); kept outside the manifest.
+        volatile: facts that differ between runs, such as times; kept outside the manifest, but for
+            ``resumed``: true marks the result as continued from a checkpoint.
         input_volatile: for each name in ``inputs``, the volatile facts of those stages in the same
-            order (an empty dictionary where none are known). For display and tracking only.
+            order, with ``wall_s`` and ``cpu_s`` (an empty dictionary where none are known). For
+            display and tracking only.
     """
 
     work: Path

@@ -9,7 +9,7 @@ from slider.core import files
 from slider.core.errors import UserError
 from slider.core.index import Index, read_entry
 from slider.core.locks import nobody_else
-from slider.core.plan import read_plan
+from slider.core.plan import plan_recipes
 from slider.core.store import Store, parse_manifest
 
 
@@ -142,4 +142,4 @@ def _plans(store: Store) -> list[Path]:
 
 
 def _reached(plans: Iterable[Path]) -> set[str]:
-    return {recipe for path in plans for recipe in read_plan(path).jobs}
+    return set().union(*map(plan_recipes, plans))

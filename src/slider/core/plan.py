@@ -91,6 +91,11 @@ def read_plan(path: Path) -> Plan:
         raise UserError(f"expected a plan, found none at {path}") from None
 
 
+def plan_recipes(path: Path) -> set[str]:
+    """Recipes of a plan, also of one that an earlier version of this package wrote."""
+    return set(files.read_json(path)["jobs"])
+
+
 def _to_values(plan: Plan) -> dict[str, Any]:
     """Plain values. Parts of sections are stored once: all gaits share all but the velocity."""
     part_of = _PartDigests()

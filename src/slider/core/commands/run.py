@@ -38,12 +38,13 @@ def run(arguments: argparse.Namespace) -> int:
         raise UserError(f"expected a recipe of {arguments.plan}, found {arguments.recipe}")
     store = Store(arguments.artefacts)
     log = store.log_path(spec.stage, spec.recipe)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    for number in (signal.SIGINT, signal.SIGTERM):  # end tidily and without a trace
+        signal.signal(number, lambda number, _: sys.exit(128 + number))
     with _output_to(log) as terminal:
         runner = Runner(store, arguments.threads, _progress(spec.label, terminal))
         try:
             outcome = runner.run(spec)
-            print(_progress_count(store, plan), spec.label, outcome, file=terminal)
+            print(f"{_progress_count(store, plan)} {spec.label}: {outcome}", file=terminal)
         except UserError as error:
             print(f"slider: {spec.label}: {error}", file=terminal)
             return 1

@@ -73,6 +73,15 @@ def test_ignores_what_does_not_run(root, name, old, new):
     assert digest(root) == before
 
 
+def test_ignores_what_an_editor_leaves(root):
+    before = digest(root)
+    for name in (".stage.py.swp", "stage.py~", "#stage.py#", "__pycache__/stage.cpython-311.pyc"):
+        path = root / "slider" / "gait" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("x")
+    assert digest(root) == before
+
+
 @pytest.mark.parametrize(
     ("name", "text"),
     [

@@ -97,8 +97,14 @@ def _data_files(folder: Path) -> Iterator[Path]:
     for path in folder.iterdir():
         if path.is_dir() and path.name != "__pycache__" and not any(path.glob("*.py")):
             yield from _data_files(path)
-        elif path.is_file() and path.suffix not in (".py", ".pyc"):
+        elif path.is_file() and not _is_no_data(path.name):
             yield path
+
+
+def _is_no_data(name: str) -> bool:
+    """Python, and what editors leave beside a file while it is open."""
+    endings = (".py", ".pyc", "~", ".bak", ".orig", ".rej", ".tmp")
+    return name.endswith(endings) or name.startswith((".", "#"))
 
 
 def _read(path: Path, name: str) -> _Module:

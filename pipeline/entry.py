@@ -20,6 +20,7 @@ from slider.core.plan import Plan, build_plan, write_plan
 from slider.core.store import ARTEFACTS, Store
 
 OPTION = "hydra"
+TABLE1_REPORTS = ("reports/table1.csv", "reports/gait_quality.csv")
 
 
 @dataclass
@@ -94,7 +95,7 @@ def _open(overrides: list[str], conf: Path) -> Pipeline:
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
-    refresh_marker(store, plan, "table1", Path("reports/table1.csv"))
+    refresh_marker(store, plan, "table1", [Path(name) for name in TABLE1_REPORTS])
     return Pipeline(config, overrides, plan, path, store)
 
 

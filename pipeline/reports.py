@@ -1,5 +1,6 @@
 """Reports are copies out of the store, redone whenever they differ from the current plan's."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from slider.core import files
@@ -13,17 +14,19 @@ def marker_path(store: Store, target: str) -> Path:
     return store.root / "current" / target
 
 
-def refresh_marker(store: Store, plan: Plan, target: str, report: Path) -> None:
-    """Make the report look outdated exactly when it is not what the current plan says.
+def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:
+    """Make reports look outdated exactly when they are not what the current plan says.
 
-    The file names the plan's recipe. Where the report on disk is another one all the same (edited
+    The file names the plan's recipe. Where a report on disk is another one all the same (edited
     by hand, or the store was cleaned), the reason is appended: Snakemake compares the content of
     small inputs, so a new modification time alone would not do.
     """
     recipe = plan.targets[target]
     path = marker_path(store, target)
     found = path.read_text().split() if path.is_file() else []
-    reason = _difference(store.manifest_path(plan.jobs[recipe].stage, recipe), report)
+    manifest = store.manifest_path(plan.jobs[recipe].stage, recipe)
+    differences = (_difference(manifest, report) for report in reports)
+    reason = next((difference for difference in differences if difference), None)
     if reason is None and found[:1] == [recipe]:
         return
     wanted = [recipe, reason] if reason else [recipe]

@@ -5,9 +5,9 @@ rule publish_table1:
     default_target: True
     input:
         manifest=PIPELINE.manifest("table1"),
-        # Which table is the current one, also when its manifest is older than the report.
+        # Which table is the current one, also when its manifest is older than the reports.
         marker="artefacts/current/table1",
     output:
-        "reports/table1.csv",
+        TABLE1_REPORTS,
     shell:
         "{sys.executable} -m slider.cli publish {input.manifest} {output}"

@@ -14,7 +14,7 @@ from slider.core.errors import UserError
 COMMANDS = {
     "config": ("slider.core.commands.config", "print the resolved configuration"),
     "run": ("slider.core.commands.run", "run one job of a plan"),
-    "publish": ("slider.core.commands.publish", "copy a file of a result out of the store"),
+    "publish": ("slider.core.commands.publish", "copy files of a result out of the store"),
     "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
     "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
 }

@@ -5,6 +5,8 @@ starts from a finished pipeline; the recipes of earlier tests stay known to the 
 """
 
 import csv
+import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -37,7 +39,7 @@ def restored(workspace: Workspace, path: str, old: str, new: str) -> list[str]:
 def test_ends_with_a_table_of_our_controller(finished):
     rows = list(csv.DictReader(finished.table.read_text().splitlines()))
     assert rows
-    assert {"controller", "command"} <= set(rows[0])
+    assert {"controller", "source", "command_velocity"} <= set(rows[0])
     assert list(finished.artefacts.glob("mlflow.db"))
     assert not list((finished.artefacts / "tmp").iterdir())
 
@@ -86,6 +88,17 @@ def test_a_new_version_of_a_package_reaches_what_imports_it(finished, tmp_path: 
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: casadi\nVersion: 99.0\n")
     # Only the gaits import casadi; as their content stays the same, nothing follows.
     assert finished.computed(FIRST=str(tmp_path)) == ["gait", "gait"]
+
+
+def test_a_killed_training_leaves_nothing_half_written(finished):
+    before = finished.objects("walking")
+    pipeline = finished.start("reports/table1.csv", hydra="train.walking.seed=7")
+    os.kill(finished.wait_for_job("walking"), signal.SIGKILL)
+    assert pipeline.wait() == 1
+    assert finished.objects("walking") == before
+    assert finished.slider("store", "verify").returncode == 0
+    expected = sorted([*ONE_COMMAND, "table1", "walking"])
+    assert finished.computed("train.walking.seed=7") == expected
 
 
 def test_same_seed_same_table(finished, tmp_path: Path):

@@ -2,10 +2,7 @@
 
 import os
 import signal
-import subprocess
-import sys
 import time
-from pathlib import Path
 
 import pytest
 
@@ -69,13 +66,8 @@ def test_a_killed_job_is_resumed_and_marked(workspace):
 def test_a_killed_snakemake_wants_to_be_unlocked(workspace):
     slow = "    import time\n    time.sleep(30 if os.environ.get('SLOW') else 0)\n    checkpoint ="
     workspace.edit("src/slider/training/stage.py", "    checkpoint =", slow)
-    env = os.environ | {"PYTHONPATH": str(workspace.folder / "src"), "SLOW": "1"}
-    command = [sys.executable, "-m", "snakemake", "-j2", "reports/table1.csv"]
-    config = ["--config", f"hydra=experiment=test {QUIET}"]
-    process = subprocess.Popen(
-        [*command, *config], cwd=workspace.folder, env=env, stderr=subprocess.DEVNULL
-    )
-    job = _wait_for_job(workspace, "walking")
+    process = workspace.start("reports/table1.csv", hydra=QUIET, SLOW="1")
+    job = workspace.wait_for_job("walking")
     process.kill()
     process.wait()
     os.kill(job, signal.SIGKILL)
@@ -85,22 +77,6 @@ def test_a_killed_snakemake_wants_to_be_unlocked(workspace):
     assert workspace.snakemake("--unlock", hydra=QUIET).returncode == 0
     assert "walking" in workspace.computed(QUIET)
     assert workspace.computed(QUIET) == []
-
-
-def _wait_for_job(workspace: Workspace, stage: str) -> int:
-    """Process of the running job of a stage."""
-    deadline = time.monotonic() + 60
-    while time.monotonic() < deadline:
-        for folder in (workspace.artefacts / "work" / stage).glob("*"):
-            for path in Path("/proc").glob("[0-9]*/cmdline"):
-                try:
-                    words = path.read_bytes().split(b"\0")
-                except OSError:  # the process has ended
-                    continue
-                if words[0].endswith(b"python") and folder.name.encode() in words:
-                    return int(path.parent.name)
-        time.sleep(0.02)
-    raise AssertionError(f"no job of stage {stage} appeared")
 
 
 def test_a_failing_stage_shows_its_last_words(workspace):

@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -68,6 +69,7 @@ def run(section, inputs, out, job):
     "reports": """
 def run(section, inputs, out, job):
     records = [(folder / "records.txt").read_text() for folder in inputs["evaluations"]]
+    (out / "gait_quality.csv").write_text("quality\\n")
     (out / "table1.csv").write_text("command\\n" + "\\n".join(records) + "\\n")
     return {}
 """,
@@ -85,14 +87,38 @@ class Workspace:
         config = ["--config", f"hydra={'experiment=test ' + hydra}"]
         return self.command(["-m", "snakemake", "-j2", *arguments, *config], **environment)
 
+    def start(self, *arguments: str, hydra: str = "", **environment: str):
+        """Start Snakemake with overrides and do not wait for it."""
+        config = ["--config", f"hydra={'experiment=test ' + hydra}"]
+        return subprocess.Popen(
+            [sys.executable, "-m", "snakemake", "-j2", *arguments, *config],
+            cwd=self.folder,
+            env=self._environment(environment),
+            stderr=subprocess.DEVNULL,
+        )
+
+    def wait_for_job(self, stage: str) -> int:
+        """Process of the job of a stage, as soon as it computes."""
+        deadline = time.monotonic() + 120
+        while time.monotonic() < deadline:
+            recipes = {path.name for path in (self.artefacts / "work" / stage).glob("*")}
+            for path in Path("/proc").glob("[0-9]*/cmdline"):
+                words = _words(path)
+                if words[0].endswith("python") and recipes & set(words):
+                    return int(path.parent.name)
+            time.sleep(0.02)
+        raise AssertionError(f"no job of stage {stage} appeared")
+
+    def _environment(self, extra: dict[str, str]) -> dict[str, str]:
+        paths = [extra.pop("FIRST", ""), str(self.folder / "src")]
+        return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | extra
+
     def command(self, arguments: list[str], **environment: str):
-        """Run a Python module in the workspace with its own sources first."""
-        paths = [environment.pop("FIRST", ""), str(self.folder / "src")]
-        env = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | environment
+        """Run a Python module in the workspace; its own sources come first."""
         return subprocess.run(
             [sys.executable, *arguments],
             cwd=self.folder,
-            env=env,
+            env=self._environment(environment),
             capture_output=True,
             text=True,
             timeout=300,
@@ -140,6 +166,13 @@ class Workspace:
         text = file.read_text()
         assert old in text
         file.write_text(text.replace(old, new))
+
+
+def _words(path: Path) -> list[str]:
+    try:
+        return path.read_text().split("\0")
+    except OSError:  # the process has ended
+        return [""]
 
 
 def copy_repository(folder: Path) -> Workspace:

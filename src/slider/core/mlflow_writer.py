@@ -10,7 +10,7 @@ import os
 import shutil
 import sqlite3
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -134,12 +134,21 @@ class _Session:
         metrics = [event for event in events if event["event"] == METRICS]
         for event in events:
             if event["event"] == END:  # metrics of an ended run would reopen nothing: write first
-                self._log_metrics(position.run, metrics)
+                self._try(self._log_metrics, position.run, metrics)
                 metrics = []
-            self._handle(event, position, path.stem)
-        self._log_metrics(position.run, metrics)
+            self._try(self._handle, event, position, path.stem)
+        self._try(self._log_metrics, position.run, metrics)
         position.offset = offset
         self._write_state()
+
+    def _try(self, write: Callable[..., None], *arguments: Any) -> None:
+        """What MLflow refuses, such as a parameter that changes, must not hold up the rest."""
+        from mlflow.exceptions import MlflowException
+
+        try:
+            write(*arguments)
+        except MlflowException as error:
+            _log.warning("%s: %s", self._folder.name, error)
 
     def _handle(self, event: dict[str, Any], position: _Position, name: str) -> None:
         client, kind = self._client, event["event"]

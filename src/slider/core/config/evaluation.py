@@ -1,5 +1,7 @@
 """Typed settings of evaluation, tracking and resources."""
 
+from dataclasses import field
+
 from pydantic.dataclasses import dataclass
 
 from slider.core.config.env import StartNoise
@@ -8,10 +10,12 @@ from slider.core.config.strict import STRICT
 
 @dataclass(frozen=True, config=STRICT)
 class EvaluationConfig:
-    """The paper's protocol: every controller, command, trial and robot; see ``docs/method.md``."""
+    """The paper's protocol: every controller, command, trial and robot; see ``docs/method.md``.
 
-    controllers: list[str]
-    commands: list[float]
+    ``controllers`` and ``commands`` say which evaluations there are; they are not in the section
+    of a single one, which would otherwise be redone with every new command.
+    """
+
     trials: int
     robots: int
     duration: float
@@ -20,6 +24,8 @@ class EvaluationConfig:
     tracking_relative: float
     seed: int
     start: StartNoise
+    controllers: list[str] = field(default_factory=list)
+    commands: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True, config=STRICT)

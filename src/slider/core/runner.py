@@ -69,10 +69,10 @@ class Runner:
         return result
 
     def _compute(self, spec: JobSpec) -> Result:
+        watch = _Watch()  # before the imports: they are part of what a job costs
         _limit_threads(self.threads)
         function = _load(spec)
         job = self._job(spec)
-        watch = _Watch()
         tracker = job.tracker
         try:
             with self.store.temporary(f"{spec.stage}-{spec.recipe[:12]}") as out:

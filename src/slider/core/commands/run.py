@@ -5,6 +5,7 @@ import logging
 import os
 import signal
 import sys
+import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -17,6 +18,7 @@ from slider.core.plan import Plan, read_plan
 from slider.core.runner import Runner
 from slider.core.store import ARTEFACTS, Store
 
+_QUIET = 5.0  # between two progress lines of a job on the terminal [s]
 _TAIL = 15  # lines of the log shown after a failure
 
 
@@ -87,9 +89,15 @@ def _progress_count(store: Store, plan: Plan) -> str:
 
 
 def _progress(label: str, terminal: TextIO) -> Callable[[str], None]:
+    """All progress goes to the log, and a line now and then to the terminal."""
+    last = time.monotonic()
+
     def show(message: str) -> None:
-        print(f"{label}: {message}", file=terminal)
+        nonlocal last
         print(message, flush=True)
+        if time.monotonic() - last >= _QUIET:
+            last = time.monotonic()
+            print(f"{label}: {message}", file=terminal)
 
     return show
 

@@ -10,11 +10,10 @@ from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import KDTree
 
 from slider.core.errors import UserError
+from slider.library.schema import SCHEMA, VERSION
 from slider.library.step_times import StepTimes, cell
 from slider.robot.names import CHANNELS
 
-SCHEMA = "slider-gait-library"
-VERSION = 1
 _NUM_CHANNELS = len(CHANNELS)
 
 

@@ -84,10 +84,9 @@ class SolverConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
-class GaitConfig:
-    """One gait per commanded velocity; see ``docs/method.md``."""
+class FormulationConfig:
+    """How a gait is optimised, the same for all commanded velocities; see ``docs/method.md``."""
 
-    grid: GridConfig
     nodes: int
     degree: int
     cost: str
@@ -97,6 +96,13 @@ class GaitConfig:
     posture: Posture
     contact: ContactLimits
     solver: SolverConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class GaitConfig(FormulationConfig):
+    """One gait per velocity of the grid."""
+
+    grid: GridConfig
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -1,0 +1,1 @@
+"""Extended hybrid zero dynamics: one periodic walk per commanded velocity."""

@@ -1,0 +1,140 @@
+"""From a solved problem to a gait: samples in the prismatic robot's coordinates."""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from slider.gait.formulation import NodeSymbols
+from slider.gait.problem import NODE, GaitProblem
+from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
+from slider.robot import knee_map
+from slider.robot.names import LEG_JOINTS as PRISMATIC_LEG
+from slider.robot.names import NUM_JOINTS as NUM_PRISMATIC
+
+_PRISMATIC = len(PRISMATIC_LEG)
+_AXIAL = np.array([-1.0, 1.0, -1.0])  # reflection of angular quantities
+_POLAR = np.array([1.0, -1.0, 1.0])
+
+
+@dataclass(frozen=True)
+class KneeTrajectory:
+    """A walk of S samples in virtual-knee coordinates, world axes, not reflected.
+
+    The world's origin is the middle of each step's own foot line. Joints: left leg, right leg.
+
+    Attributes:
+        q, v, torques: (S, 10) [rad], [rad/s], [N m].
+        base_rotation: (S, 3, 3); base_position, base_velocity: (S, 3) [m], [m/s], world.
+        base_angular: (S, 3) [rad/s], base frame.
+        wrench: (S, 6) ground force [N] and moment [N m] at the foot line.
+        swing_foot: (S, 3) middle of the swing foot's line [m].
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    torques: np.ndarray
+    base_rotation: np.ndarray
+    base_position: np.ndarray
+    base_velocity: np.ndarray
+    base_angular: np.ndarray
+    wrench: np.ndarray
+    swing_foot: np.ndarray
+
+
+def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajectory:
+    """Evaluate all nodes of both steps and undo the second step's reflection."""
+    nodes = (problem.select_nodes @ variables).reshape(2 * problem.nodes, NODE)
+    values = [np.array(v).T for v in _node_quantities(problem).map(len(nodes))(nodes.T)]
+    q, v, torques, rotation, position, velocity, angular, force, moment, swing = values
+    rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
+    second = slice(problem.nodes, None)
+    for joints in (q, v, torques):
+        joints[second] = _swap(joints[second])
+    rotation[second] = _POLAR[:, None] * rotation[second] * _POLAR
+    for polar in (position, velocity, force, swing):
+        polar[second] *= _POLAR
+    for axial in (angular, moment):
+        axial[second] *= _AXIAL
+    wrench = np.concatenate([force, moment], axis=1)
+    return KneeTrajectory(q, v, torques, rotation, position, velocity, angular, wrench, swing)
+
+
+def _node_quantities(problem: GaitProblem) -> ca.Function:
+    tree = problem.formulation.tree
+    x = ca.SX.sym("x", NODE)
+    s = NodeSymbols.of(x)
+    dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
+    force, moment = tree.line_wrench(s.roll, dynamics)
+    poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
+    base = poses["base"]
+    sole = np.array([0.0, 0.0, -tree.model.ankle_height])
+    swing = tree.point(poses["swing_foot"], sole)[0]
+    return ca.Function(
+        "quantities",
+        [x],
+        [s.q, s.v, dynamics.torques, ca.vec(base.rotation), base.origin, base.linear, base.angular]
+        + [force, moment, swing],
+    )
+
+
+def _swap(joints: np.ndarray) -> np.ndarray:
+    left, right = joints[:, :LEG_JOINTS], joints[:, LEG_JOINTS:]
+    return np.concatenate([LEG_MIRROR * right, LEG_MIRROR * left], axis=1)
+
+
+def prismatic_joints(
+    trajectory: KneeTrajectory, l1: float, l2: float, nominal: float, variant: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions, velocities and efforts (S, 12) of the prismatic robot (eq. 1).
+
+    Efforts follow from virtual work with the exact map, whatever the variant.
+    """
+    shape = (len(trajectory.q), NUM_PRISMATIC)
+    position, velocity, effort = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    for leg in range(2):
+        knee = slice(leg * LEG_JOINTS, (leg + 1) * LEG_JOINTS)
+        yaw, roll, pitch, theta, ankle = trajectory.q[:, knee].T
+        v, t = trajectory.v[:, knee].T, trajectory.torques[:, knee].T
+        place = knee_map.positions(pitch, theta, ankle, l1, l2, variant)
+        speed = knee_map.velocities(v[2], theta, v[3], v[4], l1, l2, variant)
+        force = knee_map.slide_force(t[3], t[2], t[4], theta, l1, l2)
+        to = slice(leg * _PRISMATIC, leg * _PRISMATIC + _PRISMATIC - 1)  # the upper foot stays 0
+        position[:, to] = np.stack(
+            [yaw, roll, place.hip_pitch, place.length - nominal, place.ankle], axis=1
+        )
+        velocity[:, to] = np.stack([v[0], v[1], speed.hip_pitch, speed.length, speed.ankle], axis=1)
+        effort[:, to] = np.stack([t[0], t[1], t[2], force, t[4]], axis=1)
+    return position, velocity, effort
+
+
+def base_motion(trajectory: KneeTrajectory, step_lengths: np.ndarray) -> np.ndarray:
+    """Base pose and velocity (S, 13) relative to the first stance foot.
+
+    Position [m], quaternion w, x, y, z, linear velocity [m/s] (world), angular velocity [rad/s]
+    (base frame), as a MuJoCo free joint has them.
+    """
+    position = trajectory.base_position.copy()
+    position[len(position) // 2 :, :2] += step_lengths
+    quaternion = np.array([_quaternion(r) for r in trajectory.base_rotation])
+    return np.concatenate(
+        [position, quaternion, trajectory.base_velocity, trajectory.base_angular], axis=1
+    )
+
+
+def _quaternion(r: np.ndarray) -> np.ndarray:
+    """Unit quaternion w, x, y, z of a rotation by less than 180°."""
+    w = np.sqrt(max(1.0 + np.trace(r), 1e-12)) / 2
+    return np.array(
+        [w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4 * w))]
+    )
+
+
+def samples(position: np.ndarray, velocity: np.ndarray, trajectory: KneeTrajectory) -> np.ndarray:
+    """Gait samples (S, 26): positions, velocities, forward and leftward speed of the base."""
+    r = trajectory.base_rotation
+    yaw = np.arctan2(r[:, 1, 0], r[:, 0, 0])
+    world = trajectory.base_velocity
+    forward = np.cos(yaw) * world[:, 0] + np.sin(yaw) * world[:, 1]
+    leftward = -np.sin(yaw) * world[:, 0] + np.cos(yaw) * world[:, 1]
+    return np.concatenate([position, velocity, forward[:, None], leftward[:, None]], axis=1)

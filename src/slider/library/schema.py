@@ -1,0 +1,46 @@
+"""Layout of the gait library's Zarr store; documented in ``docs/gait-library.md``."""
+
+SCHEMA = "slider-gait-library"
+VERSION = 1
+
+# Axes after the first one, which is the gait.
+AXES: dict[str, tuple[str, ...]] = {
+    "velocities": ("component",),
+    "samples": ("sample", "channel"),
+    "time": ("sample",),
+    "step_time": ("step",),
+    "base": ("sample", "base_channel"),
+    "contact": ("sample", "foot"),
+    "coefficients": ("step", "knee_joint", "coefficient"),
+    "roll": ("step", "node", "roll_channel"),
+    "knee_positions": ("sample", "knee_joint"),
+    "knee_velocities": ("sample", "knee_joint"),
+    "knee_torques": ("sample", "knee_joint"),
+    "efforts": ("sample", "joint"),
+    "ground_wrench": ("sample", "wrench_component"),
+    "swing_foot": ("sample", "coordinate"),
+    "cost": (),
+    "max_violation": (),
+    "iterations": (),
+}
+ARRAYS = tuple(AXES)
+
+UNITS: dict[str, str] = {
+    "velocities": "m/s",
+    "samples": "see channel_units",
+    "time": "s",
+    "step_time": "s",
+    "base": "m, quaternion w x y z, m/s (world), rad/s (base)",
+    "contact": "1: stance",
+    "coefficients": "rad",
+    "roll": "rad, rad/s, rad/s^2",
+    "knee_positions": "rad",
+    "knee_velocities": "rad/s",
+    "knee_torques": "N m",
+    "efforts": "N m, N (slide)",
+    "ground_wrench": "N, N m at the foot line, world axes",
+    "swing_foot": "m relative to the stance foot",
+    "cost": "N^2 m^2 / s",
+    "max_violation": "SI unit of the worst constraint",
+    "iterations": "1",
+}

@@ -80,7 +80,9 @@ class Selector:
         relative = tracked.squared_error_steady / (0.01 + 0.01 * command**2)
         flight = _mean(quality.flight)
         return Score(
-            value=config.fall_weight * fallen + _mean(relative) + config.flight_weight * flight,
+            value=float(
+                config.fall_weight * fallen + _mean(relative) + config.flight_weight * flight
+            ),
             success=float(tracked.survived.mean()),
             speed_error=_mean(np.abs(tracked.mean_velocity - command)),
             flight=flight,

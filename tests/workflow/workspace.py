@@ -129,8 +129,9 @@ class Workspace:
         """Run the command ``slider``."""
         return self.command(["-m", "slider.cli", *arguments])
 
-    def computed(self, hydra: str = "", **environment: str) -> list[str]:
+    def computed(self, hydra: str = "", tracked: bool = False, **environment: str) -> list[str]:
         """Run the pipeline, expect success, and list the stages that were really computed."""
+        hydra = f"{hydra} tracking.enabled={str(tracked).lower()}"
         before = self._computations()
         done = self.snakemake("reports/table1.csv", hydra=hydra, **environment)
         assert done.returncode == 0, done.stderr

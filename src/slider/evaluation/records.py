@@ -9,6 +9,7 @@ from slider.core.errors import UserError
 from slider.env.metrics import GaitQuality, Tracking
 
 Records = dict[str, np.ndarray]
+FILE = "robots.csv"
 QUALITY = tuple(item.name for item in fields(GaitQuality))
 COLUMNS = (
     "trial",

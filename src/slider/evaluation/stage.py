@@ -22,7 +22,6 @@ from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.starts import at_rest
 from slider.evaluation import records
 
-RECORDS = "robots.csv"
 VELOCITIES = "velocity.npy"
 
 
@@ -40,7 +39,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     )
     quality = gait_quality(recording, config.steady_from)
     table = records.build(config.trials, config.robots, tracked, quality, recording.diverged)
-    records.write(table, out / RECORDS)
+    records.write(table, out / records.FILE)
     np.save(out / VELOCITIES, _traces(recording))
     (out / "command.json").write_text(
         json.dumps({"controller": section["controller"], "command": command}) + "\n"
@@ -87,7 +86,7 @@ def _simulate(
         _starts(robot, config),
         velocity,
         config.duration,
-        lambda share: job.progress(f"{command} m/s: {100 * share:.0f} %"),
+        lambda share: job.progress(f"{100 * share:.0f} %"),
     )
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation import records
-from slider.evaluation.stage import RECORDS
 
 COLUMNS = (
     "controller",
@@ -88,7 +87,7 @@ def paper_rows() -> list[Row]:
 
 def _read(folder: Path) -> tuple[str, float, records.Records]:
     about = json.loads((folder / "command.json").read_text())
-    return about["controller"], about["command"], records.read(folder / RECORDS)
+    return about["controller"], about["command"], records.read(folder / records.FILE)
 
 
 def _spread(values: np.ndarray, trial: np.ndarray) -> float | str:

@@ -42,7 +42,7 @@ def test_one_parent_with_a_child_per_job(artefacts, tmp_path):
     job.log_params({"train": {"seed": 1, "hidden": [32, 32]}})
     for step in range(1500):
         job.log_metrics({"reward": step / 2, "loss": float("nan")}, step)
-    job.log_table({"vx": [0.0, 0.1], "cost": [1.0, float("inf")]}, "gaits.json")
+    job.log_table({"vx": [0.0, 0.1], "cost": [1.0, float("inf")]}, "gaits")
     (tmp_path / "note.txt").write_text("note")
     job.log_file(tmp_path / "note.txt")
     (tmp_path / "note.txt").unlink()

@@ -32,7 +32,7 @@ def run(section, inputs, out, job):
     text = "\\n".join((folder / "gait.txt").read_text() for folder in inputs["gaits"])
     (out / "library.txt").write_text(text)
     times = [facts["solve_s"] for facts in job.input_volatile["gaits"]]
-    job.tracker.log_table({"solve_s": times}, "gaits.json")
+    job.tracker.log_table({"solve_s": times}, "gaits")
     return {"gaits": len(inputs["gaits"])}
 """,
     "training": """

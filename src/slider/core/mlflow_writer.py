@@ -157,7 +157,7 @@ class _Session:
         elif kind == PARAMS:
             self._log_params(position.run, event["values"])
         elif kind == TABLE:
-            client.log_table(position.run, event["columns"], event["name"])
+            client.log_table(position.run, event["columns"], f"{event['name']}.json")
         elif kind == FILE:
             client.log_artifact(position.run, event["path"])
         elif kind == END:

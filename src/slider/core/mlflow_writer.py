@@ -147,7 +147,7 @@ class _Session:
 
         try:
             write(*arguments)
-        except MlflowException as error:
+        except (MlflowException, OSError, TypeError, ValueError) as error:
             _log.warning("%s: %s", self._folder.name, error)
 
     def _handle(self, event: dict[str, Any], position: _Position, name: str) -> None:

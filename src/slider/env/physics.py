@@ -18,15 +18,12 @@ from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
+_START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
 _ACTUATED = np.array(names.ACTUATED)
 
 
 def _ignore_warning(message: str) -> None:
     """Blow-ups are found, counted and ended here; MuJoCo would write a log file for each."""
-
-
-# mujoco has no type stubs for its compiled part.
-# pyright: reportAttributeAccessIssue=false
 
 
 class BatchedPhysics:
@@ -47,13 +44,14 @@ class BatchedPhysics:
         self._period = config.substeps * config.timestep
         self._data = [mujoco.MjData(self.model) for _ in range(threads)]
         self._pool = rollout.Rollout(nthread=threads)
-        self._state = np.tile(self._rest_state(), (num_robots, 1))
+        self._rest = self._rest_state()
+        self._state = np.tile(self._rest, (num_robots, 1))
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
         self._diverged = np.zeros(num_robots, dtype=bool)
         self._index = _SensorIndex(self.model)
 
     def _rest_state(self) -> np.ndarray:
-        data = self._data[0]
+        data = mujoco.MjData(self.model)
         data.qpos[:] = self.nominal
         state = np.zeros(mujoco.mj_stateSize(self.model, _FULL))
         mujoco.mj_getState(self.model, data, state, _FULL)
@@ -81,18 +79,18 @@ class BatchedPhysics:
 
     def step(self, targets: np.ndarray) -> None:
         """Simulate one control period with desired joint positions (N, 12)."""
-        self._state[:, 0] = 0.0
+        self._state[:, 0] = _START_TIME
         control = np.repeat(targets[:, None, _ACTUATED], self._substeps, axis=1)
         series = self._pool.rollout(self.model, self._data, self._state, control)
         self._state, self._sensors = (np.asarray(values)[:, -1].copy() for values in series)
-        self._diverged = self._find_diverged()
+        self._diverged = self._find_diverged() | ~np.isfinite(targets).all(axis=1)
         if self._diverged.any():
-            self._state[self._diverged] = self._rest_state()
+            self._state[self._diverged] = self._rest
             self._sensors[self._diverged] = 0.0
 
     def _find_diverged(self) -> np.ndarray:
-        """MuJoCo resets a blown-up state silently: its clock then lags behind."""
-        late = np.abs(self._state[:, 0] - self._period) > 1e-9
+        """MuJoCo resets a blown-up state silently: its clock then starts from zero."""
+        late = np.abs(self._state[:, 0] - _START_TIME - self._period) > 1e-9
         wild = ~np.isfinite(self._state).all(axis=1)
         with np.errstate(invalid="ignore"):
             fast = np.abs(self.qvel).max(axis=1) > _SPEED_LIMIT

@@ -1,0 +1,178 @@
+"""Small inputs made by hand: a gait library, robot states, views and the configurations."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from slider.core.config.compose import compose
+from slider.core.config.env import PhysicsConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.config.schema import Config
+from slider.env.guide import Guide
+from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
+from slider.env.state import RobotState
+from slider.env.view import View
+from slider.library.lookup import GaitLibrary, GaitTable
+from slider.robot.mjcf import nominal_qpos
+from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
+
+CONF = Path(__file__).parents[2] / "conf"
+PERMUTATION, SIGN = np.array(MIRROR_PERMUTATION), np.array(MIRROR_SIGN)
+SAMPLES = 42
+STEP_TIME = 0.4
+
+
+@cache
+def config(*overrides: str) -> Config:
+    return compose(list(overrides), CONF)
+
+
+def robot_config() -> RobotConfig:
+    return config("experiment=test").robot
+
+
+def make_library(velocities: tuple[tuple[float, float], ...] | None = None) -> GaitLibrary:
+    """Gaits that step in place with small sinusoids, the second step a mirror of the first.
+
+    Amplitude and step time grow with vx, so that gaits differ.
+    """
+    grid = np.array(velocities or ((0.0, 0.0), (0.4, 0.0), (0.0, 0.1), (0.4, 0.1)))
+    gaits = [_gait(vx, vy) for vx, vy in grid]
+    return GaitLibrary(
+        velocities=grid,
+        samples=np.stack([samples for samples, _ in gaits]),
+        base=np.stack([base for _, base in gaits]),
+        step_time=np.stack([np.full(2, step_time(vx)) for vx, _ in grid]),
+    )
+
+
+def step_time(vx: float) -> float:
+    return STEP_TIME - 0.1 * vx
+
+
+def _gait(vx: float, vy: float) -> tuple[np.ndarray, np.ndarray]:
+    duration = 2 * step_time(vx)
+    per_step = SAMPLES // 2
+    first = 0.5 * np.arange(per_step) / (per_step - 1)
+    phase = np.concatenate([first, 0.5 + first])
+    joints, rates = np.zeros((SAMPLES, NUM_JOINTS)), np.zeros((SAMPLES, NUM_JOINTS))
+    swing = 0.1 + 0.2 * vx
+    for leg, offset in enumerate((0.0, 0.5)):
+        angle, speed = 2 * np.pi * (phase + offset), 2 * np.pi / duration
+        for name, amplitude in (("hip_pitch", swing), ("ankle", -swing), ("hip_roll", 0.02)):
+            column = JOINTS.index(f"left_{name}") + 6 * leg
+            sign = -1.0 if name == "hip_roll" and leg else 1.0
+            joints[:, column] = sign * amplitude * np.sin(angle)
+            rates[:, column] = sign * amplitude * speed * np.cos(angle)
+        column = JOINTS.index("left_slide") + 6 * leg
+        joints[:, column] = -0.02 * (1 - np.cos(angle))
+        rates[:, column] = -0.02 * speed * np.sin(angle)
+    ones = np.ones((SAMPLES, 1))
+    samples = np.concatenate([joints, rates, vx * ones, vy * ones], axis=1)
+    base = np.zeros((SAMPLES, 13))
+    base[:, 0], base[:, 1] = vx * duration * phase, vy * duration * phase
+    base[:, 2] = nominal_qpos(robot_config())[2]
+    base[:, 3] = 1.0
+    base[:, 7], base[:, 8] = vx, vy
+    return samples, base
+
+
+@cache
+def library() -> GaitLibrary:
+    return make_library()
+
+
+@cache
+def gait_table() -> GaitTable:
+    return GaitTable.from_library(library())
+
+
+def make_guide() -> Guide:
+    return Guide(library(), gait_table())
+
+
+def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhysics:
+    physics: PhysicsConfig = replace(config("experiment=test").env.physics, **settings)
+    return BatchedPhysics(robot_config(), physics, count, threads)
+
+
+def make_agent(count: int, *overrides: str) -> AgentInterface:
+    """The agent of an environment; ``overrides`` are Hydra's."""
+    settings = config("experiment=test", *overrides)
+    return AgentInterface(settings.robot, settings.env, count, gait_table().times)
+
+
+def random_pose(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (count, 19) and velocities (count, 18), tilted, turned and moving."""
+    quaternion = np.array([1.0, 0.0, 0.0, 0.0]) + 0.3 * rng.standard_normal((count, 4))
+    quaternion /= np.linalg.norm(quaternion, axis=1, keepdims=True)
+    position = rng.uniform(-0.2, 0.2, (count, 3)) + [0.0, 0.0, 0.9]
+    joints = 0.1 * rng.standard_normal((count, NUM_JOINTS))
+    qvel = 0.5 * rng.standard_normal((count, 6 + NUM_JOINTS))
+    return np.concatenate([position, quaternion, joints], axis=1), qvel
+
+
+def mirror_pose(qpos: np.ndarray, qvel: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same robots seen in a mirror at the world's x-z plane."""
+    positions, velocities = qpos.copy(), qvel.copy()
+    positions[:, 1] *= -1.0  # y
+    positions[:, [4, 6]] *= -1.0  # rotation about x and z
+    positions[:, 7:] = qpos[:, 7:][:, PERMUTATION] * SIGN
+    velocities[:, 1] *= -1.0
+    velocities[:, [3, 5]] *= -1.0  # angular velocity about x and z
+    velocities[:, 6:] = qvel[:, 6:][:, PERMUTATION] * SIGN
+    return positions, velocities
+
+
+def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
+    """Robots at rest in the nominal pose, with ``changes`` of some quantities."""
+    height = float(nominal_qpos(robot_config())[2])
+    state = RobotState(
+        base_position=np.tile([0.0, 0.0, height], (count, 1)),
+        rotation=np.tile(np.eye(3), (count, 1, 1)),
+        yaw=np.zeros(count),
+        linear_velocity=np.zeros((count, 3)),
+        angular_velocity=np.zeros((count, 3)),
+        heading_velocity=np.zeros((count, 2)),
+        gravity=np.tile([0.0, 0.0, -1.0], (count, 1)),
+        joint_positions=np.zeros((count, NUM_JOINTS)),
+        joint_velocities=np.zeros((count, NUM_JOINTS)),
+        efforts=np.zeros((count, NUM_JOINTS)),
+        foot_positions=np.zeros((count, 2, 3)),
+        foot_velocities=np.zeros((count, 2, 3)),
+        foot_forces=np.zeros((count, 2)),
+        body_contacts=np.zeros(count),
+        diverged=np.zeros(count, dtype=bool),
+    )
+    shaped = {
+        name: np.broadcast_to(
+            np.asarray(value, dtype=getattr(state, name).dtype), getattr(state, name).shape
+        ).copy()
+        for name, value in changes.items()
+    }
+    return replace(state, **shaped)
+
+
+def make_view(state: RobotState, **changes: np.ndarray) -> View:
+    """A view of a state with zero commands and actions, with ``changes``."""
+    count = state.num_robots
+    limits = [robot_config().limits[name.split("_", 1)[1]].effort for name in JOINTS]
+    values = {
+        "command": np.zeros((count, 4)),
+        "action": np.zeros((count, NUM_JOINTS)),
+        "previous_action": np.zeros((count, NUM_JOINTS)),
+        "filtered_velocity": np.zeros((count, 2)),
+        "phase": np.zeros(count),
+    }
+    values |= {name: np.asarray(value, dtype=float) for name, value in changes.items()}
+    return View(
+        state=state,
+        nominal=np.zeros(NUM_JOINTS),
+        nominal_height=float(nominal_qpos(robot_config())[2]),
+        effort_limits=np.where(np.array(limits) > 0, limits, np.inf),
+        scan_points=(15, 12),
+        **values,
+    )

@@ -1,0 +1,128 @@
+"""Batched physics against MuJoCo's own step, on any number of threads, with blow-ups."""
+
+# pyright: reportAttributeAccessIssue=false
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.env.starts import at_rest, joint_range
+from slider.robot.names import ACTUATED, NUM_JOINTS
+from tests.env.synthetic import config, make_physics, random_pose, robot_config
+
+
+def random_targets(rng: np.random.Generator, steps: int, count: int) -> np.ndarray:
+    lower, upper = joint_range(robot_config())
+    return 0.1 * rng.uniform(lower, upper, (steps, count, NUM_JOINTS))
+
+
+def simulate(threads: int, count: int = 6, steps: int = 15):
+    rng = np.random.default_rng(1)
+    physics = make_physics(count, threads)
+    physics.reset(np.arange(count), *random_pose(rng, count))
+    for targets in random_targets(rng, steps, count):
+        physics.step(targets)
+    return physics
+
+
+def test_equals_mujoco_stepped_by_itself():
+    rng = np.random.default_rng(1)
+    physics = make_physics(6)
+    noise = config("experiment=test").env.start
+    start = at_rest(robot_config(), noise, rng, 6)
+    physics.reset(np.arange(6), *start)
+    alone = mujoco.MjData(physics.model)
+    alone.qpos[:], alone.qvel[:] = start[0][4], start[1][4]
+    for targets in random_targets(rng, 15, 6):
+        physics.step(targets)
+        alone.ctrl[:] = targets[4, ACTUATED]
+        alone.qacc_warmstart[:] = 0.0  # the rollout keeps no warm start between calls
+        for _ in range(4):
+            mujoco.mj_step(physics.model, alone)
+        np.testing.assert_allclose(physics.qpos[4], alone.qpos, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(physics.qvel[4], alone.qvel, rtol=0, atol=1e-11)
+    state = physics.read()
+    assert state.foot_forces[4].max() > 5.0, "no contact: the comparison would prove little"
+    effort = alone.actuator_force
+    np.testing.assert_allclose(state.efforts[4, ACTUATED], effort, rtol=0, atol=1e-9)
+
+
+def test_threads_do_not_change_the_result():
+    one, three = simulate(1), simulate(3)
+    np.testing.assert_array_equal(one.qpos, three.qpos)
+    np.testing.assert_array_equal(one.qvel, three.qvel)
+    np.testing.assert_array_equal(one.read().foot_forces, three.read().foot_forces)
+
+
+def spoil_speed(physics, targets):
+    physics.qvel[2, 6:] = 1e9
+
+
+def spoil_state(physics, targets):
+    physics.qpos[2, 8] = np.nan
+
+
+def spoil_target(physics, targets):
+    targets[2, 3] = np.nan
+
+
+@pytest.mark.parametrize("substeps", [4, 1])
+@pytest.mark.parametrize("spoil", [spoil_speed, spoil_state, spoil_target])
+def test_a_blow_up_is_found_and_stays_alone(spoil, substeps):
+    start = random_pose(np.random.default_rng(2), 4)
+    clean, spoiled = make_physics(4, substeps=substeps), make_physics(4, substeps=substeps)
+    for physics in (clean, spoiled):
+        physics.reset(np.arange(4), *start)
+        physics.step(np.zeros((4, NUM_JOINTS)))
+        assert not physics.read().diverged.any()
+    targets = np.zeros((4, NUM_JOINTS))
+    clean.step(targets)
+    spoil(spoiled, targets)
+    spoiled.step(targets)
+    state = spoiled.read()
+    np.testing.assert_array_equal(state.diverged, [False, False, True, False])
+    others = [0, 1, 3]
+    np.testing.assert_array_equal(spoiled.qpos[others], clean.qpos[others])
+    np.testing.assert_array_equal(spoiled.qvel[others], clean.qvel[others])
+    np.testing.assert_array_equal(spoiled.qpos[2], spoiled.nominal)
+    np.testing.assert_array_equal(spoiled.qvel[2], 0.0)
+    for _ in range(5):
+        spoiled.step(np.zeros((4, NUM_JOINTS)))
+    assert np.isfinite(spoiled.qpos).all()
+    assert not spoiled.read().diverged.any()
+
+
+def test_a_huge_target_is_bounded_by_the_drives():
+    physics = make_physics(2)
+    targets = np.zeros((2, NUM_JOINTS))
+    targets[1] = 1e6
+    for _ in range(10):
+        physics.step(targets)
+    state = physics.read()
+    assert not state.diverged.any()
+    for index in ACTUATED:
+        name = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle")[index % 6]
+        assert abs(state.efforts[1, index]) <= robot_config().limits[name].effort + 1e-9
+
+
+def test_reset_clears_what_the_last_life_left():
+    physics = simulate(1)
+    physics.qpos[3] = np.nan
+    physics.step(np.zeros((6, NUM_JOINTS)))
+    assert physics.read().diverged[3]
+    qpos, qvel = random_pose(np.random.default_rng(5), 1)
+    physics.reset(np.array([3]), qpos, qvel)
+    state = physics.read()
+    assert not state.diverged[3]
+    assert state.foot_forces[3].sum() == 0.0
+    np.testing.assert_array_equal(physics.qpos[3], qpos[0])
+
+
+def test_blow_ups_write_no_log_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    physics = make_physics(2)
+    physics.qvel[0, 6:] = 1e9
+    physics.step(np.zeros((2, NUM_JOINTS)))
+    physics.qpos[1, 8] = np.nan
+    physics.step(np.zeros((2, NUM_JOINTS)))
+    assert list(tmp_path.iterdir()) == []

@@ -36,7 +36,11 @@ class SimulationOptions:
 
 def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
     """Compile the model of a robot on flat ground."""
-    return build_spec(robot, options).compile()
+    model = build_spec(robot, options).compile()
+    order = tuple(model.joint(i).name for i in range(1, model.njnt))
+    if order != names.JOINTS:
+        raise RuntimeError(f"expected the joints {names.JOINTS}, found {order}")
+    return model
 
 
 def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
@@ -141,9 +145,10 @@ def _add_leg(
         fromto=[0, 0, geometry.upper_foot_height, 0, 0, -geometry.leg_length + 0.05],
         rgba=[0.12, 0.12, 0.13, 1],
     )
-    _add_link(tube, robot, side, "upper_foot", links.upper_foot, [0, 0, geometry.upper_foot_height])
     foot = _add_link(tube, robot, side, "ankle", links.foot, [0, 0, -geometry.leg_length])
     _add_foot(foot, robot, side)
+    # After the foot: MuJoCo numbers joints in this order, and names.JOINTS says it.
+    _add_link(tube, robot, side, "upper_foot", links.upper_foot, [0, 0, geometry.upper_foot_height])
 
 
 _AXES = {

@@ -1,0 +1,84 @@
+"""A real gait, solved once, in both coordinate systems."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from slider.core.config.compose import compose
+from slider.core.config.convert import from_dict, to_dict
+from slider.core.config.gait import FormulationConfig
+from slider.gait.formulation import Formulation
+from slider.gait.problem import GaitProblem
+from slider.gait.solution import KneeTrajectory, knee_trajectory
+from slider.gait.solve import GaitSolver, Solve
+from slider.gait.tree import StanceTree
+from slider.robot.knee_model import KneeModel, build_knee_model
+
+CONF = Path(__file__).parents[2] / "conf"
+
+
+@pytest.fixture(scope="session")
+def config():
+    return compose([], CONF)
+
+
+@pytest.fixture(scope="session")
+def knee_model(config) -> KneeModel:
+    robot = config.robot
+    return build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
+
+
+def build_problem(config, knee_model, **changes) -> GaitProblem:
+    gait = {k: v for k, v in to_dict(config.gait).items() if k != "grid"} | changes
+    limits, length = config.robot.limits, config.robot.geometry.leg_length
+    settings = from_dict(FormulationConfig, gait)
+    return GaitProblem(Formulation(StanceTree(knee_model), settings, limits, length))
+
+
+@dataclass(frozen=True)
+class FloatingState:
+    """Position (17,) with quaternion x, y, z, w and velocity (16,) in the base frame."""
+
+    q: np.ndarray
+    v: np.ndarray
+
+
+@dataclass(frozen=True)
+class SolvedGait:
+    """A gait with its problem and its samples."""
+
+    problem: GaitProblem
+    solve: Solve
+    trajectory: KneeTrajectory
+
+    @property
+    def node_interval(self) -> float:
+        """Time between two nodes [s]."""
+        step_time = self.solve.variables[self.problem.time_index(0)]
+        return float(step_time / (self.problem.nodes - 1))
+
+    def knee_state(self, k: int) -> FloatingState:
+        """Sample k as pinocchio wants it."""
+        t = self.trajectory
+        rotation = t.base_rotation[k]
+        quaternion = Rotation.from_matrix(rotation).as_quat()
+        linear = rotation.T @ t.base_velocity[k]
+        return FloatingState(
+            np.concatenate([t.base_position[k], quaternion, t.q[k]]),
+            np.concatenate([linear, t.base_angular[k], t.v[k]]),
+        )
+
+
+@pytest.fixture(scope="session")
+def solver(config, knee_model) -> GaitSolver:
+    return GaitSolver(build_problem(config, knee_model))
+
+
+@pytest.fixture(scope="session")
+def solved(solver) -> SolvedGait:
+    solve = solver.solve(0.6, 0.05)
+    assert solve.success, solve.status
+    return SolvedGait(solver.problem, solve, knee_trajectory(solver.problem, solve.variables))

@@ -1,0 +1,129 @@
+"""Derivatives of every symbolic function against central differences."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from slider.gait.guess import cold_start
+from slider.gait.nlp import assemble
+from slider.gait.problem import NODE, STEP
+from tests.gait.gaits import problem, solver
+
+STEP_SIZE = 1e-6
+
+
+def near_a_gait() -> np.ndarray:
+    """A point with no symmetry, so that no derivative vanishes by accident."""
+    rng = np.random.default_rng(3)
+    x = cold_start(problem(), 0.5)
+    return x + 0.05 * rng.normal(size=x.size)
+
+
+def differences(function, x: np.ndarray) -> np.ndarray:
+    """Central differences (rows, len(x))."""
+    columns = []
+    for i in range(len(x)):
+        step = np.zeros_like(x)
+        step[i] = STEP_SIZE
+        columns.append((function(x + step) - function(x - step)) / (2 * STEP_SIZE))
+    return np.stack(columns, axis=-1)
+
+
+def dense(value: ca.DM) -> np.ndarray:
+    return np.array(ca.densify(value))
+
+
+def flat(value: ca.DM) -> np.ndarray:
+    return dense(value).ravel()
+
+
+def assert_close(found: np.ndarray, expected: np.ndarray) -> None:
+    scale = max(1.0, np.abs(expected).max())
+    np.testing.assert_allclose(found / scale, expected / scale, atol=2e-7)
+
+
+def node_vector() -> np.ndarray:
+    return (problem().select_nodes @ near_a_gait())[5 * NODE : 6 * NODE]
+
+
+def test_node_jacobian_and_cost_gradient():
+    x, weight = node_vector(), 0.03
+    piece = problem().node
+    rows, jacobian = piece.jacobian(x)
+    cost, value = piece.value(x, weight)
+    np.testing.assert_allclose(flat(rows), flat(value), rtol=1e-12)
+    assert_close(dense(jacobian), differences(lambda y: flat(piece.value(y, weight)[1]), x))
+    gradient = flat(problem().gradient(x, weight)[1])
+    expected = differences(lambda y: float(piece.value(y, weight)[0]), x)
+    assert_close(gradient, expected)
+    assert float(cost) > 0
+
+
+def test_node_hessian():
+    rng = np.random.default_rng(0)
+    x, weight, factor = node_vector(), 0.03, 0.7
+    piece, gradient = problem().node, problem().gradient
+    multipliers = rng.normal(size=piece.value.size1_out(1))
+
+    def lagrangian_gradient(y: np.ndarray) -> np.ndarray:
+        slope = factor * flat(gradient(y, weight)[1])
+        return slope + dense(piece.jacobian(y)[1]).T @ multipliers
+
+    hessian = dense(piece.hessian(x, weight, factor, multipliers))
+    assert_close(hessian, differences(lagrangian_gradient, x))
+
+
+def test_impact_and_step_ends():
+    rng = np.random.default_rng(1)
+    y, command = problem().select_ends @ near_a_gait(), np.array([0.5, 0.05])
+    piece = problem().ends
+    assert y.shape == (2 * STEP,)
+    jacobian = dense(piece.jacobian(y, command)[1])
+    assert_close(jacobian, differences(lambda z: flat(piece.value(z, command)), y))
+    multipliers = rng.normal(size=len(jacobian))
+    expected = differences(lambda z: dense(piece.jacobian(z, command)[1]).T @ multipliers, y)
+    assert_close(dense(piece.hessian(y, command, multipliers)), expected)
+
+
+def test_collocation():
+    rng = np.random.default_rng(2)
+    x, piece = near_a_gait(), problem().collocation
+    jacobian = dense(piece.jacobian(x)[1])
+    assert_close(jacobian, differences(lambda z: flat(piece.value(z)), x))
+    multipliers = rng.normal(size=len(jacobian))
+    expected = differences(lambda z: dense(piece.jacobian(z)[1]).T @ multipliers, x)
+    assert_close(dense(piece.hessian(x, multipliers)), expected)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_assembled_programme_along_random_directions(seed):
+    rng = np.random.default_rng(seed)
+    nlp = assemble(problem())
+    x, command = near_a_gait(), np.array([0.5, -0.05])
+    direction = rng.normal(size=x.size)
+    direction /= np.linalg.norm(direction)
+    multipliers, factor = rng.normal(size=nlp.objective_and_rows.size1_out(1)), 0.4
+
+    def along(function) -> np.ndarray:
+        above, below = function(x + STEP_SIZE * direction), function(x - STEP_SIZE * direction)
+        return (above - below) / (2 * STEP_SIZE)
+
+    def lagrangian_gradient(z: np.ndarray) -> np.ndarray:
+        slope = factor * flat(nlp.gradient(z, command)[1])
+        return slope + flat(nlp.jacobian(z, command)[1].T @ ca.DM(multipliers))
+
+    cost = along(lambda z: float(nlp.objective_and_rows(z, command)[0]))
+    assert flat(nlp.gradient(x, command)[1]) @ direction == pytest.approx(cost, rel=1e-6, abs=1e-8)
+    rows = along(lambda z: flat(nlp.objective_and_rows(z, command)[1]))
+    assert_close(flat(nlp.jacobian(x, command)[1] @ ca.DM(direction)), rows)
+    upper = dense(nlp.hessian(x, command, factor, multipliers))
+    hessian = upper + np.triu(upper, 1).T
+    assert_close(hessian @ direction, along(lagrangian_gradient))
+
+
+def test_rows_and_bounds_belong_together():
+    lower, upper = problem().row_bounds
+    rows = np.concatenate([block.rows for block in problem().blocks])
+    np.testing.assert_array_equal(np.sort(rows), np.arange(len(lower)))
+    assert (lower <= upper).all()
+    assert solver().problem.size == len(problem().variable_bounds[0])

@@ -1,0 +1,144 @@
+"""The rooted Newton-Euler dynamics against pinocchio's floating-base robot."""
+
+from functools import cache
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from slider.gait.formulation import NodeSymbols, StepEnd
+from slider.gait.problem import NODE
+from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
+from tests.gait.gaits import model, nodes, problem, solved, trajectory
+from tests.numerics.pin_robot import SIDES, FloatingState, PinRobot
+
+COMMANDS = [(0.6, 0.1), (1.2, 0.0)]
+
+
+@cache
+def robot() -> PinRobot:
+    return PinRobot(model())
+
+
+@cache
+def rooted() -> ca.Function:
+    """Torques, ground force and moment of a node vector (34,)."""
+    x = ca.SX.sym("x", NODE)
+    s, tree = NodeSymbols.of(x), problem().formulation.tree
+    dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
+    return ca.Function("rooted", [x], [dynamics.torques, *tree.line_wrench(s.roll, dynamics)])
+
+
+def compare(x: np.ndarray, atol: float) -> None:
+    torques, force, moment = (np.array(value).ravel() for value in rooted()(x))
+    time = x[-1]
+    state = robot().standing(x[:3], x[3:13], x[13:23] / time, x[23:33] / time**2)
+    expected, wrench = robot().inverse_dynamics(state)
+    np.testing.assert_allclose(torques, expected, atol=atol)
+    np.testing.assert_allclose(np.concatenate([force, moment]), wrench, atol=atol)
+
+
+def test_random_motions():
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        x = np.concatenate(
+            [rng.normal(size=33) * [0.2, 1, 5, *[0.5] * 10, *[1] * 10, *[2] * 10], [1]]
+        )
+        compare(x, 1e-8)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_all_nodes_of_a_gait(command):
+    for x in nodes(*command):
+        compare(x, 1e-8)
+
+
+def floating(command: tuple[float, float], sample: int) -> FloatingState:
+    """A sample of the walk as it is in the world, from the gait's own base motion."""
+    t = trajectory(*command)
+    pose = pin.SE3(t.base_rotation[sample], t.base_position[sample])
+    q = np.concatenate([pin.SE3ToXYZQUAT(pose), t.q[sample]])
+    linear = t.base_rotation[sample].T @ t.base_velocity[sample]
+    v = np.concatenate([linear, t.base_angular[sample], t.v[sample]])
+    return FloatingState(q, v, np.zeros(16))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_stance_foot_of_the_walk_stays_on_its_line(command):
+    half = problem().nodes
+    for sample in range(2 * half):
+        state = floating(command, sample)
+        side = SIDES[sample // half]
+        jacobian = robot().jacobian(state.q, side)
+        place = robot().data.oMf[robot().sole(side)]
+        np.testing.assert_allclose(place.translation, 0, atol=1e-12)
+        np.testing.assert_allclose(place.rotation[:, 0], [1, 0, 0], atol=1e-12)
+        np.testing.assert_allclose((jacobian @ state.v)[[0, 1, 2, 4, 5]], 0, atol=1e-10)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("step", [0, 1])
+def test_impact(command, step):
+    half = problem().nodes
+    before = floating(command, (step + 1) * half - 1)
+    after = floating(command, ((step + 1) * half) % (2 * half))
+    side = SIDES[1 - step]
+    velocity = robot().impact(before.q, before.v, side)
+    # The joints' own inertia of a foot is 2e-4 kg m²: 1e-9 N m s of residual shows as 1e-5 rad/s.
+    np.testing.assert_allclose(velocity[3:], after.v[3:], atol=1e-4)
+    np.testing.assert_allclose(impact_residual(command, step, velocity), 0, atol=1e-9)
+
+
+def impact_residual(command: tuple[float, float], step: int, velocity: np.ndarray) -> np.ndarray:
+    """Impulsive torques [N m s] of the formulation for pinocchio's velocities after impact."""
+    x = nodes(*command).reshape(2, problem().nodes, NODE)
+    end, start = x[step, -1], x[1 - step, 0]
+    joints = velocity[6:]
+    if step == 0:  # the step that follows, right stance, is reflected
+        joints = np.concatenate(
+            [LEG_MIRROR * joints[LEG_JOINTS:], LEG_MIRROR * joints[:LEG_JOINTS]]
+        )
+    state = floating(command, (step + 1) * problem().nodes - 1)
+    rate = (robot().jacobian(state.q, SIDES[1 - step]) @ velocity)[3]
+    return np.array(
+        impact_rows()(
+            end[0], end[1], end[3:13], end[13:23] / end[-1], start[0], start[3:13],
+            rate if step else -rate, joints,
+        )
+    ).ravel()  # fmt: skip
+
+
+@cache
+def impact_rows() -> ca.Function:
+    roll, rate, new_roll, new_rate = (ca.SX.sym(name) for name in ("r", "w", "nr", "nw"))
+    q, v, new_q, new_v = (ca.SX.sym(name, 10) for name in ("q", "v", "nq", "nv"))
+    rows = problem().formulation.touchdown(
+        StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v)
+    )
+    impact = next(row.expression for row in rows if row.name == "impact")
+    return ca.Function("impact", [roll, rate, q, v, new_roll, new_q, new_rate, new_v], [impact])
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("step", [0, 1])
+def test_impact_keeps_the_angular_momentum_about_the_new_foot_line(command, step):
+    half = problem().nodes
+    before = floating(command, (step + 1) * half - 1)
+    after = floating(command, ((step + 1) * half) % (2 * half))
+    robot().jacobian(before.q, SIDES[1 - step])
+    sole = robot().data.oMf[robot().sole(SIDES[1 - step])].translation.copy()
+    lost = robot().momentum_about(before.q, before.v, sole)[0]
+    kept = robot().momentum_about(after.q, after.v, np.zeros(3))[0]
+    assert abs(lost) > 0.1
+    assert kept == pytest.approx(lost, abs=1e-7)
+
+
+def test_the_cost_is_equation_2():
+    t, solve = trajectory(0.6, 0.1), solved(0.6, 0.1)
+    times = [solve.variables[problem().time_index(step)] for step in range(2)]
+    half = problem().nodes
+    expected = sum(
+        (t.torques[step * half : (step + 1) * half] ** 2).sum() / times[step] for step in range(2)
+    )
+    assert solve.cost == pytest.approx(expected, rel=1e-9)

@@ -1,0 +1,71 @@
+import numpy as np
+import pytest
+
+from slider.robot.knee_model import nominal_flexion
+from tests.gait.gaits import config, model
+
+LINKS = ("yaw", "roll", "pitch", "tube", "foot", "upper_foot")
+
+
+def leg_points(flexion: float, length: float) -> dict[str, np.ndarray]:
+    """Centres of mass (x, z) of thigh and shank; hip at the origin, ankle straight below."""
+    knee = model()
+    along = (knee.thigh**2 + length**2 - knee.shank**2) / (2 * length)
+    elbow = np.array([np.sqrt(knee.thigh**2 - along**2), -along])
+    unit = {"thigh": -elbow / knee.thigh}
+    unit["shank"] = (elbow - np.array([0.0, -length])) / knee.shank
+    origin = {"thigh": np.zeros(2), "shank": elbow}
+    return {
+        name: origin[name] + unit[name] * model().bodies[name].com[2] for name in ("thigh", "shank")
+    }
+
+
+def prismatic() -> list[tuple[float, float, float]]:
+    """Mass, height below the hip and pitch inertia of what thigh and shank stand for."""
+    links, geometry = config().robot.links, config().robot.geometry
+    heights = {"pitch": 0.0, "tube": 0.0, "upper_foot": geometry.upper_foot_height}
+    return [
+        (link.mass, height + link.com[2], link.inertia[1])
+        for link, height in ((getattr(links, name), heights[name]) for name in heights)
+    ]
+
+
+def test_both_models_weigh_the_same():
+    links = config().robot.links
+    total = links.base.mass + 2 * sum(getattr(links, name).mass for name in LINKS)
+    assert model().mass == pytest.approx(total, abs=1e-12)
+    assert 12.0 <= total <= 13.0
+
+
+def test_the_nominal_flexion_gives_the_nominal_leg_length():
+    robot = config().robot
+    theta = nominal_flexion(robot.geometry, robot.virtual_knee)
+    knee = model()
+    length = np.hypot(knee.thigh + knee.shank * np.cos(theta), knee.shank * np.sin(theta))
+    assert length == pytest.approx(robot.geometry.leg_length, abs=1e-12)
+
+
+def test_at_the_nominal_length_the_legs_mass_lies_nearly_at_the_same_height():
+    length = config().robot.geometry.leg_length
+    points = leg_points(0.0, length)
+    bodies = {name: model().bodies[name] for name in points}
+    knee = sum(bodies[name].mass * points[name][1] for name in points)
+    slide = sum(mass * height for mass, height, _ in prismatic())
+    assert knee == pytest.approx(slide, rel=0.01)
+
+
+def test_at_the_nominal_length_the_legs_inertia_about_the_hip_is_a_third_larger():
+    # The virtual knee sticks out by 0.165 m, and a third of the tube lies below it.
+    points = leg_points(0.0, config().robot.geometry.leg_length)
+    knee = 0.0
+    for name, point in points.items():
+        body = model().bodies[name]
+        knee += body.inertia[1] + body.mass * point @ point
+    slide = sum(inertia + mass * height**2 for mass, height, inertia in prismatic())
+    assert knee / slide == pytest.approx(1.33, abs=0.01)
+
+
+def test_inertias_are_those_of_real_bodies():
+    for body in model().bodies.values():
+        assert (body.inertia > 0).all()
+        assert (2 * body.inertia <= body.inertia.sum() + 1e-12).all()

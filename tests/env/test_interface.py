@@ -1,0 +1,190 @@
+"""Actions to targets and back in the mirror; clock, heading target and velocity filter."""
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.env.interface import AgentInterface
+from slider.env.starts import joint_range
+from slider.robot.names import JOINTS, NUM_JOINTS
+from tests.env.synthetic import (
+    PERMUTATION,
+    SIGN,
+    config,
+    make_agent,
+    make_physics,
+    make_state,
+    mirror_pose,
+    robot_config,
+    step_time,
+)
+
+UPPER_FEET = [i for i, name in enumerate(JOINTS) if name.endswith("upper_foot")]
+PAPER = ("env=paper", "train/standing=paper", "train/walking=paper")
+
+
+def at_phase(phase: float, count: int = 3) -> AgentInterface:
+    agent = make_agent(count)
+    agent.reset(np.arange(count), make_state(count), phase=phase)
+    return agent
+
+
+def test_targets_of_an_action_in_left_stance():
+    agent = at_phase(0.1)
+    action = np.random.default_rng(0).uniform(-0.5, 0.5, (3, NUM_JOINTS))
+    scale = config("experiment=test").env.action.scale
+    expected = np.array([scale[name.split("_", 1)[1]] for name in JOINTS]) * action
+    np.testing.assert_allclose(agent.act(action.copy()), expected, atol=1e-12)
+
+
+def test_the_same_action_in_right_stance_gives_mirrored_targets():
+    action = np.random.default_rng(0).uniform(-3, 3, (3, NUM_JOINTS))
+    left, right = at_phase(0.1), at_phase(0.6)
+    expected = left.act(action.copy())[:, PERMUTATION] * SIGN
+    np.testing.assert_allclose(right.act(action.copy()), expected, atol=1e-12)
+    np.testing.assert_allclose(right.action, left.action[:, PERMUTATION] * SIGN, atol=1e-12)
+    assert np.abs(expected - left.act(action.copy())).max() > 0.05
+
+
+def test_without_a_mirror_phase_does_not_matter():
+    action = np.random.default_rng(0).uniform(-1, 1, (3, NUM_JOINTS))
+    agent = make_agent(3, "env.phase.mirror=false")
+    agent.reset(np.arange(3), make_state(3), phase=np.array([0.1, 0.6, 0.9]))
+    targets = agent.act(np.tile(action[0], (3, 1)))
+    np.testing.assert_array_equal(targets[0], targets[1])
+    np.testing.assert_array_equal(targets[0], targets[2])
+
+
+def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
+    """A policy that sees a mirrored robot half a walk later does the mirrored thing."""
+    rng = np.random.default_rng(2)
+    physics = make_physics(2)
+    qpos, qvel = np.tile(physics.nominal, (1, 1)), 0.2 * rng.standard_normal((1, 18))
+    qpos[:, 7:] += 0.05 * rng.standard_normal((1, NUM_JOINTS))
+    qpos[:, 2] += 0.02
+    other = mirror_pose(qpos, qvel)
+    physics.reset(np.arange(2), np.concatenate([qpos, other[0]]), np.concatenate([qvel, other[1]]))
+    agent = make_agent(2)
+    agent.set_velocity_command(np.arange(2), np.array([[0.3, 0.05, 0.1], [0.3, -0.05, -0.1]]))
+    state = physics.read()
+    agent.reset(np.arange(2), state, phase=np.array([0.2, 0.7]))
+    agent.refresh_heading(state)
+    matrix = 0.3 * rng.standard_normal((agent.observer.size, NUM_JOINTS)) / 5
+    for _ in range(10):
+        seen = agent.observe(state)
+        np.testing.assert_allclose(seen[0], seen[1], atol=1e-4)
+        physics.step(agent.act(seen[:1].astype(float).repeat(2, axis=0) @ matrix))
+        state = physics.read()
+        agent.advance(state)
+    assert np.abs(agent.action).max() > 0.05
+    mirrored = mirror_pose(physics.qpos[1:], physics.qvel[1:])
+    np.testing.assert_allclose(physics.qpos[:1], mirrored[0], atol=1e-6)
+
+
+def test_actions_and_targets_are_clipped():
+    agent = at_phase(0.1)
+    clip = config("experiment=test").env.action.clip
+    action = np.full((3, NUM_JOINTS), 1e6)
+    targets = agent.act(action)
+    active = [i for i in range(NUM_JOINTS) if i not in UPPER_FEET]
+    np.testing.assert_array_equal(agent.action[:, active], clip)
+    lower, upper = joint_range(robot_config())
+    assert (targets <= upper).all()
+    assert (targets >= lower).all()
+    assert (action == 1e6).all(), "the caller's action was changed"
+
+
+@pytest.mark.parametrize("phase", [0.1, 0.6])
+def test_upper_feet_are_passive(phase):
+    agent = at_phase(phase)
+    targets = agent.act(np.full((3, NUM_JOINTS), 3.0))
+    expected = np.tile(agent.nominal[UPPER_FEET], (3, 1))
+    np.testing.assert_array_equal(targets[:, UPPER_FEET], expected)
+    np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)
+
+
+def test_the_previous_action_is_the_one_before():
+    agent = at_phase(0.1, 1)
+    agent.act(np.full((1, NUM_JOINTS), 0.2))
+    agent.act(np.full((1, NUM_JOINTS), -0.4))
+    assert agent.action[0, 0] == pytest.approx(-0.4)
+    assert agent.previous_action[0, 0] == pytest.approx(0.2)
+    agent.reset(np.array([0]), make_state(1))
+    assert not agent.action.any()
+    assert not agent.previous_action.any()
+
+
+def test_the_clock_keeps_the_librarys_pace_and_wraps():
+    agent = make_agent(3)
+    state = make_state(3)
+    agent.set_velocity_command(np.arange(3), np.array([[0.0, 0, 0], [0.2, 0.0, 0], [0.4, 0.1, 0]]))
+    start = np.array([0.003, 0.3, 0.97])
+    agent.reset(np.arange(3), state, phase=start)
+    step = 0.02 / (2 * np.array([step_time(v) for v in (0.0, 0.2, 0.4)]))
+    for k in range(1, 61):
+        agent.advance(state)
+        assert agent.clock is not None
+        np.testing.assert_allclose(agent.clock.phase, (start + k * step) % 1.0, atol=1e-9)
+    expected = ((start + 60 * step) % 1.0) < 0.5
+    np.testing.assert_array_equal(agent.clock.left_stance, expected)
+
+
+def test_the_heading_error_integrates_the_yaw_rate_and_wraps():
+    agent = make_agent(2)
+    still = make_state(2, yaw=[3.0, -3.0])
+    agent.set_velocity_command(np.arange(2), np.array([[0, 0, 0.5], [0, 0, -0.5]]))
+    agent.reset(np.arange(2), still)
+    agent.refresh_heading(still)
+    np.testing.assert_allclose(agent.command[:, 3], 0.0, atol=1e-12)
+    for _ in range(50):
+        agent.advance(still)
+    np.testing.assert_allclose(agent.command[:, 3], [0.5, -0.5], atol=1e-9)
+    beyond = make_state(2, yaw=[-3.0, 3.0])  # the same way round, across ±π
+    agent.refresh_heading(beyond)
+    turned = 2 * np.pi - 6.0
+    np.testing.assert_allclose(agent.command[:, 3], [0.5 - turned, turned - 0.5], atol=1e-9)
+    for _ in range(700):
+        agent.advance(still)
+        assert np.abs(agent.command[:, 3]).max() <= np.pi + 1e-12
+
+
+def test_step_response_of_the_velocity_filter():
+    agent = make_agent(1)
+    agent.reset(np.array([0]), make_state(1))
+    moving = make_state(1, heading_velocity=[[1.0, -0.5]])
+    constant = config("experiment=test").env.observation.velocity_filter
+    for k in range(1, 40):
+        agent.advance(moving)
+        share = 1 - (1 - 0.02 / constant) ** k
+        np.testing.assert_allclose(agent.filtered_velocity, [[share, -0.5 * share]], atol=1e-12)
+    assert share == pytest.approx(1 - np.exp(-39 * 0.02 / constant), abs=0.02)
+
+
+def test_resetting_one_robot_leaves_the_others():
+    agent = make_agent(2)
+    moving = make_state(2, heading_velocity=[1.0, 0.0], yaw=0.7)
+    agent.reset(np.arange(2), moving, phase=0.1)
+    agent.act(np.ones((2, NUM_JOINTS)))
+    agent.advance(moving)
+    before = (agent.action[0].copy(), agent.filtered_velocity[0].copy(), agent.clock.phase[0])
+    agent.reset(np.array([1]), moving, phase=0.4, velocity=np.array([[0.3, 0.1]]))
+    np.testing.assert_array_equal(agent.action[0], before[0])
+    np.testing.assert_array_equal(agent.filtered_velocity[0], before[1])
+    assert agent.clock.phase[0] == before[2]
+    assert agent.clock.phase[1] == 0.4
+    np.testing.assert_array_equal(agent.filtered_velocity[1], [0.3, 0.1])
+    assert agent.heading_target[1] == pytest.approx(0.7)
+
+
+def test_the_papers_agent_has_no_clock():
+    agent = make_agent(2, *PAPER)
+    agent.reset(np.arange(2), make_state(2))
+    agent.advance(make_state(2))
+    assert agent.clock is None
+    assert agent.observe(make_state(2)).shape == (2, 235)
+
+
+def test_a_clock_needs_step_times():
+    settings = config("experiment=test")
+    with pytest.raises(UserError, match="step times"):
+        AgentInterface(settings.robot, settings.env, 2, None)

@@ -1,0 +1,151 @@
+"""Observation layouts, and reflection of every term against a robot that is really mirrored."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.core.config.env import HeightScan, ObservationConfig
+from slider.core.errors import UserError
+from slider.env.observations import TERMS, Observer
+from slider.env.view import View
+from tests.env.synthetic import (
+    PERMUTATION,
+    SIGN,
+    config,
+    make_physics,
+    make_state,
+    make_view,
+    mirror_pose,
+    random_pose,
+)
+
+COUNT = 5
+SCAN = HeightScan(15, 12, 0.1)
+# Design, section 3: the paper's 235 observations.
+PAPER = {
+    "base_linear_velocity": 3,
+    "target_linear_velocity": 3,
+    "base_angular_velocity": 3,
+    "target_angular_velocity": 3,
+    "projected_gravity": 3,
+    "command": 4,
+    "joint_positions": 12,
+    "joint_velocities": 12,
+    "previous_action": 12,
+    "height_scan": 180,
+}
+
+
+def observer(*names: str, scale: float = 1.0, clip: float = 1e6) -> Observer:
+    return Observer(ObservationConfig(dict.fromkeys(names, scale), clip, SCAN, 0.3))
+
+
+def physical_view(mirrored: bool) -> View:
+    """A view of robots in random motion, or of the same robots in a mirror."""
+    rng = np.random.default_rng(7)
+    pose = random_pose(rng, COUNT)
+    command = rng.standard_normal((COUNT, 4))
+    actions = rng.standard_normal((2, COUNT, 12))
+    filtered = rng.standard_normal((COUNT, 2))
+    phase = rng.uniform(size=COUNT)
+    if mirrored:
+        pose = mirror_pose(*pose)
+        command = command * [1.0, -1.0, -1.0, -1.0]
+        actions = actions[..., PERMUTATION] * SIGN
+        filtered = filtered * [1.0, -1.0]
+        phase = (phase + 0.5) % 1.0
+    physics = make_physics(COUNT)
+    physics.reset(np.arange(COUNT), *pose)
+    return make_view(
+        physics.read(),
+        command=command,
+        action=actions[0],
+        previous_action=actions[1],
+        filtered_velocity=filtered,
+        phase=phase,
+    )
+
+
+def test_the_papers_layout():
+    layout = Observer(config("experiment=paper").env.observation).layout
+    assert layout == PAPER
+    assert sum(layout.values()) == 235
+
+
+def test_the_default_layout_matches_what_is_computed():
+    settings = config("experiment=default").env.observation
+    see = Observer(settings)
+    values = see(physical_view(False), np.zeros(COUNT, dtype=bool))
+    assert values.shape == (COUNT, see.size)
+    assert values.dtype == np.float32
+    assert see.layout["command"] == 4
+    assert see.layout["joint_positions"] == 12
+    assert see.size == sum(see.layout.values())
+
+
+@pytest.mark.parametrize("name", [*TERMS, "height_scan"])
+def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
+    see = observer(name)
+    reflected = see(physical_view(False), np.ones(COUNT, dtype=bool))
+    plain = see(physical_view(False), np.zeros(COUNT, dtype=bool))
+    expected = see(physical_view(True), np.zeros(COUNT, dtype=bool))
+    assert reflected.shape == (COUNT, see.layout[name])
+    np.testing.assert_allclose(reflected, expected, atol=1e-6)
+    if name not in ("base_height", "height_scan"):
+        assert np.abs(reflected - plain).max() > 1e-2
+
+
+def test_reflecting_twice_changes_nothing():
+    see = observer(*TERMS, "height_scan")
+    both = np.ones(COUNT, dtype=bool)
+    there = see(physical_view(False), both)
+    back = see(physical_view(True), both)
+    plain = see(physical_view(False), np.zeros(COUNT, dtype=bool))
+    np.testing.assert_allclose(back, plain, atol=1e-6)
+    assert np.abs(there - plain).max() > 0.1
+
+
+def test_only_the_asked_robots_are_reflected():
+    see = observer(*TERMS)
+    some = np.arange(COUNT) % 2 == 0
+    mixed = see(physical_view(False), some)
+    plain = see(physical_view(False), np.zeros(COUNT, dtype=bool))
+    full = see(physical_view(False), np.ones(COUNT, dtype=bool))
+    np.testing.assert_array_equal(mixed[some], full[some])
+    np.testing.assert_array_equal(mixed[~some], plain[~some])
+
+
+def test_values_by_hand():
+    state = make_state(1, joint_positions=np.arange(12) / 10, base_position=[[1.0, 2.0, 0.7]])
+    view = make_view(
+        state, command=[[0.5, -0.1, 0.2, 0.3]], action=np.full((1, 12), 2.0), phase=[0.25]
+    )
+    view = replace(view, nominal=np.full(12, 0.1))
+    nobody = np.zeros(1, dtype=bool)
+
+    def seen(name: str) -> np.ndarray:
+        return observer(name)(view, nobody)[0]
+
+    np.testing.assert_allclose(seen("target_linear_velocity"), [0.5, -0.1, 0.0])
+    np.testing.assert_allclose(seen("target_angular_velocity"), [0.0, 0.0, 0.2])
+    np.testing.assert_allclose(seen("command"), [0.5, -0.1, 0.2, 0.3])
+    np.testing.assert_allclose(seen("joint_positions"), np.arange(12) / 10 - 0.1, atol=1e-7)
+    np.testing.assert_allclose(seen("previous_action"), 2.0)
+    np.testing.assert_allclose(seen("base_height"), [0.7 - 0.685], atol=1e-7)
+    np.testing.assert_allclose(seen("height_scan"), np.full(180, 0.7), atol=1e-7)
+    np.testing.assert_allclose(seen("phase"), [1.0, 0.0], atol=1e-7)
+    np.testing.assert_allclose(seen("projected_gravity"), [0.0, 0.0, -1.0])
+
+
+def test_scale_then_clip():
+    view = make_view(make_state(1, joint_velocities=np.linspace(-30, 30, 12)))
+    see = observer("joint_velocities", scale=0.5, clip=10.0)
+    values = see(view, np.zeros(1, dtype=bool))
+    expected = np.clip(0.5 * np.linspace(-30, 30, 12), -10, 10)
+    np.testing.assert_allclose(values[0], expected, rtol=1e-6)
+
+
+def test_an_unknown_term_is_one_line():
+    with pytest.raises(UserError, match=r"env.observation.terms: expected some of .*found nose"):
+        observer("joint_positions", "nose")

@@ -1,0 +1,126 @@
+"""Frames and signs of the named quantities, against MuJoCo's own sensors and bodies."""
+
+# pyright: reportAttributeAccessIssue=false
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.robot.names import NUM_JOINTS
+from tests.env.synthetic import make_physics, random_pose
+
+COUNT = 8
+
+
+@pytest.fixture
+def posed():
+    """Robots tilted, turned and moving: the physics and MuJoCo's forward pass of each."""
+    rng = np.random.default_rng(3)
+    qpos, qvel = random_pose(rng, COUNT)
+    physics = make_physics(COUNT)
+    physics.reset(np.arange(COUNT), qpos, qvel)
+    datas = []
+    for i in range(COUNT):
+        data = mujoco.MjData(physics.model)
+        data.qpos[:], data.qvel[:] = qpos[i], qvel[i]
+        mujoco.mj_forward(physics.model, data)
+        datas.append(data)
+    return physics, datas
+
+
+def test_base_velocities_are_those_of_the_imu(posed):
+    physics, datas = posed
+    state = physics.read()
+    linear = [data.sensor("base_linear_velocity").data for data in datas]
+    angular = [data.sensor("base_angular_velocity").data for data in datas]
+    np.testing.assert_allclose(state.linear_velocity, linear, atol=1e-12)
+    np.testing.assert_allclose(state.angular_velocity, angular, atol=1e-12)
+
+
+def test_rotation_and_gravity(posed):
+    physics, datas = posed
+    state = physics.read()
+    rotation = np.stack([data.body("base").xmat.reshape(3, 3) for data in datas])
+    np.testing.assert_allclose(state.rotation, rotation, atol=1e-12)
+    np.testing.assert_allclose(state.gravity, [r.T @ [0, 0, -1] for r in rotation], atol=1e-12)
+    assert np.ptp(state.gravity[:, 0]) > 0.2, "no tilt: the comparison would prove little"
+
+
+def test_heading_velocity_is_level_and_along_the_nose(posed):
+    physics, datas = posed
+    state = physics.read()
+    for i, data in enumerate(datas):
+        nose = data.body("base").xmat.reshape(3, 3)[:2, 0]
+        nose = nose / np.linalg.norm(nose)
+        left = np.array([-nose[1], nose[0]])
+        velocity = data.qvel[:2]
+        expected = [velocity @ nose, velocity @ left]
+        np.testing.assert_allclose(state.heading_velocity[i], expected, atol=1e-12)
+        np.testing.assert_allclose([np.cos(state.yaw[i]), np.sin(state.yaw[i])], nose, atol=1e-12)
+
+
+def test_turning_the_world_changes_only_the_yaw():
+    rng = np.random.default_rng(4)
+    qpos, qvel = random_pose(rng, 1)
+    turned_qpos, turned_qvel = qpos.copy(), qvel.copy()
+    angle = 2.0
+    turn = np.array([np.cos(angle / 2), 0, 0, np.sin(angle / 2)])
+    mujoco.mju_mulQuat(turned_qpos[0, 3:7], turn, qpos[0, 3:7])
+    mujoco.mju_rotVecQuat(turned_qvel[0, :3], qvel[0, :3], turn)
+    physics = make_physics(2)
+    physics.reset(
+        np.arange(2), np.concatenate([qpos, turned_qpos]), np.concatenate([qvel, turned_qvel])
+    )
+    state = physics.read()
+    for name in ("heading_velocity", "linear_velocity", "angular_velocity", "gravity"):
+        values = getattr(state, name)
+        np.testing.assert_allclose(values[0], values[1], atol=1e-12, err_msg=name)
+    assert np.cos(state.yaw[1] - state.yaw[0]) == pytest.approx(np.cos(angle))
+
+
+def test_sole_positions_and_velocities(posed):
+    _, datas = posed
+    physics = make_physics(COUNT, substeps=1, timestep=1e-4)  # sensors are those before the step
+    qpos, qvel = (np.stack([getattr(d, name) for d in datas]) for name in ("qpos", "qvel"))
+    physics.reset(np.arange(COUNT), qpos, qvel)
+    physics.step(np.zeros((COUNT, NUM_JOINTS)))
+    first = physics.read()
+    soles = [[d.site(f"{side}_sole").xpos for side in ("left", "right")] for d in datas]
+    np.testing.assert_allclose(first.foot_positions, soles, atol=1e-12)
+    physics.step(np.zeros((COUNT, NUM_JOINTS)))
+    second = physics.read()
+    moved = (second.foot_positions - first.foot_positions) / 1e-4
+    # Semi-implicit integration moves with the new velocity.
+    np.testing.assert_allclose(moved, second.foot_velocities, atol=1e-3)
+
+
+def test_standing_feet_carry_the_weight():
+    physics = make_physics(1)
+    forces, bodies = [], []
+    for step in range(30):
+        physics.step(np.zeros((1, NUM_JOINTS)))
+        state = physics.read()
+        bodies.append(state.body_contacts[0])
+        if step >= 15:
+            forces.append(state.foot_forces[0])
+    weight = 9.81 * physics.model.body_mass.sum()
+    left, right = np.mean(forces, axis=0)
+    assert left + right == pytest.approx(weight, rel=0.02)
+    assert left == pytest.approx(right, rel=0.01)
+    assert not any(bodies)
+    state = physics.read()
+    assert state.foot_positions[0, 0, 1] == pytest.approx(0.1, abs=0.01)  # the left foot, at +y
+    assert state.foot_positions[0, 1, 1] == pytest.approx(-0.1, abs=0.01)
+
+
+def test_hanging_feet_carry_nothing_and_a_sunken_base_touches():
+    physics = make_physics(2)
+    start = np.tile(physics.nominal, (2, 1))
+    start[0, 2] += 0.3
+    start[1, 2] = 0.05
+    physics.reset(np.arange(2), start, np.zeros((2, 18)))
+    physics.step(np.zeros((2, NUM_JOINTS)))
+    state = physics.read()
+    np.testing.assert_array_equal(state.foot_forces[0], 0.0)
+    assert state.body_contacts[0] == 0
+    assert state.body_contacts[1] > 0

@@ -4,7 +4,7 @@ Two steps make a walk. The second is written in reflected coordinates, so that t
 always the left one and the same functions serve both.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -197,7 +197,7 @@ class Formulation:
         return _between("position", "rad, m", "robot.limits", place, lower, upper, 1.0)
 
     def _swing_foot(self, foot: BodyPose) -> list[Constraint]:
-        """Clearance over the step and lateral distance from the stance foot."""
+        """Height over the step and lateral distance from the stance foot."""
         toe, heel = (self.tree.point(foot, end)[0] for end in self.foot_ends())
         posture = self.config.posture
         arc = 4.0 * posture.clearance * self.phase * (1.0 - self.phase)
@@ -207,10 +207,10 @@ class Formulation:
         clearance = Constraint(
             "clearance",
             "m",
-            "gait.posture.clearance",
+            "gait.posture.clearance, swing_height",
             height,
             lower,
-            np.full_like(lower, np.inf),
+            np.full_like(lower, posture.swing_height),
             LENGTH_SCALE,
         )
         middle = (toe[1] + heel[1]) / 2
@@ -272,7 +272,7 @@ class Formulation:
             _equality(
                 "continuity", "rad", "impact keeps positions", after.q - mirrored(before.q), 1.0
             ),
-            *[_renamed(c, f"impact_{c.name}", "N s") for c in self.contact(force, moment, 0.0)],
+            *[_impulsive(c) for c in self.contact(force, moment, 0.0)],
             _between(
                 "touchdown_speed",
                 "m/s",
@@ -355,6 +355,6 @@ def _stack(rows: Rows) -> ca.SX:
     return ca.vertcat(*rows) if isinstance(rows, list) else rows
 
 
-def _renamed(constraint: Constraint, name: str, unit: str) -> Constraint:
-    c = constraint
-    return Constraint(name, unit, c.source, c.expression, c.lower, c.upper, c.scale)
+def _impulsive(constraint: Constraint) -> Constraint:
+    """The same condition on impulses, which are of the order of 1 N s."""
+    return replace(constraint, name=f"impact_{constraint.name}", unit="N s", scale=1.0)

@@ -58,8 +58,7 @@ class GaitSolver:
                 "tol": config.tolerance,
                 "constr_viol_tol": config.constraint_tolerance,
                 "linear_solver": "mumps",
-                "mu_strategy": "monotone",  # adaptive lingers at small barriers, or elsewhere
-                "mu_init": 1e-2,
+                "mu_strategy": "adaptive",
                 "acceptable_tol": 1e-4,
                 "acceptable_iter": 15,
                 "bound_relax_factor": 1e-9,

@@ -57,6 +57,7 @@ class Posture:
     """Geometric limits of a gait: [m], [rad]."""
 
     clearance: float
+    swing_height: float
     foot_separation_min: float
     foot_separation_max: float
     torso_roll: float

@@ -1,0 +1,330 @@
+"""Every reward term by hand, the printed reward by its formula, the guide by brute force."""
+
+import numpy as np
+import pytest
+
+from slider.core.config.train import RewardConfig, RewardTerm
+from slider.core.errors import UserError
+from slider.env.guide import NUM_CHANNELS, observed_channels
+from slider.env.rewards import TERMS, Reward, RewardView
+from slider.env.view import View
+from slider.robot.names import CHANNELS, JOINTS
+from tests.env.synthetic import (
+    config,
+    gait_table,
+    library,
+    make_guide,
+    make_physics,
+    make_state,
+    make_view,
+    random_pose,
+)
+
+NOMINAL_HEIGHT = 0.685
+PAPER_EXPERIMENT = "experiment=paper"
+
+
+def value(name: str, view: View, **params: float) -> np.ndarray:
+    return TERMS[name](RewardView(view, make_guide()), **params)
+
+
+def moving_view(count: int = 40) -> View:
+    rng = np.random.default_rng(11)
+    physics = make_physics(count)
+    physics.reset(np.arange(count), *random_pose(rng, count))
+    physics.step(0.1 * rng.standard_normal((count, 12)))
+    command = rng.uniform(-0.2, 0.6, (count, 4))
+    return make_view(
+        physics.read(),
+        command=command,
+        action=rng.standard_normal((count, 12)),
+        previous_action=rng.standard_normal((count, 12)),
+        filtered_velocity=rng.standard_normal((count, 2)),
+        phase=rng.uniform(size=count),
+    )
+
+
+def joint(name: str, number: float) -> np.ndarray:
+    values = np.zeros(len(JOINTS))
+    values[JOINTS.index(name)] = number
+    return values
+
+
+HAND = {  # term → (state, view, parameters, value)
+    "alive": ({}, {}, {}, 1.0),
+    "forward_velocity": (
+        {"heading_velocity": [0.5, 3.0]},
+        {"command": [[0.2, 0, 0, 0]]},
+        {},
+        1 - np.tanh(0.3),
+    ),
+    "forward_velocity_filtered": (
+        {},
+        {"command": [[2.0, 0, 0, 0]], "filtered_velocity": [[1.7, 9.0]]},
+        {"width": 0.01, "relative": 0.02},
+        np.exp(-(0.3**2) / (0.01 + 0.02 * 4.0)),
+    ),
+    "lateral_velocity_filtered": (
+        {},
+        {"command": [[0, 0.1, 0, 0]], "filtered_velocity": [[9.0, -0.1]]},
+        {"width": 0.05},
+        np.exp(-0.04 / 0.05),
+    ),
+    "yaw_rate": (
+        {"angular_velocity": [3.0, 3.0, 0.4]},
+        {"command": [[0, 0, 0.1, 0]]},
+        {"width": 0.5},
+        np.exp(-0.09 / 0.5),
+    ),
+    "heading": ({}, {"command": [[0, 0, 0, -0.2]]}, {"width": 0.1}, np.exp(-0.4)),
+    "upright": ({"gravity": [0.3, -0.4, -0.866]}, {}, {"width": 0.5}, np.exp(-0.5)),
+    "height": (
+        {"base_position": [5.0, 5.0, NOMINAL_HEIGHT - 0.1]},
+        {},
+        {"width": 0.02},
+        np.exp(-0.5),
+    ),
+    "guide_height": (  # the synthetic gaits keep the nominal height
+        {"base_position": [5.0, 5.0, NOMINAL_HEIGHT + 0.1]},
+        {},
+        {"width": 0.02},
+        np.exp(-0.5),
+    ),
+    "action_rate": (
+        {},
+        {"action": np.full((1, 12), 0.5), "previous_action": np.full((1, 12), 0.2)},
+        {},
+        12 * 0.09,
+    ),
+    "roll_pitch_rate": ({"angular_velocity": [0.3, -0.4, 7.0]}, {}, {}, 0.25),
+    "effort": (  # half of the slide's 400 N, a quarter of the ankle's 20 N m
+        {"efforts": joint("left_slide", 200.0) + joint("right_ankle", -5.0)},
+        {},
+        {},
+        0.25 + 0.0625,
+    ),
+    "foot_slip": (  # the right foot is not loaded, vertical speed is no slip
+        {
+            "foot_velocities": [[0.3, -0.4, 2.0], [5.0, 5.0, 5.0]],
+            "foot_forces": [50.0, 4.0],
+        },
+        {},
+        {"loaded": 5.0},
+        0.25,
+    ),
+    "torque_tanh": (
+        {"efforts": joint("left_ankle", 0.3) + joint("right_ankle", 0.4)},
+        {},
+        {},
+        np.tanh(0.5),
+    ),
+    "angular_velocity_tanh": ({"angular_velocity": [0.3, 0.0, 0.4]}, {}, {}, np.tanh(0.5)),
+    "linear_error_tanh": (
+        {"linear_velocity": [0.5, 0.1, 0.4]},
+        {"command": [[0.2, 0.1, 9, 9]]},
+        {},
+        np.tanh(0.5),
+    ),
+    "angular_error_tanh": (
+        {"angular_velocity": [0.3, 0.0, 0.6]},
+        {"command": [[9, 9, 0.2, 9]]},
+        {},
+        np.tanh(0.5),
+    ),
+    "height_tanh": ({"base_position": [5.0, 5.0, 0.6]}, {}, {}, np.tanh(0.6)),
+    "action_rate_tanh": (
+        {},
+        {"action": [joint("left_slide", 0.3)], "previous_action": [joint("right_slide", 0.4)]},
+        {},
+        np.tanh(0.5),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", HAND)
+def test_by_hand(name):
+    state, view, params, expected = HAND[name]
+    found = value(name, make_view(make_state(1, **state), **view), **params)
+    assert found.shape == (1,)
+    assert found[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_every_term_is_tested_here():
+    assert set(TERMS) == {*HAND, "guide_phase", "guide_nearest", "contact_schedule"}
+
+
+@pytest.mark.parametrize(
+    ("phase", "left", "right", "expected"),
+    [
+        (0.25, 100.0, 0.0, 1.0),  # left stance, as asked
+        (0.25, 0.0, 100.0, 0.0),
+        (0.25, 100.0, 100.0, 0.5),
+        (0.25, 0.0, 0.0, 0.5),
+        (0.75, 0.0, 100.0, 1.0),  # right stance
+        (0.75, 100.0, 0.0, 0.0),
+        (0.02, 0.0, 100.0, 1.0),  # near a switch nothing is asked
+        (0.48, 0.0, 0.0, 1.0),
+        (0.52, 0.0, 0.0, 1.0),
+        (0.98, 100.0, 0.0, 1.0),
+    ],
+)
+def test_contact_schedule(phase, left, right, expected):
+    view = make_view(make_state(1, foot_forces=[left, right]), phase=[phase])
+    found = value("contact_schedule", view, loaded=20.0, unloaded=1.0, margin=0.15)
+    np.testing.assert_allclose(found, [expected])
+
+
+def test_guide_at_the_samples_and_between_them():
+    gaits = library()
+    at_20 = make_guide().at_phase(make_view(make_state(1), phase=[0.5 * 7 / 20]))
+    np.testing.assert_allclose(at_20[0, :NUM_CHANNELS], gaits.samples[0, 7], atol=1e-9)
+    between = make_guide().at_phase(
+        make_view(make_state(1), phase=[0.5 + 0.5 * 7.5 / 20], command=[[0.2, 0, 0, 0]])
+    )
+    middle = gaits.samples[[0, 1]][:, [28, 29]].mean(axis=(0, 1))
+    np.testing.assert_allclose(between[0, :NUM_CHANNELS], middle, atol=1e-9)
+
+
+def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
+    view = moving_view()
+    reference = gait_table().at(view.command[:, 0], view.command[:, 1], view.phase)[:, :12]
+
+    def off(name: str, error: float) -> np.ndarray:
+        state = make_state(40, joint_positions=reference + joint(name, error))
+        placed = make_view(state, command=view.command, phase=view.phase)
+        return value("guide_phase", placed, width=0.35)
+
+    np.testing.assert_allclose(off("left_slide", 0.0), 1.0)
+    np.testing.assert_allclose(off("right_upper_foot", 0.5), 1.0)
+    hip, slide = off("right_hip_pitch", 0.1), off("left_slide", 0.1)
+    assert (hip < 1.0).all()
+    assert (slide < hip).all()
+    np.testing.assert_allclose(hip, hip[0])
+    np.testing.assert_allclose(off("left_hip_pitch", 0.1), hip)
+
+
+def brute_force(view: View, keep: np.ndarray) -> np.ndarray:
+    """Distance to the nearest of the 42 samples of the nearest gait, one robot at a time."""
+    gaits, observed = library(), observed_channels(view)
+    result = []
+    for command, seen in zip(view.command, observed, strict=True):
+        gait = np.argmin([np.hypot(*(v - command[:2])) for v in gaits.velocities])
+        errors = [np.linalg.norm((seen - sample)[keep]) for sample in gaits.samples[gait]]
+        assert len(errors) == 42
+        result.append(min(errors))
+    return np.array(result)
+
+
+@pytest.mark.parametrize("masked", [0.0, 1.0])
+def test_guide_nearest_against_brute_force(masked):
+    view = moving_view()
+    keep = np.array([not (masked and "upper_foot" in name) for name in CHANNELS])
+    assert keep.sum() == (22 if masked else 26)
+    expected = -brute_force(view, keep)
+    np.testing.assert_allclose(
+        value("guide_nearest", view, masked=masked), expected, rtol=1e-5, atol=1e-5
+    )
+
+
+def test_guide_nearest_is_zero_on_a_sample():
+    sample = library().samples[3, 17]
+    state = make_state(
+        1,
+        joint_positions=sample[:12],
+        joint_velocities=sample[12:24],
+        heading_velocity=sample[24:],
+    )
+    view = make_view(state, command=[[0.41, 0.09, 0, 0]])
+    assert value("guide_nearest", view, masked=0.0)[0] == pytest.approx(0.0, abs=2e-3)
+
+
+def test_observed_channels_follow_the_names():
+    state = make_state(
+        1,
+        joint_positions=np.arange(12.0),
+        joint_velocities=np.arange(12.0) + 100,
+        heading_velocity=[7.0, 8.0],
+    )
+    seen = dict(zip(CHANNELS, observed_channels(make_view(state))[0], strict=True))
+    assert seen["right_slide.position"] == JOINTS.index("right_slide")
+    assert seen["left_ankle.velocity"] == 100 + JOINTS.index("left_ankle")
+    assert (seen["base.vx"], seen["base.vy"]) == (7.0, 8.0)
+
+
+def test_the_printed_reward():
+    """The sum as printed, with its weights, computed here from the state alone."""
+    view = moving_view()
+    settings = config(PAPER_EXPERIMENT).train.walking.reward
+    reward, parts = Reward(settings)(RewardView(view, make_guide()), np.zeros(40, dtype=bool))
+    state = view.state
+
+    def size(values: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(values, axis=1)
+
+    zero = np.zeros(40)
+    v_des = np.column_stack([view.command[:, 0], view.command[:, 1], zero])
+    w_des = np.column_stack([zero, zero, view.command[:, 2]])
+    expected = (
+        -brute_force(view, np.ones(26, dtype=bool))
+        - 0.5 * np.tanh(size(state.efforts))
+        - 3.0 * np.tanh(size(state.angular_velocity))
+        - 1.0 * np.tanh(size(state.linear_velocity - v_des))
+        - 1.0 * np.tanh(size(state.angular_velocity - w_des))
+        + 2.0 * np.tanh(state.base_position[:, 2])
+        - 1.0 * np.tanh(size(view.action - view.previous_action))
+    )
+    np.testing.assert_allclose(reward, expected, rtol=1e-5, atol=1e-4)
+    assert len(parts) == 7
+
+
+def test_paper_adds_nothing_and_paper_alive_a_constant():
+    view = moving_view()
+    fell = np.arange(40) < 5
+    plain = Reward(config(PAPER_EXPERIMENT).train.walking.reward)
+    both = [plain(RewardView(view, make_guide()), f)[0] for f in (fell, ~fell)]
+    np.testing.assert_array_equal(both[0], both[1])
+    settings = config("experiment=paper_alive").train.walking.reward
+    nobody = np.zeros(40, dtype=bool)
+    alive = Reward(settings)(RewardView(view, make_guide()), nobody)[0]
+    expected = settings.scale * (both[0] + settings.terms["alive"].weight)
+    np.testing.assert_allclose(alive, expected, rtol=1e-9)
+
+
+def simple(**settings: float) -> Reward:
+    terms = {"alive": RewardTerm(2.0), "height_tanh": RewardTerm(-10.0)}
+    return Reward(RewardConfig(terms, **{"scale": 1.0, "floor": -1e9, "on_fall": 0.0, **settings}))
+
+
+def test_floor_then_scale_then_fall():
+    view = RewardView(make_view(make_state(2, base_position=[[0, 0, 0.1], [0, 0, 0.6]])), None)
+    fell = np.array([False, True])
+    raw = 2.0 - 10.0 * np.tanh([0.1, 0.6])
+    assert raw[0] > 0 > raw[1]
+    np.testing.assert_allclose(simple()(view, fell)[0], raw)
+    np.testing.assert_allclose(simple(floor=0.0)(view, fell)[0], [raw[0], 0.0])
+    np.testing.assert_allclose(simple(scale=0.5)(view, fell)[0], 0.5 * raw)
+    total, parts = simple(floor=0.0, scale=0.5, on_fall=-3.0)(view, fell)
+    np.testing.assert_allclose(total, [0.5 * raw[0], -3.0])
+    np.testing.assert_allclose(parts["alive"], 2.0)
+    np.testing.assert_allclose(parts["height_tanh"], -10.0 * np.tanh([0.1, 0.6]))
+
+
+@pytest.mark.parametrize(
+    ("terms", "message"),
+    [
+        ({"glory": RewardTerm(1.0)}, "expected some of alive, .*; found glory"),
+        ({"height": RewardTerm(1.0)}, r"height.params: expected \['width'\], found \[\]"),
+        ({"alive": RewardTerm(1.0, {"width": 1.0})}, r"alive.params: expected \[\], found"),
+        ({"yaw_rate": RewardTerm(1.0, {"widht": 1.0})}, r"expected \['width'\], found \['widht'\]"),
+    ],
+)
+def test_unknown_terms_and_parameters_are_one_line(terms, message):
+    with pytest.raises(UserError, match=message) as error:
+        Reward(RewardConfig(terms, 1.0, 0.0, 0.0))
+    assert "\n" not in str(error.value)
+
+
+def test_a_guide_term_needs_a_library():
+    reward = Reward(RewardConfig({"guide_phase": RewardTerm(1.0, {"width": 1.0})}, 1.0, 0.0, 0.0))
+    with pytest.raises(UserError, match="expected a gait library"):
+        reward(RewardView(make_view(make_state(1)), None), np.zeros(1, dtype=bool))

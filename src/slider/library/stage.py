@@ -70,7 +70,6 @@ def write_library(path: Path, folders: Sequence[Path], reports: Sequence[Report]
             name, data=values, chunks=values.shape, dimension_names=("gait", *AXES[name])
         )
         array.attrs["units"] = UNITS[name]
-    zarr.consolidate_metadata(group.store)
 
 
 def _acceptable(report: Report, config: LibraryConfig) -> bool:

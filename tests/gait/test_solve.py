@@ -1,0 +1,62 @@
+"""Gaits over the range of commands: they converge, walk, and change smoothly."""
+
+import numpy as np
+import pytest
+
+from slider.gait import bezier
+from tests.gait.gaits import config, problem, solved, trajectory
+
+COMMANDS = [(0.0, 0.0), (0.4, -0.1), (1.2, 0.0), (2.2, 0.1)]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_cold_starts_converge(command):
+    solve = solved(*command)
+    assert solve.success, solve.status
+    assert solve.max_violation <= 1e-6
+    assert solve.iterations < 150
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_both_steps_take_the_same_way_forward(command):
+    swing = trajectory(*command).swing_foot
+    time = solved(*command).variables[problem().time_index(0)]
+    half = problem().nodes
+    expected = command[0] * time
+    assert swing[half - 1, 0] == pytest.approx(expected, abs=1e-6)
+    assert swing[-1, 0] == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_swing_foot_clears_the_ground_and_stays_low(command):
+    posture, half = config().gait.posture, problem().nodes
+    height = trajectory(*command).swing_foot[:, 2].reshape(2, half)
+    assert (height.max(axis=1) >= posture.clearance - 1e-6).all()
+    assert (height <= posture.swing_height + 1e-6).all()
+
+
+def test_neighbouring_velocities_give_neighbouring_gaits():
+    for command, neighbour in (((0.0, 0.0), (0.05, 0.0)), ((0.4, -0.1), (0.4, -0.05))):
+        first, second = trajectory(*command), trajectory(*neighbour)
+        assert np.abs(first.q - second.q).max() < 0.15
+
+
+def test_a_walk_in_place_is_symmetric():
+    steps = solved(0.0, 0.0).variables.reshape(2, -1)
+    np.testing.assert_allclose(steps[0], steps[1], atol=1e-4)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_bezier_derivatives(order):
+    coefficients = np.random.default_rng(0).normal(size=(3, 9))
+    s, h = np.linspace(0.1, 0.9, 9), 1e-6
+    above = bezier.evaluate(coefficients, s + h, order - 1)
+    below = bezier.evaluate(coefficients, s - h, order - 1)
+    slope = (above - below) / (2 * h)
+    np.testing.assert_allclose(bezier.evaluate(coefficients, s, order), slope, atol=1e-6)
+
+
+def test_bezier_ends_are_the_first_and_last_coefficients():
+    coefficients = np.random.default_rng(1).normal(size=(3, 9))
+    ends = bezier.evaluate(coefficients, np.array([0.0, 1.0]))
+    np.testing.assert_allclose(ends, coefficients[:, [0, -1]].T, atol=1e-14)

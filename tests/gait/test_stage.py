@@ -1,0 +1,68 @@
+"""The stage ``gait``: same input, same bytes; a failure is a result; a light process."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.core.job import Job
+from slider.gait.stage import REPORT, run
+from tests.gait.gaits import problem, section, solved
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
+
+
+def solve_into(out: Path, *args: float, **solver_settings: float):
+    out.mkdir()
+    job = Job(out)
+    return run(section(*args, **solver_settings), {}, out, job), job
+
+
+@pytest.fixture(scope="module")
+def gait(tmp_path_factory):
+    out = tmp_path_factory.mktemp("stage") / "first"
+    summary, job = solve_into(out, 0.6, 0.1)
+    return out, summary, job
+
+
+def test_same_input_gives_the_same_bytes(gait, tmp_path: Path):
+    summary, _ = solve_into(tmp_path / "second", 0.6, 0.1)
+    assert contents(tmp_path / "second") == contents(gait[0])
+    assert summary == gait[1]
+
+
+def test_a_reused_solver_gives_the_same_gait(gait):
+    solved(0.0, 0.0)  # another velocity in between leaves nothing behind
+    steps = solved(0.6, 0.1).variables.reshape(2, -1)
+    coefficients = steps[:, : problem().num_coefficients].reshape(2, 10, -1)
+    np.testing.assert_array_equal(np.load(gait[0] / "coefficients.npy"), coefficients)
+
+
+def test_the_gait_converges_and_times_stay_outside(gait):
+    out, summary, job = gait
+    report = json.loads((out / REPORT).read_text())
+    assert summary["converged"]
+    assert summary["max_violation"] <= 1e-6
+    assert {"impact", "torso", "equal_step_lengths", "slide_force"} <= report["residuals"].keys()
+    assert job.volatile["solve_cpu"] > 0
+    assert not any("cpu" in key or "wall" in key for key in [*summary, *report])
+
+
+def test_a_gait_that_does_not_converge_is_a_result(tmp_path: Path):
+    summary, _ = solve_into(tmp_path / "short", 0.6, 0.1, max_iterations=3)
+    assert summary["status"] == "Maximum_Iterations_Exceeded"
+    assert not summary["converged"]
+    report = json.loads((tmp_path / "short" / REPORT).read_text())
+    assert max(report["residuals"].values()) == summary["max_violation"] > 1e-3
+    assert np.isfinite(np.load(tmp_path / "short" / "samples.npy")).all()
+
+
+def test_gait_jobs_import_neither_torch_nor_mlflow_nor_hydra():
+    code = "import sys, slider.gait.stage; print(*{m.partition('.')[0] for m in sys.modules})"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"torch", "mlflow", "hydra", "mujoco"} & set(found.stdout.split())

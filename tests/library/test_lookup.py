@@ -1,0 +1,123 @@
+"""Looking gaits up by velocity and phase."""
+
+import time
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.stage import run
+from tests.library.gaits import HALF, value, write_gait
+
+VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory) -> GaitLibrary:
+    folder = tmp_path_factory.mktemp("library")
+    gaits = [write_gait(folder / f"{i}", *v) for i, v in enumerate(VELOCITIES)]
+    section = {
+        "library": {"allow_holes": False, "max_violation": 1e-6},
+        "velocities": [list(v) for v in VELOCITIES],
+    }
+    run(section, {"gaits": gaits}, folder / "out", Job(folder))
+    return GaitLibrary.load(folder / "out" / "library.zarr")
+
+
+@pytest.fixture(scope="module")
+def table(library) -> GaitTable:
+    return GaitTable.from_library(library)
+
+
+def look_up(table: GaitTable, vx: float, vy: float, phase: float) -> np.ndarray:
+    return table.at(np.array([vx]), np.array([vy]), np.array([phase]))[0]
+
+
+def test_nearest_gait(library):
+    rng = np.random.default_rng(0)
+    vx, vy = rng.uniform(-0.5, 2.5, 200), rng.uniform(-0.3, 0.3, 200)
+    distance = np.hypot(
+        library.velocities[:, 0] - vx[:, None], library.velocities[:, 1] - vy[:, None]
+    )
+    np.testing.assert_array_equal(library.nearest(vx, vy), distance.argmin(axis=1))
+
+
+def test_what_is_no_library_is_refused(tmp_path: Path):
+    with pytest.raises(UserError, match="expected a gait library"):
+        GaitLibrary.load(tmp_path / "nothing.zarr")
+
+
+@pytest.mark.parametrize("velocity", [(0.0, 0.0), (0.5, 0.1), (1.0, -0.1), (2.0, 0.0)])
+@pytest.mark.parametrize("sample", [0, 7, 19, 21, 30, 40])
+def test_samples_of_the_library_come_back(table, velocity, sample):
+    step, node = divmod(sample, HALF)
+    phase = step / 2 + node / (HALF - 1) / 2
+    found = look_up(table, *velocity, phase)
+    np.testing.assert_allclose(found[:26], value("samples", *velocity)[sample], atol=1e-9)
+    np.testing.assert_allclose(found[26:29], value("base", *velocity)[sample, :3], atol=1e-9)
+
+
+def test_between_gaits_it_is_linear(table):
+    found = look_up(table, 0.73, 0.04, 0.0)
+    np.testing.assert_allclose(found[:26], value("samples", 0.73, 0.04)[0], atol=1e-9)
+    times = table.times.at(np.array([0.73, 1.5]), np.array([0.04, 0.0]))
+    np.testing.assert_allclose(times, 0.42 - 0.05 * np.array([0.73, 1.5]), atol=1e-9)
+
+
+def test_it_does_not_blend_across_the_touchdown(table):
+    """Samples 20 and 21 are the same instant, before and after the impact."""
+    samples = value("samples", 0.5, 0.0)
+    before, after = look_up(table, 0.5, 0.0, 0.5 - 1e-9), look_up(table, 0.5, 0.0, 0.5)
+    np.testing.assert_allclose(before[:26], samples[HALF - 1], atol=1e-6)
+    np.testing.assert_allclose(after[:26], samples[HALF], atol=1e-12)
+    end = look_up(table, 0.5, 0.0, 1 - 1e-9)
+    np.testing.assert_allclose(end[:26], samples[-1], atol=1e-6)
+
+
+def test_commands_outside_use_the_border(table):
+    np.testing.assert_allclose(
+        look_up(table, 5.0, 0.0, 0.3)[:26], look_up(table, 2.0, 0.0, 0.3)[:26]
+    )
+    np.testing.assert_allclose(
+        look_up(table, 0.5, 0.9, 0.3)[:26], look_up(table, 0.5, 0.1, 0.3)[:26]
+    )
+    assert np.isfinite(table.reference).all()
+
+
+def test_quaternions_are_unit_and_do_not_cancel(library):
+    flipped = library.base.copy()
+    flipped[::2, :, 3:7] *= -1  # q and −q are the same attitude
+    other = GaitLibrary(library.velocities, library.samples, flipped, library.step_time)
+    rng = np.random.default_rng(0)
+    commands = rng.uniform(0, 2, 100), rng.uniform(-0.1, 0.1, 100), rng.uniform(0, 1, 100)
+    found = GaitTable.from_library(other).at(*commands)[:, 29:33]
+    np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, atol=1e-12)
+    assert (np.abs(found[:, 0]) > 0.99).all()
+
+
+def test_a_line_of_velocities_and_a_single_gait_make_tables(library):
+    line = [i for i, v in enumerate(VELOCITIES) if v[1] == 0.0]
+    for chosen, command in ((line, 0.73), (line[:1], 0.0)):
+        part = GaitLibrary(
+            library.velocities[chosen],
+            library.samples[chosen],
+            library.base[chosen],
+            library.step_time[chosen],
+        )
+        found = look_up(GaitTable.from_library(part), command, 0.0, 0.0)
+        np.testing.assert_allclose(found[:26], value("samples", command, 0.0)[0], atol=1e-9)
+
+
+def test_a_thousand_commands_are_looked_up_in_a_few_milliseconds(table):
+    rng = np.random.default_rng(0)
+    commands = rng.uniform(0, 2, 1024), rng.uniform(-0.1, 0.1, 1024), rng.uniform(0, 1, 1024)
+    durations = []
+    for _ in range(20):
+        start = time.perf_counter()
+        table.at(*commands)
+        durations.append(time.perf_counter() - start)
+    assert min(durations) < 5e-3  # 1 ms on a quiet core

@@ -1,0 +1,105 @@
+"""The stage ``library``: what is stored, that it is the same every time, and what is refused."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import zarr
+
+from slider.core.errors import UserError
+from slider.core.job import Job, NoTracker
+from slider.library.schema import ARRAYS, AXES
+from slider.library.stage import run
+from slider.robot.names import CHANNELS
+from tests.library.gaits import value, write_gait
+
+VELOCITIES = [(0.0, 0.0), (0.5, 0.1), (1.0, -0.1)]
+
+
+class Recorder(NoTracker):
+    def __init__(self) -> None:
+        self.tables: dict[str, Mapping[str, Sequence[Any]]] = {}
+
+    def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
+        self.tables[name] = table
+
+
+def section(allow_holes: bool = False) -> dict[str, Any]:
+    return {
+        "library": {"allow_holes": allow_holes, "max_violation": 1e-6},
+        "velocities": [list(v) for v in VELOCITIES],
+    }
+
+
+@pytest.fixture
+def gaits(tmp_path: Path) -> list[Path]:
+    return [write_gait(tmp_path / f"gait{i}", *v) for i, v in enumerate(VELOCITIES)]
+
+
+@pytest.fixture
+def with_a_hole(tmp_path: Path, gaits: list[Path]) -> list[Path]:
+    bad = write_gait(
+        tmp_path / "bad", 0.5, 0.1, converged=False, status="Infeasible_Problem_Detected",
+        max_violation=0.3, residuals={"impact": 1e-3, "slide_force": 0.3},
+    )  # fmt: skip
+    return [gaits[0], bad, gaits[2]]
+
+
+def test_arrays_names_and_units(gaits, tmp_path: Path):
+    summary = run(section(), {"gaits": gaits}, tmp_path / "out", Job(tmp_path))
+    group = zarr.open_group(tmp_path / "out" / "library.zarr", mode="r")
+    assert summary["gaits"] == 3
+    assert summary["holes"] == []
+    assert list(group.attrs["channels"]) == list(CHANNELS)
+    passive = [CHANNELS[i] for i in group.attrs["passive_channels"]]
+    assert passive == [name for name in CHANNELS if "upper_foot" in name]
+    np.testing.assert_array_equal(group["velocities"][:], VELOCITIES)
+    np.testing.assert_array_equal(group["samples"][1], value("samples", 0.5, 0.1))
+    for name in ARRAYS:
+        assert group[name].metadata.dimension_names == ("gait", *AXES[name])
+        assert group[name].attrs["units"]
+
+
+def test_same_gaits_give_the_same_bytes(gaits, tmp_path: Path):
+    stores = []
+    for name in ("one", "two"):
+        run(section(), {"gaits": gaits}, tmp_path / name, Job(tmp_path))
+        files = sorted(path for path in (tmp_path / name).rglob("*") if path.is_file())
+        stores.append({path.relative_to(tmp_path / name): path.read_bytes() for path in files})
+    assert stores[0] == stores[1]
+    assert len(stores[0]) > len(ARRAYS)
+
+
+def test_a_hole_is_refused_with_the_constraint_that_is_violated(with_a_hole, tmp_path: Path):
+    with pytest.raises(UserError, match=r"\(0\.5, 0\.1\).*slide_force 3\.0e-01") as error:
+        run(section(), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
+    assert "\n" not in str(error.value)
+    assert "impact" not in str(error.value)
+
+
+def test_an_allowed_hole_is_left_out(with_a_hole, tmp_path: Path):
+    summary = run(section(True), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
+    group = zarr.open_group(tmp_path / "out" / "library.zarr", mode="r")
+    assert summary["holes"] == [[0.5, 0.1]]
+    np.testing.assert_array_equal(group["velocities"][:], [VELOCITIES[0], VELOCITIES[2]])
+    np.testing.assert_array_equal(group["samples"][1], value("samples", 1.0, -0.1))
+
+
+def test_a_converged_gait_that_violates_too_much_is_a_hole(gaits, tmp_path: Path):
+    loose = write_gait(
+        tmp_path / "loose", 1.0, -0.1, max_violation=2e-6, residuals={"friction": 2e-6}
+    )
+    with pytest.raises(UserError, match="friction"):
+        run(section(), {"gaits": [*gaits[:2], loose]}, tmp_path / "out", Job(tmp_path))
+
+
+def test_the_table_of_gaits_is_recorded_with_solve_times(gaits, tmp_path: Path):
+    tracker = Recorder()
+    times = [{"solve_cpu": 0.5}, {"solve_cpu": 0.6}, {}]
+    job = Job(tmp_path, tracker=tracker, input_volatile={"gaits": times})
+    run(section(), {"gaits": gaits}, tmp_path / "out", job)
+    (table,) = tracker.tables.values()
+    assert table["vx"] == [0.0, 0.5, 1.0]
+    assert table["solve_cpu"] == [0.5, 0.6, None]

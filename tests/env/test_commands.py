@@ -1,0 +1,52 @@
+"""Commands stay in their ranges and change at their rate."""
+
+import numpy as np
+import pytest
+
+from slider.core.config.train import CommandConfig, Interval
+from slider.env.commands import CommandSampler
+
+COUNT = 20000
+
+
+def sampler(period: float = 5.0, standing: float = 0.25) -> CommandSampler:
+    ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
+    return CommandSampler(CommandConfig(*ranges, period, standing), control_period=0.02)
+
+
+def test_uniform_within_the_ranges(rng):
+    commands = sampler(standing=0.0).sample(rng, COUNT)
+    assert commands.shape == (COUNT, 3)
+    lower, upper = np.array([0.2, -0.1, -0.5]), np.array([3.0, 0.3, 0.5])
+    assert (commands >= lower).all()
+    assert (commands <= upper).all()
+    width = upper - lower
+    np.testing.assert_allclose(commands.mean(axis=0), (lower + upper) / 2, atol=0.01 * width.max())
+    np.testing.assert_allclose(commands.std(axis=0), width / np.sqrt(12), rtol=0.02)
+    assert np.abs(np.corrcoef(commands.T) - np.eye(3)).max() < 0.03
+
+
+def test_share_of_zero_commands(rng):
+    commands = sampler().sample(rng, COUNT)
+    standing = (commands == 0.0).all(axis=1)
+    assert standing.mean() == pytest.approx(0.25, abs=0.015)
+    assert (commands[~standing, 0] >= 0.2).all()
+
+
+def test_rate_of_change(rng):
+    changing = sampler(period=4.0).changing
+    counts = np.zeros(500)
+    for _ in range(1000):  # 20 s: five changes per robot on average
+        counts[changing(rng, 500)] += 1
+    assert counts.mean() == pytest.approx(5.0, rel=0.05)
+    assert counts.var() == pytest.approx(5.0, rel=0.25), "robots should change independently"
+
+
+def test_period_zero_never_changes(rng):
+    changed = [sampler(period=0.0).changing(rng, COUNT) for _ in range(5)]
+    assert sum(len(index) for index in changed) == 0
+
+
+def test_same_seed_same_commands():
+    draws = [sampler().sample(np.random.default_rng(3), 50) for _ in range(2)]
+    np.testing.assert_array_equal(*draws)

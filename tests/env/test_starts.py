@@ -1,0 +1,109 @@
+"""Starts touch the ground, have the asked noise and stay within the joints' limits."""
+
+# pyright: reportAttributeAccessIssue=false
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.core.config.env import StartNoise
+from slider.env.starts import at_rest, joint_range, multiply_quaternions, perturb
+from slider.robot.kinematics import foot_ends, rotation_from_quaternion
+from slider.robot.mjcf import nominal_qpos
+from slider.robot.names import JOINTS
+from tests.env.synthetic import config, make_physics, robot_config
+
+PROTOCOL = StartNoise(0.02, 0.005, 0.03, 0.0, 0.0, 0.0)
+MOVING = StartNoise(0.02, 0.005, 0.03, 0.05, 0.1, 0.2)
+SLIDES = np.array([name.endswith("slide") for name in JOINTS])
+
+
+def start(noise: StartNoise, count: int = 4000, seed: int = 0):
+    return at_rest(robot_config(), noise, np.random.default_rng(seed), count)
+
+
+def test_the_evaluations_noise_is_the_protocols():
+    assert config("experiment=default").evaluation.start == PROTOCOL
+
+
+def test_the_lowest_foot_point_is_on_the_ground():
+    qpos, _ = start(replace(PROTOCOL, joint_position=0.1, tilt=0.1), 200)
+    rotation = rotation_from_quaternion(qpos[:, 3:7])
+    ends = (
+        foot_ends(robot_config().geometry, rotation, qpos[:, 7:])[..., 2] + qpos[:, 2, None, None]
+    )
+    np.testing.assert_allclose(ends.min(axis=(1, 2)), 0.0, atol=1e-12)
+
+
+def test_mujoco_agrees_that_the_feet_just_touch():
+    model = make_physics(1).model
+    data = mujoco.MjData(model)
+    qpos, _ = start(replace(PROTOCOL, joint_position=0.1, tilt=0.1), 20)
+    feet = [model.geom(f"{side}_foot").id for side in ("left", "right")]
+    for pose in qpos:
+        data.qpos[:] = pose
+        mujoco.mj_forward(model, data)
+        gaps = [mujoco.mj_geomDistance(model, data, 0, foot, 10.0, None) for foot in feet]
+        assert min(gaps) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_without_noise_all_robots_stand_in_the_nominal_pose():
+    qpos, qvel = start(StartNoise(0, 0, 0, 0, 0, 0), 3)
+    np.testing.assert_allclose(qpos, np.tile(nominal_qpos(robot_config()), (3, 1)), atol=1e-12)
+    assert not qvel.any()
+
+
+def test_noise_has_the_asked_spread():
+    qpos, qvel = start(MOVING)
+    joints = qpos[:, 7:]
+    np.testing.assert_allclose(joints[:, ~SLIDES].std(axis=0), 0.02, rtol=0.06)
+    np.testing.assert_allclose(joints[:, SLIDES].std(axis=0), 0.005, rtol=0.06)
+    np.testing.assert_allclose(np.abs(joints.mean(axis=0)).max(), 0.0, atol=0.002)
+    gravity = -rotation_from_quaternion(qpos[:, 3:7])[:, 2, :]
+    np.testing.assert_allclose(gravity[:, :2].std(axis=0), 0.03, rtol=0.06)
+    np.testing.assert_allclose(qvel[:, :3].std(axis=0), 0.05, rtol=0.06)
+    np.testing.assert_allclose(qvel[:, 3:6].std(axis=0), 0.1, rtol=0.06)
+    np.testing.assert_allclose(qvel[:, 6:][:, ~SLIDES].std(axis=0), 0.2, rtol=0.06)
+    np.testing.assert_allclose(np.linalg.norm(qpos[:, 3:7], axis=1), 1.0, atol=1e-12)
+    assert not qpos[:, :2].any()
+
+
+def test_at_rest_is_at_rest():
+    _, qvel = start(PROTOCOL, 10)
+    assert not qvel.any()
+
+
+def test_joints_stay_within_their_limits():
+    qpos, _ = start(replace(PROTOCOL, joint_position=2.0, slide_position=1.0), 500)
+    lower, upper = joint_range(robot_config())
+    assert (qpos[:, 7:] >= lower).all()
+    assert (qpos[:, 7:] <= upper).all()
+    assert (qpos[:, 7:] == upper).any()
+
+
+def test_same_seed_same_start():
+    for first, second in zip(start(MOVING, 20), start(MOVING, 20), strict=True):
+        np.testing.assert_array_equal(first, second)
+    assert not np.array_equal(start(MOVING, 20)[0], start(MOVING, 20, seed=1)[0])
+
+
+def test_perturb_turns_the_base_about_its_own_axes(rng):
+    """Noise on a turned base tilts it by as much as on one that looks ahead."""
+    yaw = np.array([np.cos(0.6), 0.0, 0.0, np.sin(0.6)])
+    qpos = np.tile(nominal_qpos(robot_config()), (2000, 1))
+    qpos[:, 3:7] = yaw
+    perturb(qpos, np.zeros((2000, 18)), robot_config(), PROTOCOL, rng)
+    rotation = rotation_from_quaternion(qpos[:, 3:7])
+    np.testing.assert_allclose((-rotation[:, 2, :2]).std(axis=0), 0.03, rtol=0.08)
+    heading = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+    np.testing.assert_allclose(heading, 1.2, atol=0.01)
+
+
+def test_quaternion_products(rng):
+    a, b = rng.standard_normal((2, 30, 4))
+    expected = np.zeros((30, 4))
+    for k in range(30):
+        mujoco.mju_mulQuat(expected[k], a[k], b[k])
+    np.testing.assert_allclose(multiply_quaternions(a, b), expected, atol=1e-12)

@@ -1,0 +1,57 @@
+"""What counts as a fall."""
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.env import terminations
+from slider.robot.kinematics import quaternion_from_tilt, rotation_from_quaternion
+from tests.env.synthetic import config, make_state
+
+# Design, section 3: base z < 0.40 m, tilt > 45°, or a body other than a foot on the ground.
+PROTOCOL = {"base_height": 0.4, "tilt": np.pi / 4, "body_contact": 0.0}
+
+
+def test_the_configured_terms_are_the_protocols():
+    for experiment in ("default", "paper"):
+        terms = config(f"experiment={experiment}").env.termination.terms
+        assert terms == pytest.approx(PROTOCOL)
+
+
+def test_base_height():
+    state = make_state(3, base_position=[[0, 0, 0.399], [9, 9, 0.401], [0, 0, 2.0]])
+    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), [True, False, False])
+
+
+def test_tilt_in_any_direction():
+    roll = np.radians([44.9, 45.1, 0.0, 0.0, 33.0, 30.0, 180.0])
+    pitch = np.radians([0.0, 0.0, -44.9, -45.1, 33.0, -30.0, 0.0])
+    rotation = rotation_from_quaternion(quaternion_from_tilt(roll, pitch))
+    state = make_state(7, gravity=-rotation[:, 2, :], rotation=rotation)
+    expected = np.degrees(np.arccos(rotation[:, 2, 2])) > 45.0
+    assert list(expected[:4]) == [False, True, False, True]
+    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), expected)
+
+
+def test_body_contact():
+    state = make_state(3, body_contacts=[0, 1, 2])
+    np.testing.assert_array_equal(terminations.failed(state, PROTOCOL), [False, True, True])
+
+
+def test_a_blow_up_fails_whatever_the_terms():
+    state = make_state(2, diverged=[True, False])
+    np.testing.assert_array_equal(terminations.failed(state, {}), [True, False])
+    assert state.diverged.tolist() == [True, False]
+
+
+def test_no_terms_no_failure_and_the_state_is_left_alone():
+    state = make_state(2, base_position=[0.0, 0.0, 0.1])
+    assert not terminations.failed(state, {}).any()
+    assert terminations.failed(state, PROTOCOL).all()
+    assert not state.diverged.any()
+
+
+def test_an_unknown_term_is_one_line():
+    terminations.check(PROTOCOL)
+    with pytest.raises(UserError, match=r"base_height, tilt, .*; found boredom"):
+        terminations.check({"boredom": 1.0})

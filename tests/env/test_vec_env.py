@@ -1,0 +1,211 @@
+"""Every variant of the environment builds, resets and steps, with agents that know nothing."""
+
+import numpy as np
+import pytest
+import torch
+
+from slider.core.config.schema import Config
+from slider.core.config.train import TrainConfig
+from slider.core.errors import UserError
+from slider.env.guide import Guide
+from slider.env.vec_env import WalkingEnv
+from tests.env.synthetic import config, gait_table, make_guide
+
+EXPERIMENTS = ("default", "paper", "paper_alive", "smoke", "test")
+NUM_ENVS = 6
+FEW = (f"train.standing.num_envs={NUM_ENVS}", f"train.walking.num_envs={NUM_ENVS}")
+
+
+def settings(*overrides: str) -> Config:
+    return config(*overrides, *FEW)
+
+
+def build(
+    whole: Config, train: TrainConfig | None = None, guide: Guide | None = None, seed: int = 0
+) -> WalkingEnv:
+    train = train or whole.train.walking
+    rng = np.random.default_rng(seed)
+    times = gait_table().times if whole.env.phase.enabled else None
+    return WalkingEnv(whole.robot, whole.env, train, rng, times, guide or make_guide())
+
+
+def actions(agent: str, generator: torch.Generator) -> torch.Tensor:
+    if agent == "zero":
+        return torch.zeros(NUM_ENVS, 12)
+    return 3.0 * torch.randn(NUM_ENVS, 12, generator=generator)
+
+
+@pytest.mark.parametrize("agent", ["zero", "random"])
+@pytest.mark.parametrize("training", ["standing", "walking"])
+@pytest.mark.parametrize("experiment", EXPERIMENTS)
+def test_builds_resets_and_steps(experiment, training, agent):
+    whole = settings(f"experiment={experiment}")
+    train = getattr(whole.train, training)
+    env = build(whole, train)
+    size = sum(env.observation_layout.values())
+    assert env.get_observations()["policy"].shape == (NUM_ENVS, size)
+    assert env.num_actions == 12
+    generator = torch.Generator().manual_seed(0)
+    falls = 0
+    for _ in range(50):
+        observations, reward, done, extras = env.step(actions(agent, generator))
+        assert observations.batch_size == (NUM_ENVS,)
+        assert observations["policy"].shape == (NUM_ENVS, size)
+        assert observations["policy"].dtype == torch.float32
+        assert torch.isfinite(observations["policy"]).all()
+        assert reward.shape == done.shape == extras["time_outs"].shape == (NUM_ENVS,)
+        assert reward.dtype == torch.float32
+        assert torch.isfinite(reward).all()
+        assert ((done == 0) | (done == 1)).all()
+        assert (env.episode_length_buf[done == 1] == 0).all()
+        assert (env.episode_length_buf[done == 0] > 0).all()
+        falls += int(done.sum())
+        logged = {name for name in extras["log"] if name.startswith("/reward/")}
+        assert logged == {f"/reward/{name}" for name in train.reward.terms}
+        assert all(np.isfinite(value) for value in extras["log"].values())
+    assert env.total_diverged == 0
+    if agent == "random":
+        assert falls > 0, "a random agent falls within a second"
+
+
+def test_a_fall_is_no_time_out_and_is_counted():
+    env = build(settings("experiment=test"))
+    generator = torch.Generator().manual_seed(1)
+    seen = 0
+    for _ in range(60):
+        _, _, done, extras = env.step(actions("random", generator))
+        assert not extras["time_outs"].any()
+        rate = float(done.float().mean()) / 0.02
+        assert extras["log"]["/episode/falls_per_second"] == pytest.approx(rate)
+        seen += int(done.sum())
+    assert seen > 0
+
+
+def test_episodes_end_at_their_length():
+    whole = settings(
+        "experiment=test",
+        "train.standing.episode_length=0.2",
+        "train.standing.reset.reference_fraction=0.0",
+    )
+    env = build(whole, whole.train.standing)
+    assert env.max_episode_length == 10
+    env.episode_length_buf = torch.tensor([0, 0, 0, 4, 4, 9])
+    ended = []
+    for _ in range(10):
+        _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
+        np.testing.assert_array_equal(extras["time_outs"].numpy(), done.numpy())
+        ended.append(done.numpy())
+    when = np.argwhere(np.array(ended)).tolist()
+    assert when == [[0, 5], [5, 3], [5, 4], [9, 0], [9, 1], [9, 2]]
+
+
+def test_a_fall_is_punished_once():
+    plain = settings("experiment=test", "train.walking.reward.on_fall=0.0")
+    punished = settings("experiment=test", "train.walking.reward.on_fall=-50.0")
+    one, other = build(plain), build(punished)
+    generators = [torch.Generator().manual_seed(2) for _ in range(2)]
+    falls = 0
+    for _ in range(50):
+        _, first, done, _ = one.step(actions("random", generators[0]))
+        _, second, again, _ = other.step(actions("random", generators[1]))
+        np.testing.assert_array_equal(done, again)
+        np.testing.assert_allclose(second - first, -50.0 * done, atol=1e-4)
+        falls += int(done.sum())
+    assert falls > 0
+
+
+def test_observations_after_an_end_are_those_of_the_new_episode():
+    whole = settings("experiment=test", "env/observation=paper", "train.walking.episode_length=0.1")
+    env = build(whole)
+    columns = list(env.observation_layout)
+    at = sum(env.observation_layout[name] for name in columns[: columns.index("previous_action")])
+    generator = torch.Generator().manual_seed(3)
+    for _ in range(5):
+        observations, _, done, _ = env.step(actions("random", generator))
+    assert done.all()
+    assert not observations["policy"][:, at : at + 12].any()
+    scan = observations["policy"][:, -180:]
+    assert (scan > 0.5).all(), "a new episode stands upright"
+
+
+def test_a_blow_up_ends_the_episode_and_is_counted():
+    env = build(settings("experiment=test"))
+    env.step(torch.zeros(NUM_ENVS, 12))
+    env._physics.qvel[4, 6:] = 1e9
+    observations, reward, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
+    assert done[4] == 1
+    assert extras["time_outs"][4] == 0
+    assert extras["log"]["/episode/diverged"] == 1.0
+    assert env.total_diverged == 1
+    assert torch.isfinite(observations["policy"]).all()
+    assert torch.isfinite(reward).all()
+    _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
+    assert extras["log"]["/episode/diverged"] == 0.0
+    assert done[4] == 0
+
+
+@pytest.mark.parametrize(("share", "spread"), [(1.0, True), (0.0, False)])
+def test_starts_on_the_reference(share, spread):
+    """Episodes start on the gait at the clock's phase, or at rest in the nominal pose."""
+    noise = [
+        f"env.start.{name}=0.0"
+        for name in (
+            "joint_position",
+            "slide_position",
+            "tilt",
+            "linear_velocity",
+            "angular_velocity",
+            "joint_velocity",
+        )
+    ]
+    env = build(
+        settings("experiment=test", f"train.walking.reset.reference_fraction={share}", *noise)
+    )
+    state, command = env._physics.read(), env._agent.command
+    clock = env._agent.clock
+    assert clock is not None
+    reference = gait_table().at(command[:, 0], command[:, 1], clock.phase)
+    if not spread:
+        np.testing.assert_allclose(state.joint_positions, 0.0, atol=1e-12)
+        np.testing.assert_allclose(state.heading_velocity, 0.0, atol=1e-12)
+        return
+    np.testing.assert_allclose(state.joint_positions, reference[:, :12], atol=1e-9)
+    np.testing.assert_allclose(state.joint_velocities, reference[:, 12:24], atol=1e-9)
+    np.testing.assert_allclose(state.heading_velocity, reference[:, 24:26], atol=1e-9)
+    np.testing.assert_allclose(env._agent.filtered_velocity, command[:, :2])
+    assert not state.base_position[:, :2].any()
+
+
+def test_same_seed_same_episodes():
+    runs = []
+    for seed in (0, 0, 1):
+        env = build(settings("experiment=test"), seed=seed)
+        generator = torch.Generator().manual_seed(0)
+        rewards = [env.step(actions("random", generator))[1] for _ in range(30)]
+        runs.append((torch.stack(rewards), env.get_observations()["policy"].clone()))
+    assert torch.equal(runs[0][0], runs[1][0])
+    assert torch.equal(runs[0][1], runs[1][1])
+    assert not torch.equal(runs[0][1], runs[2][1])
+
+
+def test_commands_are_seen_and_change():
+    whole = settings(
+        "experiment=test",
+        "train.walking.commands.period=0.2",
+        "train.walking.commands.vx.lower=0.1",
+    )
+    env = build(whole)
+    before = env._agent.command[:, :3].copy()
+    for _ in range(40):
+        env.step(torch.zeros(NUM_ENVS, 12))
+    after = env._agent.command[:, :3]
+    limits = whole.train.walking.commands.vx
+    assert (before != after).any(axis=1).mean() > 0.5
+    assert ((after[:, 0] >= limits.lower) & (after[:, 0] <= limits.upper)).all()
+
+
+def test_unknown_terms_are_refused_at_once():
+    with pytest.raises(UserError, match="found boredom"):
+        build(settings("experiment=test", "+env.termination.terms.boredom=1.0"))
+    with pytest.raises(UserError, match="found glory"):
+        build(settings("experiment=test", "+train.walking.reward.terms.glory={weight: 1.0}"))

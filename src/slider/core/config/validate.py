@@ -127,6 +127,12 @@ def _gait(gait: GaitConfig) -> None:
     _interval("gait.step_time", gait.step_time.lower, gait.step_time.upper)
     _positive("gait.step_time.lower", gait.step_time.lower)
     _interval("gait.touchdown.down", gait.touchdown.down_min, gait.touchdown.down_max)
+    _require(
+        gait.posture.clearance < gait.posture.swing_height,
+        "gait.posture.clearance",
+        f"less than swing_height ({gait.posture.swing_height} m)",
+        gait.posture.clearance,
+    )
     _interval("gait.posture.knee", gait.posture.knee_min, gait.posture.knee_max)
     _positive("gait.contact.friction", gait.contact.friction)
     _at_least("gait.solver.max_iterations", gait.solver.max_iterations, 1)

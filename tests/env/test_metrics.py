@@ -1,0 +1,188 @@
+"""Metrics of recordings whose answers are known."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from slider.env.metrics import GaitQuality, Tracking, gait_quality, tracking
+from slider.env.rollout import Recording
+
+PERIOD = 0.02
+STEPS = 100  # two seconds
+LOADED = 50.0
+
+
+def recording(count: int = 1, **changes: np.ndarray) -> Recording:
+    """Robots that stand still with both feet loaded, commanded to 0.5 m/s."""
+    still = Recording(
+        period=PERIOD,
+        command=np.tile([0.5, 0.0, 0.0], (count, 1)),
+        alive=np.ones((STEPS, count), dtype=bool),
+        velocity=np.zeros((STEPS, count, 2)),
+        yaw=np.zeros((STEPS, count)),
+        foot_forces=np.full((STEPS, count, 2), LOADED),
+        foot_positions=np.zeros((STEPS, count, 2, 3)),
+        diverged=np.zeros(count, dtype=bool),
+    )
+    return replace(still, **changes)
+
+
+def forward(*speeds: np.ndarray | float) -> np.ndarray:
+    velocity = np.zeros((STEPS, len(speeds), 2))
+    for robot, speed in enumerate(speeds):
+        velocity[:, robot, 0] = speed
+    velocity[:, :, 1] = 7.0  # sideways does not count
+    return velocity
+
+
+def contact(*feet: np.ndarray) -> np.ndarray:
+    """Forces of one robot from 0/1 patterns of the left and the right foot."""
+    return LOADED * np.stack(feet, axis=1)[:, None, :].astype(float)
+
+
+def pattern(*spans: tuple[int, int]) -> np.ndarray:
+    loaded = np.zeros(STEPS)
+    for start, stop in spans:
+        loaded[start:stop] = 1
+    return loaded
+
+
+def test_squared_errors_with_and_without_the_start():
+    """At rest for the first second, then at the command exactly, or 0.1 m/s off."""
+    late = np.arange(STEPS) >= 50
+    result = tracking(recording(2, velocity=forward(0.5 * late, 0.6 * late)), 1.0, 0.05, 0.1)
+    np.testing.assert_allclose(result.squared_error, [0.125, 0.5 * 0.25 + 0.5 * 0.01])
+    np.testing.assert_allclose(result.squared_error_steady, [0.0, 0.01], atol=1e-15)
+    np.testing.assert_allclose(result.mean_velocity, [0.5, 0.6])
+    np.testing.assert_array_equal(result.tracked, [True, False])
+
+
+def test_an_error_of_both_signs_does_not_cancel():
+    swing = 0.5 + 0.2 * np.where(np.arange(STEPS) % 2, 1.0, -1.0)
+    result = tracking(recording(1, velocity=forward(swing)), 0.0, 0.1, 0.1)
+    np.testing.assert_allclose(result.squared_error, [0.04])
+    np.testing.assert_allclose(result.mean_velocity, [0.5])
+    assert result.tracked[0], "tracking is about the mean"
+
+
+@pytest.mark.parametrize(
+    ("command", "mean", "tracked"),
+    [
+        (0.2, 0.299, True),  # 0.1 m/s counts below 1 m/s
+        (0.2, 0.101, True),
+        (0.2, 0.301, False),
+        (3.0, 2.71, True),  # a tenth counts above
+        (3.0, 2.69, False),
+        (3.0, 3.31, False),
+        (-2.0, -1.81, True),
+        (-2.0, -1.79, False),
+    ],
+)
+def test_tracked(command, mean, tracked):
+    one = recording(1, velocity=forward(mean), command=np.array([[command, 0.0, 0.0]]))
+    assert tracking(one, 0.0, 0.1, 0.1).tracked[0] == tracked
+
+
+def test_a_fallen_robot_has_no_numbers_and_does_not_track():
+    alive = np.ones((STEPS, 3), dtype=bool)
+    alive[90:, 1] = False
+    alive[-1, 2] = False
+    robots = recording(3, velocity=forward(0.5, 0.5, 0.5), alive=alive)
+    result, quality = tracking(robots, 1.0, 0.1, 0.1), gait_quality(robots, 1.0)
+    np.testing.assert_array_equal(result.survived, [True, False, False])
+    np.testing.assert_array_equal(result.tracked, [True, False, False])
+    for item in fields(Tracking)[1:4]:
+        assert np.isnan(getattr(result, item.name)).tolist() == [False, True, True], item.name
+    for item in fields(GaitQuality):
+        assert np.isnan(getattr(quality, item.name)).tolist() == [False, True, True], item.name
+
+
+def test_garbage_after_a_fall_stays_with_the_fallen():
+    velocity = forward(0.5, 0.5)
+    velocity[60:, 1] = [np.nan, np.inf]
+    alive = np.ones((STEPS, 2), dtype=bool)
+    alive[60:, 1] = False
+    robots = recording(2, velocity=velocity, alive=alive)
+    alone = tracking(recording(1, velocity=forward(0.5)), 0.0, 0.1, 0.1)
+    both = tracking(robots, 0.0, 0.1, 0.1)
+    for item in fields(Tracking):
+        values = getattr(both, item.name)
+        assert values[0] == getattr(alone, item.name)[0]
+    assert not both.tracked[1]
+
+
+def test_standing_still():
+    quality = gait_quality(recording(), 0.0)
+    assert quality.double_support[0] == 1.0
+    for name in ("flight", "touchdown_rate", "alternation", "clearance", "slip", "heading"):
+        assert getattr(quality, name)[0] == 0.0, name
+
+
+def test_walking_left_and_right():
+    """Steps of 20 periods (0.4 s) with 4 of them in double support."""
+    left = pattern((0, 24), (40, 64), (80, 100))
+    right = pattern((20, 44), (60, 84))
+    quality = gait_quality(recording(1, foot_forces=contact(left, right)), 0.0)
+    assert quality.flight[0] == 0.0
+    assert quality.double_support[0] == pytest.approx(16 / 100)
+    assert quality.touchdown_rate[0] == pytest.approx(4 / (99 * PERIOD))
+    assert quality.alternation[0] == 1.0
+
+
+def test_hopping_and_limping():
+    """Two hops on the left foot after each other, then one on the right."""
+    left = pattern((10, 20), (30, 40))
+    right = pattern((50, 60))
+    quality = gait_quality(recording(1, foot_forces=contact(left, right)), 0.0)
+    assert quality.flight[0] == pytest.approx(70 / 100)
+    assert quality.double_support[0] == 0.0
+    assert quality.alternation[0] == pytest.approx(0.5)
+    only_left = gait_quality(recording(1, foot_forces=contact(left, 0 * left)), 0.0)
+    assert only_left.alternation[0] == 0.0
+
+
+def test_the_start_does_not_count():
+    left, right = pattern((50, 100)), pattern((0, 50), (75, 100))
+    quality = gait_quality(recording(1, foot_forces=contact(left, right)), 1.0)
+    assert quality.flight[0] == 0.0
+    assert quality.double_support[0] == pytest.approx(0.5)
+    assert quality.touchdown_rate[0] == pytest.approx(1 / (49 * PERIOD))
+
+
+def test_a_light_touch_is_no_contact():
+    forces = np.full((STEPS, 1, 2), 4.9)
+    assert gait_quality(recording(1, foot_forces=forces), 0.0).flight[0] == 1.0
+    assert gait_quality(recording(1, foot_forces=forces + 0.2), 0.0).flight[0] == 0.0
+
+
+def test_clearance_is_that_of_unloaded_soles():
+    """The left foot is up by 8 cm for 30 % of the time; the right one slides up while loaded."""
+    left = 1 - pattern((20, 50))
+    positions = np.zeros((STEPS, 1, 2, 3))
+    positions[20:50, 0, 0, 2] = 0.08
+    positions[:, 0, 1, 2] = 0.5
+    one = recording(1, foot_forces=contact(left, np.ones(STEPS)), foot_positions=positions)
+    assert gait_quality(one, 0.0).clearance[0] == pytest.approx(0.04)  # mean over feet
+
+
+def test_slip_is_the_speed_of_loaded_soles():
+    """Left: 0.1 m/s diagonally while loaded half of the time; right: fast, but in the air."""
+    time = PERIOD * np.arange(STEPS)
+    positions = np.zeros((STEPS, 1, 2, 3))
+    positions[:, 0, 0, 0], positions[:, 0, 0, 1] = 0.06 * time, -0.08 * time
+    positions[:, 0, 1, 0] = 3.0 * time
+    positions[:, 0, 0, 2] = time  # vertical motion is no slip
+    one = recording(
+        1, foot_forces=contact(pattern((0, 50)), np.zeros(STEPS)), foot_positions=positions
+    )
+    assert gait_quality(one, 0.0).slip[0] == pytest.approx(0.1)
+
+
+def test_heading_is_the_largest_turn_across_the_wrap():
+    yaw = np.zeros((STEPS, 2))
+    yaw[:, 0] = 3.0 + 0.5 * np.sin(np.linspace(0, np.pi, STEPS))
+    yaw = (yaw + np.pi) % (2 * np.pi) - np.pi
+    yaw[:, 1] = np.linspace(0.2, -0.1, STEPS)
+    heading = gait_quality(recording(2, yaw=yaw), 1.0).heading
+    np.testing.assert_allclose(heading, [0.5, 0.3], atol=1e-3)

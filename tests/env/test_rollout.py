@@ -1,0 +1,137 @@
+"""A rollout records what happened, step by step, and a fall is for ever."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.core.config.env import EnvConfig
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Recording, roll_out
+from slider.env.state import RobotState
+from slider.robot.mjcf import nominal_qpos
+from slider.robot.names import NUM_JOINTS
+from tests.env.synthetic import config, make_physics, make_state, robot_config
+
+COUNT = 4
+
+
+class Stiff:
+    """Holds the nominal pose and notes what it is given."""
+
+    def __init__(self) -> None:
+        self.seen: list[RobotState] = []
+        self.velocity: np.ndarray | None = None
+
+    def reset(self, state: RobotState, velocity: np.ndarray) -> None:
+        self.velocity = velocity
+
+    def control(self, state: RobotState) -> np.ndarray:
+        self.seen.append(state)
+        return np.zeros((state.num_robots, NUM_JOINTS))
+
+
+def environment(**terms: float) -> EnvConfig:
+    env = config("experiment=test").env
+    return replace(env, termination=replace(env.termination, terms={"base_height": 0.4, **terms}))
+
+
+def starts() -> tuple[np.ndarray, np.ndarray]:
+    """Robot 0 stands, 1 is thrown upwards, 2 starts lying, 3 walks into the air."""
+    qpos, qvel = np.tile(nominal_qpos(robot_config()), (COUNT, 1)), np.zeros((COUNT, 18))
+    qvel[1, 2] = 1.0
+    qpos[2, 2] = 0.2
+    qvel[3, 0] = 0.3
+    return qpos, qvel
+
+
+def record(physics: BatchedPhysics | None = None, env: EnvConfig | None = None) -> Recording:
+    command = np.array([[0.3, 0.0, 0.0]] * COUNT)
+    return roll_out(
+        Stiff(), physics or make_physics(COUNT), env or environment(), starts(), command, 0.4
+    )
+
+
+def test_shapes_and_period():
+    recording = record()
+    assert recording.period == 0.02
+    assert recording.alive.shape == recording.yaw.shape == (20, COUNT)
+    assert recording.velocity.shape == recording.foot_forces.shape == (20, COUNT, 2)
+    assert recording.foot_positions.shape == (20, COUNT, 2, 3)
+    np.testing.assert_array_equal(recording.command[:, 0], 0.3)
+
+
+def test_the_controller_is_called_once_per_period_with_the_latest_state():
+    controller, shares = Stiff(), []
+    command = np.zeros((COUNT, 3))
+    recording = roll_out(
+        controller, make_physics(COUNT), environment(), starts(), command, 0.4, shares.append
+    )
+    assert len(controller.seen) == 20
+    assert controller.velocity is command
+    np.testing.assert_array_equal(controller.seen[0].joint_positions, starts()[0][:, 7:])
+    for k in range(19):
+        np.testing.assert_array_equal(
+            controller.seen[k + 1].heading_velocity, recording.velocity[k]
+        )
+    np.testing.assert_allclose(shares, np.arange(1, 21) / 20)
+
+
+def test_a_robot_falls_in_the_step_in_which_it_is_too_low():
+    high = environment(base_height=0.7)  # only a robot thrown upwards is above this, for a while
+    recording = record(env=high)
+    assert not recording.alive[0, 0], "standing is below 0.7 m"
+    assert recording.alive[5, 1], "thrown upwards is above"
+    assert not recording.survived[1], "and falls back"
+    changes = np.diff(recording.alive.astype(int), axis=0)
+    assert (changes <= 0).all()
+
+
+def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
+    """Heights that dip below the limit for one step only."""
+    physics = make_physics(2)
+    heights = iter([0.7, 0.7, 0.3, 0.7, 0.7])
+
+    def read() -> RobotState:
+        height = next(heights)
+        return make_state(2, base_position=[[0, 0, 0.7], [0, 0, height]])
+
+    monkeypatch.setattr(physics, "read", read)
+    start = np.tile(nominal_qpos(robot_config()), (2, 1)), np.zeros((2, 18))
+    recording = roll_out(Stiff(), physics, environment(), start, np.zeros((2, 3)), 0.08)
+    np.testing.assert_array_equal(recording.alive[:, 0], True)
+    np.testing.assert_array_equal(recording.alive[:, 1], [True, False, False, False])
+    np.testing.assert_array_equal(recording.survived, [True, False])
+
+
+def test_a_blow_up_counts_as_a_fall_for_ever():
+    physics = make_physics(COUNT)
+    step = physics.step
+    calls = []
+
+    def spoiling(targets: np.ndarray) -> None:
+        calls.append(targets)
+        if len(calls) == 5:
+            physics.qvel[3, 6:] = 1e9
+        step(targets)
+
+    physics.step = spoiling
+    recording = record(physics)
+    np.testing.assert_array_equal(recording.diverged, [False, False, False, True])
+    np.testing.assert_array_equal(recording.alive[:, 3], np.arange(20) < 4)
+    assert np.isfinite(recording.velocity).all()
+
+
+def test_the_same_start_gives_the_same_recording():
+    physics = make_physics(COUNT)
+    first, second = record(physics), record(physics)  # nothing is left of the first
+    for name in ("alive", "velocity", "yaw", "foot_forces", "foot_positions", "diverged"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(second, name), err_msg=name)
+
+
+def test_standing_is_survived():
+    recording = record()
+    assert recording.survived[0]
+    assert np.abs(recording.velocity[:, 0]).max() < 0.1
+    weight = 9.81 * make_physics(1).model.body_mass.sum()
+    assert recording.foot_forces[10:, 0].sum(axis=1).mean() == pytest.approx(weight, rel=0.05)

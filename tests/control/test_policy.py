@@ -1,0 +1,176 @@
+"""The policy file and its network, which must be that of training."""
+
+import numpy as np
+import pytest
+import torch
+from rsl_rl.models import MLPModel
+from tensordict import TensorDict
+
+from slider.control.network import PolicyNetwork, from_actor
+from slider.control.policy import PolicyController
+from slider.control.policy_file import FORMAT, VERSION, Policy, load_policy, save_policy
+from slider.core.errors import UserError
+from slider.training.ppo import NORMALISER_EPSILON
+from tests.env.synthetic import gait_table, make_agent, make_physics, make_state
+
+LAYOUT = {"command": 4, "joint_positions": 12}
+SIZE = sum(LAYOUT.values())
+HIDDEN = (32, 16)
+
+
+def make_policy(seed: int = 0, clock: bool = True) -> Policy:
+    torch.manual_seed(seed)
+    network = PolicyNetwork(SIZE, 12, HIDDEN, "elu")
+    network.mean.copy_(torch.randn(SIZE))
+    network.std.copy_(1.0 + torch.rand(SIZE))
+    return Policy(network.eval(), HIDDEN, "elu", LAYOUT, gait_table().times if clock else None)
+
+
+@pytest.mark.parametrize("clock", [True, False])
+def test_comes_back_as_it_was_saved(tmp_path, clock):
+    policy = make_policy(clock=clock)
+    save_policy(policy, tmp_path / "policy.pt")
+    back = load_policy(tmp_path / "policy.pt")
+    observations = torch.randn(50, SIZE)
+    with torch.inference_mode():
+        assert torch.equal(policy.network(observations), back.network(observations))
+    assert (back.hidden, back.activation, back.observations) == (HIDDEN, "elu", LAYOUT)
+    assert list(back.observations) == list(LAYOUT), "the order of the terms matters"
+    assert not back.network.training
+    if policy.times is None:
+        assert back.times is None
+        return
+    assert back.times is not None
+    for name in ("vx", "vy", "step_time"):
+        np.testing.assert_array_equal(getattr(back.times, name), getattr(policy.times, name))
+
+
+def test_the_file_holds_plain_data_only(tmp_path):
+    save_policy(make_policy(), tmp_path / "policy.pt")
+    content = torch.load(tmp_path / "policy.pt", weights_only=True)
+    assert (content["format"], content["version"]) == (FORMAT, VERSION)
+
+
+def test_same_policy_same_bytes(tmp_path):
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+        save_policy(make_policy(), tmp_path / name / "policy.pt")
+    one, other = ((tmp_path / name / "policy.pt").read_bytes() for name in ("one", "other"))
+    assert one == other
+
+
+def test_a_missing_file_is_one_line(tmp_path):
+    refused(tmp_path / "none.pt", "expected a policy file at .*, found none")
+
+
+def test_foreign_files_are_one_line(tmp_path):
+    path = tmp_path / "policy.pt"
+    path.write_text("not a policy")
+    refused(path, "expected a policy file of this project")
+    path.write_bytes(b"")
+    refused(path, "expected a policy file of this project")
+    torch.save({"weights": torch.zeros(3)}, path)
+    refused(path, "expected format slider-policy, found None")
+    torch.save(torch.zeros(3), path)
+    refused(path, "expected format slider-policy, found Tensor")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"version": 99}, "expected version 1, found 99"),
+        ({"joints": ["left_knee"]}, "expected the joints left_hip_yaw, "),
+        ({"format": "other"}, "expected format slider-policy, found other"),
+    ],
+)
+def test_other_versions_and_robots_are_one_line(tmp_path, change, message):
+    path = tmp_path / "policy.pt"
+    save_policy(make_policy(), path)
+    torch.save(torch.load(path, weights_only=True) | change, path)
+    refused(path, message)
+
+
+def refused(path, message: str) -> None:
+    with pytest.raises(UserError, match=message) as error:
+        load_policy(path)
+    assert "\n" not in str(error.value)
+
+
+def make_actor(hidden: list[int], activation: str) -> MLPModel:
+    """An rsl-rl actor as in training, with a normaliser that has seen something."""
+    torch.manual_seed(0)
+    distribution = {"class_name": "GaussianDistribution", "init_std": 0.5, "std_type": "log"}
+    actor = MLPModel(
+        TensorDict({"policy": torch.zeros(1, SIZE)}, batch_size=[1]),
+        {"actor": ["policy"]},
+        "actor",
+        12,
+        hidden,
+        activation,
+        obs_normalization=True,
+        distribution_cfg=distribution,
+    )
+    for _ in range(5):
+        actor.update_normalization(seen(3.0 + 2.0 * torch.randn(200, SIZE)))
+    return actor
+
+
+def seen(observations: torch.Tensor) -> TensorDict:
+    return TensorDict({"policy": observations}, batch_size=[len(observations)])
+
+
+@pytest.mark.parametrize("activation", ["elu", "relu", "tanh"])
+@pytest.mark.parametrize("hidden", [[16], [32, 16], [8] * 6])
+def test_equals_the_actor_of_training(hidden, activation):
+    actor = make_actor(hidden, activation)
+    for _ in range(2):
+        network = from_actor(actor.state_dict(), hidden, activation, NORMALISER_EPSILON)
+        observations = 3.0 + 4.0 * torch.randn(300, SIZE)
+        with torch.inference_mode():
+            expected = actor.eval()(seen(observations))
+            assert expected.std() > 0.01
+            torch.testing.assert_close(network(observations), expected, rtol=0, atol=1e-6)
+        actor.train()
+        actor.update_normalization(seen(torch.randn(500, SIZE)))
+
+
+def test_a_copy_does_not_change_with_the_actor():
+    actor = make_actor([16], "elu")
+    network = from_actor(actor.state_dict(), [16], "elu", NORMALISER_EPSILON)
+    observations = torch.randn(10, SIZE)
+    with torch.inference_mode():
+        before = network(observations)
+        for parameter in actor.parameters():
+            parameter.add_(1.0)
+        actor.update_normalization(seen(10.0 + torch.randn(500, SIZE)))
+        assert torch.equal(network(observations), before)
+
+
+def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
+    agent = make_agent(2)
+    seen_phases = []
+
+    def network(observations: torch.Tensor) -> torch.Tensor:
+        assert agent.clock is not None
+        seen_phases.append(agent.clock.phase.copy())
+        return torch.zeros(len(observations), 12)
+
+    controller = PolicyController(network, agent)
+    state = make_state(2, yaw=[0.4, -0.4])
+    for _ in range(2):  # a second rollout starts anew
+        controller.reset(state, np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0]]))
+        np.testing.assert_allclose(agent.command[:, 3], 0.0, atol=1e-12)
+        for _ in range(4):
+            controller.control(state)
+    phases = np.array(seen_phases)
+    steps = 0.02 / (2 * np.array([0.4, 0.36]))
+    np.testing.assert_allclose(phases[:4], np.arange(4)[:, None] * steps, atol=1e-9)
+    np.testing.assert_array_equal(phases[4:], phases[:4])
+
+
+def test_a_network_of_zeros_holds_the_nominal_pose():
+    agent, physics = make_agent(3), make_physics(3)
+    controller = PolicyController(lambda seen: torch.zeros(len(seen), 12), agent)
+    state = physics.read()
+    controller.reset(state, np.zeros((3, 3)))
+    np.testing.assert_array_equal(controller.control(state), np.tile(agent.nominal, (3, 1)))

@@ -1,0 +1,242 @@
+"""Training improves a policy, survives being killed and repeats itself."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from slider.control.policy_file import load_policy
+from slider.core.config.train import RewardConfig, RewardTerm, TrainConfig
+from slider.core.job import Job, NoTracker
+from slider.training.trainer import CHECKPOINT, POLICY, WEIGHTS, Task, Trainer
+from tests.env.synthetic import config, gait_table, make_guide
+
+TINY = (
+    "experiment=test",
+    "train.standing.num_envs=8",
+    "train.walking.num_envs=8",
+    "train.walking.selection.interval=1",
+    "train.standing.selection.duration=0.2",
+    "train.walking.selection.duration=0.2",
+    "train.standing.selection.skip=0.1",
+    "train.walking.selection.skip=0.1",
+)
+
+
+class Notes(NoTracker):
+    """Keeps the metrics that it is given."""
+
+    def __init__(self) -> None:
+        self.metrics: list[tuple[int, dict[str, float]]] = []
+
+    def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
+        self.metrics.append((step, dict(metrics)))
+
+    def series(self, name: str) -> list[tuple[int, float]]:
+        return [(step, metrics[name]) for step, metrics in self.metrics if name in metrics]
+
+
+def task(training: str = "walking", **changes) -> Task:
+    whole = config(*TINY)
+    train: TrainConfig = replace(getattr(whole.train, training), **changes)
+    guide = make_guide() if training == "walking" else None
+    return Task(whole.robot, whole.env, train, gait_table().times, guide)
+
+
+def job(work: Path) -> Job:
+    return Job(work, threads=1, tracker=Notes())
+
+
+def trained(work: Path, **changes) -> Trainer:
+    trainer = Trainer(task(**changes), job(work))
+    trainer.run()
+    return trainer
+
+
+def actor(trainer: Trainer) -> dict[str, torch.Tensor]:
+    return {k: v.clone() for k, v in trainer._runner.alg.get_policy().state_dict().items()}
+
+
+def same(one: Mapping[str, torch.Tensor], other: Mapping[str, torch.Tensor]) -> bool:
+    return one.keys() == other.keys() and all(torch.equal(one[k], other[k]) for k in one)
+
+
+def iterations(trainer: Trainer) -> list[int]:
+    """Iterations that this trainer ran, by rsl-rl's own log."""
+    return [step for step, _ in trainer._job.tracker.series("episode/falls_per_second")]  # type: ignore
+
+
+@pytest.mark.learn
+def test_standing_is_learned_in_half_a_minute(tmp_path):
+    """Falls become rare; before training no robot stands for three seconds."""
+    whole = config(*TINY)
+    standing = whole.train.standing
+    terms = {
+        "alive": RewardTerm(0.2),
+        "upright": RewardTerm(0.4, {"width": 0.03}),
+        "height": RewardTerm(0.4, {"width": 0.0025}),
+        "action_rate": RewardTerm(-0.006),
+        "roll_pitch_rate": RewardTerm(-0.02),
+    }
+    trainer = Trainer(
+        task(
+            "standing",
+            iterations=45,
+            num_envs=128,
+            steps_per_iteration=24,
+            reward=RewardConfig(terms, scale=1.0, floor=0.0, on_fall=-1.0),
+            network=replace(standing.network, hidden=[64, 64]),
+            ppo=replace(standing.ppo, precision="float32"),
+            selection=replace(standing.selection, interval=15, robots=20, duration=3.0),
+        ),
+        job(tmp_path),
+    )
+    before = trainer._check()
+    trainer._best, trainer._history = {}, []
+    trainer.run()
+    after = trainer._best["score"]
+    assert before.success <= 0.1
+    assert after["success"] >= 0.4
+    assert after["value"] < before.value - 3.0
+    falls = [value for _, value in trainer._job.tracker.series("episode/falls_per_second")]  # type: ignore
+    assert len(falls) == 45
+    assert np.mean(falls[-5:]) < 0.75 * np.mean(falls[1:6])
+
+
+def test_a_killed_training_goes_on_where_it_was(tmp_path):
+    first = trained(tmp_path, iterations=2)
+    assert iterations(first) == [0, 1]
+    assert "resumed" not in first._job.volatile
+    second = trained(tmp_path, iterations=5)
+    assert second._job.volatile["resumed"] is True
+    assert iterations(second) == [2, 3, 4]
+    assert second._iteration == 5
+    assert [row["iteration"] for row in second._history] == [1, 2, 3, 4, 5]
+    assert second._history[:2] == first._history
+    third = trained(tmp_path, iterations=5)
+    assert iterations(third) == []
+    assert same(actor(third), actor(second))
+
+
+def test_the_checkpoint_restores_networks_and_optimiser(tmp_path):
+    first = trained(tmp_path, iterations=2)
+    second = Trainer(task(), job(tmp_path))
+    assert not same(actor(first), actor(second))
+    second._resume()
+    assert same(actor(first), actor(second))
+    one, other = (t._runner.alg.save() for t in (first, second))
+    assert same(one["critic_state_dict"], other["critic_state_dict"])
+    moments = [content["optimizer_state_dict"]["state"][0]["exp_avg"] for content in (one, other)]
+    assert moments[0].abs().max() > 0
+    assert torch.equal(*moments)
+
+
+def test_a_half_written_checkpoint_is_never_read(tmp_path):
+    trained(tmp_path, iterations=1)
+    (tmp_path / f"{CHECKPOINT}.partial").write_bytes(b"killed while writing")
+    assert trained(tmp_path, iterations=2)._iteration == 2
+    assert [path.name for path in tmp_path.glob("*.pt*")] == [CHECKPOINT]
+
+
+def test_the_last_chunk_is_shorter_rather_than_past_the_target(tmp_path):
+    selection = replace(config(*TINY).train.walking.selection, interval=2)
+    trainer = trained(tmp_path, iterations=3, selection=selection)
+    assert iterations(trainer) == [0, 1, 2]
+    assert [row["iteration"] for row in trainer._history] == [2, 3]
+
+
+def test_same_seed_same_policy(tmp_path):
+    runs = [trained(tmp_path / str(k), iterations=2, seed=seed) for k, seed in enumerate((1, 1, 2))]
+    assert same(actor(runs[0]), actor(runs[1]))
+    assert runs[0]._history == runs[1]._history
+    assert not same(actor(runs[0]), actor(runs[2]))
+    files = []
+    for run in runs[:2]:
+        out = tmp_path / f"out{len(files)}"
+        out.mkdir()
+        run.export(out)
+        files.append({path.name: path.read_bytes() for path in out.iterdir()})
+    assert files[0] == files[1]
+    assert set(files[0]) == {POLICY, WEIGHTS, "selection.csv"}
+
+
+def test_start_from_copies_weights_but_not_the_noise(tmp_path):
+    standing = trained(tmp_path / "standing", training="standing", iterations=2)
+    standing.export(tmp_path)
+    saved = torch.load(tmp_path / WEIGHTS, weights_only=True)
+    with torch.no_grad():  # as if exploration had died down while standing
+        for name in saved["actor_state_dict"]:
+            if name.startswith("distribution."):
+                saved["actor_state_dict"][name] -= 5.0
+    torch.save(saved, tmp_path / WEIGHTS)
+    walking = Trainer(task(), job(tmp_path / "walking"))
+    initial = actor(walking)
+    walking.start_from(tmp_path / WEIGHTS)
+    after = actor(walking)
+    noise = [name for name in after if name.startswith("distribution.")]
+    assert noise
+    for name, value in after.items():
+        expected = initial[name] if name in noise else saved["actor_state_dict"][name]
+        assert torch.equal(value, expected), name
+    assert any("obs_normalizer" in name for name in after)
+    assert same(walking._runner.alg.save()["critic_state_dict"], saved["critic_state_dict"])
+
+
+def test_the_best_policy_is_exported_not_the_last(tmp_path):
+    trainer = Trainer(task(iterations=2), job(tmp_path))
+    scores = iter([3.0, 1.0, 2.0])
+    real = trainer._selector.score
+    trainer._selector.score = lambda network: replace(real(network), value=next(scores))  # type: ignore
+    weights = []
+    for _ in range(3):
+        with torch.no_grad():
+            for parameter in trainer._runner.alg.get_policy().mlp.parameters():
+                parameter.add_(0.01)
+        trainer._check()
+        weights.append(actor(trainer))
+    facts = trainer.export(tmp_path)
+    assert facts["value"] == 1.0
+    exported = load_policy(tmp_path / POLICY).network
+    assert torch.equal(exported.mlp[0].weight, weights[1]["mlp.0.weight"])
+    assert not torch.equal(exported.mlp[0].weight, weights[2]["mlp.0.weight"])
+
+
+def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):
+    trainer = trained(tmp_path, iterations=1)
+    trainer.export(tmp_path)
+    policy = load_policy(tmp_path / POLICY)
+    assert policy.observations == trainer._env.observation_layout
+    assert policy.times is not None
+    assert trainer._selector.score(policy.network).value == trainer._best["score"]["value"]
+
+
+def test_first_actions_are_small(tmp_path):
+    trainer = Trainer(task(), job(tmp_path))
+    network = trainer._network(actor(trainer))
+    plain = Trainer(
+        task(network=replace(config(*TINY).train.walking.network, output_scale=1.0)),
+        job(tmp_path / "plain"),
+    )
+    observations = torch.randn(100, network.mean.numel())
+    with torch.inference_mode():
+        small, large = (
+            t._network(actor(t)).mlp[-1].weight.abs().mean().item() for t in (trainer, plain)
+        )
+        assert network(observations).abs().max() < 0.5
+    assert small == pytest.approx(task().train.network.output_scale * large, rel=1e-5)
+
+
+def test_no_iterations_still_give_a_policy(tmp_path):
+    trainer = trained(tmp_path, iterations=0)
+    trainer.export(tmp_path)
+    assert load_policy(tmp_path / POLICY).observations == trainer._env.observation_layout
+
+
+def test_blow_ups_are_reported_outside_the_result(tmp_path):
+    trainer = Trainer(task(iterations=1), job(tmp_path))
+    trainer._env._physics.qvel[3, 6:] = 1e9
+    trainer.run()
+    assert trainer._job.volatile["blow_ups"] == 1

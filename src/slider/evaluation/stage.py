@@ -60,7 +60,7 @@ def _controller(
         raise UserError(f"evaluation.controllers: expected policy, found {name}")
     policy = load_policy(inputs["walking"][0] / "policy.pt")
     agent = AgentInterface(robot, env, count, policy.times)
-    if agent.observer.layout != policy.observations:
+    if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts
         raise UserError(
             f"policy: expected the observations {agent.observer.layout}, "
             f"found {policy.observations}"

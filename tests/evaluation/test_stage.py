@@ -1,0 +1,150 @@
+"""The evaluation stage on a tiny protocol, with a policy of random weights."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from slider.control.network import PolicyNetwork
+from slider.control.policy_file import Policy, save_policy
+from slider.core.config.convert import to_dict
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.env.starts import at_rest
+from slider.evaluation import records, stage
+from tests.env.synthetic import config, gait_table, make_agent
+
+WHOLE = ("experiment=test", "evaluation.duration=0.6")
+TRIALS, ROBOTS, STEPS = 2, 3, 30
+
+
+def section(command: float = 0.2, **changes) -> dict:
+    whole = config(*WHOLE)
+    return {
+        "robot": to_dict(whole.robot),
+        "env": to_dict(whole.env),
+        "evaluation": to_dict(replace(whole.evaluation, **changes)),
+        "controller": "policy",
+        "command": command,
+    }
+
+
+@pytest.fixture
+def walking(tmp_path):
+    """The folder of a walking stage; a small random policy."""
+    folder = tmp_path / "walking"
+    folder.mkdir()
+    layout = make_agent(1).observer.layout
+    torch.manual_seed(0)
+    network = PolicyNetwork(sum(layout.values()), 12, (16,), "elu")
+    with torch.no_grad():
+        network.mlp[-1].weight.mul_(0.5)
+    policy = Policy(network.eval(), (16,), "elu", layout, gait_table().times)
+    save_policy(policy, folder / "policy.pt")
+    return folder
+
+
+def run(walking, out, seconds: float = 0.6, command: float = 0.2, **changes):
+    out.mkdir()
+    job = Job(out.parent / "work", threads=1)
+    summary = stage.run(
+        section(command, duration=seconds, **changes), {"walking": [walking]}, out, job
+    )
+    return summary, records.read(out / records.FILE)
+
+
+def test_files_and_columns(walking, tmp_path):
+    summary, table = run(walking, tmp_path / "out")
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"robots.csv", "velocity.npy", "command.json"}
+    about = json.loads((tmp_path / "out" / "command.json").read_text())
+    assert about == {"controller": "policy", "command": 0.2}
+    assert tuple(table) == records.COLUMNS
+    assert {len(column) for column in table.values()} == {TRIALS * ROBOTS}
+    np.testing.assert_array_equal(table["trial"], [0, 0, 0, 1, 1, 1])
+    np.testing.assert_array_equal(table["robot"], [0, 1, 2, 0, 1, 2])
+    traces = np.load(tmp_path / "out" / "velocity.npy")
+    assert traces.shape == (STEPS, 2)
+    assert summary["success_rate"] == table["survived"].mean()
+    survivors = table["squared_error_steady"][table["survived"]]
+    assert len(survivors) > 0
+    assert summary["mse_steady"] == pytest.approx(survivors.mean(), rel=1e-6)
+    assert summary["blow_ups"] == 0
+    json.dumps(summary)
+
+
+def test_same_input_same_bytes(walking, tmp_path):
+    run(walking, tmp_path / "one")
+    run(walking, tmp_path / "other")
+    for path in (tmp_path / "one").iterdir():
+        assert path.read_bytes() == (tmp_path / "other" / path.name).read_bytes(), path.name
+
+
+def test_where_all_fall_there_are_no_errors(walking, tmp_path, recwarn):
+    """A random policy does not stand for three seconds."""
+    summary, table = run(walking, tmp_path / "out", seconds=3.0)
+    assert not table["survived"].any()
+    assert summary["success_rate"] == 0.0
+    assert summary["mse_steady"] is None
+    assert np.isnan(table["squared_error"]).all()
+    assert np.isnan(np.load(tmp_path / "out" / "velocity.npy")).all()
+    assert [str(w.message) for w in recwarn if w.category is RuntimeWarning] == []
+
+
+def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, monkeypatch):
+    seen = []
+    real = stage.roll_out
+
+    def spying(controller, physics, env, start, command, *rest):
+        seen.append((start, command))
+        return real(controller, physics, env, start, command, *rest)
+
+    monkeypatch.setattr(stage, "roll_out", spying)
+    run(walking, tmp_path / "slow", command=0.2)
+    run(walking, tmp_path / "fast", command=3.0)
+    run(walking, tmp_path / "later", command=0.2, seed=config(*WHOLE).evaluation.seed + 1)
+    (slow, v_slow), (fast, v_fast), (later, _) = seen
+    np.testing.assert_array_equal(slow[0], fast[0])
+    np.testing.assert_array_equal(v_slow, np.tile([0.2, 0.0, 0.0], (6, 1)))
+    np.testing.assert_array_equal(v_fast, np.tile([3.0, 0.0, 0.0], (6, 1)))
+    np.testing.assert_array_equal(later[0][:ROBOTS], slow[0][ROBOTS:])  # trial k: seed + k
+    whole = config(*WHOLE)
+    rng = np.random.default_rng(whole.evaluation.seed)
+    expected, _ = at_rest(whole.robot, whole.evaluation.start, rng, ROBOTS)
+    np.testing.assert_array_equal(slow[0][:ROBOTS], expected)
+    assert len(np.unique(slow[0][:, 8])) == TRIALS * ROBOTS
+    assert not slow[1].any()
+
+
+def test_a_robots_result_does_not_depend_on_the_others(walking, tmp_path):
+    _, many = run(walking, tmp_path / "many", trials=3)
+    _, few = run(walking, tmp_path / "few", trials=2)
+    for name in records.COLUMNS:
+        np.testing.assert_allclose(many[name][: 2 * ROBOTS], few[name], rtol=1e-5, atol=1e-7)
+
+
+def test_a_policy_of_another_layout_is_one_line(walking, tmp_path):
+    (tmp_path / "out").mkdir()
+    other = section()
+    other["env"]["observation"]["terms"].pop("phase")
+    with pytest.raises(UserError, match=r"policy: expected the observations .*, found") as error:
+        stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
+    assert "\n" not in str(error.value)
+
+
+def test_a_policy_of_the_same_terms_in_another_order_is_refused(walking, tmp_path):
+    (tmp_path / "out").mkdir()
+    other = section()
+    terms = other["env"]["observation"]["terms"]
+    other["env"]["observation"]["terms"] = dict(reversed(terms.items()))
+    with pytest.raises(UserError, match="policy: expected the observations"):
+        stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
+
+
+def test_an_unknown_controller_is_one_line(walking, tmp_path):
+    (tmp_path / "out").mkdir()
+    other = section() | {"controller": "prayer"}
+    with pytest.raises(UserError, match=r"evaluation.controllers: expected policy, found prayer"):
+        stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))

@@ -1,0 +1,150 @@
+"""The table's numbers from records whose answers are known; the paper's beside them."""
+
+import csv
+import json
+import shutil
+from importlib.resources import files
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.core.job import Job
+from slider.env.metrics import GaitQuality, Tracking
+from slider.evaluation import records
+from slider.reports import table1
+
+# Design, section 3: success, MSE with and without the start, tracking; each with its spread.
+COLUMNS = [
+    "controller",
+    "source",
+    "command_velocity",
+    *(
+        name + suffix
+        for name in ("success_rate", "mse", "mse_steady", "tracking_rate")
+        for suffix in ("", "_std")
+    ),
+]
+
+
+def make_records(survived: list[list[int]], error: list[list[float]]) -> records.Records:
+    """Trials (rows) of robots (columns); steady errors are a tenth, the first robot tracks."""
+    alive = np.array(survived, dtype=bool)
+    errors = np.where(alive, np.array(error, dtype=float), np.nan).ravel()
+    tracked = alive & (np.arange(alive.shape[1]) == 0)
+    tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
+    quality = GaitQuality(*(errors * k for k in range(7)))
+    return records.build(*alive.shape, tracking, quality, np.zeros(alive.size, dtype=bool))
+
+
+def write_evaluation(folder: Path, command: float, table: records.Records) -> Path:
+    folder.mkdir(parents=True)
+    records.write(table, folder / records.FILE)
+    about = {"controller": "policy", "command": command}
+    (folder / "command.json").write_text(json.dumps(about))
+    return folder
+
+
+def test_a_row_by_hand():
+    table = make_records([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
+    row = table1.table_row("policy", 0.6, table)
+    assert (row["controller"], row["source"], row["command_velocity"]) == (
+        "policy",
+        "measured",
+        0.6,
+    )
+    assert row["success_rate"] == pytest.approx(5 / 8)
+    assert row["tracking_rate"] == pytest.approx(2 / 8)
+    assert row["mse"] == pytest.approx((1 + 2 + 3 + 4 + 8) / 5)
+    assert row["mse_steady"] == pytest.approx(0.36)
+    # Spread: standard deviation over trials of their means, 0.75 and 0.5; 2 and 6.
+    assert row["success_rate_std"] == pytest.approx(0.25 / np.sqrt(2))
+    assert row["mse_std"] == pytest.approx(4 / np.sqrt(2))
+    assert row["mse_steady_std"] == pytest.approx(0.4 / np.sqrt(2))
+    assert row["tracking_rate_std"] == 0.0
+
+
+def test_the_spread_is_over_trials_not_robots():
+    same_trials = make_records([[1, 1], [1, 1], [1, 1]], [[1, 5], [5, 1], [1, 5]])
+    assert table1.table_row("policy", 0.6, same_trials)["mse_std"] == 0.0
+
+
+def test_none_survives():
+    row = table1.table_row("policy", 3.0, make_records([[0, 0], [0, 0]], [[1, 1], [1, 1]]))
+    assert row["success_rate"] == 0.0
+    assert row["mse"] == row["mse_steady"] == float("inf")
+    assert row["mse_std"] == row["mse_steady_std"] == ""
+    assert row["success_rate_std"] == 0.0
+
+
+def test_a_trial_without_survivors_has_no_part_in_the_spread_of_errors():
+    table = make_records([[1, 1], [0, 0], [1, 1]], [[1, 1], [7, 7], [3, 3]])
+    row = table1.table_row("policy", 3.0, table)
+    assert row["mse"] == 2.0
+    assert row["mse_std"] == pytest.approx(np.sqrt(2))
+    assert row["success_rate_std"] == pytest.approx(np.std([1, 0, 1], ddof=1))
+
+
+def test_one_trial_has_no_spread():
+    row = table1.table_row("policy", 0.2, make_records([[1, 1]], [[1, 2]]))
+    assert [row[name] for name in COLUMNS if name.endswith("_std")] == [""] * 4
+
+
+def test_the_papers_rows_are_the_papers():
+    text = (files("slider.reports") / "paper_table1.csv").read_text()
+    expected = list(csv.DictReader(text.splitlines()))
+    rows = table1.paper_rows()
+    assert len(rows) == len(expected) == 14
+    for row, printed in zip(rows, expected, strict=True):
+        assert row["source"] == "paper"
+        assert row["controller"] == printed["controller"]
+        for name in ("command_velocity", "success_rate", "mse"):
+            assert row[name] == float(printed[name])
+        assert {row[name] for name in COLUMNS[4:] if name != "mse"} == {""}
+
+
+def test_some_of_the_papers_numbers():
+    rows = {(r["controller"], r["command_velocity"]): r for r in table1.paper_rows()}
+    assert rows["guided_drl", 3.0]["success_rate"] == 0.731
+    assert rows["guided_drl", 3.0]["mse"] == 1.6
+    assert rows["mpc_wbc", 0.6]["mse"] == 0.0593
+    assert rows["mpc_wbc", 1.0]["mse"] == float("inf")
+
+
+def test_the_stage(tmp_path):
+    walks = make_records([[1, 1], [1, 0]], [[0.5, 0.25], [0.125, 1]])
+    falls = make_records([[0, 0], [0, 0]], [[1, 1], [1, 1]])
+    inputs = [
+        write_evaluation(tmp_path / "a", 0.2, walks),
+        write_evaluation(tmp_path / "b", 3.0, falls),
+    ]
+    out = tmp_path / "out"
+    out.mkdir()
+    summary = table1.run({}, {"evaluations": inputs}, out, Job(tmp_path))
+    assert summary == {"rows": 2}
+    rows = list(csv.DictReader((out / "table1.csv").read_text().splitlines()))
+    assert list(rows[0]) == COLUMNS
+    ours = [row for row in rows if row["source"] == "measured"]
+    assert [(row["command_velocity"], row["mse"]) for row in ours] == [
+        ("0.2", "0.291667"),
+        ("3", "inf"),
+    ]
+    assert len(rows) == 2 + 14
+    assert {row["source"] for row in rows} == {"measured", "paper"}
+    quality = list(csv.DictReader((out / "gait_quality.csv").read_text().splitlines()))
+    assert [row["command_velocity"] for row in quality] == ["0.2", "3"]
+    assert float(quality[0]["mean_velocity"]) == pytest.approx(1 + 0.875 / 3, rel=1e-5)
+    assert float(quality[0]["double_support"]) == pytest.approx(0.875 / 3, rel=1e-5)
+    assert {quality[1][name] for name in records.QUALITY} == {""}
+
+
+def test_same_input_same_bytes(tmp_path):
+    source = write_evaluation(tmp_path / "a", 0.2, make_records([[1, 1]], [[1, 2]]))
+    shutil.copytree(source, tmp_path / "copy")
+    tables = []
+    for folder in (source, tmp_path / "copy"):
+        out = tmp_path / f"out{len(tables)}"
+        out.mkdir()
+        table1.run({}, {"evaluations": [folder]}, out, Job(tmp_path))
+        tables.append((out / "table1.csv").read_bytes())
+    assert tables[0] == tables[1]

@@ -7,8 +7,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from slider.gait.formulation import NodeSymbols, StepEnd
 from slider.gait.problem import NODE
+from slider.gait.symbols import NodeSymbols, StepEnd
 from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
 from tests.gait.gaits import model, nodes, problem, solved, trajectory
 from tests.numerics.pin_robot import SIDES, FloatingState, PinRobot

@@ -4,17 +4,18 @@ Two steps make a walk. The second is written in reflected coordinates, so that t
 always the left one and the same functions serve both.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 
 from slider.core.config.gait import FormulationConfig
 from slider.core.config.robot import JointLimits
+from slider.gait.constraint import Constraint, at_least, between, equality
+from slider.gait.symbols import NodeSymbols, StepEnd, mirrored
 from slider.gait.tree import (
     GRAVITY,
     LEG_JOINTS,
-    LEG_MIRROR,
     NUM_JOINTS,
     BodyPose,
     StanceTree,
@@ -24,64 +25,6 @@ TORQUE_SCALE = 50.0  # [N m]
 SPEED_SCALE = 10.0  # [rad/s]
 LENGTH_SCALE = 0.1  # [m]
 KNEE = 3
-
-
-@dataclass(frozen=True)
-class Constraint:
-    """A named group of expressions with bounds, in SI units.
-
-    Attributes:
-        name, unit, source: for reports.
-        expression: (n,) symbolic.
-        lower, upper: (n,); for node constraints (nodes, n) when they vary over the step.
-        scale: what the solver divides by.
-    """
-
-    name: str
-    unit: str
-    source: str
-    expression: ca.SX
-    lower: np.ndarray
-    upper: np.ndarray
-    scale: float
-
-    @property
-    def size(self) -> int:
-        """Number of rows."""
-        return self.expression.numel()
-
-
-@dataclass(frozen=True)
-class NodeSymbols:
-    """Variables of one node: roll of the stance foot, joints over normalised time, step time."""
-
-    roll: ca.SX
-    roll_rate: ca.SX
-    roll_acceleration: ca.SX
-    q: ca.SX
-    q_phase: ca.SX
-    q_phase2: ca.SX
-    step_time: ca.SX
-
-    SIZE = 3 + 3 * NUM_JOINTS + 1
-
-    @classmethod
-    def of(cls, x: ca.SX) -> "NodeSymbols":
-        """Split a node vector (34,)."""
-        n = NUM_JOINTS
-        return cls(
-            x[0], x[1], x[2], x[3 : 3 + n], x[3 + n : 3 + 2 * n], x[3 + 2 * n : 3 + 3 * n], x[-1]
-        )
-
-    @property
-    def v(self) -> ca.SX:
-        """Joint velocities (10,) [rad/s]."""
-        return self.q_phase / self.step_time
-
-    @property
-    def a(self) -> ca.SX:
-        """Joint accelerations (10,) [rad/s²]."""
-        return self.q_phase2 / self.step_time**2
 
 
 class Formulation:
@@ -121,7 +64,7 @@ class Formulation:
 
     def _line_moment(self, moment: ca.SX) -> Constraint:
         """A foot line cannot carry a moment about itself: the roll equation."""
-        return _equality("foot_line_moment", "N m", "line contact", moment[0], 10.0)
+        return equality("foot_line_moment", "N m", "line contact", moment[0], 10.0)
 
     def contact(self, force: ca.SX, moment: ca.SX, least: float) -> list[Constraint]:
         """Unilateral toe and heel forces (centre of pressure on the line) and friction.
@@ -144,8 +87,8 @@ class Formulation:
         )
         vertical = ca.vertcat(toe_z, heel_z)
         return [
-            _at_least("vertical_force", "N", "unilateral contact", vertical, least, self.weight),
-            _at_least("friction", "N", "Coulomb, inner pyramid", cone, 0.0, self.weight),
+            at_least("vertical_force", "N", "unilateral contact", vertical, least, self.weight),
+            at_least("friction", "N", "Coulomb, inner pyramid", cone, 0.0, self.weight),
         ]
 
     def _drives(self, s: NodeSymbols, torques: ca.SX) -> list[Constraint]:
@@ -176,8 +119,8 @@ class Formulation:
         speeds = np.tile([*(self.limits[name].speed for name in rotary), 0.0], 2)
         speeds[4::5] = self.limits["slide"].speed
         return [
-            _between("torque", "N m", "robot.limits", effort, -efforts, efforts, TORQUE_SCALE),
-            _at_least(
+            between("torque", "N m", "robot.limits", effort, -efforts, efforts, TORQUE_SCALE),
+            at_least(
                 "slide_force",
                 "N m",
                 "robot.limits.slide.effort · |dl/dθ|",
@@ -185,7 +128,7 @@ class Formulation:
                 0.0,
                 TORQUE_SCALE,
             ),
-            _between("speed", "rad/s, m/s", "robot.limits", speed, -speeds, speeds, SPEED_SCALE),
+            between("speed", "rad/s, m/s", "robot.limits", speed, -speeds, speeds, SPEED_SCALE),
             self._places(place),
         ]
 
@@ -194,7 +137,7 @@ class Formulation:
         nominal = self.leg_length
         lower = np.tile([pitch.lower, ankle.lower, nominal + slide.lower], 2)
         upper = np.tile([pitch.upper, ankle.upper, nominal + slide.upper], 2)
-        return _between("position", "rad, m", "robot.limits", place, lower, upper, 1.0)
+        return between("position", "rad, m", "robot.limits", place, lower, upper, 1.0)
 
     def _swing_foot(self, foot: BodyPose) -> list[Constraint]:
         """Height over the step and lateral distance from the stance foot."""
@@ -214,7 +157,7 @@ class Formulation:
             LENGTH_SCALE,
         )
         middle = (toe[1] + heel[1]) / 2
-        distance = _between(
+        distance = between(
             "foot_separation",
             "m",
             "gait.posture",
@@ -229,7 +172,7 @@ class Formulation:
         r, posture = base.rotation, self.config.posture
         bound = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
         angles = [r[2, 1], -r[2, 0], r[1, 0]]  # sines of roll, pitch and yaw
-        return _between("torso", "rad", "gait.posture", angles, -bound, bound, 1.0)
+        return between("torso", "rad", "gait.posture", angles, -bound, bound, 1.0)
 
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Toe and heel in the foot frame (3,) [m]."""
@@ -241,7 +184,7 @@ class Formulation:
 
     # --- touchdown -------------------------------------------------------------------------
 
-    def touchdown(self, before: "StepEnd", after: "StepEnd") -> list[Constraint]:
+    def touchdown(self, before: StepEnd, after: StepEnd) -> list[Constraint]:
         """Impact, continuity and foot placement from one step's end to the next one's start.
 
         The impact is a Newton-Euler pass on the velocity jump, rooted at the new stance foot;
@@ -267,13 +210,13 @@ class Formulation:
         slow = np.array([limit.forward, limit.lateral, *[limit.angular] * 3])
         velocity = [sole[1][0], sole[1][1], *ca.vertsplit(foot.angular)]
         return [
-            _equality("impact", "N m s", "no impulsive torque", free, 1.0),
-            _equality("foot_flat", "m, rad", "foot placement", flat, LENGTH_SCALE),
-            _equality(
+            equality("impact", "N m s", "no impulsive torque", free, 1.0),
+            equality("foot_flat", "m, rad", "foot placement", flat, LENGTH_SCALE),
+            equality(
                 "continuity", "rad", "impact keeps positions", after.q - mirrored(before.q), 1.0
             ),
             *[_impulsive(c) for c in self.contact(force, moment, 0.0)],
-            _between(
+            between(
                 "touchdown_speed",
                 "m/s",
                 "gait.touchdown",
@@ -282,13 +225,13 @@ class Formulation:
                 np.full(2, limit.down_max),
                 1.0,
             ),
-            _at_least("lift_off", "m/s", "old stance foot leaves", ca.vertcat(*lifted), 0.0, 1.0),
-            _between(
+            at_least("lift_off", "m/s", "old stance foot leaves", ca.vertcat(*lifted), 0.0, 1.0),
+            between(
                 "touchdown_velocity", "m/s, rad/s", "gait.touchdown", velocity, -slow, slow, 1.0
             ),
         ]
 
-    def _jump(self, foot: BodyPose, before: "StepEnd", after: "StepEnd"):
+    def _jump(self, foot: BodyPose, before: StepEnd, after: StepEnd):
         reflect = ca.DM(np.diag([1.0, -1.0, 1.0]))
         reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
         new = self.tree.foot_pose(after.roll, after.roll_rate)
@@ -299,60 +242,11 @@ class Formulation:
             zero, angular, linear, after.q, rest, after.v - mirrored(before.v)
         )
 
-    def step_vector(self, end: "StepEnd") -> ca.SX:
+    def step_vector(self, end: StepEnd) -> ca.SX:
         """Horizontal displacement (2,) [m] from the stance foot to the touched-down foot."""
         poses = self.tree.poses(end.roll, end.roll_rate, end.q, end.v)
         sole = np.array([0.0, 0.0, -self.tree.model.ankle_height])
         return self.tree.point(poses["swing_foot"], sole)[0][:2]
-
-
-@dataclass(frozen=True)
-class StepEnd:
-    """State at the start or the end of a step."""
-
-    roll: ca.SX
-    roll_rate: ca.SX
-    q: ca.SX
-    v: ca.SX
-
-
-def mirrored(q: ca.SX) -> ca.SX:
-    """Joint vector (10,) as the next step sees it: legs swapped and reflected."""
-    sign = ca.DM(LEG_MIRROR)
-    return ca.SX(ca.vertcat(sign * q[LEG_JOINTS:], sign * q[:LEG_JOINTS]))
-
-
-Rows = ca.SX | list[ca.SX]
-
-
-def _equality(name: str, unit: str, source: str, rows: Rows, scale: float) -> Constraint:
-    expression = _stack(rows)
-    zero = np.zeros(expression.numel())
-    return Constraint(name, unit, source, expression, zero, zero, scale)
-
-
-def _at_least(
-    name: str, unit: str, source: str, rows: Rows, least: float, scale: float
-) -> Constraint:
-    expression = _stack(rows)
-    n = expression.numel()
-    return Constraint(name, unit, source, expression, np.full(n, least), np.full(n, np.inf), scale)
-
-
-def _between(
-    name: str,
-    unit: str,
-    source: str,
-    rows: Rows,
-    lower: np.ndarray,
-    upper: np.ndarray,
-    scale: float,
-) -> Constraint:
-    return Constraint(name, unit, source, _stack(rows), lower, upper, scale)
-
-
-def _stack(rows: Rows) -> ca.SX:
-    return ca.vertcat(*rows) if isinstance(rows, list) else rows
 
 
 def _impulsive(constraint: Constraint) -> Constraint:

@@ -14,7 +14,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from slider.gait import bezier
-from slider.gait.formulation import Constraint, Formulation, NodeSymbols, StepEnd
+from slider.gait.constraint import Constraint
+from slider.gait.formulation import Formulation
+from slider.gait.symbols import NodeSymbols, StepEnd
 from slider.gait.tree import NUM_JOINTS
 
 NODE = NodeSymbols.SIZE
@@ -56,7 +58,6 @@ class GaitProblem:
         self._node_constraints: list[Constraint] = []
         self._end_constraints: list[Constraint] = []
         self.node = self._node_piece()
-        self.gradient = self._cost_gradient()
         self.ends = self._ends_piece()
         self.collocation = self._collocation_piece()
 
@@ -115,7 +116,7 @@ class GaitProblem:
         multiplier, factor = ca.SX.sym("lam", rows.numel()), ca.SX.sym("f")
         hessian, _ = ca.hessian(factor * cost + ca.dot(multiplier, rows), x)
         full = ca.triu2symm(ca.triu(hessian))
-        self._cost_function = ca.Function("cost", [x, weight], [cost, ca.gradient(cost, x)])
+        self.gradient = ca.Function("cost", [x, weight], [cost, ca.gradient(cost, x)])
         return Piece(
             ca.Function("node", [x, weight], [cost, rows]),
             ca.Function("node_jacobian", [x], [rows, ca.jacobian(rows, x)]),
@@ -139,9 +140,6 @@ class GaitProblem:
         single = np.ones(self.nodes)
         single[1:-1:2], single[2:-1:2] = 4.0, 2.0
         return np.tile(single / single.sum(), 2)
-
-    def _cost_gradient(self) -> ca.Function:
-        return self._cost_function
 
     def _ends_piece(self) -> Piece:
         y, velocity = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", 2)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from slider.gait.formulation import NodeSymbols
 from slider.gait.problem import NODE, GaitProblem
+from slider.gait.symbols import NodeSymbols
 from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
 from slider.robot import knee_map
 from slider.robot.names import LEG_JOINTS as PRISMATIC_LEG

@@ -1,0 +1,99 @@
+"""The score that picks a checkpoint, and rsl-rl's settings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from slider.core.config.train import SelectionConfig
+from slider.core.job import NoTracker
+from slider.env.rollout import Recording
+from slider.training import ppo, selection
+from slider.training.selection import Selector
+from tests.env.synthetic import config, gait_table
+
+SETTINGS = SelectionConfig(
+    interval=1,
+    commands=[0.2, 2.0],
+    robots=2,
+    duration=1.0,
+    skip=0.2,
+    fall_weight=10.0,
+    flight_weight=3.0,
+)
+
+
+def make_selector(settings: SelectionConfig = SETTINGS, seed: int = 1) -> Selector:
+    whole = config("experiment=test")
+    return Selector(whole.robot, whole.env, settings, gait_table().times, seed, threads=1)
+
+
+def nothing(observations: torch.Tensor) -> torch.Tensor:
+    return torch.zeros(len(observations), 12)
+
+
+def score_of(monkeypatch, recording: Recording) -> selection.Score:
+    monkeypatch.setattr(selection, "roll_out", lambda *_: recording)
+    return make_selector().score(nothing)
+
+
+def recorded(speeds: list[float], alive: list[bool]) -> Recording:
+    """Constant speeds after a bad start, both feet down for three quarters of the time."""
+    velocity = np.zeros((50, 4, 2))
+    velocity[:, :, 0] = speeds
+    velocity[:10] = 99.0
+    forces = np.full((50, 4, 2), 100.0)
+    forces[10:20] = 0.0
+    return Recording(
+        period=0.02,
+        command=np.array([[v, 0.0, 0.0] for v in (0.2, 0.2, 2.0, 2.0)]),
+        alive=np.tile(alive, (50, 1)),
+        velocity=velocity,
+        yaw=np.zeros((50, 4)),
+        foot_forces=forces,
+        foot_positions=np.zeros((50, 4, 2, 3)),
+        diverged=np.zeros(4, dtype=bool),
+    )
+
+
+def test_score_by_hand(monkeypatch):
+    score = score_of(monkeypatch, recorded([0.3, 0.2, 1.8, 5.0], [True, True, True, False]))
+    relative = np.mean([0.01 / (0.01 + 0.0004), 0.0, 0.04 / (0.01 + 0.04)])
+    assert score.value == pytest.approx(10.0 / 4 + relative + 3.0 * 0.25)
+    assert score.success == 0.75
+    assert score.speed_error == pytest.approx(0.1)
+    assert score.flight == pytest.approx(0.25)
+
+
+def test_where_all_fall_the_score_is_bad_but_finite(monkeypatch):
+    score = score_of(monkeypatch, recorded([0.2, 0.2, 2.0, 2.0], [False] * 4))
+    assert score.success == 0.0
+    assert 100.0 < score.value < np.inf
+
+
+def test_the_same_network_has_the_same_score():
+    selector = make_selector(replace(SETTINGS, commands=[0.0], duration=0.5, robots=4))
+    first, second = selector.score(nothing), selector.score(nothing)
+    assert first == second
+    assert first.success == 1.0, "no robot falls within half a second"
+    other = make_selector(replace(SETTINGS, commands=[0.0], duration=0.5, robots=4), seed=2)
+    assert other.score(nothing).value != first.value
+
+
+def test_our_settings_in_rsl_rls_words():
+    train = config("experiment=paper").train.walking
+    settings = ppo.runner_config(train, NoTracker())
+    assert settings["actor"]["hidden_dims"] == [256, 256, 256]
+    assert settings["critic"]["hidden_dims"] == [256, 256, 256]
+    assert settings["actor"]["obs_normalization"]
+    assert settings["algorithm"]["gamma"] == train.ppo.gamma
+    assert settings["algorithm"]["lam"] == train.ppo.lam
+    assert settings["num_steps_per_env"] == train.steps_per_iteration
+    assert not settings["algorithm"]["use_mixed_precision"], "the paper variant is float32"
+
+
+def test_precision():
+    assert ppo.use_bfloat16("bfloat16")
+    assert not ppo.use_bfloat16("float32")
+    assert isinstance(ppo.use_bfloat16("auto"), bool)

@@ -56,7 +56,8 @@ class GaitQuality:
         double_support: share of time with both feet on the ground.
         touchdown_rate: touchdowns per second, both feet.
         alternation: share of touchdowns that follow one of the other foot.
-        clearance: mean over feet of the 90th percentile of the sole's height while unloaded [m].
+        clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
+            counts as 0 while the foot is loaded.
         slip: mean horizontal speed of soles while loaded [m/s].
         heading: largest |yaw − yaw at the start| [rad] of the whole rollout, command yaw rate 0.
     """

@@ -9,6 +9,9 @@ import numpy as np
 class RobotState:
     """State of N robots. World frame: x, y horizontal, z up; heading frame: turned by the yaw.
 
+    Efforts, feet and contacts come from sensors, which MuJoCo evaluates before it integrates: they
+    are one simulation step older than the rest.
+
     Attributes:
         base_position: (N, 3) [m], world.
         rotation: (N, 3, 3), base to world.

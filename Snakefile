@@ -16,6 +16,13 @@ wildcard_constraints:
     recipe="[0-9a-f]{64}",
 
 
+# Here, since Snakemake forgets a default target that an included file sets.
+rule all:
+    default_target: True
+    input:
+        TABLE1_REPORTS,
+
+
 include: "pipeline/rules/reports.smk"
 include: "pipeline/rules/gaits.smk"
 include: "pipeline/rules/learning.smk"

@@ -2,7 +2,6 @@
 
 
 rule publish_table1:
-    default_target: True
     input:
         manifest=PIPELINE.manifest("table1"),
         # Which table is the current one, also when its manifest is older than the reports.

@@ -110,6 +110,12 @@ def test_a_mistake_is_one_line_and_status_1(workspace, setting, message):
     assert message in lines[0]
 
 
+def test_without_a_target_the_table_is_wanted(workspace):
+    dry = workspace.snakemake("-n", hydra=f"{QUIET} evaluation.trials=7")
+    assert dry.returncode == 0
+    assert "publish_table1" in dry.stdout + dry.stderr
+
+
 def test_a_dry_run_and_a_run_with_nothing_to_do_are_fast(workspace):
     """125 gaits: 2.2 s and 2.1 s on two quiet cores; the bounds leave room for a busy machine."""
     assert workspace.snakemake("-n", "reports/table1.csv", hydra=QUIET).returncode == 0  # warm up

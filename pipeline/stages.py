@@ -77,6 +77,9 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
     section = {
         "library": to_dict(config.library),
         "velocities": [job.section["velocity"] for job in gaits],
+        # Written into the library, so that its gaits can be compared with the robot's limits.
+        "robot": _only(to_dict(config.robot), "geometry", "virtual_knee", "limits"),
+        "kinematic_map": config.gait.kinematic_map,
     }
     return JobSpec("library", "gait library", code_of(LIBRARY), section, {"gaits": gaits})
 

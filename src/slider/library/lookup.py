@@ -18,6 +18,22 @@ from slider.robot.names import CHANNELS
 _NUM_CHANNELS = len(CHANNELS)
 
 
+def open_library(path: Path) -> zarr.Group:
+    """Open the Zarr store at ``path`` for reading.
+
+    Raises:
+        UserError: not a gait library, or of another version.
+    """
+    try:
+        group = zarr.open_group(path, mode="r")
+    except (FileNotFoundError, ValueError):
+        raise UserError(f"expected a gait library at {path}, found none") from None
+    found = (group.attrs.get("schema"), group.attrs.get("version"))
+    if found != (SCHEMA, VERSION):
+        raise UserError(f"{path}: expected {SCHEMA} version {VERSION}, found {found}")
+    return group
+
+
 @dataclass(frozen=True)
 class GaitLibrary:
     """All gaits of a library.
@@ -43,13 +59,7 @@ class GaitLibrary:
         Raises:
             UserError: not a gait library, or of another version.
         """
-        try:
-            group = zarr.open_group(path, mode="r")
-        except (FileNotFoundError, ValueError):
-            raise UserError(f"expected a gait library at {path}, found none") from None
-        found = (group.attrs.get("schema"), group.attrs.get("version"))
-        if found != (SCHEMA, VERSION):
-            raise UserError(f"{path}: expected {SCHEMA} version {VERSION}, found {found}")
+        group = open_library(path)
         names = ("velocities", "samples", "base", "step_time")
         return cls(**{name: np.asarray(group[name][...]) for name in names})  # type: ignore
 

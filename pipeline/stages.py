@@ -19,6 +19,7 @@ STANDING = "slider.training.stage:run_standing"
 WALKING = "slider.training.stage:run_walking"
 EVALUATION = "slider.evaluation.stage:run"
 TABLE1 = "slider.reports.table1:run"
+FIGURES = "slider.reports.figures.stage:run"
 
 POLICY = "policy"
 Velocity = tuple[float, float]
@@ -42,6 +43,12 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
         "walking": walking,
         "table1": table1(config, evaluations),
     }
+
+
+def figure_jobs(library: JobSpec) -> dict[str, JobSpec]:
+    """Pictures of the gait library; nothing on the way to Table 1 needs them."""
+    inputs = {"library": [library]}
+    return {"figures": JobSpec("figures", "figures", code_of(FIGURES), {}, inputs)}
 
 
 def velocities(grid: GridConfig) -> list[Velocity]:

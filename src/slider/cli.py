@@ -16,6 +16,8 @@ COMMANDS = {
     "run": ("slider.core.commands.run", "run one job of a plan"),
     "publish": ("slider.core.commands.publish", "copy files of a result out of the store"),
     "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
+    "library": ("slider.reports.library_command", "show what is in the gait library"),
+    "gait": ("slider.reports.gait_command", "show or export one gait of the library"),
     "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
 }
 

@@ -7,16 +7,10 @@ from slider.core.plan import JobSpec, Plan, read_plan
 from slider.core.store import Manifest, Store
 
 
-def current_plan(store: Store) -> Plan:
-    """The plan that was laid out last.
-
-    Raises:
-        UserError: there is none.
-    """
+def current_plan(store: Store) -> Plan | None:
+    """The plan that was laid out last, if there is any."""
     plans = sorted((store.root / "plans").glob("*.json"), key=lambda path: path.stat().st_mtime)
-    if not plans:
-        raise UserError(f"expected a plan below {store.root}, found none; `snakemake -n` makes one")
-    return read_plan(plans[-1])
+    return read_plan(plans[-1]) if plans else None
 
 
 def current_result(store: Store, target: str, command: str) -> tuple[JobSpec, Manifest]:
@@ -26,8 +20,8 @@ def current_result(store: Store, target: str, command: str) -> tuple[JobSpec, Ma
         UserError: it has not been computed; names the ``command`` that does.
     """
     plan = current_plan(store)
-    recipe = plan.targets.get(target)
-    job = plan.jobs[recipe] if recipe else None
+    recipe = plan.targets.get(target) if plan else None
+    job = plan.jobs[recipe] if plan and recipe else None
     if job is None or not store.manifest_path(job.stage, job.recipe).is_file():
         raise UserError(f"no {target} of the current configuration yet; make it with `{command}`")
     return job, store.read_manifest(job.stage, job.recipe)

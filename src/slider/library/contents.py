@@ -13,7 +13,7 @@ from slider.core.config.robot import Geometry, JointLimits, VirtualKnee
 from slider.core.errors import UserError
 from slider.library.lookup import open_library
 from slider.library.mesh import VelocityMesh
-from slider.library.schema import ARRAYS, CONSTRAINT, GAIT_COORDINATES
+from slider.library.schema import ARRAYS, ATTRIBUTES, CONSTRAINT, GAIT_COORDINATES
 from slider.robot.names import JOINTS
 
 _SAME = 1e-6  # velocities closer than this are one [m/s]
@@ -69,17 +69,22 @@ class LibraryContents:
             UserError: not a gait library, of another version, or without one of its parts.
         """
         group = open_library(path)
-        try:
-            arrays = {name: _values(group[name]) for name in (*ARRAYS, *GAIT_COORDINATES)}
-            constraints = tuple(str(name) for name in _values(group[CONSTRAINT]))
-            holes = tuple(from_dict(Hole, hole) for hole in group.attrs["holes"])  # type: ignore
-            robot = from_dict(Robot, group.attrs["robot"])
-            return cls(arrays, constraints, holes, robot, str(group.attrs["kinematic_map"]))
-        except KeyError as error:
+        names = (*ARRAYS, *GAIT_COORDINATES)
+        missing = [name for name in (*names, CONSTRAINT) if name not in group]
+        missing += [name for name in ATTRIBUTES if name not in group.attrs]
+        if missing:
             raise UserError(
-                f"{path}: expected {error.args[0]!r} in the gait library, found none; "
+                f"{path}: expected {missing[0]!r} in the gait library, found none; "
                 "make it anew with `snakemake -j2 gait_library`"
-            ) from None
+            )
+        holes, robot, variant = (group.attrs[name] for name in ATTRIBUTES)
+        return cls(
+            arrays={name: _values(group[name]) for name in names},
+            constraints=tuple(str(name) for name in _values(group[CONSTRAINT])),
+            holes=tuple(from_dict(list[Hole], holes)),
+            robot=from_dict(Robot, robot),
+            kinematic_map=str(variant),
+        )
 
     def __len__(self) -> int:
         """Number of gaits."""

@@ -48,6 +48,8 @@ LABELS: dict[str, tuple[str, ...]] = {
     "coordinate": ("x", "y", "z"),
     "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
 }
+# What the gaits were made for and with, and the velocities that have none.
+ATTRIBUTES = ("holes", "robot", "kinematic_map")
 # One value per gait, beside its place in the arrays.
 GAIT_COORDINATES: dict[str, str] = {"vx": "m/s", "vy": "m/s", "status": "IPOPT's return status"}
 

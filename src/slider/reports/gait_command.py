@@ -29,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Show or export one gait."""
+    _check(arguments)
     library = read_library(arguments)
     gait = library.find(arguments.vx, arguments.vy)
     if arguments.action == "show":
@@ -42,6 +43,15 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"{out} is ready")
 
 
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse a name for the output before anything is read."""
+    out = arguments.out
+    if out is not None and out.is_dir():
+        raise UserError(f"--out: expected the name of a file, found the folder {out}")
+    if arguments.action == "show" and out is not None and out.suffix not in _PICTURES:
+        raise UserError(f"--out: expected a name that ends in .svg or .png, found {out}")
+
+
 def _default_picture(library: LibraryContents, gait: int) -> Path:
     vx, vy = library.velocities[gait]
     return Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}.png"
@@ -51,8 +61,6 @@ def _draw(library: LibraryContents, gait: int, out: Path) -> None:
     from slider.reports.figures import gait_sheet
     from slider.reports.figures.style import save, style
 
-    if out.suffix not in _PICTURES:
-        raise UserError(f"--out: expected a name that ends in .svg or .png, found {out}")
     _make_folder(out)
     with style():
         save(gait_sheet.draw(library, gait), out)
@@ -63,5 +71,3 @@ def _make_folder(out: Path) -> None:
         out.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"--out: {out}: {error.strerror}") from None
-    if out.is_dir():
-        raise UserError(f"--out: expected the name of a file, found the folder {out}")

@@ -19,7 +19,8 @@ def draw(library: LibraryContents) -> Figure:
     figure = new_figure(8.6)
     panels = figure.subplots(4, 1, height_ratios=(1, 1, 1, 3.2))
     arrays = library.arrays
-    draw_map(panels[0], library, VelocityMap("IPOPT iterations", arrays["iterations"], "1"))
+    item = VelocityMap("IPOPT iterations", arrays["iterations"], "iterations")
+    draw_map(panels[0], library, item)
     residual = np.maximum(arrays["max_violation"], _FLOOR)
     item = VelocityMap("worst residual", residual, "SI unit of\nthe constraint", logarithmic=True)
     draw_map(panels[1], library, item)

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from slider.library.contents import LibraryContents
 from slider.library.loads import foot_heights
 from slider.reports.figures.gait_tiles import draw_tiles, tile_samples
-from slider.reports.figures.style import DARK, MIDDLE, WIDTH, new_figure
+from slider.reports.figures.style import DARK, MIDDLE, new_figure
 from slider.robot.names import JOINTS, LEG_JOINTS, NUM_JOINTS, SIDES
 
 _SHOWN = LEG_JOINTS[:5]
@@ -18,7 +18,8 @@ _HEIGHTS = (1.35, 1.15, 1.15, 1.15)  # of the rows [inch]
 def draw(library: LibraryContents, gait: int) -> Figure:
     """Draw the gait with an index of the library; ``style()`` must be active."""
     figure = new_figure(sum(_HEIGHTS) + 1.4)
-    tiles, plots = figure.subfigures(2, 1, height_ratios=(_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6))
+    heights = (_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6)
+    tiles, plots = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
     vx, vy = library.velocities[gait]
     figure.suptitle(f"gait at ({vx:g}, {vy:g}) m/s", fontsize=9)
     draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
@@ -45,9 +46,7 @@ def _both_legs(
     _two_lines(axes, library, gait, columns)
 
 
-def _two_lines(
-    axes: Axes, library: LibraryContents, gait: int, columns: list[np.ndarray]
-) -> None:
+def _two_lines(axes: Axes, library: LibraryContents, gait: int, columns: list[np.ndarray]) -> None:
     """Left and right over time, in pieces: values jump at the touchdown."""
     time = library.arrays["time"][gait]
     half = len(time) // 2
@@ -64,8 +63,31 @@ def _label_drives(panels: np.ndarray, library: LibraryContents) -> None:
         unit = "N" if joint == "slide" else "N m"
         bottom.set_title(f"effort [% of {library.robot.limits[joint].effort:g} {unit}]")
     panels[0, 0].legend()
+    for axes in panels.flat:
+        axes.title.set_size(7)
 
 
 def _ground(row: np.ndarray, library: LibraryContents, gait: int) -> None:
     """Ground force under the stance foot, its line's loads, height and speed."""
     time, wrench = library.arrays["time"][gait], library.arrays["ground_wrench"][gait]
+    half = len(time) // 2
+    columns = [
+        np.where(np.arange(len(time)) < half, wrench[:, 2], np.nan),
+        np.where(np.arange(len(time)) < half, np.nan, wrench[:, 2]),
+    ]
+    _two_lines(row[0], library, gait, columns)
+    row[0].set_title("ground force z [N]")
+    heights = 100 * foot_heights(library, gait)
+    _two_lines(row[1], library, gait, [heights[:, 0], heights[:, 1]])
+    row[1].set_title("foot height [cm]")
+    samples = library.arrays["samples"][gait]
+    speeds = [samples[:, NUM_JOINTS + JOINTS.index(f"{side}_slide")] for side in SIDES]
+    _two_lines(row[3], library, gait, speeds)
+    row[3].set_title("slide speed [m/s]")
+    for axes, column, name in ((row[2], -2, "forward"), (row[4], -1, "leftward")):
+        for piece in (slice(0, half), slice(half, None)):
+            axes.plot(time[piece], samples[piece, column], color=DARK)
+        axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
+        axes.set_title(f"base {name} [m/s]")
+    for axes in row:
+        axes.set_xlabel("time [s]")

@@ -18,14 +18,14 @@ the fifth tile of a row are the two sides of a touchdown: the same posture, the 
 """
 
 _ROWS = 5
-_HALF_WIDTH, _TOP = 0.46, 1.24  # of a tile [m]
+_HALF_WIDTH, _TOP = 0.52, 1.24  # of a tile [m]
 
 
 def draw(library: LibraryContents) -> Figure:
     """One row per velocity, time goes to the right."""
     chosen = forward_gaits(library, _ROWS)
     columns = tile_samples(library)
-    figure = new_figure(1.32 * len(chosen) + 0.1)
+    figure = new_figure(1.2 * len(chosen) + 0.1)
     panels = figure.subplots(len(chosen), len(columns), squeeze=False)
     for row, index in zip(panels, chosen, strict=True):
         draw_tiles(row, library, int(index))

@@ -11,6 +11,7 @@ from slider.robot import knee_map
 
 _START = 0.1  # knee flexion from which speed errors add up [rad]
 _STOP = 1.75
+_VARIANTS = ("paper", "exact")
 
 
 def draw(library: LibraryContents) -> Figure:
@@ -25,10 +26,11 @@ def draw(library: LibraryContents) -> Figure:
     _slide_velocity(panels[2], theta, errors)
     used = library.arrays["knee_positions"][..., [3, 8]]
     for axes in panels:
-        span = axes.axvspan(float(used.min()), float(used.max()), color=EMPTY, zorder=0)
+        span = axes.axvspan(float(used.min()), float(used.max()), facecolor=EMPTY, zorder=0)
         axes.set_xlabel("knee flexion θ [rad]")
         axes.set_xlim(0.0, _STOP)
     handles, labels = panels[0].get_legend_handles_labels()
+    span.set(edgecolor=LIGHT, linewidth=0.5)
     panels[0].legend([*handles, span], [*labels, "θ in the library"])
     return figure
 
@@ -45,7 +47,7 @@ def caption(library: LibraryContents) -> str:
         f"{knee.shank_length:g} m; grey: the knee angles that the gaits of this library use. "
         f"There the printed angles are off by up to {worst['hip']:.3f} rad (hip) and "
         f"{worst['ankle']:.3f} rad (ankle), and the printed slide velocity by up to "
-        f"{worst['slide_rate']:.3f} m/rad times the knee's speed. The printed length itself is "
+        f"{worst['slide_rate']:.3f} m/s per rad/s of the knee. The printed length itself is "
         "exact; dashed is the position that one gets by adding up the printed velocities from "
         f"θ = {_START:g} rad on.\n"
     )
@@ -59,15 +61,13 @@ def map_errors(theta: np.ndarray, l1: float, l2: float) -> dict[str, np.ndarray]
         [rad/rad] and ``slide_rate`` [m/rad] of velocities per knee speed.
     """
     zero = np.zeros_like(theta)
-    printed, exact = (knee_map.positions(zero, theta, zero, l1, l2, v) for v in ("paper", "exact"))
-    rates = [
-        knee_map.velocities(zero, theta, zero + 1, zero, l1, l2, v) for v in ("paper", "exact")
-    ]
+    places = [knee_map.positions(zero, theta, zero, l1, l2, v) for v in _VARIANTS]
+    rates = [knee_map.velocities(zero, theta, zero + 1, zero, l1, l2, v) for v in _VARIANTS]
     errors = {}
-    for suffix, (ours, right) in (("", (printed, exact)), ("_rate", rates)):
-        errors[f"hip{suffix}"] = ours.hip_pitch - right.hip_pitch
-        errors[f"ankle{suffix}"] = ours.ankle - right.ankle
-        errors[f"slide{suffix}"] = ours.length - right.length
+    for suffix, (printed, exact) in (("", places), ("_rate", rates)):
+        errors[f"hip{suffix}"] = printed.hip_pitch - exact.hip_pitch
+        errors[f"ankle{suffix}"] = printed.ankle - exact.ankle
+        errors[f"slide{suffix}"] = printed.length - exact.length
     return errors
 
 
@@ -83,10 +83,11 @@ def _slide_position(axes: Axes, theta: np.ndarray, errors: dict[str, np.ndarray]
     axes.plot(theta, errors["slide"], color=DARK, label="printed length")
     axes.plot(theta, total, color=MIDDLE, linestyle="--", label="printed velocity, added up")
     axes.set(title="slide position error", ylabel="printed − exact [m]")
-    axes.legend()
+    axes.margins(y=0.3)
+    axes.legend(loc="upper center")
 
 
 def _slide_velocity(axes: Axes, theta: np.ndarray, errors: dict[str, np.ndarray]) -> None:
     axes.plot(theta, errors["slide_rate"], color=DARK)
     axes.axhline(0.0, color=LIGHT, linewidth=0.8)
-    axes.set(title="slide velocity error per knee speed", ylabel="printed − exact [m/rad]")
+    axes.set(title="slide velocity error", ylabel="printed − exact [m/s per rad/s of θ]")

@@ -1,6 +1,7 @@
 """Limit cycles of the joints for forward velocities, as in the paper's figure."""
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -31,12 +32,13 @@ def draw(library: LibraryContents) -> Figure:
     """Five driven joints and the roll of the stance foot."""
     chosen = forward_gaits(library, _GAITS)
     speeds = library.velocities[chosen, 0]
-    colours = ScalarMappable(Normalize(0.0, max(float(speeds.max()) * 1.1, 0.1)), COLOURS)
+    scale = Normalize(0.0, max(float(speeds.max()) * 1.1, 0.1))  # not up to the lightest yellow
+    colours = ScalarMappable(scale, COLOURS)
     figure = new_figure(4.6)
     panels = figure.subplots(2, 3)
     for index in chosen:
         gait = blend(library, *library.velocities[index])
-        colour = colours.to_rgba(float(gait.velocity[0]))
+        colour = colormaps[COLOURS](scale(float(gait.velocity[0])))
         for axes, joint in zip(panels.flat, _SHOWN, strict=False):
             _closed_curve(axes, _joint(gait, joint), colour)
         _closed_curve(panels.flat[-1], _roll(gait), colour)

@@ -70,14 +70,9 @@ def _cells(library: LibraryContents) -> list[tuple[tuple[float, float], float, f
     low_x, high_x = _borders(library.mesh.vx)
     low_y, high_y = _borders(library.mesh.vy)
     i, j = np.searchsorted(library.mesh.vx, vx), np.searchsorted(library.mesh.vy, vy)
-    return [
-        (
-            (float(low_x[a]), float(low_y[b])),
-            float(high_x[a] - low_x[a]),
-            float(high_y[b] - low_y[b]),
-        )
-        for a, b in zip(i, j, strict=True)
-    ]
+    width, height = (high_x - low_x).tolist(), (high_y - low_y).tolist()
+    left, bottom = low_x.tolist(), low_y.tolist()
+    return [((left[a], bottom[b]), width[a], height[b]) for a, b in zip(i, j, strict=True)]
 
 
 def _borders(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -79,7 +79,7 @@ def _leg(axes: Axes, posture: Posture, leg: int, colour: str) -> None:
             shape,
             facecolor=MIDDLE if loaded else "white",
             edgecolor=colour,
-            linewidth=1.2,
+            linewidth=0.9,
             joinstyle="round",
             zorder=order + 0.5,
         )

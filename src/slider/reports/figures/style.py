@@ -42,7 +42,7 @@ _STYLE: dict[str, Any] = {
 
 def style() -> AbstractContextManager[None]:
     """Settings in which a figure is drawn and saved."""
-    return matplotlib.rc_context(_STYLE)
+    return matplotlib.rc_context(_STYLE)  # pyright: ignore[reportArgumentType]
 
 
 def new_figure(height: float) -> Figure:

@@ -29,6 +29,8 @@ def draw(library: LibraryContents, gait: int) -> Figure:
             _both_legs(axes, library, gait, joint, values)
     _label_drives(panels, library)
     _ground(panels[2], library, gait)
+    for axes in panels.flat:
+        axes.title.set_size(7)
     return figure
 
 
@@ -63,8 +65,6 @@ def _label_drives(panels: np.ndarray, library: LibraryContents) -> None:
         unit = "N" if joint == "slide" else "N m"
         bottom.set_title(f"effort [% of {library.robot.limits[joint].effort:g} {unit}]")
     panels[0, 0].legend()
-    for axes in panels.flat:
-        axes.title.set_size(7)
 
 
 def _ground(row: np.ndarray, library: LibraryContents, gait: int) -> None:

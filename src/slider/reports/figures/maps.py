@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.colors import LogNorm, Normalize
@@ -36,10 +37,10 @@ def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
     """
     if item.values.shape != (len(library),):
         raise ValueError(f"{item.name}: expected {len(library)} values, found {item.values.shape}")
+    colours = colormaps[COLOURS].with_extremes(bad=EMPTY)
     cells = PatchCollection(
-        [Rectangle(*cell) for cell in _cells(library)], cmap=COLOURS, norm=_norm(item)
+        [Rectangle(*cell) for cell in _cells(library)], cmap=colours, norm=_norm(item)
     )
-    cells.get_cmap().set_bad(EMPTY)
     cells.set_array(np.ma.masked_invalid(item.values))
     cells.set(edgecolor="white", linewidth=0.4)
     axes.add_collection(cells)

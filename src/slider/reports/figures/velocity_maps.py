@@ -11,9 +11,9 @@ from slider.reports.figures.style import new_figure
 
 CAPTION = """\
 One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
-the grid. The cost is that of the optimisation (`gait.cost`). The torque is the greatest of all rotary joints over
-the walk as a share of that joint's limit; slide force and slide speed likewise, against
-{force:g} N and {speed:g} m/s.
+the grid. The cost is that of the optimisation (`gait.cost`). The torque is the greatest of all
+rotary joints over the walk as a share of that joint's limit; slide force and slide speed likewise,
+against {force:g} N and {speed:g} m/s.
 """
 
 

@@ -49,8 +49,8 @@ def caption(library: LibraryContents) -> str:
         f"There the printed angles are off by up to {worst['hip']:.3f} rad (hip) and "
         f"{worst['ankle']:.3f} rad (ankle), and the printed slide velocity by up to "
         f"{worst['slide_rate']:.3f} m/rad (slide speed per knee speed). "
-        "The printed length itself is exact; dashed is the position that one gets by adding up the printed velocities from "
-        f"θ = {_START:g} rad on.\n"
+        "The printed length itself is exact; dashed is the position that one gets by adding up "
+        f"the printed velocities from θ = {_START:g} rad on.\n"
     )
 
 

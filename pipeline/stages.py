@@ -4,10 +4,11 @@ Each function says which entry point a stage runs, which part of the configurati
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
 """
 
+from dataclasses import fields
 from typing import Any
 
 from slider.core.config.convert import to_dict
-from slider.core.config.gait import Axis, GridConfig
+from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig
 from slider.core.config.schema import Config
 from slider.core.config.validate import axis_size
 from slider.core.plan import JobSpec
@@ -57,17 +58,21 @@ def velocities(grid: GridConfig) -> list[Velocity]:
     return sorted({(vx, vy) for x, y in blocks for vx in _values(x) for vy in _values(y)})
 
 
-def _values(axis: Axis) -> list[float]:
+def _values(axis: Axis | list[float]) -> list[float]:
     """Values rounded to 1e-10, so that grids of other steps share their gaits; no −0."""
-    steps = range(axis_size(axis))
-    return [round(axis.start + index * axis.step, 10) + 0.0 for index in steps]
+    if isinstance(axis, Axis):
+        axis = [axis.start + index * axis.step for index in range(axis_size(axis))]
+    return [round(value, 10) + 0.0 for value in axis]
 
 
 def gait_section(config: Config) -> dict[str, Any]:
     """What all gaits share: neither the gains of the simulated drives nor the grid."""
+    robot = ("geometry", "links", "virtual_knee", "limits", "capstan")
+    settings = to_dict(config.gait)
     return {
-        "robot": _only(to_dict(config.robot), "geometry", "links", "virtual_knee", "limits"),
-        "gait": _without(to_dict(config.gait), "grid"),
+        "robot": _only(to_dict(config.robot), *robot),
+        "formulation": _only(settings, *(f.name for f in fields(FormulationConfig))),
+        "solve": _only(settings, *(f.name for f in fields(SolveConfig))),
     }
 
 

@@ -18,8 +18,8 @@ VELOCITY = (0.6, 0.05)
 
 
 @pytest.fixture(scope="module")
-def arrays(config, solved):
-    return gait_arrays(solved.problem, solved.solve, config.robot.geometry.leg_length)
+def arrays(formulation, solved):
+    return gait_arrays(solved.problem, solved.solve, formulation, "exact")
 
 
 def test_all_constraints_hold(solved):
@@ -50,9 +50,9 @@ def test_walk_is_periodic(solved, arrays):
     np.testing.assert_allclose(arrays["base"][-1, 2:7], arrays["base"][0, 2:7], atol=1e-6)
 
 
-def test_roll_agrees_with_another_integrator(solved):
+def test_roll_agrees_with_another_integrator(solved, formulation):
     """DOP853 along the Bézier outputs, roll acceleration from the zero-moment condition."""
-    problem, tree = solved.problem, solved.problem.formulation.tree
+    layout, tree = solved.problem.layout, formulation.tree
     roll, rate, acceleration = (ca.SX.sym(name) for name in "rda")
     q, v, a = (ca.SX.sym(name, NUM_JOINTS) for name in "qva")
     dynamics = tree.inverse_dynamics(roll, rate, acceleration, q, v, a)
@@ -62,8 +62,8 @@ def test_roll_agrees_with_another_integrator(solved):
         "roll", [roll, rate, q, v, a], [-ca.substitute(moment, acceleration, 0) / slope]
     )
     variables = solved.solve.variables
-    time = variables[problem.time_index(0)]
-    coefficients = variables[: problem.num_coefficients].reshape(NUM_JOINTS, -1)
+    time = variables[layout.time_index(0)]
+    coefficients = variables[layout.joint_slice(0)].reshape(NUM_JOINTS, -1)
 
     def outputs(t, order):
         return bezier.evaluate(coefficients, np.array([t / time]), order)[0] / time**order
@@ -72,7 +72,7 @@ def test_roll_agrees_with_another_integrator(solved):
         joints = (outputs(t, 0), outputs(t, 1), outputs(t, 2))
         return [x[1], float(solve(x[0], x[1], *joints))]
 
-    nodes = variables[problem.time_index(0) + 1 : problem.step_size].reshape(-1, 3)
+    nodes = variables[layout.time_index(0) + 1 : layout.step_size].reshape(-1, 3)
     result = solve_ivp(derivative, (0, time), nodes[0, :2], "DOP853", rtol=1e-10, atol=1e-12)
     # The roll is unstable: collocation errors grow about fivefold over a step.
     np.testing.assert_allclose(result.y[0, -1], nodes[-1, 0], atol=1e-3)
@@ -93,9 +93,9 @@ def test_prismatic_velocities_are_derivatives_of_positions(solved, config):
     """Eq. 1 along the stance leg: central differences of the exact positions; not the paper's."""
     knee = config.robot.virtual_knee
     lengths = (knee.thigh_length, knee.shank_length)
-    problem, variables = solved.problem, solved.solve.variables
-    time = variables[problem.time_index(0)]
-    coefficients = variables[: problem.num_coefficients].reshape(NUM_JOINTS, -1)[2:5]
+    layout, variables = solved.problem.layout, solved.solve.variables
+    time = variables[layout.time_index(0)]
+    coefficients = variables[layout.joint_slice(0)].reshape(NUM_JOINTS, -1)[2:5]
     s, shift = np.linspace(0.05, 0.95, 19), 1e-6
     place = [bezier.evaluate(coefficients, s + d).T for d in (shift, -shift)]
     theta = bezier.evaluate(coefficients, s)[:, 1]

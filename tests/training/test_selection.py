@@ -83,7 +83,7 @@ def test_the_same_network_has_the_same_score():
 
 def test_our_settings_in_rsl_rls_words():
     train = config("experiment=paper").train.walking
-    settings = ppo.runner_config(train, NoTracker())
+    settings = ppo.runner_config(train, NoTracker(), [])
     assert settings["actor"]["hidden_dims"] == [256, 256, 256]
     assert settings["critic"]["hidden_dims"] == [256, 256, 256]
     assert settings["actor"]["obs_normalization"]

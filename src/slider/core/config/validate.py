@@ -83,6 +83,8 @@ def _robot(robot: RobotConfig) -> None:
         _require(limit.lower < limit.upper, f"robot.limits.{name}", "lower < upper", limit)
     for item in fields(robot.links):
         _positive(f"robot.links.{item.name}.mass", getattr(robot.links, item.name).mass)
+    for item in fields(robot.capstan):
+        _positive(f"robot.capstan.{item.name}", getattr(robot.capstan, item.name))
     _positive("robot.geometry.leg_length", robot.geometry.leg_length)
     knee = robot.virtual_knee
     reach = knee.thigh_length + knee.shank_length
@@ -94,17 +96,20 @@ def _robot(robot: RobotConfig) -> None:
     )
 
 
-def axis_size(axis: Axis) -> int:
+def axis_size(axis: Axis | list[float]) -> int:
     """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
+    if isinstance(axis, list):
+        return len(axis)
     if axis.step <= 0 or axis.stop < axis.start:
         return 0
     return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
-def _axis(key: str, axis: Axis) -> int:
-    _positive(f"{key}.step", axis.step)
+def _axis(key: str, axis: Axis | list[float]) -> int:
+    if isinstance(axis, Axis):
+        _positive(f"{key}.step", axis.step)
     size = axis_size(axis)
-    _require(size > 0, key, "start ≤ stop (a grid that is not empty)", axis)
+    _require(size > 0, key, "start ≤ stop, or a list (a grid that is not empty)", axis)
     return size
 
 
@@ -122,20 +127,32 @@ def _gait(gait: GaitConfig) -> None:
         nodes,
     )
     _require(3 <= gait.degree <= 12, "gait.degree", "a degree from 3 to 12", gait.degree)
-    _in("gait.cost", gait.cost, ("paper", "torque"))
+    _in("gait.transcription", gait.transcription, ("bezier", "collocation"))
+    _in("gait.cost", gait.cost, ("paper", "torque", "transport"))
     _in("gait.kinematic_map", gait.kinematic_map, ("exact", "paper"))
     _interval("gait.step_time", gait.step_time.lower, gait.step_time.upper)
     _positive("gait.step_time.lower", gait.step_time.lower)
+    _in("gait.step_time.law", gait.step_time.law, ("free", "fixed", "speed"))
+    _require(
+        gait.step_time.lower <= gait.step_time.value <= gait.step_time.upper,
+        "gait.step_time.value",
+        f"from {gait.step_time.lower} to {gait.step_time.upper} s",
+        gait.step_time.value,
+    )
     _interval("gait.touchdown.down", gait.touchdown.down_min, gait.touchdown.down_max)
     _require(
-        gait.posture.clearance < gait.posture.swing_height,
+        gait.posture.clearance + gait.posture.clearance_margin < gait.posture.swing_height,
         "gait.posture.clearance",
-        f"less than swing_height ({gait.posture.swing_height} m)",
-        gait.posture.clearance,
+        f"with its margin less than swing_height ({gait.posture.swing_height} m)",
+        gait.posture.clearance + gait.posture.clearance_margin,
     )
     _interval("gait.posture.knee", gait.posture.knee_min, gait.posture.knee_max)
     _positive("gait.contact.friction", gait.contact.friction)
+    _at_least("gait.posture.clearance_margin", gait.posture.clearance_margin, 0)
     _at_least("gait.solver.max_iterations", gait.solver.max_iterations, 1)
+    _require(bool(gait.solver.ladder), "gait.solver.ladder", "at least one rung", "none")
+    for rung in gait.solver.ladder:
+        _in("gait.solver.ladder", rung, ("cold", "relaxed", "ramp"))
 
 
 def _interval(key: str, lower: float, upper: float) -> None:

@@ -56,7 +56,12 @@ def write_gait(folder: Path, vx: float, vy: float, **report: object) -> Path:
         if name not in SCALARS:
             np.save(folder / f"{name}.npy", value(name, vx, vy))
     facts = {"vx": vx, "vy": vy, "status": "Solve_Succeeded", "converged": True}
-    facts |= {"iterations": 30, "cost": 1e4 * (1 + vx), "max_violation": 1e-9}
+    facts |= {
+        "iterations": 30,
+        "cost": 1e4 * (1 + vx),
+        "cost_unit": "N² m²/s",
+        "max_violation": 1e-9,
+    }
     facts |= {"residuals": {"impact": 1e-9, "torso": 0.0}}
     (folder / "report.json").write_text(json.dumps(facts | report))
     return folder

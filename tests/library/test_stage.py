@@ -99,6 +99,7 @@ def test_it_says_what_a_hole_violates_and_for_which_robot_it_was_made(with_a_hol
     efforts = contents.robot.joint_limits("effort")
     assert efforts.tolist() == [40, 60, 60, 400, 20, 0] * 2
     assert contents.kinematic_map == "exact"
+    assert contents.cost_unit == "N² m²/s"
 
 
 def test_xarray_finds_named_dimensions_and_coordinates(gaits, tmp_path: Path):

@@ -3,7 +3,9 @@
 Joints come from the blended polynomials, so that velocities are the derivatives of positions and
 positions are as smooth as a gait's own. What has no polynomial (the roll about the foot line, the
 motion of the base) is blended node by node. A blend of gaits is a reference to track; between the
-gaits it satisfies their constraints only approximately, and it is no periodic solution.
+gaits it satisfies their constraints only approximately, and it is no periodic solution. Gaits
+solved with free joints (``gait.transcription=collocation``) come with fitted polynomials; a blend
+is then exact at their velocities only up to the error of the fit.
 """
 
 from dataclasses import dataclass

@@ -53,6 +53,7 @@ class LibraryContents:
         constraints: names along the second axis of ``residuals``.
         holes: velocities whose gait did not converge.
         robot, kinematic_map: what the gaits were made for and with (eq. 1, variant).
+        cost_unit: unit of ``arrays["cost"]``.
     """
 
     arrays: Mapping[str, np.ndarray]
@@ -60,6 +61,7 @@ class LibraryContents:
     holes: tuple[Hole, ...]
     robot: Robot
     kinematic_map: str
+    cost_unit: str
 
     @classmethod
     def load(cls, path: Path) -> "LibraryContents":
@@ -77,13 +79,14 @@ class LibraryContents:
                 f"{path}: expected {missing[0]!r} in the gait library, found none; "
                 "make it anew with `snakemake -j2 gait_library`"
             )
-        holes, robot, variant = (group.attrs[name] for name in ATTRIBUTES)
+        holes, robot, variant, cost_unit = (group.attrs[name] for name in ATTRIBUTES)
         return cls(
             arrays={name: _values(group[name]) for name in names},
             constraints=tuple(str(name) for name in _values(group[CONSTRAINT])),
             holes=tuple(from_dict(list[Hole], holes)),
             robot=from_dict(Robot, robot),
             kinematic_map=str(variant),
+            cost_unit=str(cost_unit),
         )
 
     def __len__(self) -> int:

@@ -23,7 +23,7 @@ def gait_lines(library: LibraryContents, gait: int) -> list[str]:
         f"{arrays['iterations'][gait]} iterations",
         f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
         f"  step length  {lengths[0]:.3f} m, {lengths[1]:.3f} m forward",
-        f"  cost         {arrays['cost'][gait]:.6g}",
+        f"  cost         {arrays['cost'][gait]:.6g} {library.cost_unit}",
         f"  clearance    {100 * loads.clearance(library, gait):.1f} cm at mid-step "
         "(lower end of the swing foot)",
         "  peaks",
@@ -97,7 +97,7 @@ def _ranges(library: LibraryContents) -> list[str]:
     arrays = library.arrays
     rows: list[tuple[str, Sequence[float] | np.ndarray, str]] = [
         ("step time", arrays["step_time"], "s"),
-        ("cost", arrays["cost"], ""),
+        ("cost", arrays["cost"], library.cost_unit),
         ("iterations", arrays["iterations"], ""),
         ("peak torque", 100 * loads.peak_torque_share(library), "% of limit"),
         ("peak slide force", 100 * loads.slide_force_share(library), "% of limit"),

@@ -49,7 +49,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
 }
 # What the gaits were made for and with, and the velocities that have none.
-ATTRIBUTES = ("holes", "robot", "kinematic_map")
+ATTRIBUTES = ("holes", "robot", "kinematic_map", "cost_unit")
 # One value per gait, beside its place in the arrays.
 GAIT_COORDINATES: dict[str, str] = {"vx": "m/s", "vy": "m/s", "status": "IPOPT's return status"}
 
@@ -68,7 +68,7 @@ UNITS: dict[str, str] = {
     "efforts": "N m, N (slide)",
     "ground_wrench": "N, N m at the foot line, world axes",
     "swing_foot": "m relative to the stance foot",
-    "cost": "N^2 m^2 / s",
+    "cost": "see cost_unit",
     "max_violation": "SI unit of the worst constraint",
     "iterations": "1",
     "residuals": "unit of the constraint",

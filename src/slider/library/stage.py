@@ -47,6 +47,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         raise UserError(_describe(holes))
     about = {"robot": section["robot"], "kinematic_map": section["kinematic_map"]}
     about["holes"] = [_hole(report, config) for report in holes]
+    about["cost_unit"] = reports[good[0]]["cost_unit"]
     write_library(out / STORE, [folders[i] for i in good], [reports[i] for i in good], about)
     return {
         "gaits": len(good),
@@ -60,7 +61,7 @@ def write_library(
 ) -> None:
     """Write gaits to a Zarr store; the same gaits give the same bytes.
 
-    ``about`` holds further attributes: robot, kinematic_map, holes.
+    ``about`` holds further attributes: ``slider.library.schema.ATTRIBUTES``.
     """
     group = zarr.open_group(path, mode="w", zarr_format=3)
     group.attrs.update(

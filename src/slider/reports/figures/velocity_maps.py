@@ -32,7 +32,7 @@ def library_maps(library: LibraryContents) -> list[VelocityMap]:
     """The maps that the library alone can give."""
     shares = "% of limit"
     return [
-        VelocityMap("cost", library.arrays["cost"], "N² m²/s"),
+        VelocityMap("cost", library.arrays["cost"], library.cost_unit),
         VelocityMap("step time", library.arrays["step_time"].mean(axis=1), "s"),
         VelocityMap("peak torque", 100 * loads.peak_torque_share(library), shares),
         VelocityMap("peak slide force", 100 * loads.slide_force_share(library), shares),

@@ -1,0 +1,65 @@
+"""Typed settings of the independent checks of gaits."""
+
+from pydantic.dataclasses import dataclass
+
+from slider.core.config.strict import STRICT
+
+
+@dataclass(frozen=True, config=STRICT)
+class IntegratorConfig:
+    """Tolerances of DOP853: relative [-], absolute [rad, rad/s]."""
+
+    relative: float
+    absolute: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class RegulatorConfig:
+    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``."""
+
+    lateral: float
+    forward: float
+    reach: float
+    levelling: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class ReplayConfig:
+    """Replay in MuJoCo: steps of the walk, physics step and control step [s]."""
+
+    steps: int
+    timestep: float
+    regulator: RegulatorConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class CheckConfig:
+    """What the checks of a single gait need.
+
+    Attributes:
+        perturbation: of roll [rad] and roll rate [rad/s] in the return map's differences.
+        points: per step, for the resampling between nodes.
+    """
+
+    integrator: IntegratorConfig
+    perturbation: float
+    points: int
+    replay: ReplayConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class VerificationConfig(CheckConfig):
+    """All of the verification.
+
+    Attributes:
+        chunk: gaits per job.
+        on_failure: ``error`` ends the collecting job, ``report`` only says so in its results.
+        reach: velocities further apart than this are no neighbours [m/s].
+        bounds: of every quantity of ``slider.verification.quantities``; null where a quantity is
+            only reported.
+    """
+
+    chunk: int
+    on_failure: str
+    reach: float
+    bounds: dict[str, float | None]

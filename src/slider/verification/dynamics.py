@@ -5,7 +5,7 @@ import pinocchio as pin
 
 from slider.robot.names import SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot
-from slider.verification.stored import StoredGait
+from slider.verification.stored import StepMotion, StoredGait
 
 _BASE = 6
 
@@ -21,13 +21,11 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
     rotation = pin.Quaternion(w, x, y, z).toRotationMatrix()
     q = np.concatenate([base[:3] - gait.origin(step), [x, y, z, w], gait.knee_positions[sample]])
     v = np.concatenate([rotation.T @ base[7:10], base[10:13], gait.knee_velocities[sample]])
-    return FloatingState(q, v, moving_state(gait, robot, sample).a)
+    return FloatingState(q, v, _sample_state(gait, robot, sample).a)
 
 
-def moving_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingState:
-    """A sample as the coefficients and the roll of the stance foot describe it."""
-    motion = gait.steps[gait.step_of(sample)]
-    time = gait.time[sample] - gait.time[gait.step_of(sample) * gait.half]
+def moving_state(motion: StepMotion, robot: PinRobot, time: float) -> FloatingState:
+    """What the coefficients and the roll of the stance foot describe at a time of a step."""
     return robot.standing(motion.roll_at(time), *motion.joints_at(time), motion.side)
 
 
@@ -57,7 +55,7 @@ def kinematics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
     """Stored joints and base against coefficients and a stance foot that only rolls."""
     position, velocity = [], []
     for sample in range(2 * gait.half):
-        found, expected = stored_state(gait, robot, sample), moving_state(gait, robot, sample)
+        found, expected = stored_state(gait, robot, sample), _sample_state(gait, robot, sample)
         position.append(_worst(pin.difference(robot.model, expected.q, found.q)))
         velocity.append(_worst(found.v - expected.v))
     return {"kinematics_position": max(position), "kinematics_velocity": max(velocity)}
@@ -78,6 +76,11 @@ def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
         velocity.append(_worst(robot.impact(before.q, before.v, side) - after.v))
         impulse.append(_worst(robot.impulse(before.q, before.v, after.v, side)))
     return {"impact_velocity": max(velocity), "impact_impulse": max(impulse)}
+
+
+def _sample_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingState:
+    step = gait.step_of(sample)
+    return moving_state(gait.steps[step], robot, gait.time_in_step(sample))
 
 
 def _worst(values: np.ndarray) -> float:

@@ -49,15 +49,30 @@ class PrismaticRobot:
 
         ``wrench`` (6,) acts on the foot at the middle of its line, world axes.
         """
+        forces, jacobian = self._inverse(state, side)
+        rest = (forces - jacobian.T @ wrench)[:_BASE]
+        rotation = self.data.body(names.BASE).xmat.reshape(3, 3)
+        return np.concatenate([rest[:3], rotation @ rest[3:]])
+
+    def efforts(self, state: PrismaticState, side: str) -> np.ndarray:
+        """Joint efforts (12,) [N m, N] under the ground wrench that balances the base best.
+
+        A line foot carries no moment about its line: that component is left out.
+        """
+        forces, jacobian = self._inverse(state, side)
+        wrench = np.linalg.solve(jacobian[:, :_BASE].T, forces[:_BASE])
+        wrench[3] = 0.0
+        return (forces - jacobian.T @ wrench)[_BASE:]
+
+    def _inverse(self, state: PrismaticState, side: str) -> tuple[np.ndarray, np.ndarray]:
+        """Generalised forces (18,) of a motion, Jacobian (6, 18) of the sole, world axes."""
         data = self.data
         data.qpos[:], data.qvel[:], data.qacc[:] = state.qpos, state.qvel, state.qacc
         mujoco.mj_inverse(self.model, data)
         jacobian = np.zeros((_BASE, self.model.nv))
         place = data.site(names.sole(side))
         mujoco.mj_jacSite(self.model, data, jacobian[:3], jacobian[3:], place.id)
-        rest = (data.qfrc_inverse - jacobian.T @ wrench)[:_BASE]
-        rotation = data.body(names.BASE).xmat.reshape(3, 3)
-        return np.concatenate([rest[:3], rotation @ rest[3:]])
+        return data.qfrc_inverse.copy(), jacobian
 
 
 def residual_wrench(
@@ -77,20 +92,20 @@ def residual_wrench(
 def _sample(
     gait: StoredGait, pinocchio: PinRobot, prismatic: PrismaticRobot, sample: int, variant: str
 ) -> np.ndarray:
-    state = converted(gait, pinocchio, prismatic.robot, sample, variant)
-    side = names.SIDES[gait.step_of(sample)]
+    step = gait.step_of(sample)
+    time = gait.time_in_step(sample)
+    state = converted_at(gait, pinocchio, prismatic.robot, step, time, variant)
+    side = names.SIDES[step]
     return prismatic.residual(state, gait.ground_wrench[sample], side)
 
 
-def converted(
-    gait: StoredGait, pinocchio: PinRobot, robot: RobotConfig, sample: int, variant: str
+def converted_at(
+    gait: StoredGait, pinocchio: PinRobot, robot: RobotConfig, step: int, time: float, variant: str
 ) -> PrismaticState:
-    """A sample after eq. 1; the base moves as in the virtual-knee model."""
-    floating = moving_state(gait, pinocchio, sample)
+    """The motion at a time of a step after eq. 1; the base moves as in the virtual-knee model."""
+    floating = moving_state(gait.steps[step], pinocchio, time)
     rotation = pin.Quaternion(floating.q[3:7]).toRotationMatrix()
     linear, angular = floating.v[:3], floating.v[3:6]
-    step = gait.step_of(sample)
-    time = gait.time[sample] - gait.time[step * gait.half]
     q, v, a = prismatic_motion(gait, robot, step, time, variant)
     x, y, z, w = floating.q[3:7]
     return PrismaticState(
@@ -135,7 +150,7 @@ def stored_samples(gait: StoredGait, robot: RobotConfig, variant: str) -> dict[s
     worst = 0.0
     for sample in range(2 * gait.half):
         step = gait.step_of(sample)
-        time = gait.time[sample] - gait.time[step * gait.half]
+        time = gait.time_in_step(sample)
         expected = np.concatenate(_joints(gait, robot, step, time, variant))
         found = gait.samples[sample, : 2 * names.NUM_JOINTS]
         worst = max(worst, float(np.abs(found - expected).max()))

@@ -47,6 +47,10 @@ class StoredGait:
         """0 in left stance, 1 in right stance."""
         return sample // self.half
 
+    def time_in_step(self, sample: int) -> float:
+        """Time since the last touchdown [s]."""
+        return float(self.time[sample] - self.time[self.step_of(sample) * self.half])
+
     def origin(self, step: int) -> np.ndarray:
         """Middle of the stance foot's line (3,) [m]; the first step's is the world's origin."""
         if step == 0:

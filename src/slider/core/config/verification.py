@@ -20,7 +20,9 @@ class RegulatorConfig:
     lateral: float
     forward: float
     reach: float
-    levelling: float
+    settle: float
+    fade: float
+    descent: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -29,6 +31,11 @@ class ReplayConfig:
 
     steps: int
     timestep: float
+    points: int
+    contact: float
+    height: float
+    tilt: float
+    patience: float
     regulator: RegulatorConfig
 
 

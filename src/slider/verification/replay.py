@@ -1,0 +1,160 @@
+"""Check 7: the gait replayed in MuJoCo, by its joint targets alone and with foot placement."""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from slider.core.config.robot import RobotConfig
+from slider.core.config.verification import ReplayConfig
+from slider.robot import names
+from slider.robot.mjcf import SimulationOptions, build_model
+from slider.verification.pin_robot import PinRobot
+from slider.verification.prismatic import PrismaticRobot
+from slider.verification.reference import Reference, StepReference, tabulate
+from slider.verification.regulator import Measurement, Regulator, Touchdown, touchdown
+from slider.verification.stored import StoredGait
+
+_EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
+_ITERATIONS = 50  # of MuJoCo's solver
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Completed steps, and mean forward velocity over them [m/s] (nan without any)."""
+
+    steps: int
+    speed: float
+
+
+class Simulation:
+    """The prismatic robot in MuJoCo, its drives following the targets of a gait."""
+
+    def __init__(self, robot: RobotConfig, config: ReplayConfig) -> None:
+        self.robot, self.config = robot, config
+        options = SimulationOptions(config.timestep, _ITERATIONS, _ITERATIONS)
+        self.model = build_model(robot, options)
+        self.data = mujoco.MjData(self.model)
+        self.base = self.model.body(names.BASE).id
+        gains = [robot.gains[names.JOINTS[i].split("_", 1)[1]] for i in names.ACTUATED]
+        self.kp = np.array([gain.kp for gain in gains])
+        self.kd = np.array([gain.kd for gain in gains])
+        self.actuated = np.array(names.ACTUATED)
+
+    def start(self, gait: StoredGait) -> None:
+        """Put the robot on the gait's first sample."""
+        mujoco.mj_resetData(self.model, self.data)
+        n = names.NUM_JOINTS
+        self.data.qpos[:] = np.concatenate([gait.base[0, :7], gait.samples[0, :n]])
+        self.data.qvel[:] = np.concatenate([gait.base[0, 7:], gait.samples[0, n : 2 * n]])
+        mujoco.mj_forward(self.model, self.data)
+        mujoco.mj_subtreeVel(self.model, self.data)
+
+    def drive(self, targets: np.ndarray, wanted: Reference) -> None:
+        """One physics step: PD about the targets (12,), the gait's velocities and efforts."""
+        efforts = self.kd * wanted.velocities[self.actuated] + wanted.efforts[self.actuated]
+        self.data.ctrl[:] = targets[self.actuated] + efforts / self.kp
+        mujoco.mj_step(self.model, self.data)
+
+    def measure(self, side: str) -> Measurement:
+        """The state as the regulator wants it, in stance ``side``."""
+        data = self.data
+        mujoco.mj_subtreeVel(self.model, data)
+        other = names.SIDES[1 - names.SIDES.index(side)]
+        return Measurement(
+            (data.xpos[self.base].copy(), data.xmat[self.base].reshape(3, 3).copy()),
+            data.qpos[7:].copy(),
+            data.subtree_com[self.base].copy(),
+            data.subtree_linvel[self.base].copy(),
+            data.site(names.sole(side)).xpos.copy(),
+            data.site(names.sole(other)).xpos.copy(),
+        )
+
+    def loaded(self, side: str) -> bool:
+        """Whether a foot touches the ground."""
+        force = self.data.sensor(f"{side}_foot_force").data
+        return bool(np.linalg.norm(force) > self.config.contact)
+
+    def fallen(self) -> bool:
+        """Base too low, tilted too far, or numbers gone wild."""
+        height, upright = self.data.xpos[self.base, 2], self.data.xmat[self.base, 8]
+        falls = height < self.config.height or upright < np.cos(self.config.tilt)
+        return bool(falls or not np.isfinite(self.data.qpos).all())
+
+
+def replays(
+    gait: StoredGait, simulation: Simulation, pinocchio: PinRobot, prismatic: PrismaticRobot
+) -> dict[str, float]:
+    """Steps and errors of the mean velocity [m/s], alone and with the regulator."""
+    points = simulation.config.points
+    steps = tabulate(gait, pinocchio, prismatic, points)
+    found = {}
+    for name, function in (("replay", walk_alone), ("regulated", walk_regulated)):
+        simulation.start(gait)
+        walk = function(simulation, steps)
+        found[f"{name}_steps"] = float(walk.steps)
+        found[f"{name}_speed"] = abs(walk.speed - float(gait.velocities[0]))
+    return found
+
+
+def walk_alone(simulation: Simulation, steps: tuple[StepReference, StepReference]) -> Replay:
+    """Joint targets by the clock, until the robot falls."""
+    times, places = [0.0], [float(simulation.data.qpos[0])]
+    for count in range(simulation.config.steps):
+        step = steps[count % 2]
+        end = times[-1] + step.duration
+        while simulation.data.time < end:
+            wanted = step.at(simulation.data.time - times[-1])
+            simulation.drive(wanted.joints, wanted)
+            if simulation.fallen():
+                return _replay(times, places)
+        times.append(float(simulation.data.time))
+        places.append(float(simulation.data.qpos[0]))
+    return _replay(times, places)
+
+
+def walk_regulated(simulation: Simulation, steps: tuple[StepReference, StepReference]) -> Replay:
+    """Targets with foot placement; a step ends when its swing foot lands, early or late."""
+    times, places = [0.0], [float(simulation.data.qpos[0])]
+    regulator = Regulator(simulation.robot.geometry, simulation.config.regulator)
+    for count in range(simulation.config.steps):
+        step = steps[count % 2]
+        if not _regulated_step(simulation, regulator, step):
+            return _replay(times, places)
+        times.append(float(simulation.data.time))
+        places.append(float(simulation.data.qpos[0]))
+    return _replay(times, places)
+
+
+def _regulated_step(simulation: Simulation, regulator: Regulator, step: StepReference) -> bool:
+    """One step from touchdown to touchdown; false where the robot falls."""
+    config = simulation.config
+    start = float(simulation.data.time)
+    past: Touchdown = touchdown(simulation.measure(step.side), step.at(0.0))
+    other = names.SIDES[1 - names.SIDES.index(step.side)]
+    time = 0.0
+    while time < config.patience * step.duration:
+        wanted = step.at(time)
+        late = max(0.0, time - step.duration)
+        wanted.swing[2] -= regulator.config.descent * late
+        found = simulation.measure(step.side)
+        phase = time / step.duration
+        targets = regulator.targets(
+            found, wanted, past, step.side, phase, step.duration - time
+        )
+        simulation.drive(targets, wanted)
+        time = float(simulation.data.time) - start
+        if simulation.fallen():
+            return False
+        if time > _EARLY * step.duration and simulation.loaded(other):
+            return True
+    return False
+
+
+def _replay(times: list[float], places: list[float]) -> Replay:
+    steps = len(times) - 1
+    speed = (places[-1] - places[0]) / times[-1] if steps else float("nan")
+    return Replay(steps, speed)

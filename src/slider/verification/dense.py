@@ -7,13 +7,12 @@ is the one that leaves no moment about the foot line, so that torques and forces
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 
 from slider.core.config.gait import Posture
 from slider.core.config.robot import RobotConfig
 from slider.robot import knee_map
 from slider.robot.names import SIDES
-from slider.verification.pin_robot import FloatingState, PinRobot
+from slider.verification.pin_robot import PinRobot
 from slider.verification.stored import LEG, StepMotion, StoredGait
 
 _ROTARY = ("hip_yaw", "hip_roll", "hip_pitch", "ankle")
@@ -45,6 +44,7 @@ def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
     phase = np.linspace(0.0, 1.0, points)
     roll = motion.roll_at(phase * motion.duration)
     q, v, a = motion.joints_at(phase * motion.duration)
+    other = SIDES[1 - SIDES.index(motion.side)]
     rows = []
     for k in range(points):
         still = robot.standing(np.array([*roll[k, :2], 0.0]), q[k], v[k], a[k], motion.side)
@@ -52,16 +52,10 @@ def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
         bend = np.array([*roll[k, :2], -moment / inertia])
         state = robot.standing(bend, q[k], v[k], a[k], motion.side)
         torques, wrench = robot.inverse_dynamics(state, motion.side)
-        ends = _ends(robot, state, SIDES[1 - SIDES.index(motion.side)])
+        ends = robot.foot_ends(state.q, other)
         rows.append((torques, wrench, ends, roll[k, 2] - bend[2]))
     torques, wrench, ends, defect = (np.array(column) for column in zip(*rows, strict=True))
     return DenseStep(phase, q, v, torques, wrench, ends, defect)
-
-
-def _ends(robot: PinRobot, state: FloatingState, side: str) -> np.ndarray:
-    pin.framesForwardKinematics(robot.model, robot.data, state.q)
-    place = robot.data.oMf[robot.sole(side)]
-    return np.stack([place.act(np.array([x, 0.0, 0.0])) for x in (robot.toe, -robot.heel)])
 
 
 def between_nodes(
@@ -97,13 +91,13 @@ def _contact(step: DenseStep, robot: PinRobot) -> dict[str, float]:
     """Centre of pressure as a share of the foot; friction [-] that the foot and its ends need."""
     force, moment = step.wrench[:, :3], step.wrench[:, 3:]
     place = -moment[:, 1] / force[:, 2]
-    length = robot.toe + robot.heel
-    toe_z = force[:, 2] * (place + robot.heel) / length
-    toe_y = (moment[:, 2] + robot.heel * force[:, 1]) / length
+    toe, heel = robot.ends[:, 0]
+    toe_z = force[:, 2] * (place - heel) / (toe - heel)
+    toe_y = (moment[:, 2] - heel * force[:, 1]) / (toe - heel)
     sliding = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
     ends = [np.abs(toe_y / toe_z), np.abs((force[:, 1] - toe_y) / (force[:, 2] - toe_z))]
     return {
-        "dense_cop": float(np.maximum(place / robot.toe, -place / robot.heel).max()),
+        "dense_cop": float(np.maximum(place / toe, place / heel).max()),
         "dense_friction": float(sliding.max()),
         "dense_friction_ends": float(np.max(ends)),
     }
@@ -113,7 +107,12 @@ def _drives(step: DenseStep, robot: RobotConfig) -> dict[str, float]:
     """Efforts, speeds and positions of the prismatic drives, as shares of their limits."""
     knee = robot.virtual_knee
     lengths = (knee.thigh_length, knee.shank_length)
-    worst: dict[str, list[float]] = {"torque": [], "slide_force": [], "speed": [], "slide_speed": []}
+    worst: dict[str, list[float]] = {
+        "torque": [],
+        "slide_force": [],
+        "speed": [],
+        "slide_speed": [],
+    }
     beyond = []
     for leg in (slice(0, LEG), slice(LEG, 2 * LEG)):
         q, v, t = step.q[:, leg].T, step.v[:, leg].T, step.torques[:, leg].T

@@ -1,8 +1,8 @@
 """Checks 1 and 2: inverse dynamics and impacts by pinocchio, from the stored samples."""
 
 import numpy as np
-import pinocchio as pin
 
+from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.names import SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot
 from slider.verification.stored import StepMotion, StoredGait
@@ -17,8 +17,8 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
     """
     step = gait.step_of(sample)
     base = gait.base[sample]
+    rotation = rotation_from_quaternion(base[None, 3:7])[0]
     w, x, y, z = base[3:7]
-    rotation = pin.Quaternion(w, x, y, z).toRotationMatrix()
     q = np.concatenate([base[:3] - gait.origin(step), [x, y, z, w], gait.knee_positions[sample]])
     v = np.concatenate([rotation.T @ base[7:10], base[10:13], gait.knee_velocities[sample]])
     return FloatingState(q, v, _sample_state(gait, robot, sample).a)
@@ -40,7 +40,7 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
     for sample in range(2 * gait.half):
         state = stored_state(gait, robot, sample)
         jacobian = robot.jacobian(state.q, SIDES[gait.step_of(sample)])
-        total = pin.rnea(robot.model, robot.data, state.q, state.v, state.a)
+        total = robot.forces(state)
         rest = total - jacobian.T @ gait.ground_wrench[sample]
         base.append(_worst(rest[:_BASE]))
         torque.append(_worst(rest[_BASE:] - gait.knee_torques[sample]))
@@ -56,7 +56,7 @@ def kinematics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
     position, velocity = [], []
     for sample in range(2 * gait.half):
         found, expected = stored_state(gait, robot, sample), _sample_state(gait, robot, sample)
-        position.append(_worst(pin.difference(robot.model, expected.q, found.q)))
+        position.append(_worst(robot.difference(expected.q, found.q)))
         velocity.append(_worst(found.v - expected.v))
     return {"kinematics_position": max(position), "kinematics_velocity": max(velocity)}
 

@@ -47,7 +47,9 @@ def checks(given: Surroundings) -> dict[str, Check]:
             integrator=config.integrator,
             step=config.perturbation,
         ),
-        "replay": partial(replay.replays, simulation=simulation),
+        "replay": partial(
+            replay.replays, simulation=simulation, pinocchio=floating, prismatic=slides
+        ),
         "wrench": partial(prismatic.residual_wrench, pinocchio=floating, prismatic=slides),
         "dense": partial(
             dense.between_nodes,

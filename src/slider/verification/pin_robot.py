@@ -1,5 +1,8 @@
 """The virtual-knee robot as a floating-base pinocchio model: an independent dynamics."""
 
+# pinocchio lies below cmeel.prefix, where pyright does not look.
+# pyright: reportMissingImports=false
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +46,7 @@ class PinRobot:
                 self._append(parent, knee.bodies[name])
             sole = pin.SE3(np.eye(3), np.array([0, 0, -knee.ankle_height]))
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
-        self.toe, self.heel = knee.toe, knee.heel
+        self.ends = np.array([[knee.toe, 0.0, 0.0], [-knee.heel, 0.0, 0.0]])
         self.data = self.model.createData()
 
     def _append(self, joint: int, body: Body) -> None:
@@ -53,6 +56,20 @@ class PinRobot:
     def sole(self, side: str) -> int:
         """Frame of a sole."""
         return self.model.getFrameId(f"{side}_sole")
+
+    def foot_ends(self, q: np.ndarray, side: str) -> np.ndarray:
+        """Toe and heel (2, 3) of a foot line [m]."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+        place = self.data.oMf[self.sole(side)]
+        return self.ends @ place.rotation.T + place.translation
+
+    def forces(self, state: FloatingState) -> np.ndarray:
+        """Generalised forces (16,) of a motion [N, N m]: base (its own frame), then joints."""
+        return pin.rnea(self.model, self.data, state.q, state.v, state.a)
+
+    def difference(self, expected: np.ndarray, found: np.ndarray) -> np.ndarray:
+        """Way (16,) from one configuration to another: base [m, rad], then joints [rad]."""
+        return pin.difference(self.model, expected, found)
 
     def jacobian(self, q: np.ndarray, side: str) -> np.ndarray:
         """Jacobian (6, 16) of the sole: linear, angular, world axes."""
@@ -84,7 +101,7 @@ class PinRobot:
         self, state: FloatingState, side: str = "left"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Joint torques (10,) and ground force and moment (6,) at the stance sole."""
-        total = pin.rnea(self.model, self.data, state.q, state.v, state.a)
+        total = self.forces(state)
         jacobian = self.jacobian(state.q, side)
         wrench = np.linalg.solve(jacobian[:, :6].T, total[:6])
         return total[6:] - jacobian[:, 6:].T @ wrench, wrench
@@ -109,7 +126,7 @@ class PinRobot:
 
     def line_moment_and_inertia(self, state: FloatingState, side: str) -> tuple[float, float]:
         """Moment [N m] that a motion needs about the stance line, and inertia [kg m²] about it."""
-        total = pin.rnea(self.model, self.data, state.q, state.v, state.a)
+        total = self.forces(state)
         pin.ccrba(self.model, self.data, state.q, state.v)
         pin.updateFramePlacement(self.model, self.data, self.sole(side))
         base, sole = self.data.oMi[1], self.data.oMf[self.sole(side)].translation

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 
 from slider.core.config.robot import RobotConfig
 from slider.robot import knee_map, names
+from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.verification.dynamics import moving_state
 from slider.verification.pin_robot import PinRobot
@@ -104,10 +104,10 @@ def converted_at(
 ) -> PrismaticState:
     """The motion at a time of a step after eq. 1; the base moves as in the virtual-knee model."""
     floating = moving_state(gait.steps[step], pinocchio, time)
-    rotation = pin.Quaternion(floating.q[3:7]).toRotationMatrix()
+    x, y, z, w = floating.q[3:7]
+    rotation = rotation_from_quaternion(np.array([[w, x, y, z]]))[0]
     linear, angular = floating.v[:3], floating.v[3:6]
     q, v, a = prismatic_motion(gait, robot, step, time, variant)
-    x, y, z, w = floating.q[3:7]
     return PrismaticState(
         np.concatenate([floating.q[:3], [w, x, y, z], q]),
         np.concatenate([rotation @ linear, angular, v]),

@@ -1,7 +1,7 @@
 """Foot placement from step to step, for the replay: what a time-indexed gait lacks to stay up.
 
 The error of the divergent component of motion, c + ċ/ω (Takenaka et al. 2009; Englsberger et al.
-2015), grows by exp(ω t) until touchdown; the swing foot is moved by a share of what it will be then.
+2015), grows by exp(ω t) until touchdown; the swing foot goes by a share of what it will be then.
 The foot lands level along its heading, and what the last impact left of errors fades out.
 """
 

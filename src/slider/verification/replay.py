@@ -142,9 +142,7 @@ def _regulated_step(simulation: Simulation, regulator: Regulator, step: StepRefe
         wanted.swing[2] -= regulator.config.descent * late
         found = simulation.measure(step.side)
         phase = time / step.duration
-        targets = regulator.targets(
-            found, wanted, past, step.side, phase, step.duration - time
-        )
+        targets = regulator.targets(found, wanted, past, step.side, phase, step.duration - time)
         simulation.drive(targets, wanted)
         time = float(simulation.data.time) - start
         if simulation.fallen():

@@ -48,7 +48,8 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         records.append({"velocity": gait.velocities.tolist(), "values": values})
         times.append(seconds)
         job.progress(f"{len(records)} of {len(chosen)} gaits")
-    job.volatile["seconds"] = {name: float(np.mean([t[name] for t in times])) for name in table}
+    if times:
+        job.volatile["seconds"] = {name: float(np.mean([t[name] for t in times])) for name in table}
     job.volatile["checked"] = len(records)
     (out / RECORDS).write_text(json.dumps(records, indent=1) + "\n")
     return {"gaits": len(records)}
@@ -117,7 +118,9 @@ def _describe(failed: Sequence[summary.Failure]) -> str:
 
 def _log(rows: Sequence[summary.Row], out: Path, job: Job) -> None:
     """Times per gait [s] go to the volatile facts, the table to the tracker."""
-    facts: list[Mapping[str, Any]] = [f for f in job.input_volatile.get("gaits", []) if "seconds" in f]
+    facts: list[Mapping[str, Any]] = [
+        f for f in job.input_volatile.get("gaits", []) if "seconds" in f
+    ]
     weights = [f["checked"] for f in facts]
     if sum(weights):
         names = facts[0]["seconds"]

@@ -94,8 +94,9 @@ def step_motion(gait: StoredGait, step: int) -> StepMotion:
     duration = float(gait.step_time[step])
     joints, roll = gait.coefficients[step], gait.roll[step]
     if step == 1:  # stored reflected: stance leg first
-        joints = np.concatenate([KNEE_MIRROR[:, None] * joints[LEG:]
-                                 , KNEE_MIRROR[:, None] * joints[:LEG]])
+        joints = np.concatenate(
+            [KNEE_MIRROR[:, None] * joints[LEG:], KNEE_MIRROR[:, None] * joints[:LEG]]
+        )
         roll = -roll
     curve = BPoly(joints.T[:, None, :], [0.0, duration])
     nodes = np.linspace(0.0, duration, gait.half)

@@ -22,8 +22,9 @@ class StepReference:
     Attributes:
         side: the stance foot's.
         duration: [s].
-        table: (N, 12 + 12 + 12 + 3 + 3 + 3) joints, velocities, efforts, centre of mass [m] and
-            its velocity [m/s], sole of the swing foot [m].
+        table: (N, 12 + 12 + 12 + 3 + 3 + 3 + 3 + 2) joints, velocities, efforts, centre of mass
+            [m] and its velocity [m/s], sole of the swing foot [m], direction of its line, sines
+            of the base's roll and pitch.
     """
 
     side: str
@@ -38,7 +39,7 @@ class StepReference:
         return Reference(*np.split(row, _SPLITS))
 
 
-_SPLITS = np.cumsum([names.NUM_JOINTS] * 3 + [3, 3])
+_SPLITS = np.cumsum([names.NUM_JOINTS] * 3 + [3, 3, 3, 3])
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,8 @@ class Reference:
     com: np.ndarray
     com_velocity: np.ndarray
     swing: np.ndarray
+    direction: np.ndarray
+    tilt: np.ndarray
 
 
 def tabulate(
@@ -78,8 +81,15 @@ def _row(prismatic: PrismaticRobot, state: PrismaticState, side: str) -> np.ndar
     mujoco.mj_subtreeVel(model, data)
     base = model.body(names.BASE).id
     other = names.SIDES[1 - names.SIDES.index(side)]
-    swing = data.site(names.sole(other)).xpos
+    foot = data.site(names.sole(other))
+    direction = foot.xmat.reshape(3, 3)[:, 0]
     joints, velocities = state.qpos[7:], state.qvel[_BASE:]
     return np.concatenate(
-        [joints, velocities, efforts, data.subtree_com[base], data.subtree_linvel[base], swing]
+        [joints, velocities, efforts, data.subtree_com[base], data.subtree_linvel[base]]
+        + [foot.xpos, direction, tilt_of(data.xmat[base].reshape(3, 3))]
     )
+
+
+def tilt_of(rotation: np.ndarray) -> np.ndarray:
+    """Sines of roll and pitch (2,) of a rotation (3, 3) to world."""
+    return np.array([rotation[2, 1], -rotation[2, 0]])

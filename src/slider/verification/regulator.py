@@ -13,11 +13,11 @@ from slider.core.config.robot import Geometry
 from slider.core.config.verification import RegulatorConfig
 from slider.robot import names
 from slider.verification.leg import level_leg
-from slider.verification.reference import Reference
+from slider.verification.reference import Reference, tilt_of
 
 GRAVITY = 9.81  # [m/s²]
 _PRISMATIC = len(names.LEG_JOINTS)
-_FORWARD = np.array([1.0, 0.0, 0.0])
+_HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
 
 @dataclass(frozen=True)
@@ -71,14 +71,24 @@ class Regulator:
         """Joint targets (12,) of a stance ``side`` at a phase, with ``left`` seconds to go."""
         fade = 1.0 - _smooth(phase / self.config.fade)
         targets = wanted.joints + fade * past.joints
+        self._hold_torso(targets, found, wanted, side)
         place = found.stance + wanted.swing + fade * past.swing
         place[:2] += _smooth(phase / self.config.settle) * self.displacement(found, wanted, left)
         other = names.SIDES[1 - names.SIDES.index(side)]
         start = names.SIDES.index(other) * _PRISMATIC
         targets[start : start + _PRISMATIC - 1] = level_leg(
-            self.geometry, other, found.base, place, _FORWARD
+            self.geometry, other, found.base, place, wanted.direction
         )
         return targets
+
+    def _hold_torso(
+        self, targets: np.ndarray, found: Measurement, wanted: Reference, side: str
+    ) -> None:
+        """Let the stance hip hold the torso where it should be in the world, not on the leg."""
+        error = tilt_of(found.base[1]) - wanted.tilt
+        hips = names.SIDES.index(side) * _PRISMATIC + _HIP
+        share = self.config.upright
+        targets[hips] = (1 - share) * targets[hips] + share * (found.joints[hips] + error)
 
     def displacement(self, found: Measurement, wanted: Reference, left: float) -> np.ndarray:
         """By how much (2,) [m] the swing foot lands away from the gait's own place."""

@@ -20,6 +20,7 @@ class RegulatorConfig:
     lateral: float
     forward: float
     reach: float
+    upright: float
     settle: float
     fade: float
     descent: float

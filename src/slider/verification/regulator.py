@@ -54,10 +54,11 @@ def touchdown(found: Measurement, wanted: Reference) -> Touchdown:
 
 @dataclass(frozen=True)
 class Regulator:
-    """Joint targets of a step."""
+    """Joint targets of a step of a gait of forward velocity ``speed`` [m/s]."""
 
     geometry: Geometry
     config: RegulatorConfig
+    speed: float
 
     def targets(
         self,
@@ -95,7 +96,8 @@ class Regulator:
         frequency = np.sqrt(GRAVITY / wanted.com[2])
         place = found.com - found.stance - wanted.com
         error = place + (found.com_velocity - wanted.com_velocity) / frequency
-        share = np.array([self.config.forward, self.config.lateral])
+        forward = np.interp(self.speed, self.config.speeds, self.config.forward)
+        share = np.array([forward, self.config.lateral])
         grown = share * error[:2] * np.exp(frequency * max(left, 0.0))
         return np.clip(grown, -self.config.reach, self.config.reach)
 

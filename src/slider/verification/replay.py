@@ -3,7 +3,9 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import mujoco
 import numpy as np
@@ -85,6 +87,10 @@ class Simulation:
         return bool(falls or not np.isfinite(self.data.qpos).all())
 
 
+Follow = Callable[[Simulation, StepReference], bool]
+"""Drives the robot through a step; false where it does not get to its end."""
+
+
 def replays(
     gait: StoredGait, simulation: Simulation, pinocchio: PinRobot, prismatic: PrismaticRobot
 ) -> dict[str, float]:
@@ -92,44 +98,45 @@ def replays(
     points = simulation.config.points
     steps = tabulate(gait, pinocchio, prismatic, points)
     found = {}
-    for name, function in (("replay", walk_alone), ("regulated", walk_regulated)):
+    speed = float(gait.velocities[0])
+    regulator = Regulator(simulation.robot.geometry, simulation.config.regulator, speed)
+    for name, follow in (
+        ("replay", alone_step),
+        ("regulated", partial(regulated_step, regulator=regulator)),
+    ):
         simulation.start(gait)
-        walk = function(simulation, steps)
+        walk = walk_on(simulation, steps, follow)
         found[f"{name}_steps"] = float(walk.steps)
-        found[f"{name}_speed"] = abs(walk.speed - float(gait.velocities[0]))
+        found[f"{name}_speed"] = abs(walk.speed - speed)
     return found
 
 
-def walk_alone(simulation: Simulation, steps: tuple[StepReference, StepReference]) -> Replay:
-    """Joint targets by the clock, until the robot falls."""
-    times, places = [0.0], [float(simulation.data.qpos[0])]
-    for count in range(simulation.config.steps):
-        step = steps[count % 2]
-        end = times[-1] + step.duration
-        while simulation.data.time < end:
-            wanted = step.at(simulation.data.time - times[-1])
-            simulation.drive(wanted.joints, wanted)
-            if simulation.fallen():
-                return _replay(times, places)
-        times.append(float(simulation.data.time))
-        places.append(float(simulation.data.qpos[0]))
-    return _replay(times, places)
+def walk_on(
+    simulation: Simulation, steps: tuple[StepReference, StepReference], follow: Follow
+) -> Replay:
+    """Step after step, until one is not completed or the walk is long enough."""
+    start = float(simulation.data.qpos[0])
+    count, time, place = 0, 0.0, start
+    while count < simulation.config.steps and follow(simulation, steps[count % 2]):
+        count += 1
+        time, place = float(simulation.data.time), float(simulation.data.qpos[0])
+    return Replay(count, (place - start) / time if count else float("nan"))
 
 
-def walk_regulated(simulation: Simulation, steps: tuple[StepReference, StepReference]) -> Replay:
-    """Targets with foot placement; a step ends when its swing foot lands, early or late."""
-    times, places = [0.0], [float(simulation.data.qpos[0])]
-    regulator = Regulator(simulation.robot.geometry, simulation.config.regulator)
-    for count in range(simulation.config.steps):
-        step = steps[count % 2]
-        if not _regulated_step(simulation, regulator, step):
-            return _replay(times, places)
-        times.append(float(simulation.data.time))
-        places.append(float(simulation.data.qpos[0]))
-    return _replay(times, places)
+def alone_step(simulation: Simulation, step: StepReference) -> bool:
+    """One step by the clock; false where the robot falls."""
+    start = float(simulation.data.time)
+    time = 0.0
+    while time < step.duration:
+        wanted = step.at(time)
+        simulation.drive(wanted.joints, wanted)
+        if simulation.fallen():
+            return False
+        time = float(simulation.data.time) - start
+    return True
 
 
-def _regulated_step(simulation: Simulation, regulator: Regulator, step: StepReference) -> bool:
+def regulated_step(simulation: Simulation, step: StepReference, regulator: Regulator) -> bool:
     """One step from touchdown to touchdown; false where the robot falls."""
     config = simulation.config
     start = float(simulation.data.time)
@@ -150,9 +157,3 @@ def _regulated_step(simulation: Simulation, regulator: Regulator, step: StepRefe
         if time > _EARLY * step.duration and simulation.loaded(other):
             return True
     return False
-
-
-def _replay(times: list[float], places: list[float]) -> Replay:
-    steps = len(times) - 1
-    speed = (places[-1] - places[0]) / times[-1] if steps else float("nan")
-    return Replay(steps, speed)

@@ -223,6 +223,13 @@ def _verification(verification: VerificationConfig) -> None:
         _positive(f"{key}.integrator.{name}", getattr(verification.integrator, name))
     replay = verification.replay
     _at_least(f"{key}.replay.steps", replay.steps, 1)
+    steer = replay.regulator
+    _require(
+        len(steer.forward) == len(steer.speeds) > 0 and steer.speeds == sorted(steer.speeds),
+        f"{key}.replay.regulator.forward",
+        "one share for each of the rising `speeds`",
+        f"{steer.forward} at {steer.speeds}",
+    )
     _at_least(f"{key}.replay.points", replay.points, 2)
     _positive(f"{key}.replay.timestep", replay.timestep)
     for name in ("settle", "fade"):

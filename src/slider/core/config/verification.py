@@ -15,10 +15,20 @@ class IntegratorConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class RegulatorConfig:
-    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``."""
+    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``.
+
+    Attributes:
+        lateral, forward: shares of the predicted error; the latter at the gait velocities
+            ``speeds`` [m/s], linear between.
+        reach: greatest change of a foot's place [m].
+        upright: share of the stance hip that holds the torso in the world, not on the leg.
+        settle, fade: phases by which the foot is over its place, errors of the impact are gone.
+        descent: speed of a late swing foot [m/s].
+    """
 
     lateral: float
-    forward: float
+    forward: list[float]
+    speeds: list[float]
     reach: float
     upright: float
     settle: float
@@ -28,7 +38,16 @@ class RegulatorConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ReplayConfig:
-    """Replay in MuJoCo: steps of the walk, physics step and control step [s]."""
+    """Replay in MuJoCo.
+
+    Attributes:
+        steps: length of the walk.
+        timestep: of physics and control [s].
+        points: of the table of targets, per step.
+        contact: force that counts as a touchdown [N].
+        height, tilt: a lower [m] or more tilted [rad] base has fallen.
+        patience: step times after which a swing foot that has not landed missed the ground.
+    """
 
     steps: int
     timestep: float

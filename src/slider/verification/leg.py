@@ -28,9 +28,9 @@ def level_leg(
     position, rotation = base
     sign = 1.0 if side == names.SIDES[0] else -1.0
     hip = position + rotation @ np.array([0.0, sign * geometry.hip_offset, 0.0])
-    axis = np.cross(hip - sole, heading)
+    axis = _cross(hip - sole, heading)
     axis /= np.linalg.norm(axis)
-    ankle = sole + geometry.ankle_height * np.cross(heading, axis)
+    ankle = sole + geometry.ankle_height * _cross(heading, axis)
     turn = rotation.T @ axis
     roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
     yaw = np.arctan2(-turn[0], turn[1])
@@ -40,6 +40,13 @@ def level_leg(
     level = np.arctan2(-toe[2], toe[0])
     slide = np.linalg.norm(reach) - geometry.leg_length
     return np.array([yaw, roll, pitch, slide, level - pitch])
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """np.cross for two vectors (3,), which it does ten times slower."""
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
 
 
 def _about_x(angle: float) -> np.ndarray:

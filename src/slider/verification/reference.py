@@ -3,6 +3,7 @@
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -33,13 +34,14 @@ class StepReference:
 
     def at(self, time: float) -> "Reference":
         """Linear interpolation; before the start and after the end the outermost points hold."""
-        place = np.clip(time / self.duration, 0.0, 1.0) * (len(self.table) - 1)
+        place = min(max(time / self.duration, 0.0), 1.0) * (len(self.table) - 1)
         k = min(int(place), len(self.table) - 2)
         row = self.table[k] + (place - k) * (self.table[k + 1] - self.table[k])
-        return Reference(*np.split(row, _SPLITS))
+        return Reference(*(row[part] for part in _PARTS))
 
 
-_SPLITS = np.cumsum([names.NUM_JOINTS] * 3 + [3, 3, 3, 3])
+_ENDS = np.cumsum([0] + [names.NUM_JOINTS] * 3 + [3, 3, 3, 3, 2])
+_PARTS = [slice(start, end) for start, end in pairwise(_ENDS)]
 
 
 @dataclass(frozen=True)

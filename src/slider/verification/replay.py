@@ -56,10 +56,10 @@ class Simulation:
         mujoco.mj_subtreeVel(self.model, self.data)
 
     def drive(self, targets: np.ndarray, wanted: Reference) -> None:
-        """One physics step: PD about the targets (12,), the gait's velocities and efforts."""
+        """One control step: PD about the targets (12,), the gait's velocities and efforts."""
         efforts = self.kd * wanted.velocities[self.actuated] + wanted.efforts[self.actuated]
         self.data.ctrl[:] = targets[self.actuated] + efforts / self.kp
-        mujoco.mj_step(self.model, self.data)
+        mujoco.mj_step(self.model, self.data, self.config.substeps)
 
     def measure(self, side: str) -> Measurement:
         """The state as the regulator wants it, in stance ``side``."""

@@ -231,6 +231,7 @@ def _verification(verification: VerificationConfig) -> None:
         f"{steer.forward} at {steer.speeds}",
     )
     _at_least(f"{key}.replay.points", replay.points, 2)
+    _at_least(f"{key}.replay.substeps", replay.substeps, 1)
     _positive(f"{key}.replay.timestep", replay.timestep)
     for name in ("settle", "fade"):
         _positive(f"{key}.replay.regulator.{name}", getattr(replay.regulator, name))

@@ -42,7 +42,8 @@ class ReplayConfig:
 
     Attributes:
         steps: length of the walk.
-        timestep: of physics and control [s].
+        timestep: of the physics [s].
+        substeps: of the physics per control step.
         points: of the table of targets, per step.
         contact: force that counts as a touchdown [N].
         height, tilt: a lower [m] or more tilted [rad] base has fallen.
@@ -51,6 +52,7 @@ class ReplayConfig:
 
     steps: int
     timestep: float
+    substeps: int
     points: int
     contact: float
     height: float

@@ -52,13 +52,26 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
 
 
 def kinematics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
-    """Stored joints and base against coefficients and a stance foot that only rolls."""
+    """Stored joints, base, swing foot and times against coefficients and a foot that only rolls."""
     position, velocity = [], []
     for sample in range(2 * gait.half):
         found, expected = stored_state(gait, robot, sample), _sample_state(gait, robot, sample)
         position.append(_worst(robot.difference(expected.q, found.q)))
         velocity.append(_worst(found.v - expected.v))
-    return {"kinematics_position": max(position), "kinematics_velocity": max(velocity)}
+        swing = robot.sole_place(expected.q, SIDES[1 - gait.step_of(sample)])
+        position.append(_worst(swing - gait.swing_foot[sample]))
+    return {
+        "kinematics_position": max(position),
+        "kinematics_velocity": max(velocity),
+        "kinematics_time": _worst(gait.time - _times(gait)),
+    }
+
+
+def _times(gait: StoredGait) -> np.ndarray:
+    """Equally spaced over each step; the second begins when the first ends."""
+    first, second = gait.step_time
+    phase = np.linspace(0.0, 1.0, gait.half)
+    return np.concatenate([phase * first, first + phase * second])
 
 
 def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:

@@ -57,6 +57,11 @@ class PinRobot:
         """Frame of a sole."""
         return self.model.getFrameId(f"{side}_sole")
 
+    def sole_place(self, q: np.ndarray, side: str) -> np.ndarray:
+        """Middle (3,) of a foot line [m]."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+        return self.data.oMf[self.sole(side)].translation.copy()
+
     def foot_ends(self, q: np.ndarray, side: str) -> np.ndarray:
         """Toe and heel (2, 3) of a foot line [m]."""
         pin.framesForwardKinematics(self.model, self.data, q)

@@ -20,7 +20,7 @@ from slider.verification.dynamics import moving_state
 from slider.verification.pin_robot import PinRobot
 from slider.verification.stored import LEG, StoredGait
 
-_STEP = 1e-6  # of the central difference of the knee-to-slide velocities [s]
+_STEP = 1e-6  # of central differences over time [s] and knee angle [rad]
 _PRISMATIC = len(names.LEG_JOINTS)
 _BASE = 6
 
@@ -146,12 +146,53 @@ def _joints(
 
 
 def stored_samples(gait: StoredGait, robot: RobotConfig, variant: str) -> dict[str, float]:
-    """Stored positions and velocities of the prismatic robot against eq. 1 [rad, m, 1/s]."""
-    worst = 0.0
+    """Stored channels [rad, m, 1/s] against eq. 1 and the base, stored efforts [N m, N] against
+    virtual work.
+    """
+    channels, efforts = [], []
     for sample in range(2 * gait.half):
-        step = gait.step_of(sample)
-        time = gait.time_in_step(sample)
-        expected = np.concatenate(_joints(gait, robot, step, time, variant))
-        found = gait.samples[sample, : 2 * names.NUM_JOINTS]
-        worst = max(worst, float(np.abs(found - expected).max()))
-    return {"kinematics_samples": worst}
+        step, time = gait.step_of(sample), gait.time_in_step(sample)
+        joints = np.concatenate(_joints(gait, robot, step, time, variant))
+        expected = np.concatenate([joints, _heading_velocity(gait.base[sample])])
+        channels.append(np.abs(gait.samples[sample] - expected).max())
+        efforts.append(np.abs(gait.efforts[sample] - _efforts(gait, robot, sample)).max())
+    return {"kinematics_samples": float(max(channels)), "dynamics_efforts": float(max(efforts))}
+
+
+def _heading_velocity(base: np.ndarray) -> np.ndarray:
+    """Forward and leftward velocity (2,) [m/s] of the base in its heading frame."""
+    w, x, y, z = base[3:7]
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    forward, leftward = base[7:9]
+    return np.array(
+        [
+            np.cos(yaw) * forward + np.sin(yaw) * leftward,
+            np.cos(yaw) * leftward - np.sin(yaw) * forward,
+        ]
+    )
+
+
+def _efforts(gait: StoredGait, robot: RobotConfig, sample: int) -> np.ndarray:
+    """Efforts (12,) that do the work of the stored torques, whatever map the samples have.
+
+    The slide's rate of change with the knee is a central difference of the leg's length.
+    """
+    knee = robot.virtual_knee
+    lengths = (knee.thigh_length, knee.shank_length)
+    efforts = np.zeros(names.NUM_JOINTS)
+    for leg in range(2):
+        own = slice(leg * LEG, (leg + 1) * LEG)
+        (_, _, pitch, theta, ankle), t = (
+            gait.knee_positions[sample, own],
+            gait.knee_torques[sample, own],
+        )
+        above, below = (
+            knee_map.positions(pitch, theta + sign * _STEP, ankle, *lengths) for sign in (1.0, -1.0)
+        )
+        hip, stroke, foot = (
+            (getattr(above, name) - getattr(below, name)) / (2 * _STEP)
+            for name in ("hip_pitch", "length", "ankle")
+        )
+        force = (t[3] - hip * t[2] - foot * t[4]) / stroke
+        efforts[leg * _PRISMATIC : (leg + 1) * _PRISMATIC - 1] = [t[0], t[1], t[2], force, t[4]]
+    return efforts

@@ -21,11 +21,13 @@ class Quantity:
 
 QUANTITIES: dict[str, Quantity] = {
     "kinematics_position": Quantity(
-        1, "rad, m", "stored joints and base against coefficients and a stance foot that rolls"
+        1, "rad, m", "stored joints, base and feet against coefficients and a foot that rolls"
     ),
     "kinematics_velocity": Quantity(1, "rad/s, m/s", "the same for their velocities"),
-    "kinematics_samples": Quantity(1, "rad, m, 1/s", "stored prismatic joints against eq. 1"),
+    "kinematics_time": Quantity(1, "s", "stored times against the step times"),
+    "kinematics_samples": Quantity(1, "rad, m, 1/s", "stored channels against eq. 1 and the base"),
     "dynamics_torque": Quantity(1, "N m", "stored joint torques against pinocchio's"),
+    "dynamics_efforts": Quantity(1, "N m, N", "stored efforts against virtual work"),
     "dynamics_base": Quantity(1, "N, N m", "what the stored ground wrench leaves on the base"),
     "dynamics_line_moment": Quantity(1, "N m", "stored moment about the foot line"),
     "impact_velocity": Quantity(2, "rad/s, m/s", "velocities after a plastic impact"),

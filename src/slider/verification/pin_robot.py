@@ -48,6 +48,7 @@ class PinRobot:
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
         self.ends = np.array([[knee.toe, 0.0, 0.0], [-knee.heel, 0.0, 0.0]])
         self.data = self.model.createData()
+        self.mass_total = pin.computeTotalMass(self.model)
 
     def _append(self, joint: int, body: Body) -> None:
         inertia = pin.Inertia(body.mass, body.com, np.diag(body.inertia))
@@ -61,6 +62,10 @@ class PinRobot:
         """Middle (3,) of a foot line [m]."""
         pin.framesForwardKinematics(self.model, self.data, q)
         return self.data.oMf[self.sole(side)].translation.copy()
+
+    def centre(self, q: np.ndarray) -> np.ndarray:
+        """Centre of mass (3,) [m]."""
+        return pin.centerOfMass(self.model, self.data, q).copy()
 
     def foot_ends(self, q: np.ndarray, side: str) -> np.ndarray:
         """Toe and heel (2, 3) of a foot line [m]."""

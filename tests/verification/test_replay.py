@@ -41,8 +41,7 @@ def test_a_gait_that_cannot_start_has_no_speed():
     upside_down = gait.base.copy()
     upside_down[0, 3:7] = [0.0, 1.0, 0.0, 0.0]
     found = replays(replace(gait, base=upside_down), robot, pinocchio(), slides())
-    assert found["replay_steps"] == found["regulated_steps"] == 0
-    assert np.isnan(found["replay_speed"])
+    assert found == {"replay_steps": 0.0, "regulated_steps": 0.0}
 
 
 @pytest.mark.parametrize("step", [0, 1])

@@ -26,10 +26,10 @@ _ITERATIONS = 50  # of MuJoCo's solver
 
 @dataclass(frozen=True)
 class Replay:
-    """Completed steps, and mean forward velocity over them [m/s] (nan without any)."""
+    """Completed steps, and mean forward velocity over them [m/s] (none without any)."""
 
     steps: int
-    speed: float
+    speed: float | None
 
 
 class Simulation:
@@ -107,7 +107,8 @@ def replays(
         simulation.start(gait)
         walk = walk_on(simulation, steps, follow)
         found[f"{name}_steps"] = float(walk.steps)
-        found[f"{name}_speed"] = abs(walk.speed - speed)
+        if walk.speed is not None:
+            found[f"{name}_speed"] = abs(walk.speed - speed)
     return found
 
 
@@ -120,7 +121,7 @@ def walk_on(
     while count < simulation.config.steps and follow(simulation, steps[count % 2]):
         count += 1
         time, place = float(simulation.data.time), float(simulation.data.qpos[0])
-    return Replay(count, (place - start) / time if count else float("nan"))
+    return Replay(count, (place - start) / time if count else None)
 
 
 def alone_step(simulation: Simulation, step: StepReference) -> bool:

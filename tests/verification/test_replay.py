@@ -60,8 +60,8 @@ def test_table_starts_where_the_gait_does(step):
 
 def test_drives_give_the_gains_times_the_error_and_the_feed_forward():
     robot = simulation(1)
-    robot.start(gaits()[1])
     reference = tabulate(gaits()[1], pinocchio(), slides(), 11)[0].at(0.0)
+    robot.start(gaits()[1], reference)
     q, v = robot.data.qpos[7:].copy(), robot.data.qvel[6:].copy()
     wanted = reference.joints.copy()
     wanted[2] += 0.01

@@ -8,8 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.stages import VERIFICATION, VERIFICATION_GAITS
 from slider.core.errors import UserError
 from slider.core.job import Job
+from slider.core.recipe import SOURCE_ROOT
+from slider.core.source import closure
 from slider.verification import stage
 from slider.verification.quantities import QUANTITIES
 from tests.verification.sample import VELOCITIES, jobs, library
@@ -101,3 +104,10 @@ def test_no_library(tmp_path):
         stage.run_gaits(
             dict(jobs()[0][0].section), {"library": [tmp_path]}, tmp_path, Job(tmp_path)
         )
+
+
+@pytest.mark.parametrize("entry", [VERIFICATION, VERIFICATION_GAITS])
+def test_the_checks_share_nothing_with_the_optimisation(entry):
+    modules = closure(entry.partition(":")[0], SOURCE_ROOT).modules
+    assert not [name for name in modules if name.startswith("slider.gait")]
+    assert "slider.verification.pin_robot" in modules

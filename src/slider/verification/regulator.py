@@ -88,8 +88,7 @@ class Regulator:
         """Let the stance hip hold the torso where it should be in the world, not on the leg."""
         error = tilt_of(found.base[1]) - wanted.tilt
         hips = names.SIDES.index(side) * _PRISMATIC + _HIP
-        share = self.config.upright
-        targets[hips] = (1 - share) * targets[hips] + share * (found.joints[hips] + error)
+        targets[hips] = found.joints[hips] + error
 
     def displacement(self, found: Measurement, wanted: Reference, left: float) -> np.ndarray:
         """By how much (2,) [m] the swing foot lands away from the gait's own place."""

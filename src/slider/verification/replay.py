@@ -46,12 +46,11 @@ class Simulation:
         self.kd = np.array([gain.kd for gain in gains])
         self.actuated = np.array(names.ACTUATED)
 
-    def start(self, gait: StoredGait) -> None:
-        """Put the robot on the gait's first sample."""
+    def start(self, gait: StoredGait, wanted: Reference) -> None:
+        """Put the robot where a walk starts, just after touchdown."""
         mujoco.mj_resetData(self.model, self.data)
-        n = names.NUM_JOINTS
-        self.data.qpos[:] = np.concatenate([gait.base[0, :7], gait.samples[0, :n]])
-        self.data.qvel[:] = np.concatenate([gait.base[0, 7:], gait.samples[0, n : 2 * n]])
+        self.data.qpos[:] = np.concatenate([gait.base[0, :7], wanted.joints])
+        self.data.qvel[:] = np.concatenate([gait.base[0, 7:], wanted.velocities])
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_subtreeVel(self.model, self.data)
 
@@ -104,7 +103,7 @@ def replays(
         ("replay", alone_step),
         ("regulated", partial(regulated_step, regulator=regulator)),
     ):
-        simulation.start(gait)
+        simulation.start(gait, steps[0].at(0.0))
         walk = walk_on(simulation, steps, follow)
         found[f"{name}_steps"] = float(walk.steps)
         if walk.speed is not None:

@@ -21,7 +21,6 @@ class RegulatorConfig:
         lateral, forward: shares of the predicted error; the latter at the gait velocities
             ``speeds`` [m/s], linear between.
         reach: greatest change of a foot's place [m].
-        upright: share of the stance hip that holds the torso in the world, not on the leg.
         settle, fade: phases by which the foot is over its place, errors of the impact are gone.
         descent: speed of a late swing foot [m/s].
     """
@@ -30,7 +29,6 @@ class RegulatorConfig:
     forward: list[float]
     speeds: list[float]
     reach: float
-    upright: float
     settle: float
     fade: float
     descent: float

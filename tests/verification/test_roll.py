@@ -61,17 +61,17 @@ def test_momentum_carries_the_stored_gait_over_both_impacts():
 
 
 def test_return_map_does_not_depend_on_the_size_of_its_differences():
-    coarse = return_map(gaits()[1], FINE, pinocchio(), 1e-3)
-    fine = return_map(gaits()[1], FINE, pinocchio(), 1e-5)
+    coarse = return_map(gaits()[1], pinocchio(), FINE, 1e-3)
+    fine = return_map(gaits()[1], pinocchio(), FINE, 1e-5)
     np.testing.assert_allclose(coarse, fine, rtol=2e-3, atol=1e-3)
     assert np.abs(np.linalg.eigvals(fine)).max() > 5.0  # the open loop falls sideways
 
 
 def test_return_map_is_that_of_the_mirrored_gait():
-    left, right = gaits()[0], gaits()[1]
-    moduli = [
-        np.sort(np.abs(np.linalg.eigvals(return_map(g, config().verification.integrator,
-                                                    pinocchio(), 1e-4))))
-        for g in (left, right)
-    ]  # fmt: skip
+    settings = config().verification
+    maps = [
+        return_map(gait, pinocchio(), settings.integrator, settings.perturbation)
+        for gait in gaits()[:2]
+    ]
+    moduli = [np.sort(np.abs(np.linalg.eigvals(m))) for m in maps]
     np.testing.assert_allclose(moduli[0], moduli[1], rtol=1e-3)

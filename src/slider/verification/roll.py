@@ -89,7 +89,9 @@ def one_step_integration(
     return {n: float(max(v)) for n, v in zip(names, (end, rate, worst), strict=True)}
 
 
-def return_map(gait: StoredGait, integrator: IntegratorConfig, robot: PinRobot, step: float):
+def return_map(
+    gait: StoredGait, robot: PinRobot, integrator: IntegratorConfig, step: float
+) -> np.ndarray:
     """Jacobian (2, 2) of the walk-to-walk map of roll and roll rate, by central differences.
 
     Open loop: the joints follow their polynomials in time, through both touchdowns; each moves
@@ -117,5 +119,5 @@ def open_loop(
     gait: StoredGait, robot: PinRobot, integrator: IntegratorConfig, step: float
 ) -> dict[str, float]:
     """Greatest and least modulus of the return map's eigenvalues: above one, it falls."""
-    moduli = np.abs(np.linalg.eigvals(return_map(gait, integrator, robot, step)))
+    moduli = np.abs(np.linalg.eigvals(return_map(gait, robot, integrator, step)))
     return {"return_map": float(moduli.max()), "return_map_least": float(moduli.min())}

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.reports import refresh_marker
-from pipeline.stages import table1_jobs
+from pipeline.stages import table1_jobs, verification_jobs
 from slider.core import tracking
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -21,6 +21,7 @@ from slider.core.store import ARTEFACTS, Store
 
 OPTION = "hydra"
 TABLE1_REPORTS = ("reports/table1.csv", "reports/gait_quality.csv")
+VERIFICATION_REPORTS = ("reports/verification.csv", "reports/verification.json")
 
 
 @dataclass
@@ -91,11 +92,13 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
 def _open(overrides: list[str], conf: Path) -> Pipeline:
     config = compose(overrides, conf)
     store = Store(Path(ARTEFACTS))
-    plan = build_plan(table1_jobs(config))
+    targets = table1_jobs(config)
+    plan = build_plan(targets | verification_jobs(config, targets["library"]))
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
     refresh_marker(store, plan, "table1", [Path(name) for name in TABLE1_REPORTS])
+    refresh_marker(store, plan, "verification", [Path(name) for name in VERIFICATION_REPORTS])
     return Pipeline(config, overrides, plan, path, store)
 
 

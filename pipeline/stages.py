@@ -20,6 +20,8 @@ STANDING = "slider.training.stage:run_standing"
 WALKING = "slider.training.stage:run_walking"
 EVALUATION = "slider.evaluation.stage:run"
 TABLE1 = "slider.reports.table1:run"
+VERIFICATION_GAITS = "slider.verification.stage:run_gaits"
+VERIFICATION = "slider.verification.stage:run"
 
 POLICY = "policy"
 Velocity = tuple[float, float]
@@ -43,6 +45,35 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
         "walking": walking,
         "table1": table1(config, evaluations),
     }
+
+
+def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
+    """The independent checks of the library's gaits; nothing on the way to Table 1 needs them."""
+    commands = library.section["velocities"]
+    size = config.verification.chunk
+    chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
+    gaits = [verification_of_gaits(config, chunk, library) for chunk in chunks]
+    settings = _only(to_dict(config.verification), "on_failure", "reach", "bounds")
+    inputs = {"library": [library], "gaits": gaits}
+    section = {"verification": settings}
+    job = JobSpec("verification", "verification", code_of(VERIFICATION), section, inputs)
+    return {"verification": job}
+
+
+def verification_of_gaits(config: Config, commands: list[list[float]], library: JobSpec) -> JobSpec:
+    """The checks of some gaits."""
+    settings = to_dict(config.verification)
+    section = {
+        "robot": _without(to_dict(config.robot), "provenance"),
+        "posture": to_dict(config.gait.posture),
+        "kinematic_map": config.gait.kinematic_map,
+        "verification": _without(settings, "chunk", "on_failure", "reach", "bounds"),
+        "velocities": commands,
+    }
+    label = f"verification of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
+    code = code_of(VERIFICATION_GAITS)
+    inputs = {"library": [library]}
+    return JobSpec("verification_gaits", label, code, section, inputs, tracked=False)
 
 
 def velocities(grid: GridConfig) -> list[Velocity]:

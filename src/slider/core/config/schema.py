@@ -8,6 +8,7 @@ from slider.core.config.gait import GaitConfig, LibraryConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.strict import STRICT
 from slider.core.config.train import TrainingsConfig
+from slider.core.config.verification import VerificationConfig
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -20,5 +21,6 @@ class Config:
     env: EnvConfig
     train: TrainingsConfig
     evaluation: EvaluationConfig
+    verification: VerificationConfig
     tracking: TrackingConfig
     resources: ResourcesConfig

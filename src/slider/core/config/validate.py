@@ -11,6 +11,7 @@ from slider.core.config.gait import Axis, GaitConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
 from slider.core.config.train import Interval, TrainConfig
+from slider.core.config.verification import VerificationConfig
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS
 
@@ -31,6 +32,7 @@ def validate(config: Config) -> None:
     for name in ("standing", "walking"):
         _train(getattr(config.train, name), f"train.{name}")
     _evaluation(config.evaluation)
+    _verification(config.verification)
     _at_least("resources.threads", config.resources.threads, 1)
 
 
@@ -225,3 +227,28 @@ def _evaluation(evaluation: EvaluationConfig) -> None:
         f"a time in [0, {evaluation.duration}) s",
         evaluation.steady_from,
     )
+
+
+def _verification(verification: VerificationConfig) -> None:
+    key = "verification"
+    _at_least(f"{key}.chunk", verification.chunk, 1)
+    _in(f"{key}.on_failure", verification.on_failure, ("error", "report"))
+    _at_least(f"{key}.points", verification.points, 2)
+    for name in ("reach", "perturbation"):
+        _positive(f"{key}.{name}", getattr(verification, name))
+    for name in ("relative", "absolute"):
+        _positive(f"{key}.integrator.{name}", getattr(verification.integrator, name))
+    replay = verification.replay
+    _at_least(f"{key}.replay.steps", replay.steps, 1)
+    steer = replay.regulator
+    _require(
+        len(steer.forward) == len(steer.speeds) > 0 and steer.speeds == sorted(steer.speeds),
+        f"{key}.replay.regulator.forward",
+        "one share for each of the rising `speeds`",
+        f"{steer.forward} at {steer.speeds}",
+    )
+    _at_least(f"{key}.replay.points", replay.points, 2)
+    _at_least(f"{key}.replay.substeps", replay.substeps, 1)
+    _positive(f"{key}.replay.timestep", replay.timestep)
+    for name in ("settle", "fade"):
+        _positive(f"{key}.replay.regulator.{name}", getattr(replay.regulator, name))

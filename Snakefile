@@ -6,7 +6,12 @@ from pathlib import Path
 sys.path.insert(0, workflow.basedir)
 
 from pipeline.console import calm
-from pipeline.entry import TABLE1_REPORTS, VERIFICATION_REPORTS, open_pipeline
+from pipeline.entry import (
+    FIGURE_REPORTS,
+    TABLE1_REPORTS,
+    VERIFICATION_REPORTS,
+    open_pipeline,
+)
 
 calm()
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
@@ -28,6 +33,7 @@ include: "pipeline/rules/gaits.smk"
 include: "pipeline/rules/learning.smk"
 include: "pipeline/rules/evaluation.smk"
 include: "pipeline/rules/verification.smk"
+include: "pipeline/rules/figures.smk"
 
 
 onstart:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.reports import refresh_marker
-from pipeline.stages import table1_jobs, verification_jobs
+from pipeline.stages import figure_jobs, table1_jobs, verification_jobs
 from slider.core import tracking
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -18,10 +18,12 @@ from slider.core.config.schema import Config
 from slider.core.errors import UserError
 from slider.core.plan import Plan, build_plan, write_plan
 from slider.core.store import ARTEFACTS, Store
+from slider.reports.figures import FILES
 
 OPTION = "hydra"
 TABLE1_REPORTS = ("reports/table1.csv", "reports/gait_quality.csv")
 VERIFICATION_REPORTS = ("reports/verification.csv", "reports/verification.json")
+FIGURE_REPORTS = tuple(f"reports/figures/{name}" for name in FILES)
 
 
 @dataclass
@@ -93,12 +95,14 @@ def _open(overrides: list[str], conf: Path) -> Pipeline:
     config = compose(overrides, conf)
     store = Store(Path(ARTEFACTS))
     targets = table1_jobs(config)
-    plan = build_plan(targets | verification_jobs(config, targets["library"]))
+    library = targets["library"]
+    plan = build_plan(targets | verification_jobs(config, library) | figure_jobs(library))
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
     refresh_marker(store, plan, "table1", [Path(name) for name in TABLE1_REPORTS])
     refresh_marker(store, plan, "verification", [Path(name) for name in VERIFICATION_REPORTS])
+    refresh_marker(store, plan, "figures", [Path(name) for name in FIGURE_REPORTS])
     return Pipeline(config, overrides, plan, path, store)
 
 

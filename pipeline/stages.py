@@ -22,6 +22,7 @@ EVALUATION = "slider.evaluation.stage:run"
 TABLE1 = "slider.reports.table1:run"
 VERIFICATION_GAITS = "slider.verification.stage:run_gaits"
 VERIFICATION = "slider.verification.stage:run"
+FIGURES = "slider.reports.figures.stage:run"
 
 POLICY = "policy"
 Velocity = tuple[float, float]
@@ -76,6 +77,12 @@ def verification_of_gaits(config: Config, commands: list[list[float]], library: 
     return JobSpec("verification_gaits", label, code, section, inputs, tracked=False)
 
 
+def figure_jobs(library: JobSpec) -> dict[str, JobSpec]:
+    """Pictures of the gait library; nothing on the way to Table 1 needs them."""
+    inputs = {"library": [library]}
+    return {"figures": JobSpec("figures", "figures", code_of(FIGURES), {}, inputs)}
+
+
 def velocities(grid: GridConfig) -> list[Velocity]:
     """Commanded velocities (vx, vy) [m/s] of a grid, each once, sorted."""
     blocks = [(grid.vx, grid.vy), *((block.vx, block.vy) for block in grid.extra)]
@@ -113,6 +120,9 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
     section = {
         "library": to_dict(config.library),
         "velocities": [job.section["velocity"] for job in gaits],
+        # Written into the library, so that its gaits can be compared with the robot's limits.
+        "robot": _only(to_dict(config.robot), "geometry", "virtual_knee", "limits"),
+        "kinematic_map": config.gait.kinematic_map,
     }
     return JobSpec("library", "gait library", code_of(LIBRARY), section, {"gaits": gaits})
 

@@ -7,6 +7,7 @@ import pytest
 
 from pipeline.stages import (
     EVALUATION,
+    FIGURES,
     GAIT,
     LIBRARY,
     STANDING,
@@ -25,7 +26,17 @@ ALLOWED = {
 } | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 # The checks of the configuration know the names of joints.
 EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
-STAGES = (GAIT, LIBRARY, STANDING, WALKING, EVALUATION, TABLE1, VERIFICATION, VERIFICATION_GAITS)
+STAGES = (
+    GAIT,
+    LIBRARY,
+    STANDING,
+    WALKING,
+    EVALUATION,
+    TABLE1,
+    VERIFICATION,
+    VERIFICATION_GAITS,
+    FIGURES,
+)
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 
 

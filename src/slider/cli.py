@@ -17,6 +17,8 @@ COMMANDS = {
     "publish": ("slider.core.commands.publish", "copy files of a result out of the store"),
     "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
     "benchmark-gaits": ("slider.gait.benchmark", "time the gait optimisation"),
+    "library": ("slider.reports.library_command", "show what is in the gait library"),
+    "gait": ("slider.reports.gait_command", "show or export one gait of the library"),
     "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
 }
 

@@ -76,6 +76,13 @@ def run(section, inputs, out, job):
 }
 
 
+FIGURES = """
+def run(section, inputs, out, job):
+    (out / "size.md").write_text((inputs["library"][0] / "library.txt").read_text())
+    return {}
+"""
+
+
 @dataclass(frozen=True)
 class Workspace:
     """A folder with a copy of the pipeline, and what happens in it."""
@@ -195,6 +202,9 @@ def with_dummies(workspace: Workspace) -> Workspace:
         (source / name / "__init__.py").write_text("")
         module = "table1" if name == "reports" else "stage"
         (source / name / f"{module}.py").write_text(text)
+    (source / "reports" / "figures").mkdir()
+    (source / "reports" / "figures" / "__init__.py").write_text("FILES = ('size.md',)\n")
+    (source / "reports" / "figures" / "stage.py").write_text(FIGURES)
     (source / "gait" / "tiny.py").write_text(
         "def speed(section):\n    return sum(section['velocity'])\n"
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 sys.path.insert(0, workflow.basedir)
 
 from pipeline.console import calm
-from pipeline.entry import TABLE1_REPORTS, open_pipeline
+from pipeline.entry import PAGE, TABLE1_REPORTS, open_pipeline
 
 calm()
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")

@@ -1,13 +1,15 @@
-"""The stages: gait → library → standing → walking → evaluation → table1.
+"""The stages: gait → library → standing → walking → evaluation → table1 → report.
 
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from slider.core.config.convert import to_dict
 from slider.core.config.gait import Axis, GridConfig
+from slider.core.config.report import SECTION_INPUTS
 from slider.core.config.schema import Config
 from slider.core.config.validate import axis_size
 from slider.core.plan import JobSpec
@@ -19,13 +21,15 @@ STANDING = "slider.training.stage:run_standing"
 WALKING = "slider.training.stage:run_walking"
 EVALUATION = "slider.evaluation.stage:run"
 TABLE1 = "slider.reports.table1:run"
+VIDEO = "slider.reports.video:run"
+REPORT = "slider.reports.report:run"
 
 POLICY = "policy"
 Velocity = tuple[float, float]
 
 
-def table1_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs up to Table 1 by the name of their target."""
+def all_jobs(config: Config) -> dict[str, JobSpec]:
+    """Jobs up to Table 1 and the report by the name of their target."""
     shared = gait_section(config)
     gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
     library = gait_library(config, gaits)
@@ -36,12 +40,13 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
         for controller in config.evaluation.controllers
         for command in config.evaluation.commands
     ]
-    return {
+    targets = {
         "library": library,
         "standing": standing,
         "walking": walking,
         "table1": table1(config, evaluations),
     }
+    return targets | {"report": report(config, targets)}
 
 
 def velocities(grid: GridConfig) -> list[Velocity]:
@@ -111,6 +116,58 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     """Table 1 from the records of all evaluations."""
     section = {"evaluation": to_dict(config.evaluation)}
     return JobSpec("table1", "table 1", code_of(TABLE1), section, {"evaluations": evaluations})
+
+
+def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
+    """A short film of one controller at one command."""
+    settings = _without(to_dict(config.report.video), "commands", "renderer")
+    section = _simulation(config) | {
+        "start": to_dict(config.evaluation.start),
+        "video": settings,
+        "renderer": config.report.video.renderer,
+        "controller": controller,
+        "command": command,
+    }
+    inputs = {"walking": [walking]} if controller == POLICY else {}
+    label = f"video of {controller} at {command:.1f} m/s"
+    return JobSpec("video", label, code_of(VIDEO), section, inputs, tracked=False)
+
+
+def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
+    """The page about everything; its sections say what it needs."""
+    available = {name: [job] for name, job in targets.items()} | {
+        "gaits": targets["library"].inputs["gaits"],
+        "evaluations": targets["table1"].inputs["evaluations"],
+        "videos": _videos(config, targets["walking"]),
+    }
+    names = {name for section in config.report.sections for name in SECTION_INPUTS[section]}
+    inputs = {name: jobs for name, jobs in available.items() if name in names}
+    section = {
+        "report": to_dict(config.report),
+        "configuration": _without(to_dict(config), "resources", "tracking"),
+        "origins": {name: [_origin(job) for job in jobs] for name, jobs in inputs.items()},
+    }
+    return JobSpec("report", "report", code_of(REPORT), section, inputs)
+
+
+def _videos(config: Config, walking: JobSpec) -> list[JobSpec]:
+    if config.report.video.renderer == "none":
+        return []
+    return [
+        video(config, controller, command, walking)
+        for controller in config.evaluation.controllers
+        for command in config.report.video.commands
+    ]
+
+
+def _origin(job: JobSpec) -> dict[str, Any]:
+    """Where a result comes from, for the section about it."""
+    return {
+        "label": job.label,
+        "recipe": job.recipe,
+        "source": job.code.source,
+        "versions": job.code.versions,
+    }
 
 
 def _simulation(config: Config) -> dict[str, Any]:

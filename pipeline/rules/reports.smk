@@ -10,3 +10,35 @@ rule publish_table1:
         TABLE1_REPORTS,
     shell:
         "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+
+
+rule report:
+    input:
+        manifest=PIPELINE.manifest("report"),
+        marker="artefacts/current/report",
+    output:
+        PAGE,
+    shell:
+        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+
+
+rule build_report:
+    input:
+        PIPELINE.inputs,
+    output:
+        "artefacts/report/{recipe}.json",
+    log:
+        "artefacts/logs/report/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"
+
+
+rule video:
+    input:
+        PIPELINE.inputs,
+    output:
+        "artefacts/video/{recipe}.json",
+    log:
+        "artefacts/logs/video/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"

@@ -18,6 +18,7 @@ from slider.core.index import Entry, Index
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
 from slider.core.journal import FAILED, FINISHED, JournalTracker, current_session
 from slider.core.locks import exclusive
+from slider.core.machine import machine
 from slider.core.plan import JobSpec
 from slider.core.recipe import SOURCE_ROOT, code_of, recipe_digest
 from slider.core.store import Manifest, Result, Store
@@ -134,6 +135,7 @@ class _Watch:
             "wall_s": round(time.perf_counter() - self._wall, 3),
             "cpu_s": round(_cpu_seconds() - self._cpu, 3),
             "load_1min_at_start": round(self._load, 2),
+            "machine": machine(),
         }
 
 

@@ -120,11 +120,9 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
 
 def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
     """A short film of one controller at one command."""
-    settings = _without(to_dict(config.report.video), "commands", "renderer")
     section = _simulation(config) | {
         "start": to_dict(config.evaluation.start),
-        "video": settings,
-        "renderer": config.report.video.renderer,
+        "video": _without(to_dict(config.report.video), "commands"),
         "controller": controller,
         "command": command,
     }

@@ -27,7 +27,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """
     torch.set_num_threads(job.threads)
     # Before the first import of mujoco, which reads it.
-    os.environ["MUJOCO_GL"] = section["renderer"]
+    os.environ["MUJOCO_GL"] = section["video"]["renderer"]
     from slider.env.episode import Episode
     from slider.env.physics import BatchedPhysics
     from slider.env.starts import at_rest
@@ -64,7 +64,7 @@ def _film(section: Section, robot: RobotConfig, video: VideoConfig, frames, out:
             images.append(film.annotate(picture, *_overlay(section, frame, fallen), fallen))
     except (ImportError, RuntimeError, AttributeError) as error:  # what broken OpenGL raises
         raise UserError(
-            f"expected to render with {section['renderer']}, found: {error}; the report does "
+            f"expected to render with {video.renderer}, found: {error}; the report does "
             "without videos after report.video.renderer=none"
         ) from None
     film.write(images, video, out / FILM)

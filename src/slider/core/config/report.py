@@ -1,5 +1,7 @@
 """Typed settings of the report and its videos, and what each section of the page needs."""
 
+from dataclasses import field
+
 from pydantic.dataclasses import dataclass
 
 from slider.core.config.strict import STRICT
@@ -20,16 +22,16 @@ RENDERERS = ("auto", "egl", "osmesa", "none")
 
 @dataclass(frozen=True, config=STRICT)
 class VideoConfig:
-    """Which videos are made, and how."""
+    """Which videos are made, and how; ``commands`` is not in the section of a single one."""
 
     renderer: str
-    commands: list[float]
     duration: float
     width: int
     height: int
     frame_rate: int
     quality: int
     seed: int
+    commands: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -2,6 +2,7 @@
 const root = document.documentElement;
 const charts = [...document.querySelectorAll(".chart")];
 const parse = (id) => JSON.parse(document.getElementById(id).textContent);
+const PAPER_WIDTH = 690;  // [pixel], A4 and Letter within usual margins
 const config = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["lasso2d", "select2d"] };
 
 // Charts take the colours of text and grid from the page's style.
@@ -36,6 +37,11 @@ function paint() {
 function setTheme(theme) {
   root.dataset.theme = theme;
   return paint();
+}
+
+// Paper is narrower than a screen, and charts do not follow by themselves.
+function resize(width) {
+  charts.forEach((chart) => Plotly.relayout(chart, { width, autosize: width === undefined }));
 }
 
 // Hovering a point of one chart draws its details in another.
@@ -87,8 +93,8 @@ async function start() {
     setTheme(root.dataset.theme === "dark" ? "light" : "dark");
   });
   let before;
-  addEventListener("beforeprint", () => { before = root.dataset.theme; setTheme("light"); });
-  addEventListener("afterprint", () => setTheme(before));
+  addEventListener("beforeprint", () => { before = root.dataset.theme; setTheme("light"); resize(PAPER_WIDTH); });
+  addEventListener("afterprint", () => { setTheme(before); resize(undefined); });
   document.querySelectorAll("table.sortable th").forEach((heading) => {
     heading.addEventListener("click", () => sortBy(heading));
   });

@@ -8,6 +8,10 @@ sys.path.insert(0, workflow.basedir)
 from pipeline.console import calm
 from pipeline.entry import PAGE, TABLE1_REPORTS, open_pipeline
 
+
+report: "pipeline/captions/workflow.rst"
+
+
 calm()
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
 

@@ -29,7 +29,13 @@ Velocity = tuple[float, float]
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs up to Table 1 and the report by the name of their target."""
+    """Jobs up to Table 1 and the report, by the name of their target."""
+    targets = table1_jobs(config)
+    return targets | {"report": report(config, targets)}
+
+
+def table1_jobs(config: Config) -> dict[str, JobSpec]:
+    """Jobs up to Table 1 by the name of their target."""
     shared = gait_section(config)
     gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
     library = gait_library(config, gaits)
@@ -40,13 +46,12 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
         for controller in config.evaluation.controllers
         for command in config.evaluation.commands
     ]
-    targets = {
+    return {
         "library": library,
         "standing": standing,
         "walking": walking,
         "table1": table1(config, evaluations),
     }
-    return targets | {"report": report(config, targets)}
 
 
 def velocities(grid: GridConfig) -> list[Velocity]:

@@ -1,13 +1,21 @@
 # Reports that people read: copies out of the store.
 
 
+def captioned(name):
+    """A file that `snakemake --report` shows, with its caption."""
+    caption = f"../captions/{Path(name).stem}.rst"
+    return report(
+        name, caption=caption, category="Results", labels={"file": Path(name).name}
+    )
+
+
 rule publish_table1:
     input:
         manifest=PIPELINE.manifest("table1"),
         # Which table is the current one, also when its manifest is older than the reports.
         marker="artefacts/current/table1",
     output:
-        TABLE1_REPORTS,
+        [captioned(name) for name in TABLE1_REPORTS],
     shell:
         "{sys.executable} -m slider.cli publish {input.manifest} {output}"
 
@@ -17,7 +25,7 @@ rule report:
         manifest=PIPELINE.manifest("report"),
         marker="artefacts/current/report",
     output:
-        PAGE,
+        [captioned(name) for name in PAGE],
     shell:
         "{sys.executable} -m slider.cli publish {input.manifest} {output}"
 

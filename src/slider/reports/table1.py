@@ -42,7 +42,19 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     (out / "table1.md").write_text(table1_text.markdown(comparable), encoding="utf-8")
     (out / "table1.tex").write_text(table1_text.latex(comparable), encoding="utf-8")
     job.tracker.log_file(out / "table1.csv")
+    job.tracker.log_metrics(_metrics(rows), 0)
     return {"rows": len(rows)}
+
+
+def _metrics(rows: list[Row]) -> dict[str, float]:
+    """The whole table as metrics of one run, such as ``success_rate/policy/1.2``."""
+    names = ("success_rate", "mse", "mse_steady", "tracking_rate")
+    found = {
+        f"{name}/{row['controller']}/{row['command_velocity']}": float(row[name])
+        for row in rows
+        for name in names
+    }
+    return {name: value for name, value in found.items() if np.isfinite(value)}
 
 
 def table_row(controller: str, command: float, table: records.Records) -> Row:

@@ -34,7 +34,7 @@ def _markdown_table(table: Comparison) -> str:
 def latex(rows: Sequence[dict[str, str]]) -> str:
     r"""One ``tabular`` per metric for ``\input``; needs the package booktabs."""
     tables = [_latex_table(compare(rows, metric)) for metric in METRICS]
-    return "\n".join([f"% {_CAPTION}", "% Needs \\usepackage{booktabs}.", *tables])
+    return "\n".join([f"% {_escape(_CAPTION)}", "% Needs \\usepackage{booktabs}.", *tables])
 
 
 def _latex_table(table: Comparison) -> str:

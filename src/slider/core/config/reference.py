@@ -11,7 +11,8 @@ from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
 from slider.core.config.schema import Config
 
-_BASES = ("base.yaml", "default.yaml", "slider.yaml")  # later ones say more about the default
+_BASES = ("base.yaml", "default.yaml")  # their comments are about the defaults, and win
+_LIKE = {"train.standing.": "train.walking."}  # keys that are explained once
 
 
 @dataclass(frozen=True)
@@ -59,12 +60,12 @@ def entries(node: Any, path: str, comments: Mapping[str, str]) -> Iterator[Entry
 
 
 def read_comments(conf: Path) -> dict[str, str]:
-    """Comment of each dotted path in the files that the defaults come from."""
+    """Comment of each dotted path in the files of ``conf/`` but the experiments."""
     found: dict[str, str] = {}
-    for name in _BASES:
-        for path in sorted(conf.rglob(name)):
-            prefix = ".".join(path.parent.relative_to(conf).parts)
-            found |= {f"{prefix}.{key}": text for key, text in _file_comments(path)}
+    paths = [path for path in conf.rglob("*.yaml") if path.parent.name != "experiment"]
+    for path in sorted(paths, key=lambda path: (path.name in _BASES, str(path))):
+        prefix = "".join(f"{part}." for part in path.parent.relative_to(conf).parts)
+        found |= {f"{prefix}{key}": text for key, text in _file_comments(path)}
     return found
 
 
@@ -83,7 +84,10 @@ def _file_comments(path: Path) -> Iterator[tuple[str, str]]:
 
 
 def _comment(key: str, comments: Mapping[str, str]) -> str:
-    """Own comment, or that of the nearest group with one."""
+    """Own comment, that of the same key elsewhere, or that of the nearest group with one."""
+    for prefix, other in _LIKE.items():
+        if key.startswith(prefix) and key not in comments:
+            key = other + key.removeprefix(prefix)
     parts = key.split(".")
     for end in range(len(parts), 1, -1):
         text = comments.get(".".join(parts[:end]))

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from slider.reports.controllers import colour
@@ -16,6 +17,7 @@ _CHECKS = {
     "flight": "flight share",
     "value": "score (lower is better)",
 }
+_PANELS = 4  # in a row
 _TRAININGS = {"standing": "Standing", "walking": "Walking"}
 
 
@@ -54,6 +56,7 @@ def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
             row=1,
             col=index + 1,
         )
+        figure.update_yaxes(rangemode="nonnegative", row=1, col=index + 1)
         if column == "value" and (table[column] > 0).all():
             figure.update_yaxes(type="log", row=1, col=index + 1)
     figure.update_xaxes(title_text="iteration")
@@ -74,16 +77,54 @@ def _curve_charts(name: str, table: dict[str, np.ndarray]) -> list[Chart]:
 
 
 def _curves_chart(name: str, group: str, table: dict[str, np.ndarray], columns: list[str]) -> Chart:
-    figure = make_subplots()
+    """Terms of a reward over each other, since they add up; other quantities have own panels."""
+    identity = f"curves-{name}-{group.lower()}"
+    if "reward" in group.lower():
+        caption = "Terms of the reward during training, weighted."
+        return chart(identity, _overlaid(table, columns), caption, 380)
+    caption = f"Recorded during training: {group.lower().replace('_', ' ')}."
+    return chart(identity, _panels(table, columns), caption, 90 + 190 * _rows(columns))
+
+
+def _overlaid(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
+    figure = go.Figure()
+    for index, column in enumerate(columns):
+        line = {"color": colour(index), "width": 1.5, "dash": _dash(index)}
+        figure.add_scatter(
+            x=table["iteration"], y=_short(table[column]), name=_term(column), line=line
+        )
+    figure.update_xaxes(title_text="iteration")
+    return figure
+
+
+def _panels(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
+    rows, titles = _rows(columns), [_term(column) for column in columns]
+    figure = make_subplots(rows, _PANELS, subplot_titles=titles, vertical_spacing=0.3 / rows)
     for index, column in enumerate(columns):
         figure.add_scatter(
             x=table["iteration"],
-            y=[float(f"{value:.5g}") for value in table[column]],
-            name=column.partition("/")[2],
-            line={"color": colour(index), "width": 1.5, "dash": _dash(index)},
+            y=_short(table[column]),
+            line={"color": colour(0), "width": 1.5},
+            name=titles[index],
+            showlegend=False,
+            row=index // _PANELS + 1,
+            col=index % _PANELS + 1,
         )
-    figure.update_xaxes(title_text="iteration")
-    return chart(f"curves-{name}-{group.lower()}", figure, group.replace("_", " "), 360)
+    figure.update_annotations(font_size=12)
+    return figure
+
+
+def _rows(columns: list[str]) -> int:
+    return -(-len(columns) // _PANELS)
+
+
+def _term(column: str) -> str:
+    return column.partition("/")[2].replace("_", " ")
+
+
+def _short(values: np.ndarray) -> list[float]:
+    """Five digits are more than a screen shows."""
+    return [float(f"{value:.5g}") for value in values]
 
 
 def _dash(index: int) -> str:

@@ -6,12 +6,11 @@ from pathlib import Path
 sys.path.insert(0, workflow.basedir)
 
 from pipeline.console import calm
-from pipeline.entry import (
-    FIGURE_REPORTS,
-    TABLE1_REPORTS,
-    VERIFICATION_REPORTS,
-    open_pipeline,
-)
+from pipeline.entry import REPORTS, open_pipeline
+
+
+report: "pipeline/captions/workflow.rst"
+
 
 calm()
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
@@ -25,7 +24,7 @@ wildcard_constraints:
 rule all:
     default_target: True
     input:
-        TABLE1_REPORTS,
+        REPORTS["table1"],
 
 
 include: "pipeline/rules/reports.smk"

@@ -1,14 +1,16 @@
-"""The stages: gait → library → standing → walking → evaluation → table1.
+"""The stages: gait → library → standing → walking → evaluation → table1 → report.
 
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
 """
 
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
 from slider.core.config.convert import to_dict
 from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig
+from slider.core.config.report import SECTION_INPUTS
 from slider.core.config.schema import Config
 from slider.core.config.validate import axis_size
 from slider.core.plan import JobSpec
@@ -23,9 +25,19 @@ TABLE1 = "slider.reports.table1:run"
 VERIFICATION_GAITS = "slider.verification.stage:run_gaits"
 VERIFICATION = "slider.verification.stage:run"
 FIGURES = "slider.reports.figures.stage:run"
+VIDEO = "slider.reports.video:run"
+REPORT = "slider.reports.report:run"
 
 POLICY = "policy"
 Velocity = tuple[float, float]
+
+
+def all_jobs(config: Config) -> dict[str, JobSpec]:
+    """Jobs of everything that can be asked for, by the name of their target."""
+    targets = table1_jobs(config)
+    library = targets["library"]
+    beside = verification_jobs(config, library) | figure_jobs(library)
+    return targets | beside | {"report": report(config, targets)}
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
@@ -157,6 +169,56 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     """Table 1 from the records of all evaluations."""
     section = {"evaluation": to_dict(config.evaluation)}
     return JobSpec("table1", "table 1", code_of(TABLE1), section, {"evaluations": evaluations})
+
+
+def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
+    """A short film of one controller at one command."""
+    section = _simulation(config) | {
+        "start": to_dict(config.evaluation.start),
+        "video": _without(to_dict(config.report.video), "commands"),
+        "controller": controller,
+        "command": command,
+    }
+    inputs = {"walking": [walking]} if controller == POLICY else {}
+    label = f"video of {controller} at {command:.1f} m/s"
+    return JobSpec("video", label, code_of(VIDEO), section, inputs, tracked=False)
+
+
+def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
+    """The page about everything; its sections say what it needs."""
+    available = {name: [job] for name, job in targets.items()} | {
+        "gaits": targets["library"].inputs["gaits"],
+        "evaluations": targets["table1"].inputs["evaluations"],
+        "videos": _videos(config, targets["walking"]),
+    }
+    names = {name for section in config.report.sections for name in SECTION_INPUTS[section]}
+    inputs = {name: jobs for name, jobs in available.items() if name in names}
+    section = {
+        "report": to_dict(config.report),
+        "configuration": _without(to_dict(config), "resources", "tracking"),
+        "origins": {name: [_origin(job) for job in jobs] for name, jobs in inputs.items()},
+    }
+    return JobSpec("report", "report", code_of(REPORT), section, inputs)
+
+
+def _videos(config: Config, walking: JobSpec) -> list[JobSpec]:
+    if config.report.video.renderer == "none":
+        return []
+    return [
+        video(config, controller, command, walking)
+        for controller in config.evaluation.controllers
+        for command in config.report.video.commands
+    ]
+
+
+def _origin(job: JobSpec) -> dict[str, Any]:
+    """Where a result comes from, for the section about it."""
+    return {
+        "label": job.label,
+        "recipe": job.recipe,
+        "source": job.code.source,
+        "versions": job.code.versions,
+    }
 
 
 def _simulation(config: Config) -> dict[str, Any]:

@@ -10,10 +10,12 @@ from pipeline.stages import (
     FIGURES,
     GAIT,
     LIBRARY,
+    REPORT,
     STANDING,
     TABLE1,
     VERIFICATION,
     VERIFICATION_GAITS,
+    VIDEO,
     WALKING,
 )
 from slider.core.source import closure
@@ -23,6 +25,7 @@ ORDER = ("robot", "gait", "library", "env", "control", "training", "evaluation",
 ALLOWED = {
     "core": {"core"},
     "verification": {"core", "robot", "gait", "library", "verification"},
+    "play": {"core", *ORDER, "play"},
 } | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 # The checks of the configuration know the names of joints.
 EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
@@ -36,6 +39,8 @@ STAGES = (
     VERIFICATION,
     VERIFICATION_GAITS,
     FIGURES,
+    VIDEO,
+    REPORT,
 )
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 

@@ -29,6 +29,6 @@ rule publish_verification:
         manifest=PIPELINE.manifest("verification"),
         marker="artefacts/current/verification",
     output:
-        VERIFICATION_REPORTS,
+        REPORTS["verification"],
     shell:
         "{sys.executable} -m slider.cli publish {input.manifest} {output}"

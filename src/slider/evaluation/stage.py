@@ -32,7 +32,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     env = from_dict(EnvConfig, section["env"])
     config = from_dict(EvaluationConfig, section["evaluation"])
     command = float(section["command"])
-    controller = _controller(section["controller"], inputs, robot, env, _count(config))
+    controller = build_controller(section["controller"], inputs, robot, env, _count(config))
     recording = _simulate(controller, robot, env, config, command, job)
     tracked = tracking(
         recording, config.steady_from, config.tracking_tolerance, config.tracking_relative
@@ -53,9 +53,14 @@ def _count(config: EvaluationConfig) -> int:
     return config.trials * config.robots
 
 
-def _controller(
+def build_controller(
     name: str, inputs: Inputs, robot: RobotConfig, env: EnvConfig, count: int
 ) -> Controller:
+    """Controller of a name for ``count`` robots.
+
+    Raises:
+        UserError: there is none of this name, or the policy is for other observations.
+    """
     if name != "policy":
         raise UserError(f"evaluation.controllers: expected policy, found {name}")
     policy = load_policy(inputs["walking"][0] / "policy.pt")

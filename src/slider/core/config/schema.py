@@ -5,6 +5,7 @@ from pydantic.dataclasses import dataclass
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig, ResourcesConfig, TrackingConfig
 from slider.core.config.gait import GaitConfig, LibraryConfig
+from slider.core.config.report import ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.strict import STRICT
 from slider.core.config.train import TrainingsConfig
@@ -22,5 +23,6 @@ class Config:
     train: TrainingsConfig
     evaluation: EvaluationConfig
     verification: VerificationConfig
+    report: ReportConfig
     tracking: TrackingConfig
     resources: ResourcesConfig

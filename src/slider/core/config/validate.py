@@ -8,6 +8,7 @@ from typing import Any
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, GaitConfig
+from slider.core.config.report import RENDERERS, SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
 from slider.core.config.train import Interval, TrainConfig
@@ -33,6 +34,7 @@ def validate(config: Config) -> None:
         _train(getattr(config.train, name), f"train.{name}")
     _evaluation(config.evaluation)
     _verification(config.verification)
+    _report(config.report, config.env.control_period)
     _at_least("resources.threads", config.resources.threads, 1)
 
 
@@ -252,3 +254,29 @@ def _verification(verification: VerificationConfig) -> None:
     _positive(f"{key}.replay.timestep", replay.timestep)
     for name in ("settle", "fade"):
         _positive(f"{key}.replay.regulator.{name}", getattr(replay.regulator, name))
+
+
+def _report(report: ReportConfig, control_period: float) -> None:
+    key, video = "report", report.video
+    _require(bool(report.sections), f"{key}.sections", "at least one section", "none")
+    for name in report.sections:
+        _in(f"{key}.sections", name, SECTION_INPUTS)
+    unique = len(set(report.sections)) == len(report.sections)
+    _require(unique, f"{key}.sections", "each section once", report.sections)
+    _in(f"{key}.video.renderer", video.renderer, RENDERERS)
+    _positive(f"{key}.video.duration", video.duration)
+    for name in ("width", "height"):  # H.264 stores colours at half the resolution
+        size = getattr(video, name)
+        _require(
+            32 <= size <= 1920 and size % 2 == 0, f"{key}.video.{name}", "even, 32 to 1920", size
+        )
+    _at_least(f"{key}.video.frame_rate", video.frame_rate, 1)
+    steps = 1.0 / (control_period * video.frame_rate)
+    _require(
+        steps >= 1 and abs(steps - round(steps)) < 1e-9,
+        f"{key}.video.frame_rate",
+        f"a divisor of the control rate ({1 / control_period:g} 1/s)",
+        video.frame_rate,
+    )
+    _require(0 <= video.quality <= 51, f"{key}.video.quality", "0 to 51", video.quality)
+    _at_least(f"{key}.video.seed", video.seed, 0)

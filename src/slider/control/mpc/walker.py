@@ -221,7 +221,7 @@ class MpcController:
             gait.foothold[robots],
             gait.elapsed[robots],
             gait.duration[robots],
-            support[:, 2],
+            support[:, 2] + config.swing.compression,
             config.step.apex,
             config.swing,
             self._period,

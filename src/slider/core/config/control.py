@@ -63,8 +63,15 @@ class PlannerConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class SwingConfig:
-    """End of the swing: vertical velocity [m/s], then sinking [m/s] until there is contact."""
+    """End of the swing.
 
+    Attributes:
+        compression: how much lower a loaded sole is than one that just touches [m].
+        touchdown_velocity: downward, at the end of the step [m/s].
+        search_velocity: downward, past the end, until there is contact [m/s].
+    """
+
+    compression: float
     touchdown_velocity: float
     search_velocity: float
 

@@ -1,5 +1,7 @@
 """The stages: gait → library → standing → walking → evaluation → table1.
 
+The stage ``baseline`` is the evaluation of the model-predictive controllers; it needs no other.
+
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
 """
@@ -18,9 +20,11 @@ LIBRARY = "slider.library.stage:run"
 STANDING = "slider.training.stage:run_standing"
 WALKING = "slider.training.stage:run_walking"
 EVALUATION = "slider.evaluation.stage:run"
+BASELINE = "slider.evaluation.baseline:run"
 TABLE1 = "slider.reports.table1:run"
 
 POLICY = "policy"
+BASELINE_PREFIX = "mpc_wbc_"
 Velocity = tuple[float, float]
 
 
@@ -97,14 +101,18 @@ def walking_training(config: Config, library: JobSpec, standing: JobSpec) -> Job
 def evaluation(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
     """The protocol of one controller at one command."""
     protocol = _without(to_dict(config.evaluation), "controllers", "commands")
-    section = _simulation(config) | {
-        "evaluation": protocol,
-        "controller": controller,
-        "command": command,
-    }
-    inputs = {"walking": [walking]} if controller == POLICY else {}
+    section = {"evaluation": protocol, "controller": controller, "command": command}
     label = f"evaluation of {controller} at {command:.1f} m/s"
-    return JobSpec("evaluation", label, code_of(EVALUATION), section, inputs)
+    if controller == POLICY:
+        section |= _simulation(config)
+        inputs = {"walking": [walking]}
+        return JobSpec("evaluation", label, code_of(EVALUATION), section, inputs)
+    section |= {
+        "robot": _without(to_dict(config.robot), "provenance"),
+        "plant": _only(to_dict(config.env), "control_period", "physics", "termination"),
+        "control": to_dict(getattr(config.control, controller.removeprefix(BASELINE_PREFIX))),
+    }
+    return JobSpec("baseline", label, code_of(BASELINE), section)
 
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:

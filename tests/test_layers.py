@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.stages import EVALUATION, GAIT, LIBRARY, STANDING, TABLE1, WALKING
+from pipeline.stages import BASELINE, EVALUATION, GAIT, LIBRARY, STANDING, TABLE1, WALKING
 from slider.core.source import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -16,7 +16,7 @@ ALLOWED = {
 } | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 # The checks of the configuration know the names of joints.
 EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
-STAGES = (GAIT, LIBRARY, STANDING, WALKING, EVALUATION, TABLE1)
+STAGES = (GAIT, LIBRARY, STANDING, WALKING, EVALUATION, BASELINE, TABLE1)
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 
 

@@ -88,15 +88,29 @@ def roll_out(
     diverged = np.zeros(physics.num_robots, dtype=bool)
     rows: list[tuple[np.ndarray, ...]] = []
     for step in range(steps):
-        for _ in range(ticks):
-            physics.step(controller.control(state))
-            state = physics.read()
-            diverged |= state.diverged
+        state, blown = run_ticks(controller, physics, state, ticks)
+        diverged |= blown
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
         rows.append(_row(alive, state))
         progress((step + 1) / steps)
     series = [np.stack(column) for column in zip(*rows, strict=True)]
     return Recording(config.control_period, command, *series, diverged=diverged)
+
+
+def run_ticks(
+    controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
+) -> tuple[RobotState, np.ndarray]:
+    """Ask the controller and step the plant ``ticks`` times.
+
+    Returns:
+        The state afterwards, and which robots (N,) blew up in one of the steps.
+    """
+    diverged = np.zeros(physics.num_robots, dtype=bool)
+    for _ in range(ticks):
+        physics.step(controller.control(state))
+        state = physics.read()
+        diverged |= state.diverged
+    return state, diverged
 
 
 def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:

@@ -236,7 +236,12 @@ def _add_actuators(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation
             resistance=0.0,
             nominal=[BUS_VOLTAGE, stall, limit.speed],
             saturation=[limit.effort, 0.0, 0.0],
-            controller=[*((0.0, 0.0, 0.0) if torque else (gains.kp, 0.0, gains.kd)), 0.0, 0.0, BUS_VOLTAGE],
+            controller=[
+                *((0.0, 0.0, 0.0) if torque else (gains.kp, 0.0, gains.kd)),
+                0.0,
+                0.0,
+                BUS_VOLTAGE,
+            ],
             ctrlspec=inputs.mjINPUT_FF if torque else inputs.mjINPUT_POS,
         )
 

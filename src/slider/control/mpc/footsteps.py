@@ -107,7 +107,9 @@ class FootstepPlanner:
         for robot, axis in zip(*np.nonzero(outside), strict=True):
             low, high = lower[robot, axis], upper[robot, axis]
             solution = qp.solve(self.hessian, gradient[robot, axis], rows, low, high)
-            result[robot, axis] = np.clip(result[robot, axis] if solution is None else solution, low, high)
+            result[robot, axis] = np.clip(
+                result[robot, axis] if solution is None else solution, low, high
+            )
         return result
 
     def references(

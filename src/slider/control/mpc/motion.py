@@ -98,9 +98,7 @@ def pitch_and_yaw(rotation: np.ndarray) -> np.ndarray:
     return axes
 
 
-def _wanted(
-    task: TaskConfig, error: np.ndarray, rate: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _wanted(task: TaskConfig, error: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return task.kp * error + task.kd * rate, np.array(task.weight)
 
 

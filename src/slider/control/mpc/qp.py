@@ -17,7 +17,11 @@ _SOLVED = 1
 
 
 def solve(
-    hessian: np.ndarray, gradient: np.ndarray, rows: np.ndarray, lower: np.ndarray, upper: np.ndarray
+    hessian: np.ndarray,
+    gradient: np.ndarray,
+    rows: np.ndarray,
+    lower: np.ndarray,
+    upper: np.ndarray,
 ) -> np.ndarray | None:
     """Minimise ½ xᵀ H x + gᵀ x with bounds on the first variables and on ``rows`` x.
 

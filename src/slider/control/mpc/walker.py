@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.control.mpc import lip, swing
+from slider.control.mpc.clock import TickClock
 from slider.control.mpc.entry import Entry, Sway
 from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
 from slider.control.mpc.motion import Motion, Part, about_z, join
@@ -69,6 +70,7 @@ class MpcController:
         self._entry = Entry(config.step, config.entry, self.omega)
         self._motion = Motion(config.whole_body)
         self._whole_body = WholeBody(robot, config.whole_body)
+        self.clock = TickClock()
         self._ticks_per_plan = max(1, round(config.planner.period / period))
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
@@ -95,7 +97,9 @@ class MpcController:
         start[:, 0] = (self._to_heading(dynamics.com[:, :2]) - middle)[:, 1]
         return Sway(middle, start, np.zeros(len(middle)))
 
-    def _to_heading(self, vectors: np.ndarray, robots: np.ndarray | slice = slice(None)) -> np.ndarray:
+    def _to_heading(
+        self, vectors: np.ndarray, robots: np.ndarray | slice = slice(None)
+    ) -> np.ndarray:
         """World (n, 2) → forward, left."""
         return _turn(vectors, -self.gait.heading[robots])
 
@@ -106,7 +110,9 @@ class MpcController:
         torques = np.zeros((state.num_robots, names.NUM_JOINTS))
         active = np.flatnonzero(gait.mode != OFF)
         if len(active):
-            dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
+            self.clock.ticks += len(active)
+            with self.clock.part("model"):
+                dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
             self._switch(active, dynamics, state.foot_forces[active] > CONTACT_FORCE)
             for mode, drive in ((SWAY, self._drive_sway), (WALK, self._drive_walk)):
                 chosen = gait.mode[active] == mode
@@ -129,7 +135,10 @@ class MpcController:
             index = np.flatnonzero(sways)[done]
             gait.mode[robots[index]] = WALK
             self._new_step(robots[index], dynamics.of(index), np.full(len(index), _LEFT))
-        walks = np.flatnonzero((gait.mode[robots] == WALK) & ~(sways & (gait.steps[robots] == 1) & (gait.elapsed[robots] == 0)))
+        walks = np.flatnonzero(
+            (gait.mode[robots] == WALK)
+            & ~(sways & (gait.steps[robots] == 1) & (gait.elapsed[robots] == 0))
+        )
         swing_foot = 1 - gait.stance[robots[walks]]
         ends = self._step_ends(robots[walks], contact[walks, swing_foot])
         index = walks[ends]
@@ -178,7 +187,8 @@ class MpcController:
             duration=gait.duration[robots],
             command=command,
         )
-        plan = self._planner.plan(pendulum)
+        with self.clock.part("footsteps"):
+            plan = self._planner.plan(pendulum)
         gait.foothold[robots] = foot + _turn(plan.step, gait.heading[robots])
         gait.duration[robots] = plan.duration
 
@@ -246,7 +256,9 @@ class MpcController:
         """Vertical acceleration (n,) that holds the pendulum's height above the ground."""
         task = self._config.whole_body.com
         height = dynamics.com[:, 2] - ground
-        return task.kp * (self._model.nominal_height - height) - task.kd * dynamics.com_velocity[:, 2]
+        return (
+            task.kp * (self._model.nominal_height - height) - task.kd * dynamics.com_velocity[:, 2]
+        )
 
     def _shared(
         self, robots: np.ndarray, dynamics: Dynamics, com: np.ndarray, weight: np.ndarray
@@ -260,8 +272,10 @@ class MpcController:
     def _solve(
         self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
-        return self._whole_body.solve(problem)
+        with self.clock.part("assembly"):
+            problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
+        with self.clock.part("solution"):
+            return self._whole_body.solve(problem)
 
 
 def _turn(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -142,3 +142,11 @@ class MpcConfig:
     swing: SwingConfig
     entry: EntryConfig
     whole_body: WholeBodyConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class ControlConfig:
+    """Both settings of the baseline; the evaluation's controller ``mpc_wbc_NAME`` has ``NAME``."""
+
+    literal: MpcConfig
+    tuned: MpcConfig

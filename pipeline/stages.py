@@ -1,5 +1,7 @@
 """The stages: gait → library → standing → walking → evaluation → table1 → report.
 
+The stage ``baseline`` is the evaluation of the model-predictive controllers; it needs no other.
+
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
 """
@@ -21,6 +23,7 @@ LIBRARY = "slider.library.stage:run"
 STANDING = "slider.training.stage:run_standing"
 WALKING = "slider.training.stage:run_walking"
 EVALUATION = "slider.evaluation.stage:run"
+BASELINE = "slider.evaluation.baseline:run"
 TABLE1 = "slider.reports.table1:run"
 VERIFICATION_GAITS = "slider.verification.stage:run_gaits"
 VERIFICATION = "slider.verification.stage:run"
@@ -29,6 +32,7 @@ VIDEO = "slider.reports.video:run"
 REPORT = "slider.reports.report:run"
 
 POLICY = "policy"
+BASELINE_PREFIX = "mpc_wbc_"
 Velocity = tuple[float, float]
 
 
@@ -155,14 +159,24 @@ def walking_training(config: Config, library: JobSpec, standing: JobSpec) -> Job
 def evaluation(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
     """The protocol of one controller at one command."""
     protocol = _without(to_dict(config.evaluation), "controllers", "commands")
-    section = _simulation(config) | {
-        "evaluation": protocol,
-        "controller": controller,
-        "command": command,
-    }
-    inputs = {"walking": [walking]} if controller == POLICY else {}
+    section = {"evaluation": protocol} | _controlled(config, controller, command)
     label = f"evaluation of {controller} at {command:.1f} m/s"
-    return JobSpec("evaluation", label, code_of(EVALUATION), section, inputs)
+    if controller == POLICY:
+        inputs = {"walking": [walking]}
+        return JobSpec("evaluation", label, code_of(EVALUATION), section, inputs)
+    return JobSpec("baseline", label, code_of(BASELINE), section)
+
+
+def _controlled(config: Config, controller: str, command: float) -> dict[str, Any]:
+    """Robot, plant and controller; the policy comes as an input."""
+    section = {"controller": controller, "command": command}
+    if controller == POLICY:
+        return section | _simulation(config)
+    return section | {
+        "robot": _without(to_dict(config.robot), "provenance"),
+        "plant": _only(to_dict(config.env), "control_period", "physics", "termination"),
+        "control": to_dict(getattr(config.control, controller.removeprefix(BASELINE_PREFIX))),
+    }
 
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
@@ -173,11 +187,9 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
 
 def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
     """A short film of one controller at one command."""
-    section = _simulation(config) | {
+    section = _controlled(config, controller, command) | {
         "start": to_dict(config.evaluation.start),
         "video": _without(to_dict(config.report.video), "commands"),
-        "controller": controller,
-        "command": command,
     }
     inputs = {"walking": [walking]} if controller == POLICY else {}
     label = f"video of {controller} at {command:.1f} m/s"

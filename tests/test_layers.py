@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages import (
+    BASELINE,
     EVALUATION,
     FIGURES,
     GAIT,
@@ -35,6 +36,7 @@ STAGES = (
     STANDING,
     WALKING,
     EVALUATION,
+    BASELINE,
     TABLE1,
     VERIFICATION,
     VERIFICATION_GAITS,

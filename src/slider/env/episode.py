@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.env import EnvConfig
+from slider.core.config.env import EnvConfig, PlantConfig
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
-from slider.env.rollout import Controller
+from slider.env.rollout import Controller, run_ticks
 from slider.env.state import RobotState
 
 
@@ -31,8 +31,11 @@ class Frame:
 class Episode:
     """A controller and one simulated robot; see :mod:`slider.env.rollout` for many at once."""
 
-    def __init__(self, controller: Controller, physics: BatchedPhysics, config: EnvConfig) -> None:
+    def __init__(
+        self, controller: Controller, physics: BatchedPhysics, config: EnvConfig | PlantConfig
+    ) -> None:
         self._controller, self._physics, self._config = controller, physics, config
+        self._ticks = round(config.control_period / physics.period)
         self._state: RobotState = physics.read()
         self._steps = 0
 
@@ -51,8 +54,7 @@ class Episode:
 
     def step(self) -> Frame:
         """Simulate one control period."""
-        self._physics.step(self._controller.control(self._state))
-        self._state = self._physics.read()
+        self._state, _ = run_ticks(self._controller, self._physics, self._state, self._ticks)
         self._steps += 1
         return self._frame()
 

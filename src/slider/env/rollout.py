@@ -1,7 +1,9 @@
 """Roll a controller out from given starts and record what the metrics need.
 
-The rollout owns plant, starts, commands and terminations; a controller only maps state to joint
-targets. It is the same for every controller and for the checks during training.
+The rollout owns plant, starts, commands and terminations; a controller only maps state to the
+plant's inputs. It is the same for every controller and for the checks during training. A plant
+that is stepped in less than a control period asks its controller more often; what is recorded
+and what counts as a failure is looked at once per control period all the same.
 """
 
 from collections.abc import Callable
@@ -10,20 +12,20 @@ from typing import Protocol
 
 import numpy as np
 
-from slider.core.config.env import EnvConfig
+from slider.core.config.env import EnvConfig, PlantConfig
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
 
 
 class Controller(Protocol):
-    """Maps the state of N robots to joint targets, once per control period."""
+    """Maps the state of N robots to the plant's inputs, once per step of the plant."""
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew for N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
 
     def control(self, state: RobotState) -> np.ndarray:
-        """Desired joint positions (N, 12) [rad or m]."""
+        """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
         ...
 
 
@@ -60,7 +62,7 @@ class Recording:
 def roll_out(
     controller: Controller,
     physics: BatchedPhysics,
-    config: EnvConfig,
+    config: EnvConfig | PlantConfig,
     start: tuple[np.ndarray, np.ndarray],
     command: np.ndarray,
     duration: float,
@@ -70,7 +72,7 @@ def roll_out(
 
     Args:
         controller: for N robots.
-        physics: of N robots; its state is overwritten.
+        physics: of N robots; its state is overwritten. Its period divides the control period.
         config: control period and terminations.
         start: positions (N, 19) and velocities (N, 18).
         command: (N, 3) vx, vy [m/s], yaw rate [rad/s], constant from t = 0.
@@ -78,6 +80,7 @@ def roll_out(
         progress: called with the share done.
     """
     steps = round(duration / config.control_period)
+    ticks = round(config.control_period / physics.period)
     physics.reset(np.arange(physics.num_robots), *start)
     state = physics.read()
     controller.reset(state, command)
@@ -85,14 +88,29 @@ def roll_out(
     diverged = np.zeros(physics.num_robots, dtype=bool)
     rows: list[tuple[np.ndarray, ...]] = []
     for step in range(steps):
-        physics.step(controller.control(state))
-        state = physics.read()
-        alive = alive & ~terminations.failed(state, config.termination.terms)
-        diverged |= state.diverged
+        state, blown = run_ticks(controller, physics, state, ticks)
+        diverged |= blown
+        alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
         rows.append(_row(alive, state))
         progress((step + 1) / steps)
     series = [np.stack(column) for column in zip(*rows, strict=True)]
     return Recording(config.control_period, command, *series, diverged=diverged)
+
+
+def run_ticks(
+    controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
+) -> tuple[RobotState, np.ndarray]:
+    """Ask the controller and step the plant ``ticks`` times.
+
+    Returns:
+        The state afterwards, and which robots (N,) blew up in one of the steps.
+    """
+    diverged = np.zeros(physics.num_robots, dtype=bool)
+    for _ in range(ticks):
+        physics.step(controller.control(state))
+        state = physics.read()
+        diverged |= state.diverged
+    return state, diverged
 
 
 def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from slider.core.config.convert import from_dict
-from slider.core.config.env import EnvConfig, StartNoise
+from slider.core.config.env import StartNoise
 from slider.core.config.report import VideoConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
@@ -29,19 +29,18 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     # Before the first import of mujoco, which reads it.
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
     from slider.env.episode import Episode
-    from slider.env.physics import BatchedPhysics
     from slider.env.starts import at_rest
-    from slider.evaluation.stage import build_controller
+    from slider.evaluation import baseline, stage
 
     robot = from_dict(RobotConfig, section["robot"])
-    env = from_dict(EnvConfig, section["env"])
     video = from_dict(VideoConfig, section["video"])
     noise = from_dict(StartNoise, section["start"])
-    controller = build_controller(section["controller"], inputs, robot, env, 1)
-    episode = Episode(controller, BatchedPhysics(robot, env.physics, 1, 1), env)
+    learned = "walking" in inputs
+    one = stage.simulate(section, inputs, 1) if learned else baseline.simulate(section, 1)
+    episode = Episode(one.controller, one.physics, one.env)
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
     frames = [episode.start(*start, np.array([[section["command"], 0.0, 0.0]]))]
-    frames += [episode.step() for _ in range(round(video.duration / env.control_period))]
+    frames += [episode.step() for _ in range(round(video.duration / one.env.control_period))]
     _film(section, robot, video, frames, out)
     summary = _summary(section, frames)
     (out / ABOUT).write_text(json.dumps(summary) + "\n")

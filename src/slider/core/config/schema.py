@@ -2,6 +2,7 @@
 
 from pydantic.dataclasses import dataclass
 
+from slider.core.config.control import ControlConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig, ResourcesConfig, TrackingConfig
 from slider.core.config.gait import GaitConfig, LibraryConfig
@@ -21,6 +22,7 @@ class Config:
     library: LibraryConfig
     env: EnvConfig
     train: TrainingsConfig
+    control: ControlConfig
     evaluation: EvaluationConfig
     verification: VerificationConfig
     report: ReportConfig

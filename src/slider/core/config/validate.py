@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+from slider.core.config.control import MpcConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, GaitConfig
@@ -32,7 +33,10 @@ def validate(config: Config) -> None:
     _env(config.env)
     for name in ("standing", "walking"):
         _train(getattr(config.train, name), f"train.{name}")
-    _evaluation(config.evaluation)
+    settings = [item.name for item in fields(config.control)]
+    for name in settings:
+        _control(getattr(config.control, name), config.env, f"control.{name}")
+    _evaluation(config.evaluation, ["policy", *(f"mpc_wbc_{name}" for name in settings)])
     _verification(config.verification)
     _report(config.report, config.env.control_period)
     _at_least("resources.threads", config.resources.threads, 1)
@@ -214,12 +218,45 @@ def _train(train: TrainConfig, key: str) -> None:
     _at_least(f"{key}.selection.interval", train.selection.interval, 1)
 
 
-def _evaluation(evaluation: EvaluationConfig) -> None:
+def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:
+    physics, step, planner = env.physics, control.step, control.planner
+    _at_least(f"{key}.substeps", control.substeps, 1)
+    _require(
+        physics.substeps % control.substeps == 0,
+        f"{key}.substeps",
+        f"a divisor of env.physics.substeps ({physics.substeps})",
+        control.substeps,
+    )
+    rate = 1 / (physics.timestep * control.substeps)
+    _require(rate > 199.9, f"{key}.substeps", "a control rate of at least 200 Hz", f"{rate:.0f} Hz")
+    _interval(f"{key}.step", step.time_min, step.time)
+    _interval(f"{key}.step", step.time, step.time_max)
+    for name, value in (
+        ("step.time_min", step.time_min),
+        ("step.width", step.width),
+        ("step.apex", step.apex),
+        ("planner.period", planner.period),
+        ("planner.lock", planner.lock),
+        ("entry.duration", control.entry.duration),
+        ("whole_body.friction", control.whole_body.friction),
+        ("whole_body.force_max", control.whole_body.force_max),
+        *(
+            (f"whole_body.regularisation[{i}]", control.whole_body.regularisation[i])
+            for i in (0, 1)
+        ),
+    ):
+        _positive(f"{key}.{name}", value)
+    _at_least(f"{key}.step.time_change", step.time_change, 0.0)
+    _at_least(f"{key}.planner.steps", planner.steps, 1)
+    _interval(f"{key}.planner.width_min", planner.width_min, planner.width_max)
+
+
+def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str]) -> None:
     key = "evaluation"
     _require(bool(evaluation.commands), f"{key}.commands", "at least one command", "none")
     _require(bool(evaluation.controllers), f"{key}.controllers", "at least one controller", "none")
     for name in evaluation.controllers:
-        _in(f"{key}.controllers", name, ("policy",))
+        _in(f"{key}.controllers", name, controllers)
     _at_least(f"{key}.trials", evaluation.trials, 1)
     _at_least(f"{key}.robots", evaluation.robots, 1)
     _positive(f"{key}.duration", evaluation.duration)

@@ -117,7 +117,7 @@ def _axis(key: str, axis: Axis | list[float]) -> int:
     if isinstance(axis, Axis):
         _positive(f"{key}.step", axis.step)
     size = axis_size(axis)
-    _require(size > 0, key, "a grid that is not empty (start ≤ stop, or a list)", axis)
+    _require(size > 0, key, "start ≤ stop, or a list (a grid that is not empty)", axis)
     return size
 
 

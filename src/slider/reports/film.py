@@ -20,7 +20,7 @@ from slider.env.episode import Frame
 
 _DISTANCE, _AZIMUTH, _ELEVATION = 2.3, 120.0, -12.0  # of the camera [m, degree, degree]
 _LOOK_AT_HEIGHT = 0.48  # [m]
-_FOLLOW = 0.25  # time constant of the camera behind the base [s]
+_FOLLOW = 0.12  # time constant of the camera behind the base [s]
 _INK, _PAPER, _ALARM = (255, 255, 255), (20, 28, 38, 170), (190, 40, 40, 215)
 
 

@@ -13,8 +13,8 @@ from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_spec
 
 TILE = 0.5  # edge of a floor tile [m]
-_SHADOW_TEXELS = 1536
-_EXTENT = 2.0  # what the shadow map covers about the light's target [m]
+_SHADOW_TEXELS = 2048
+_EXTENT = 4.0  # what the shadow map covers about the light's target; less gives speckles [m]
 _FLOOR_LIGHT, _FLOOR_DARK, _FLOOR_LINE = (0.80, 0.83, 0.86), (0.70, 0.75, 0.80), (0.55, 0.61, 0.67)
 _SKY_TOP, _SKY_HORIZON = (0.62, 0.74, 0.88), (0.93, 0.95, 0.97)
 

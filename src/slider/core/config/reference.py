@@ -12,7 +12,11 @@ from slider.core.config.convert import to_dict
 from slider.core.config.schema import Config
 
 _BASES = ("base.yaml", "default.yaml")  # their comments are about the defaults, and win
-_LIKE = {"train.standing.": "train.walking."}  # keys that are explained once
+_LIKE = {  # keys that are explained once
+    "train.standing.": "train.walking.",
+    "control.literal.": "control.",
+    "control.tuned.": "control.",
+}
 
 
 @dataclass(frozen=True)

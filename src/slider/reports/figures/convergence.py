@@ -41,6 +41,8 @@ def caption(library: LibraryContents) -> str:
         "The bars are the worst residual of each constraint over all gaits, in its own unit. "
         "Solve times differ from run to run and are in `solve_times.md`."
     ]
+    if library.holes:
+        lines.append("")
     for hole in library.holes:
         worst = "; ".join(f"{name} {value:.1e}" for name, value in [*hole.residuals.items()][:5])
         lines.append(f"* hole at ({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}; {worst}")
@@ -55,7 +57,9 @@ def _outcomes(axes: Axes, library: LibraryContents) -> None:
     for marker, (status, count) in zip(_MARKERS, counts.most_common(), strict=False):
         vx, vy = zip(*[(x, y) for x, y, name in found if name == status], strict=True)
         label = f"{status} ({count})"
-        axes.plot(vx, vy, marker, color=DARK, markersize=3, linestyle="", label=label)
+        fill, size = ("full", 3) if marker == _MARKERS[0] else ("none", 4.5)
+        line = axes.plot(vx, vy, marker, color=DARK, fillstyle=fill, markersize=size, label=label)
+        line[0].set_linestyle("")
     frame(axes, library)
     axes.set_title("IPOPT's outcome", loc="left")
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=len(counts), borderpad=0)

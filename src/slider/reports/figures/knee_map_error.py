@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from scipy.integrate import cumulative_trapezoid
 
 from slider.library.contents import LibraryContents
@@ -26,12 +27,12 @@ def draw(library: LibraryContents) -> Figure:
     _slide_velocity(panels[2], theta, errors)
     used = library.arrays["knee_positions"][..., [3, 8]]
     for axes in panels:
-        span = axes.axvspan(float(used.min()), float(used.max()), facecolor=EMPTY, zorder=0)
+        axes.axvspan(float(used.min()), float(used.max()), color=EMPTY, zorder=0)
         axes.set_xlabel("knee flexion θ [rad]")
         axes.set_xlim(0.0, _STOP)
     handles, labels = panels[0].get_legend_handles_labels()
-    span.set(edgecolor=LIGHT, linewidth=0.5)
-    panels[0].legend([*handles, span], [*labels, "θ in the library"])
+    used_range = Patch(facecolor=EMPTY, edgecolor=LIGHT)
+    panels[0].legend([*handles, used_range], [*labels, "θ in the library"])
     return figure
 
 
@@ -47,8 +48,8 @@ def caption(library: LibraryContents) -> str:
         f"{knee.shank_length:g} m; grey: the knee angles that the gaits of this library use. "
         f"There the printed angles are off by up to {worst['hip']:.3f} rad (hip) and "
         f"{worst['ankle']:.3f} rad (ankle), and the printed slide velocity by up to "
-        f"{worst['slide_rate']:.3f} m/s per rad/s of the knee. The printed length itself is "
-        "exact; dashed is the position that one gets by adding up the printed velocities from "
+        f"{worst['slide_rate']:.3f} m/rad (slide speed per knee speed). "
+        "The printed length itself is exact; dashed is the position that one gets by adding up the printed velocities from "
         f"θ = {_START:g} rad on.\n"
     )
 
@@ -90,4 +91,4 @@ def _slide_position(axes: Axes, theta: np.ndarray, errors: dict[str, np.ndarray]
 def _slide_velocity(axes: Axes, theta: np.ndarray, errors: dict[str, np.ndarray]) -> None:
     axes.plot(theta, errors["slide_rate"], color=DARK)
     axes.axhline(0.0, color=LIGHT, linewidth=0.8)
-    axes.set(title="slide velocity error", ylabel="printed − exact [m/s per rad/s of θ]")
+    axes.set(title="slide velocity error", ylabel="printed − exact [m/rad]")

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.colors import LogNorm, Normalize
@@ -36,14 +37,16 @@ def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
     """
     if item.values.shape != (len(library),):
         raise ValueError(f"{item.name}: expected {len(library)} values, found {item.values.shape}")
+    colours = colormaps[COLOURS].with_extremes(bad=EMPTY)
     cells = PatchCollection(
-        [Rectangle(*cell) for cell in _cells(library)], cmap=COLOURS, norm=_norm(item)
+        [Rectangle(*cell) for cell in _cells(library)], cmap=colours, norm=_norm(item)
     )
-    cells.get_cmap().set_bad(EMPTY)
     cells.set_array(np.ma.masked_invalid(item.values))
     cells.set(edgecolor="white", linewidth=0.4)
     axes.add_collection(cells)
     frame(axes, library)
+    for hole in library.holes:
+        axes.plot(hole.vx, hole.vy, "x", color=MIDDLE, markersize=4, markeredgewidth=1.2)
     bar = axes.figure.colorbar(cells, ax=axes, pad=0.01, aspect=8)
     bar.set_label(item.unit)
     bar.outline.set_visible(False)  # type: ignore[reportCallIssue]
@@ -51,9 +54,7 @@ def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
 
 
 def frame(axes: Axes, library: LibraryContents) -> None:
-    """Axes of a map: velocities with units, and the holes."""
-    for hole in library.holes:
-        axes.plot(hole.vx, hole.vy, "x", color=MIDDLE, markersize=4, markeredgewidth=1.2)
+    """Axes of a map over all velocities that were asked for, holes included."""
     mesh = library.mesh
     margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
     holes = np.array([[hole.vx, hole.vy] for hole in library.holes]).reshape(-1, 2)

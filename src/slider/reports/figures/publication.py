@@ -12,6 +12,8 @@ def write_figure(stem: Path, title: str, draw: Callable[[], Figure], caption: st
     """Write ``stem``.svg, .png and .md; ``draw`` is called in the common style."""
     with style():
         figure = draw()
+        figure.draw_without_rendering()  # lay it out once, for both files
+        figure.set_layout_engine("none")
         for suffix in ("svg", "png"):
             save(figure, stem.with_name(f"{stem.name}.{suffix}"))
     text = f"# {title}\n\n![{title}]({stem.name}.png)\n\n{caption}"

@@ -10,10 +10,10 @@ from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.style import new_figure
 
 CAPTION = """\
-One cell per gait; a red cross marks a velocity whose gait did not converge. Cost is that of the
-optimisation (eq. 2, the smaller the better). The torque is the greatest of all rotary joints over
-the walk as a share of that joint's limit; slide force and slide speed likewise, against
-{force:g} N and {speed:g} m/s.
+One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
+the grid. The cost is that of the optimisation (`gait.cost`). The torque is the greatest of all
+rotary joints over the walk as a share of that joint's limit; slide force and slide speed likewise,
+against {force:g} N and {speed:g} m/s.
 """
 
 

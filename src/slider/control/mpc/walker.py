@@ -72,7 +72,8 @@ class MpcController:
         self._model = NominalModel(robot)
         self.omega = lip.rate(self._model.nominal_height)
         self._planner = FootstepPlanner(config.step, config.planner, self.omega)
-        self._entry = Entry(config.step, config.entry, self.omega)
+        reach = min(robot.geometry.heel, robot.geometry.toe)
+        self._entry = Entry(config.step, config.entry, self.omega, reach)
         self._motion = Motion(config.whole_body)
         self._whole_body = WholeBody(robot, config.whole_body)
         self.clock = TickClock()
@@ -101,7 +102,10 @@ class MpcController:
     def _new_sway(self, dynamics: Dynamics) -> Sway:
         middle = self._to_heading(dynamics.foot_positions.mean(axis=1)[:, :2])
         position = self._to_heading(dynamics.com[:, :2])
-        return self._entry.begin(middle, position, self._command[:, 0])
+        height = dynamics.foot_positions[:, :, 2]
+        # The body falls towards the foot that is still in the air.
+        side = np.where(height[:, _LEFT] >= height[:, _RIGHT], 1.0, -1.0)
+        return self._entry.begin(middle, position, side, self._command[:, 0])
 
     def _to_heading(
         self, vectors: np.ndarray, robots: np.ndarray | slice = slice(None)
@@ -140,11 +144,9 @@ class MpcController:
             done = self._leaves_sway(robots[sways], dynamics.of(sways))
             index = np.flatnonzero(sways)[done]
             gait.mode[robots[index]] = WALK
-            self._new_step(robots[index], dynamics.of(index), np.full(len(index), _LEFT))
-        walks = np.flatnonzero(
-            (gait.mode[robots] == WALK)
-            & ~(sways & (gait.steps[robots] == 1) & (gait.elapsed[robots] == 0))
-        )
+            stance = _first_stance(self._sway.of(robots[index]))
+            self._new_step(robots[index], dynamics.of(index), stance)
+        walks = np.flatnonzero(gait.mode[robots] == WALK)
         swing_foot = 1 - gait.stance[robots[walks]]
         ends = self._step_ends(robots[walks], contact[walks, swing_foot])
         index = walks[ends]
@@ -154,8 +156,9 @@ class MpcController:
         sway = self._sway.of(robots)
         position = self._to_heading(dynamics.com[:, :2], robots)
         velocity = self._to_heading(dynamics.com_velocity[:, :2], robots)
-        foot = self._to_heading(dynamics.foot_positions[:, _LEFT, :2], robots)
-        done = self._entry.done(sway, (position - foot)[:, 1], velocity)
+        stance = _first_stance(sway)
+        support = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
+        done = self._entry.done(sway, position, velocity, self._to_heading(support, robots))
         self._entry.restart(sway, position, velocity)
         self._sway.put(robots, sway)
         return done
@@ -221,7 +224,7 @@ class MpcController:
         position = self._to_heading(dynamics.com[:, :2], robots)
         velocity = self._to_heading(dynamics.com_velocity[:, :2], robots)
         sway = self._sway.of(robots)
-        wanted = np.stack([self._entry.forward(sway), self._entry.sideways(sway)], axis=1)
+        wanted = self._entry.reference(sway)
         task = config.whole_body.com
         error = wanted[:, :, 0] - (position - sway.middle)
         flat = wanted[:, :, 2] + task.kp * error + task.kd * (wanted[:, :, 1] - velocity)
@@ -294,6 +297,10 @@ class MpcController:
             problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
         with self.clock.part("solution"):
             return self._whole_body.solve(problem)
+
+
+def _first_stance(sway: Sway) -> np.ndarray:
+    return np.where(sway.side > 0, _LEFT, _RIGHT)
 
 
 def _turn(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:

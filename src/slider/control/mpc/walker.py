@@ -40,6 +40,9 @@ class Gait:
         swing: (N, 3, 3) reference of the swing foot.
         walked: time since the first step (N,) [s].
         steps: (N,) number of steps.
+        starts: (N, 2, 3) place of the centre of mass (2) [m] and ``walked`` at the starts of the
+            last two steps, the older one first.
+        correction: (N, 2) added to the commanded velocity [m/s].
     """
 
     mode: np.ndarray
@@ -51,6 +54,8 @@ class Gait:
     swing: np.ndarray
     walked: np.ndarray
     steps: np.ndarray
+    starts: np.ndarray
+    correction: np.ndarray
 
 
 class MpcController:
@@ -67,7 +72,8 @@ class MpcController:
         self._model = NominalModel(robot)
         self.omega = lip.rate(self._model.nominal_height)
         self._planner = FootstepPlanner(config.step, config.planner, self.omega)
-        self._entry = Entry(config.step, config.entry, self.omega)
+        reach = min(robot.geometry.heel, robot.geometry.toe)
+        self._entry = Entry(config.step, config.entry, self.omega, reach)
         self._motion = Motion(config.whole_body)
         self._whole_body = WholeBody(robot, config.whole_body)
         self.clock = TickClock()
@@ -88,14 +94,18 @@ class MpcController:
             swing=np.zeros((n, 3, 3)),
             walked=np.zeros(n),
             steps=np.zeros(n, dtype=int),
+            starts=np.zeros((n, 2, 3)),
+            correction=np.zeros((n, 2)),
         )
         self._sway = self._new_sway(dynamics)
 
     def _new_sway(self, dynamics: Dynamics) -> Sway:
         middle = self._to_heading(dynamics.foot_positions.mean(axis=1)[:, :2])
-        start = np.zeros((len(middle), 3))
-        start[:, 0] = (self._to_heading(dynamics.com[:, :2]) - middle)[:, 1]
-        return Sway(middle, start, np.zeros(len(middle)))
+        position = self._to_heading(dynamics.com[:, :2])
+        height = dynamics.foot_positions[:, :, 2]
+        # The body falls towards the foot that is still in the air.
+        side = np.where(height[:, _LEFT] >= height[:, _RIGHT], 1.0, -1.0)
+        return self._entry.begin(middle, position, side, self._command[:, 0])
 
     def _to_heading(
         self, vectors: np.ndarray, robots: np.ndarray | slice = slice(None)
@@ -134,24 +144,23 @@ class MpcController:
             done = self._leaves_sway(robots[sways], dynamics.of(sways))
             index = np.flatnonzero(sways)[done]
             gait.mode[robots[index]] = WALK
-            self._new_step(robots[index], dynamics.of(index), np.full(len(index), _LEFT))
-        walks = np.flatnonzero(
-            (gait.mode[robots] == WALK)
-            & ~(sways & (gait.steps[robots] == 1) & (gait.elapsed[robots] == 0))
-        )
+            stance = _first_stance(self._sway.of(robots[index]))
+            self._new_step(robots[index], dynamics.of(index), stance)
+        walks = np.flatnonzero(gait.mode[robots] == WALK)
         swing_foot = 1 - gait.stance[robots[walks]]
         ends = self._step_ends(robots[walks], contact[walks, swing_foot])
         index = walks[ends]
         self._new_step(robots[index], dynamics.of(index), swing_foot[ends])
 
     def _leaves_sway(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
-        sway = Sway(*(getattr(self._sway, f)[robots] for f in ("middle", "start", "elapsed")))
+        sway = self._sway.of(robots)
         position = self._to_heading(dynamics.com[:, :2], robots)
         velocity = self._to_heading(dynamics.com_velocity[:, :2], robots)
-        foot = self._to_heading(dynamics.foot_positions[:, _LEFT, :2], robots)
-        done = self._entry.done(sway, (position - foot)[:, 1], velocity)
+        stance = _first_stance(sway)
+        support = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
+        done = self._entry.done(sway, position, velocity, self._to_heading(support, robots))
         self._entry.restart(sway, position, velocity)
-        self._sway.start[robots], self._sway.elapsed[robots] = sway.start, sway.elapsed
+        self._sway.put(robots, sway)
         return done
 
     def _step_ends(self, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
@@ -168,8 +177,21 @@ class MpcController:
         gait.duration[robots] = self._config.step.time
         gait.swing[robots] = swing.begin(dynamics.foot_positions[everyone, 1 - stance])
         gait.steps[robots] += 1
+        self._correct(robots, dynamics.com[:, :2])
         if len(robots):
             self._plan(robots, dynamics)
+
+    def _correct(self, robots: np.ndarray, com: np.ndarray) -> None:
+        """Add the velocity error of the last stride to the reference: no error in the mean."""
+        gait, planner = self.gait, self._config.planner
+        now = np.concatenate([com, gait.walked[robots, None]], axis=1)
+        gone = now - gait.starts[robots, 0]
+        gait.starts[robots] = np.stack([gait.starts[robots, 1], now], axis=1)
+        known = gait.steps[robots] > 2
+        mean = self._to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
+        error = np.where(known[:, None], self._command[robots, :2] - mean, 0.0)
+        total = gait.correction[robots] + planner.integral * error
+        gait.correction[robots] = np.clip(total, -planner.integral_limit, planner.integral_limit)
 
     # Where the next steps go
 
@@ -179,6 +201,7 @@ class MpcController:
         foot = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
         share = np.minimum(1.0, gait.walked[robots] / planner.ramp) if planner.ramp else 1.0
         command = self._command[robots, :2] * np.reshape(share, (-1, 1))
+        command = command + gait.correction[robots]
         pendulum = Pendulum(
             position=self._to_heading(dynamics.com[:, :2] - foot, robots),
             velocity=self._to_heading(dynamics.com_velocity[:, :2], robots),
@@ -197,16 +220,14 @@ class MpcController:
     def _drive_sway(
         self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        config, sway = self._config, self._sway
+        config = self._config
         position = self._to_heading(dynamics.com[:, :2], robots)
         velocity = self._to_heading(dynamics.com_velocity[:, :2], robots)
-        wanted = self._entry.reference(
-            Sway(sway.middle[robots], sway.start[robots], sway.elapsed[robots])
-        )
+        sway = self._sway.of(robots)
+        wanted = self._entry.reference(sway)
         task = config.whole_body.com
-        flat = np.zeros((len(robots), 2))
-        flat[:, 1] = wanted[:, 2] + task.kd * wanted[:, 1] + task.kp * wanted[:, 0]
-        flat -= task.kp * (position - sway.middle[robots]) + task.kd * velocity
+        error = wanted[:, :, 0] - (position - sway.middle)
+        flat = wanted[:, :, 2] + task.kp * error + task.kd * (wanted[:, :, 1] - velocity)
         lift = self._lift(dynamics, dynamics.foot_positions[:, :, 2].mean(axis=1))
         world = np.concatenate([_turn(flat, self.gait.heading[robots]), lift[:, None]], axis=1)
         self._sway.elapsed[robots] += self._period
@@ -276,6 +297,10 @@ class MpcController:
             problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
         with self.clock.part("solution"):
             return self._whole_body.solve(problem)
+
+
+def _first_stance(sway: Sway) -> np.ndarray:
+    return np.where(sway.side > 0, _LEFT, _RIGHT)
 
 
 def _turn(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:

@@ -47,6 +47,8 @@ class PlannerConfig:
         width_min, width_max: lateral distance of successive feet [m].
         lock: no new plan in the last moments of a step [s].
         ramp: time in which the reference grows to the command [s].
+        integral: share of the last stride's velocity error that is added to the reference.
+        integral_limit: largest sum of these [m/s].
     """
 
     steps: int
@@ -59,6 +61,8 @@ class PlannerConfig:
     width_max: float
     lock: float
     ramp: float
+    integral: float
+    integral_limit: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -84,13 +88,16 @@ class EntryConfig:
         duration: of one sway [s].
         patience: a sway that has not reached the orbit this long after its end is repeated [s].
         tolerance: allowed lack of orbital energy, as a length [m].
-        settle: largest speed of the centre of mass off the sway at the exit [m/s].
+        settle: largest forward speed off the reference at the exit [m/s].
+        push: largest distance of the centre of pressure from the middle of the feet, used to
+            gain forward speed while swaying [m].
     """
 
     duration: float
     patience: float
     tolerance: float
     settle: float
+    push: float
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -12,6 +12,17 @@ rule evaluation:
         "{PIPELINE.run} {wildcards.recipe}"
 
 
+rule baseline:
+    input:
+        PIPELINE.inputs,
+    output:
+        "artefacts/baseline/{recipe}.json",
+    log:
+        "artefacts/logs/baseline/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"
+
+
 rule table1:
     input:
         PIPELINE.inputs,

@@ -19,7 +19,7 @@ rule publish_figures:
         manifest=PIPELINE.manifest("figures"),
         marker="artefacts/current/figures",
     output:
-        FIGURE_REPORTS,
+        REPORTS["figures"],
     shell:
         "{sys.executable} -m slider.cli publish {input.manifest} {output}"
 
@@ -36,5 +36,5 @@ rule solve_times:
 
 rule figures:
     input:
-        FIGURE_REPORTS,
+        REPORTS["figures"],
         rules.solve_times.output,

@@ -15,6 +15,7 @@ COMMANDS = {
     "config": ("slider.core.commands.config", "print the resolved configuration"),
     "run": ("slider.core.commands.run", "run one job of a plan"),
     "publish": ("slider.core.commands.publish", "copy files of a result out of the store"),
+    "play": ("slider.play.command", "watch a policy, a gait or a random agent"),
     "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
     "benchmark-gaits": ("slider.gait.benchmark", "time the gait optimisation"),
     "library": ("slider.reports.library_command", "show what is in the gait library"),

@@ -132,6 +132,7 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
     height = float(nominal_qpos(robot_config())[2])
     state = RobotState(
         base_position=np.tile([0.0, 0.0, height], (count, 1)),
+        quaternion=np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),
         rotation=np.tile(np.eye(3), (count, 1, 1)),
         yaw=np.zeros(count),
         linear_velocity=np.zeros((count, 3)),

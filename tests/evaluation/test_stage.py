@@ -13,7 +13,7 @@ from slider.core.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.starts import at_rest
-from slider.evaluation import records, stage
+from slider.evaluation import protocol, records, stage
 from tests.env.synthetic import config, gait_table, make_agent
 
 WHOLE = ("experiment=test", "evaluation.duration=0.6")
@@ -95,13 +95,13 @@ def test_where_all_fall_there_are_no_errors(walking, tmp_path, recwarn):
 
 def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, monkeypatch):
     seen = []
-    real = stage.roll_out
+    real = protocol.roll_out
 
     def spying(controller, physics, env, start, command, *rest):
         seen.append((start, command))
         return real(controller, physics, env, start, command, *rest)
 
-    monkeypatch.setattr(stage, "roll_out", spying)
+    monkeypatch.setattr(protocol, "roll_out", spying)
     run(walking, tmp_path / "slow", command=0.2)
     run(walking, tmp_path / "fast", command=3.0)
     run(walking, tmp_path / "later", command=0.2, seed=config(*WHOLE).evaluation.seed + 1)
@@ -140,11 +140,4 @@ def test_a_policy_of_the_same_terms_in_another_order_is_refused(walking, tmp_pat
     terms = other["env"]["observation"]["terms"]
     other["env"]["observation"]["terms"] = dict(reversed(terms.items()))
     with pytest.raises(UserError, match="policy: expected the observations"):
-        stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
-
-
-def test_an_unknown_controller_is_one_line(walking, tmp_path):
-    (tmp_path / "out").mkdir()
-    other = section() | {"controller": "prayer"}
-    with pytest.raises(UserError, match=r"evaluation.controllers: expected policy, found prayer"):
         stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))

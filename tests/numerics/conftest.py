@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from slider.core.config.compose import compose
 from slider.gait.formulation import Formulation
@@ -37,37 +35,12 @@ def formulation(config, knee_model) -> Formulation:
 
 
 @dataclass(frozen=True)
-class FloatingState:
-    """Position (17,) with quaternion x, y, z, w and velocity (16,) in the base frame."""
-
-    q: np.ndarray
-    v: np.ndarray
-
-
-@dataclass(frozen=True)
 class SolvedGait:
     """A gait with its problem and its samples."""
 
     problem: GaitProblem
     solve: Solve
     trajectory: KneeTrajectory
-
-    @property
-    def node_interval(self) -> float:
-        """Time between two nodes [s]."""
-        step_time = self.solve.variables[self.problem.layout.time_index(0)]
-        return float(step_time / (self.problem.nodes - 1))
-
-    def knee_state(self, k: int) -> FloatingState:
-        """Sample k as pinocchio wants it."""
-        t = self.trajectory
-        rotation = t.base_rotation[k]
-        quaternion = Rotation.from_matrix(rotation).as_quat()
-        linear = rotation.T @ t.base_velocity[k]
-        return FloatingState(
-            np.concatenate([t.base_position[k], quaternion, t.q[k]]),
-            np.concatenate([linear, t.base_angular[k], t.v[k]]),
-        )
 
 
 @pytest.fixture(scope="session")

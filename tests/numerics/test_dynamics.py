@@ -10,8 +10,8 @@ import pytest
 from slider.gait.layout import NODE
 from slider.gait.symbols import NodeSymbols, StepEnd
 from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
+from slider.verification.pin_robot import SIDES, FloatingState, PinRobot
 from tests.gait.gaits import form, model, nodes, problem, solved, trajectory
-from tests.numerics.pin_robot import SIDES, FloatingState, PinRobot
 
 COMMANDS = [(0.6, 0.1), (1.2, 0.0)]
 

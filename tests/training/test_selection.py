@@ -53,7 +53,11 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
         yaw=np.zeros((50, 4)),
         foot_forces=forces,
         foot_positions=np.zeros((50, 4, 2, 3)),
+        power=np.zeros((50, 4)),
+        effort_share=np.zeros((50, 4)),
+        speed_share=np.zeros((50, 4)),
         diverged=np.zeros(4, dtype=bool),
+        weight=120.0,
     )
 
 

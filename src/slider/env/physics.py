@@ -1,4 +1,4 @@
-"""Batched MuJoCo physics on a thread pool."""
+"""Batched MuJoCo physics on a thread pool, driven by joint positions or by torques."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -14,7 +14,7 @@ from slider.core.config.robot import RobotConfig
 from slider.env.state import RobotState
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
-from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
@@ -27,13 +27,24 @@ def _ignore_warning(message: str) -> None:
 
 
 class BatchedPhysics:
-    """Steps ``num_robots`` copies of the robot; targets are desired joint positions."""
+    """Steps ``num_robots`` copies of the robot.
+
+    Inputs are desired joint positions, or joint torques; see :class:`SimulationOptions`.
+    """
 
     def __init__(
-        self, robot: RobotConfig, config: PhysicsConfig, num_robots: int, threads: int = 1
+        self,
+        robot: RobotConfig,
+        config: PhysicsConfig,
+        num_robots: int,
+        threads: int = 1,
+        actuation: Actuation = "position",
     ) -> None:
         options = SimulationOptions(
-            config.timestep, config.solver_iterations, config.line_search_iterations
+            config.timestep,
+            config.solver_iterations,
+            config.line_search_iterations,
+            actuation=actuation,
         )
         mujoco.set_mju_user_warning(_ignore_warning)
         self.robot = robot
@@ -41,7 +52,7 @@ class BatchedPhysics:
         self.num_robots = num_robots
         self.nominal = nominal_qpos(robot)
         self._substeps = config.substeps
-        self._period = config.substeps * config.timestep
+        self.period = config.substeps * config.timestep
         self._data = [mujoco.MjData(self.model) for _ in range(threads)]
         self._pool = rollout.Rollout(nthread=threads)
         self._rest = self._rest_state()
@@ -77,20 +88,20 @@ class BatchedPhysics:
         self._sensors[index] = 0.0
         self._diverged[index] = False
 
-    def step(self, targets: np.ndarray) -> None:
-        """Simulate one control period with desired joint positions (N, 12)."""
+    def step(self, inputs: np.ndarray) -> None:
+        """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
         self._state[:, 0] = _START_TIME
-        control = np.repeat(targets[:, None, _ACTUATED], self._substeps, axis=1)
+        control = np.repeat(inputs[:, None, _ACTUATED], self._substeps, axis=1)
         series = self._pool.rollout(self.model, self._data, self._state, control)
         self._state, self._sensors = (np.asarray(values)[:, -1].copy() for values in series)
-        self._diverged = self._find_diverged() | ~np.isfinite(targets).all(axis=1)
+        self._diverged = self._find_diverged() | ~np.isfinite(inputs).all(axis=1)
         if self._diverged.any():
             self._state[self._diverged] = self._rest
             self._sensors[self._diverged] = 0.0
 
     def _find_diverged(self) -> np.ndarray:
         """MuJoCo resets a blown-up state silently: its clock then starts from zero."""
-        late = np.abs(self._state[:, 0] - _START_TIME - self._period) > 1e-9
+        late = np.abs(self._state[:, 0] - _START_TIME - self.period) > 1e-9
         wild = ~np.isfinite(self._state).all(axis=1)
         with np.errstate(invalid="ignore"):
             fast = np.abs(self.qvel).max(axis=1) > _SPEED_LIMIT
@@ -108,6 +119,7 @@ class BatchedPhysics:
         efforts[:, _ACTUATED] = sensors[:, index.efforts]
         return RobotState(
             base_position=qpos[:, :3].copy(),
+            quaternion=qpos[:, 3:7].copy(),
             rotation=rotation,
             yaw=yaw,
             linear_velocity=np.einsum("nij,ni->nj", rotation, qvel[:, :3]),

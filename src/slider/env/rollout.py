@@ -1,7 +1,9 @@
 """Roll a controller out from given starts and record what the metrics need.
 
-The rollout owns plant, starts, commands and terminations; a controller only maps state to joint
-targets. It is the same for every controller and for the checks during training.
+The rollout owns plant, starts, commands and terminations; a controller only maps state to the
+plant's inputs. It is the same for every controller and for the checks during training. A plant
+that is stepped in less than a control period asks its controller more often; what is recorded
+and what counts as a failure is looked at once per control period all the same.
 """
 
 from collections.abc import Callable
@@ -10,20 +12,25 @@ from typing import Protocol
 
 import numpy as np
 
-from slider.core.config.env import EnvConfig
+from slider.core.config.env import EnvConfig, PlantConfig
+from slider.core.config.robot import RobotConfig
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
+from slider.robot.names import ACTUATED, JOINTS
+
+GRAVITY = 9.81  # [m/s²]
+_DRIVEN = np.array(ACTUATED)
 
 
 class Controller(Protocol):
-    """Maps the state of N robots to joint targets, once per control period."""
+    """Maps the state of N robots to the plant's inputs, once per step of the plant."""
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew for N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
 
     def control(self, state: RobotState) -> np.ndarray:
-        """Desired joint positions (N, 12) [rad or m]."""
+        """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
         ...
 
 
@@ -39,7 +46,11 @@ class Recording:
         yaw: (S, N) [rad].
         foot_forces: (S, N, 2) [N].
         foot_positions: (S, N, 2, 3) [m].
+        power: (S, N) mechanical power of the drives, absolute values added [W].
+        effort_share: (S, N) largest effort of a drive as a share of its limit [-].
+        speed_share: (S, N) largest speed of a drive as a share of its limit [-].
         diverged: (N,) the simulation blew up.
+        weight: m g of the robot [N].
     """
 
     period: float
@@ -49,7 +60,11 @@ class Recording:
     yaw: np.ndarray
     foot_forces: np.ndarray
     foot_positions: np.ndarray
+    power: np.ndarray
+    effort_share: np.ndarray
+    speed_share: np.ndarray
     diverged: np.ndarray
+    weight: float
 
     @property
     def survived(self) -> np.ndarray:
@@ -60,7 +75,7 @@ class Recording:
 def roll_out(
     controller: Controller,
     physics: BatchedPhysics,
-    config: EnvConfig,
+    config: EnvConfig | PlantConfig,
     start: tuple[np.ndarray, np.ndarray],
     command: np.ndarray,
     duration: float,
@@ -70,7 +85,7 @@ def roll_out(
 
     Args:
         controller: for N robots.
-        physics: of N robots; its state is overwritten.
+        physics: of N robots; its state is overwritten. Its period divides the control period.
         config: control period and terminations.
         start: positions (N, 19) and velocities (N, 18).
         command: (N, 3) vx, vy [m/s], yaw rate [rad/s], constant from t = 0.
@@ -78,21 +93,59 @@ def roll_out(
         progress: called with the share done.
     """
     steps = round(duration / config.control_period)
+    ticks = round(config.control_period / physics.period)
     physics.reset(np.arange(physics.num_robots), *start)
     state = physics.read()
     controller.reset(state, command)
     alive = np.ones(physics.num_robots, dtype=bool)
     diverged = np.zeros(physics.num_robots, dtype=bool)
+    limits = _Limits.of(physics.robot)
     rows: list[tuple[np.ndarray, ...]] = []
     for step in range(steps):
-        physics.step(controller.control(state))
-        state = physics.read()
-        alive = alive & ~terminations.failed(state, config.termination.terms)
-        diverged |= state.diverged
-        rows.append(_row(alive, state))
+        state, blown = run_ticks(controller, physics, state, ticks)
+        diverged |= blown
+        alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
+        rows.append((*_row(alive, state), *_drives(state, limits)))
         progress((step + 1) / steps)
     series = [np.stack(column) for column in zip(*rows, strict=True)]
-    return Recording(config.control_period, command, *series, diverged=diverged)
+    weight = float(physics.model.body_mass.sum()) * GRAVITY
+    return Recording(config.control_period, command, *series, diverged=diverged, weight=weight)
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Effort and speed limits (A,) of the joints with a drive."""
+
+    effort: np.ndarray
+    speed: np.ndarray
+
+    @classmethod
+    def of(cls, robot: RobotConfig) -> "_Limits":
+        driven = [robot.limits[JOINTS[i].split("_", 1)[1]] for i in ACTUATED]
+        return cls(np.array([d.effort for d in driven]), np.array([d.speed for d in driven]))
+
+
+def _drives(state: RobotState, limits: _Limits) -> tuple[np.ndarray, ...]:
+    effort = np.abs(state.efforts[:, _DRIVEN])
+    speed = np.abs(state.joint_velocities[:, _DRIVEN])
+    shares = (effort / limits.effort).max(axis=1), (speed / limits.speed).max(axis=1)
+    return ((effort * speed).sum(axis=1), *shares)
+
+
+def run_ticks(
+    controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
+) -> tuple[RobotState, np.ndarray]:
+    """Ask the controller and step the plant ``ticks`` times.
+
+    Returns:
+        The state afterwards, and which robots (N,) blew up in one of the steps.
+    """
+    diverged = np.zeros(physics.num_robots, dtype=bool)
+    for _ in range(ticks):
+        physics.step(controller.control(state))
+        state = physics.read()
+        diverged |= state.diverged
+    return state, diverged
 
 
 def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:

@@ -14,7 +14,8 @@ class RobotState:
 
     Attributes:
         base_position: (N, 3) [m], world.
-        rotation: (N, 3, 3), base to world.
+        quaternion: (N, 4), base to world, as w, x, y, z.
+        rotation: (N, 3, 3), the same.
         yaw: (N,) [rad].
         linear_velocity: (N, 3) [m/s], base frame.
         angular_velocity: (N, 3) [rad/s], base frame.
@@ -30,6 +31,7 @@ class RobotState:
     """
 
     base_position: np.ndarray
+    quaternion: np.ndarray
     rotation: np.ndarray
     yaw: np.ndarray
     linear_velocity: np.ndarray
@@ -49,3 +51,14 @@ class RobotState:
     def num_robots(self) -> int:
         """Number of robots N."""
         return len(self.yaw)
+
+    @property
+    def qpos(self) -> np.ndarray:
+        """MuJoCo's generalised positions (N, 19)."""
+        return np.concatenate([self.base_position, self.quaternion, self.joint_positions], axis=1)
+
+    @property
+    def qvel(self) -> np.ndarray:
+        """MuJoCo's generalised velocities (N, 18): linear world, angular base frame."""
+        linear = np.einsum("nij,nj->ni", self.rotation, self.linear_velocity)
+        return np.concatenate([linear, self.angular_velocity, self.joint_velocities], axis=1)

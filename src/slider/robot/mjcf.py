@@ -1,13 +1,14 @@
 """The prismatic MuJoCo model, generated from the robot parameters.
 
-Drives are MuJoCo's DC motors with an on-board position loop: PD torque, bounded by the effort
-limit and by a linear torque-speed line that ends at the speed limit.
+Drives are MuJoCo's DC motors, bounded by the effort limit and by a linear torque-speed line that
+ends at the speed limit. Their input is a joint position for the on-board PD loop, or a torque.
 """
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -24,14 +25,22 @@ _NET_FORCE = (1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), 3, 1)
 _FOUND = (1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1)
 
 
+Actuation = Literal["position", "torque"]
+
+
 @dataclass(frozen=True)
 class SimulationOptions:
-    """Integration settings: step [s], solver and line-search iterations."""
+    """Integration settings: step [s], solver and line-search iterations; input of the drives.
+
+    ``actuation`` is ``position`` (input: joint positions [rad or m], PD on board) or ``torque``
+    (input: torques and forces [N m or N]); limits, armature and damping are the same.
+    """
 
     timestep: float = 0.005
     solver_iterations: int = 4
     line_search_iterations: int = 8
     visual: bool = False
+    actuation: Actuation = "position"
 
 
 def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
@@ -53,7 +62,7 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
     base = _add_base(spec, robot)
     for sign, side in zip((1.0, -1.0), names.SIDES, strict=True):
         _add_leg(spec, base, robot, side, sign)
-    _add_actuators(spec, robot)
+    _add_actuators(spec, robot, options.actuation)
     _add_sensors(spec)
     return spec
 
@@ -213,7 +222,9 @@ def _add_foot(foot: mujoco.MjsBody, robot: RobotConfig, side: str) -> None:
     foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
 
 
-def _add_actuators(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
+def _add_actuators(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -> None:
+    inputs = mujoco.mjtCtrlInput
+    torque = actuation == "torque"
     for index in names.ACTUATED:
         name = names.JOINTS[index]
         joint = name.split("_", 1)[1]
@@ -225,8 +236,13 @@ def _add_actuators(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
             resistance=0.0,
             nominal=[BUS_VOLTAGE, stall, limit.speed],
             saturation=[limit.effort, 0.0, 0.0],
-            controller=[gains.kp, 0.0, gains.kd, 0.0, 0.0, BUS_VOLTAGE],
-            ctrlspec=mujoco.mjtCtrlInput.mjINPUT_POS,
+            controller=[
+                *((0.0, 0.0, 0.0) if torque else (gains.kp, 0.0, gains.kd)),
+                0.0,
+                0.0,
+                BUS_VOLTAGE,
+            ],
+            ctrlspec=inputs.mjINPUT_FF if torque else inputs.mjINPUT_POS,
         )
 
 

@@ -72,6 +72,15 @@ class PhaseConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class PlantConfig:
+    """The part of an environment that does not depend on who controls the robot."""
+
+    control_period: float
+    physics: PhysicsConfig
+    termination: TerminationConfig
+
+
+@dataclass(frozen=True, config=STRICT)
 class EnvConfig:
     """What a controller of the robot sees and commands, and what ends an episode."""
 

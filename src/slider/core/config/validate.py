@@ -5,12 +5,15 @@ from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+from slider.core.config.control import MpcConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, GaitConfig
+from slider.core.config.report import RENDERERS, SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
 from slider.core.config.train import Interval, TrainConfig
+from slider.core.config.verification import VerificationConfig
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS
 
@@ -30,7 +33,12 @@ def validate(config: Config) -> None:
     _env(config.env)
     for name in ("standing", "walking"):
         _train(getattr(config.train, name), f"train.{name}")
-    _evaluation(config.evaluation)
+    settings = [item.name for item in fields(config.control)]
+    for name in settings:
+        _control(getattr(config.control, name), config.env, f"control.{name}")
+    _evaluation(config.evaluation, ["policy", *(f"mpc_wbc_{name}" for name in settings)])
+    _verification(config.verification)
+    _report(config.report, config.env.control_period)
     _at_least("resources.threads", config.resources.threads, 1)
 
 
@@ -210,12 +218,45 @@ def _train(train: TrainConfig, key: str) -> None:
     _at_least(f"{key}.selection.interval", train.selection.interval, 1)
 
 
-def _evaluation(evaluation: EvaluationConfig) -> None:
+def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:
+    physics, step, planner = env.physics, control.step, control.planner
+    _at_least(f"{key}.substeps", control.substeps, 1)
+    _require(
+        physics.substeps % control.substeps == 0,
+        f"{key}.substeps",
+        f"a divisor of env.physics.substeps ({physics.substeps})",
+        control.substeps,
+    )
+    rate = 1 / (physics.timestep * control.substeps)
+    _require(rate > 199.9, f"{key}.substeps", "a control rate of at least 200 Hz", f"{rate:.0f} Hz")
+    _interval(f"{key}.step", step.time_min, step.time)
+    _interval(f"{key}.step", step.time, step.time_max)
+    for name, value in (
+        ("step.time_min", step.time_min),
+        ("step.width", step.width),
+        ("step.apex", step.apex),
+        ("planner.period", planner.period),
+        ("planner.lock", planner.lock),
+        ("entry.duration", control.entry.duration),
+        ("whole_body.friction", control.whole_body.friction),
+        ("whole_body.force_max", control.whole_body.force_max),
+        *(
+            (f"whole_body.regularisation[{i}]", control.whole_body.regularisation[i])
+            for i in (0, 1)
+        ),
+    ):
+        _positive(f"{key}.{name}", value)
+    _at_least(f"{key}.step.time_change", step.time_change, 0.0)
+    _at_least(f"{key}.planner.steps", planner.steps, 1)
+    _interval(f"{key}.planner.width_min", planner.width_min, planner.width_max)
+
+
+def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str]) -> None:
     key = "evaluation"
     _require(bool(evaluation.commands), f"{key}.commands", "at least one command", "none")
     _require(bool(evaluation.controllers), f"{key}.controllers", "at least one controller", "none")
     for name in evaluation.controllers:
-        _in(f"{key}.controllers", name, ("policy",))
+        _in(f"{key}.controllers", name, controllers)
     _at_least(f"{key}.trials", evaluation.trials, 1)
     _at_least(f"{key}.robots", evaluation.robots, 1)
     _positive(f"{key}.duration", evaluation.duration)
@@ -225,3 +266,54 @@ def _evaluation(evaluation: EvaluationConfig) -> None:
         f"a time in [0, {evaluation.duration}) s",
         evaluation.steady_from,
     )
+
+
+def _verification(verification: VerificationConfig) -> None:
+    key = "verification"
+    _at_least(f"{key}.chunk", verification.chunk, 1)
+    _in(f"{key}.on_failure", verification.on_failure, ("error", "report"))
+    _at_least(f"{key}.points", verification.points, 2)
+    for name in ("reach", "perturbation"):
+        _positive(f"{key}.{name}", getattr(verification, name))
+    for name in ("relative", "absolute"):
+        _positive(f"{key}.integrator.{name}", getattr(verification.integrator, name))
+    replay = verification.replay
+    _at_least(f"{key}.replay.steps", replay.steps, 1)
+    steer = replay.regulator
+    _require(
+        len(steer.forward) == len(steer.speeds) > 0 and steer.speeds == sorted(steer.speeds),
+        f"{key}.replay.regulator.forward",
+        "one share for each of the rising `speeds`",
+        f"{steer.forward} at {steer.speeds}",
+    )
+    _at_least(f"{key}.replay.points", replay.points, 2)
+    _at_least(f"{key}.replay.substeps", replay.substeps, 1)
+    _positive(f"{key}.replay.timestep", replay.timestep)
+    for name in ("settle", "fade"):
+        _positive(f"{key}.replay.regulator.{name}", getattr(replay.regulator, name))
+
+
+def _report(report: ReportConfig, control_period: float) -> None:
+    key, video = "report", report.video
+    _require(bool(report.sections), f"{key}.sections", "at least one section", "none")
+    for name in report.sections:
+        _in(f"{key}.sections", name, SECTION_INPUTS)
+    unique = len(set(report.sections)) == len(report.sections)
+    _require(unique, f"{key}.sections", "each section once", report.sections)
+    _in(f"{key}.video.renderer", video.renderer, RENDERERS)
+    _positive(f"{key}.video.duration", video.duration)
+    for name in ("width", "height"):  # H.264 stores colours at half the resolution
+        size = getattr(video, name)
+        _require(
+            32 <= size <= 1920 and size % 2 == 0, f"{key}.video.{name}", "even, 32 to 1920", size
+        )
+    _at_least(f"{key}.video.frame_rate", video.frame_rate, 1)
+    steps = 1.0 / (control_period * video.frame_rate)
+    _require(
+        steps >= 1 and abs(steps - round(steps)) < 1e-9,
+        f"{key}.video.frame_rate",
+        f"a divisor of the control rate ({1 / control_period:g} 1/s)",
+        video.frame_rate,
+    )
+    _require(0 <= video.quality <= 51, f"{key}.video.quality", "0 to 51", video.quality)
+    _at_least(f"{key}.video.seed", video.seed, 0)

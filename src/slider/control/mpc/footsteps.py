@@ -1,0 +1,142 @@
+"""Footstep MPC: where the next steps go, on the LIP, as small QPs in the lengths of the steps.
+
+Forward and sideways axes are independent. With ξ₀ the state at the end of the current step relative
+to its foot and dₖ the length of step k, the state at the end of step k is
+ξₖ = Aᵏ ξ₀ − Σⱼ Aᵏ⁻ʲ⁺¹ e₁ dⱼ, so the velocities there are v = f(ξ₀) + F d. The QP is
+min Σ (vₖ − v̂ₖ)² + w Σ (dₖ − d̂ₖ)² with bounds on d (reach; feet do not cross). Its Hessian is constant.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.control.mpc import lip, qp
+from slider.core.config.control import PlannerConfig, StepConfig
+
+
+@dataclass(frozen=True)
+class Pendulum:
+    """What n robots know at planning time, in the frame of their heading, about the stance foot.
+
+    Attributes:
+        position, velocity: of the centre of mass (n, 2) forward, left [m], [m/s].
+        swing_sign: (n,) +1 where the left foot is in the air, −1 for the right one.
+        elapsed: time in this step (n,) [s].
+        duration: planned time of this step (n,) [s].
+        command: wanted velocity (n, 2) [m/s].
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    swing_sign: np.ndarray
+    elapsed: np.ndarray
+    duration: np.ndarray
+    command: np.ndarray
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Next step of n robots: (n, 2) from the stance foot [m], and when (n,) [s]; their cost (n,)."""
+
+    step: np.ndarray
+    duration: np.ndarray
+    cost: np.ndarray
+
+
+class FootstepPlanner:
+    """Plans the next step of n robots.
+
+    Args:
+        step: nominal times and width.
+        config: weights and bounds.
+        omega: natural frequency of the pendulum [rad/s].
+    """
+
+    def __init__(self, step: StepConfig, config: PlannerConfig, omega: float) -> None:
+        self._step, self._config, self.omega = step, config, omega
+        powers = [np.eye(2)]
+        for _ in range(config.steps):
+            powers.append(powers[-1] @ lip.step_map(omega, step.time))
+        self._free = np.stack([power[1] for power in powers[1:]])  # (N, 2): ξ₀ → v
+        self._effect = np.zeros((config.steps, config.steps))  # F
+        for end in range(config.steps):
+            for length in range(end + 1):
+                self._effect[end, length] = -powers[end - length + 1][1, 0]
+        weight = config.length_weight * np.eye(config.steps)
+        self.hessian = self._effect.T @ self._effect + weight
+        self._inverse = np.linalg.inv(self.hessian)
+        self._signs = (-1.0) ** np.arange(config.steps)
+        self._changes = (0.0, -step.time_change, step.time_change)[: 3 if step.time_change else 1]
+
+    def plan(self, pendulum: Pendulum) -> Plan:
+        """The best next step over all candidates of the current step's duration."""
+        best: Plan | None = None
+        for change in self._changes:
+            duration = pendulum.duration + change
+            lengths, cost = self.solve(pendulum, duration - pendulum.elapsed)
+            cost = cost + self._config.time_weight * (duration - self._step.time) ** 2
+            if change:
+                cost = np.where(self._allowed(duration, pendulum.elapsed), cost, np.inf)
+            candidate = Plan(lengths[:, :, 0], duration, cost)
+            best = candidate if best is None else _better(best, candidate)
+        assert best is not None
+        return best
+
+    def _allowed(self, duration: np.ndarray, elapsed: np.ndarray) -> np.ndarray:
+        in_range = (duration >= self._step.time_min) & (duration <= self._step.time_max)
+        return in_range & (duration - elapsed >= 2 * self._config.lock)
+
+    def solve(self, pendulum: Pendulum, remaining: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lengths of the next steps (n, 2, N) [m] and cost (n,) [m²/s²] with a time left (n,) [s]."""
+        start = np.stack([pendulum.position, pendulum.velocity], axis=-1)  # (n, axis, 2)
+        end = np.einsum("nij,naj->nai", lip.step_map(self.omega, remaining), start)
+        speeds, lengths, lower, upper = self.references(pendulum)
+        free = np.einsum("kj,naj->nak", self._free, end) - speeds
+        gradient = free @ self._effect - self._config.length_weight * lengths
+        result = self._bounded(gradient, lower, upper)
+        quadratic = ((result @ self.hessian) * result).sum(axis=-1)
+        constant = (free**2).sum(axis=-1) + self._config.length_weight * (lengths**2).sum(axis=-1)
+        cost = quadratic + 2 * (gradient * result).sum(axis=-1) + constant
+        return result, cost.sum(axis=1)
+
+    def _bounded(self, gradient: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+        """Minimisers (n, 2, N); the solver is asked only where a bound is active."""
+        result = -gradient @ self._inverse
+        outside = ((result < lower) | (result > upper)).any(axis=-1)
+        rows = np.zeros((0, self._config.steps))
+        for robot, axis in zip(*np.nonzero(outside), strict=True):
+            low, high = lower[robot, axis], upper[robot, axis]
+            solution = qp.solve(self.hessian, gradient[robot, axis], rows, low, high)
+            result[robot, axis] = np.clip(
+                result[robot, axis] if solution is None else solution, low, high
+            )
+        return result
+
+    def references(
+        self, pendulum: Pendulum
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Velocities at the ends of the steps, lengths and their bounds, each (n, 2, N)."""
+        step, config = self._step, self._config
+        shape = (len(pendulum.elapsed), 2, config.steps)
+        side = pendulum.swing_sign[:, None] * self._signs  # +1: on to the left foot
+        along = np.broadcast_to(pendulum.command[:, :, None], shape)
+        speeds = along.copy()
+        if config.speed == "mean":
+            speeds = lip.forward_end_velocity(self.omega, step.time, along)
+        speeds[:, 1] -= side * lip.lateral_end_velocity(self.omega, step.time, step.width)
+        lengths = along * step.time
+        lengths[:, 1] += side * step.width
+        lower, upper = np.full(shape, -config.reach), np.full(shape, config.reach)
+        lower[:, 1] = np.where(side > 0, config.width_min, -config.width_max)
+        upper[:, 1] = np.where(side > 0, config.width_max, -config.width_min)
+        return speeds, lengths, lower, upper
+
+
+def _better(first: Plan, second: Plan) -> Plan:
+    """The cheaper plan of each robot; the first one where they are equal."""
+    wins = second.cost < first.cost
+    return Plan(
+        np.where(wins[:, None], second.step, first.step),
+        np.where(wins, second.duration, first.duration),
+        np.where(wins, second.cost, first.cost),
+    )

@@ -1,0 +1,187 @@
+"""Whole-body control: joint torques that realise wanted accelerations best, as a QP per robot.
+
+Unknowns are the contact forces f and the accelerations of the actuated joints; the rest of q̈ follows
+from the unactuated rows of the equations of motion (base and upper feet), so that these hold
+exactly: q̈ = T y + t with y = (f, q̈ₐ). The QP is min Σ w (J q̈ + J̇ q̇ − a)² + ρ y² subject to friction
+pyramids inside the cones at both ends of each foot line and to the drives' torque-speed limits.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.control.mpc import qp
+from slider.control.mpc.nominal import NUM_DOFS, Dynamics
+from slider.core.config.control import TaskConfig, WholeBodyConfig
+from slider.core.config.robot import RobotConfig
+from slider.robot import names
+
+_ACTUATED = np.array([6 + index for index in names.ACTUATED])
+_UNACTUATED = np.array([i for i in range(NUM_DOFS) if i not in set(_ACTUATED)])
+NUM_ACTUATED = len(_ACTUATED)
+_JOINTS = np.array(names.ACTUATED)
+
+
+@dataclass(frozen=True)
+class Tasks:
+    """Wanted accelerations of n robots: J q̈ + bias = wanted, per row.
+
+    Attributes:
+        jacobian: (n, r, 18).
+        wanted: (n, r) without the bias: acceleration − J̇ q̇.
+        weight: (r,).
+    """
+
+    jacobian: np.ndarray
+    wanted: np.ndarray
+    weight: np.ndarray
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One QP per robot: min ½ yᵀHy + gᵀy, lower ≤ (f, rows·y) ≤ upper; torque = map·y + offset.
+
+    ``to_acceleration`` (n, 18, size + 1) gives q̈ from (y, 1).
+    """
+
+    hessian: np.ndarray
+    gradient: np.ndarray
+    rows: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    torque_map: np.ndarray
+    torque_offset: np.ndarray
+    to_acceleration: np.ndarray
+
+
+class WholeBody:
+    """Builds and solves the QPs of n robots that all have the same number of feet in stance."""
+
+    def __init__(self, robot: RobotConfig, config: WholeBodyConfig) -> None:
+        self._config = config
+        self._half_line = np.array([-robot.geometry.heel, robot.geometry.toe])
+        joints = [names.JOINTS[index].split("_", 1)[1] for index in names.ACTUATED]
+        effort = np.array([robot.limits[joint].effort for joint in joints])
+        self._effort = config.effort_share * effort
+        self._stall = np.array([robot.drives[joint].stall_ratio for joint in joints]) * effort
+        self._speed = np.array([robot.limits[joint].speed for joint in joints])
+
+    def torque_limits(self, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper torque (n, 10) at joint speeds (n, 10): the drives' torque-speed line."""
+        upper = np.clip(self._stall * (1 - speeds / self._speed), -self._effort, self._effort)
+        lower = np.clip(-self._stall * (1 + speeds / self._speed), -self._effort, self._effort)
+        return lower, upper
+
+    def contact_jacobian(self, dynamics: Dynamics, feet: np.ndarray) -> np.ndarray:
+        """Jacobian (n, 6 · feet, 18) of heel and toe of the stance ``feet`` (n, k)."""
+        n, count = feet.shape
+        robots = np.arange(n)[:, None]
+        jacobian = dynamics.foot_jacobians[robots, feet]  # (n, k, 6, 18)
+        along = dynamics.foot_rotations[robots, feet][..., 0]  # (n, k, 3)
+        turned = np.cross(jacobian[:, :, 3:], along[:, :, :, None], axis=2)  # ω × r per unit length
+        points = jacobian[:, :, None, :3] + self._half_line[:, None, None] * turned[:, :, None]
+        return points.reshape(n, 6 * count, NUM_DOFS)
+
+    def build(
+        self, dynamics: Dynamics, tasks: Tasks, feet: np.ndarray, loaded: np.ndarray
+    ) -> Problem:
+        """QPs of n robots; ``feet`` (n, k) in stance, of which those not ``loaded`` get no force."""
+        contact = self.contact_jacobian(dynamics, feet)
+        transform = self._eliminate(dynamics, contact)
+        hessian, gradient = self._cost(tasks, transform)
+        ranks = contact.shape[1]
+        map_, offset = self._torques(dynamics, contact, transform)
+        low, high = self.torque_limits(dynamics.qvel[:, _ACTUATED])
+        cone = self._cone(ranks)
+        n = len(map_)
+        rows = np.concatenate([map_, np.broadcast_to(cone, (n, *cone.shape))], axis=1)
+        force_low, force_high = self._force_bounds(loaded)
+        zero = np.zeros((n, len(cone)))
+        lower = np.concatenate([force_low, low - offset, zero - qp.UNBOUNDED], axis=1)
+        upper = np.concatenate([force_high, high - offset, zero], axis=1)
+        return Problem(hessian, gradient, rows, lower, upper, map_, offset, transform)
+
+    def _eliminate(self, dynamics: Dynamics, contact: np.ndarray) -> np.ndarray:
+        """q̈ (n, 18) as a linear function of (f, q̈ₐ, 1)."""
+        n, ranks = contact.shape[:2]
+        mass, bias = dynamics.mass_matrix, dynamics.bias
+        right = np.empty((n, len(_UNACTUATED), ranks + NUM_ACTUATED + 1))
+        right[:, :, :ranks] = contact[:, :, _UNACTUATED].swapaxes(1, 2)
+        right[:, :, ranks:-1] = -mass[:, _UNACTUATED[:, None], _ACTUATED]
+        right[:, :, -1] = -bias[:, _UNACTUATED]
+        transform = np.zeros((n, NUM_DOFS, ranks + NUM_ACTUATED + 1))
+        square = mass[:, _UNACTUATED[:, None], _UNACTUATED]
+        transform[:, _UNACTUATED] = np.linalg.solve(square, right)
+        transform[:, _ACTUATED, ranks + np.arange(NUM_ACTUATED)] = 1.0
+        return transform
+
+    def _cost(self, tasks: Tasks, transform: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        image = tasks.jacobian @ transform
+        rows, offset = image[:, :, :-1], tasks.wanted - image[:, :, -1]
+        weighted = rows.swapaxes(1, 2) * tasks.weight
+        hessian = weighted @ rows
+        size = hessian.shape[1]
+        damping = np.full(size, self._config.regularisation[1])
+        damping[-NUM_ACTUATED:] = self._config.regularisation[0]
+        hessian[:, np.arange(size), np.arange(size)] += damping
+        return hessian, -(weighted @ offset[:, :, None])[..., 0]
+
+    def _torques(
+        self, dynamics: Dynamics, contact: np.ndarray, transform: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Torques (n, 10) of the actuated joints as a linear function of y."""
+        ranks = contact.shape[1]
+        image = dynamics.mass_matrix[:, _ACTUATED] @ transform
+        image[:, :, :ranks] -= contact[:, :, _ACTUATED].swapaxes(1, 2)
+        return image[:, :, :-1], image[:, :, -1] + dynamics.bias[:, _ACTUATED]
+
+    def _cone(self, ranks: int) -> np.ndarray:
+        """Rows (4 · points, size) of ±fx − μ' fz ≤ 0 and ±fy − μ' fz ≤ 0, μ' = μ/√2."""
+        points = ranks // 3
+        cone = np.zeros((4 * points, ranks + NUM_ACTUATED))
+        for point in range(points):
+            for row, (axis, sign) in enumerate(((0, 1), (0, -1), (1, 1), (1, -1))):
+                cone[4 * point + row, 3 * point + axis] = sign
+                cone[4 * point + row, 3 * point + 2] = -self._config.friction / np.sqrt(2)
+        return cone
+
+    def _force_bounds(self, loaded: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Bounds (n, 6 · feet) of the forces at heel and toe: a foot in the air has none."""
+        largest = np.where(np.repeat(loaded, 2, axis=1), self._config.force_max, 0.0)
+        upper = np.repeat(largest, 3, axis=1)
+        lower = -upper
+        lower[:, 2::3] = 0.0
+        return lower, upper
+
+    def solve(self, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
+        """Torques (n, 12) [N m or N] of all joints, and which robots (n,) have a solution."""
+        n = len(problem.hessian)
+        torques, solved = np.zeros((n, names.NUM_JOINTS)), np.zeros(n, dtype=bool)
+        for i in range(n):
+            y = qp.solve(
+                problem.hessian[i],
+                problem.gradient[i],
+                problem.rows[i],
+                problem.lower[i],
+                problem.upper[i],
+            )
+            if y is not None:
+                solved[i] = True
+                torques[i, _JOINTS] = problem.torque_map[i] @ y + problem.torque_offset[i]
+        return torques, solved
+
+
+def stack(parts: list[tuple[np.ndarray, np.ndarray, np.ndarray | tuple[float, ...]]]) -> Tasks:
+    """One set of tasks from (jacobian, wanted, weight) of several."""
+    return Tasks(
+        np.concatenate([part[0] for part in parts], axis=1),
+        np.concatenate([part[1] for part in parts], axis=1),
+        np.concatenate([np.asarray(part[2], dtype=float) for part in parts]),
+    )
+
+
+def track(
+    task: TaskConfig, error: np.ndarray, rate: np.ndarray, forward: np.ndarray | float = 0.0
+) -> np.ndarray:
+    """Acceleration forward + kp · error + kd · rate."""
+    return forward + task.kp * error + task.kd * rate

@@ -1,0 +1,43 @@
+"""The stage ``baseline``: the model-predictive baseline at one command."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from slider.control.mpc.walker import MpcController
+from slider.core.config.control import MpcConfig
+from slider.core.config.convert import from_dict
+from slider.core.config.env import PhysicsConfig, PlantConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.physics import BatchedPhysics
+from slider.evaluation.protocol import Simulated, evaluate, read_protocol
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Roll the baseline out on torque drives, at its own, higher rate.
+
+    Its nominal model is that of the section's robot, which is the plant's as well.
+    """
+    protocol = read_protocol(section)
+    simulated = simulate(section, protocol.count, job.threads)
+    summary = evaluate(protocol, simulated, out, job)
+    assert isinstance(simulated.controller, MpcController)
+    job.volatile["tick_us"] = simulated.controller.clock.microseconds()
+    return summary
+
+
+def simulate(section: Section, count: int, threads: int = 1) -> Simulated:
+    """The baseline on ``count`` robots."""
+    robot = from_dict(RobotConfig, section["robot"])
+    plant = from_dict(PlantConfig, section["plant"])
+    config = from_dict(MpcConfig, section["control"])
+    physics = build_plant(robot, plant.physics, config, count, threads)
+    return Simulated(MpcController(robot, config, physics.period), physics, plant)
+
+
+def build_plant(
+    robot: RobotConfig, config: PhysicsConfig, control: MpcConfig, count: int, threads: int = 1
+) -> BatchedPhysics:
+    """The same physics on torque drives, stepped from one control tick to the next."""
+    settings = replace(config, substeps=control.substeps)
+    return BatchedPhysics(robot, settings, count, threads, "torque")

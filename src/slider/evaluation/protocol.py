@@ -1,0 +1,125 @@
+"""The protocol, the same for every controller: plant, starts, command, termination, records."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slider.core.config.convert import from_dict
+from slider.core.config.env import EnvConfig, PlantConfig
+from slider.core.config.evaluation import EvaluationConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.job import Job, Section, Summary
+from slider.env.metrics import gait_quality, tracking
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Controller, Recording, roll_out
+from slider.env.starts import at_rest
+from slider.evaluation import records
+
+VELOCITIES = "velocity.npy"
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """One controller at one command: all trials and robots.
+
+    Attributes:
+        controller: name of the controller, a row of the table.
+        command: forward velocity [m/s].
+        robot: the plant's robot.
+        config: trials, starts and what is measured.
+    """
+
+    controller: str
+    command: float
+    robot: RobotConfig
+    config: EvaluationConfig
+
+    @property
+    def count(self) -> int:
+        """Number of robots of all trials."""
+        return self.config.trials * self.config.robots
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """N robots in physics with their controller, and the control period and terminations."""
+
+    controller: Controller
+    physics: BatchedPhysics
+    env: EnvConfig | PlantConfig
+
+
+def read_protocol(section: Section) -> Protocol:
+    """The protocol of a stage's section.
+
+    Raises:
+        UserError: a value is missing or has another type.
+    """
+    return Protocol(
+        controller=section["controller"],
+        command=float(section["command"]),
+        robot=from_dict(RobotConfig, section["robot"]),
+        config=from_dict(EvaluationConfig, section["evaluation"]),
+    )
+
+
+def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> Summary:
+    """Roll a controller out and write per-robot records and mean velocity traces."""
+    config = protocol.config
+    recording = _simulate(protocol, simulated, job)
+    tracked = tracking(
+        recording, config.steady_from, config.tracking_tolerance, config.tracking_relative
+    )
+    quality = gait_quality(recording, config.steady_from)
+    table = records.build(config.trials, config.robots, tracked, quality, recording.diverged)
+    records.write(table, out / records.FILE)
+    np.save(out / VELOCITIES, _traces(recording))
+    about = {"controller": protocol.controller, "command": protocol.command}
+    (out / "command.json").write_text(json.dumps(about) + "\n")
+    summary = about | _summary(table)
+    job.tracker.log_metrics({k: v for k, v in summary.items() if isinstance(v, float)}, 0)
+    return summary
+
+
+def _simulate(protocol: Protocol, simulated: Simulated, job: Job) -> Recording:
+    velocity = np.zeros((protocol.count, 3))
+    velocity[:, 0] = protocol.command
+    return roll_out(
+        simulated.controller,
+        simulated.physics,
+        simulated.env,
+        _starts(protocol.robot, protocol.config),
+        velocity,
+        protocol.config.duration,
+        lambda share: job.progress(f"{100 * share:.0f} %"),
+    )
+
+
+def _starts(robot: RobotConfig, config: EvaluationConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Starts of all robots; trial k draws from seed + k, whatever the controller or command."""
+    starts = [
+        at_rest(robot, config.start, np.random.default_rng(config.seed + trial), config.robots)
+        for trial in range(config.trials)
+    ]
+    return np.concatenate([s[0] for s in starts]), np.concatenate([s[1] for s in starts])
+
+
+def _traces(recording: Recording) -> np.ndarray:
+    """Mean and standard deviation over surviving robots of the forward velocity (S, 2) [m/s]."""
+    forward = recording.velocity[:, recording.survived, 0]
+    if forward.shape[1] == 0:
+        return np.full((len(forward), 2), np.nan, dtype=np.float32)
+    return np.stack([forward.mean(axis=1), forward.std(axis=1)], axis=1).astype(np.float32)
+
+
+def _summary(table: records.Records) -> dict[str, Any]:
+    survivors = table["survived"]
+    steady = table["squared_error_steady"][survivors]
+    return {
+        "success_rate": float(survivors.mean()),
+        "mse_steady": float(steady.mean()) if survivors.any() else None,
+        "blow_ups": int(table["diverged"].sum()),
+    }

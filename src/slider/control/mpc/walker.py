@@ -199,9 +199,10 @@ class MpcController:
         gait, planner = self.gait, self._config.planner
         stance = gait.stance[robots]
         foot = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
-        share = np.minimum(1.0, gait.walked[robots] / planner.ramp) if planner.ramp else 1.0
-        command = self._command[robots, :2] * np.reshape(share, (-1, 1))
-        command = command + gait.correction[robots]
+        command = self._command[robots, :2]
+        speed = np.maximum(np.linalg.norm(command, axis=1), 1e-9)
+        share = np.minimum(1.0, planner.acceleration * gait.walked[robots] / speed)
+        command = command * share[:, None] + gait.correction[robots]
         pendulum = Pendulum(
             position=self._to_heading(dynamics.com[:, :2] - foot, robots),
             velocity=self._to_heading(dynamics.com_velocity[:, :2], robots),

@@ -1,5 +1,7 @@
 # make table1                            Table 1 of our controller
 # make table1 HYDRA="experiment=smoke"   with overrides of the configuration
+# make report                           one page about everything, with videos
+# make docs                             the documentation as a site
 # make test                              lint, type check and tests
 PYTHON ?= python3
 CORES ?= 2
@@ -9,10 +11,17 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
 .DELETE_ON_ERROR:
-.PHONY: table1 install lint test clean
+.PHONY: table1 report docs install lint test clean
 
 table1: $(STAMP)
 	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/table1.csv --config hydra='$(HYDRA)'
+
+report: $(STAMP)
+	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/index.html --config hydra='$(HYDRA)'
+
+docs: $(STAMP) # site/; a broken link is an error
+	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[docs]'
+	$(BIN)/mkdocs build --strict
 
 install: $(STAMP)
 

@@ -6,7 +6,11 @@ from pathlib import Path
 sys.path.insert(0, workflow.basedir)
 
 from pipeline.console import calm
-from pipeline.entry import TABLE1_REPORTS, open_pipeline
+from pipeline.entry import REPORTS, open_pipeline
+
+
+report: "pipeline/captions/workflow.rst"
+
 
 calm()
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
@@ -20,13 +24,15 @@ wildcard_constraints:
 rule all:
     default_target: True
     input:
-        TABLE1_REPORTS,
+        REPORTS["table1"],
 
 
 include: "pipeline/rules/reports.smk"
 include: "pipeline/rules/gaits.smk"
 include: "pipeline/rules/learning.smk"
 include: "pipeline/rules/evaluation.smk"
+include: "pipeline/rules/verification.smk"
+include: "pipeline/rules/figures.smk"
 
 
 onstart:

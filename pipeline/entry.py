@@ -9,8 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
-from pipeline.stages import table1_jobs
+from pipeline.stages import all_jobs
 from slider.core import tracking
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -18,9 +19,21 @@ from slider.core.config.schema import Config
 from slider.core.errors import UserError
 from slider.core.plan import Plan, build_plan, write_plan
 from slider.core.store import ARTEFACTS, Store
+from slider.reports.figures import FILES
 
 OPTION = "hydra"
-TABLE1_REPORTS = ("reports/table1.csv", "reports/gait_quality.csv")
+# What people read, by target: copies out of the store.
+REPORTS = {
+    "table1": (
+        "reports/table1.csv",
+        "reports/gait_quality.csv",
+        "reports/table1.md",
+        "reports/table1.tex",
+    ),
+    "verification": ("reports/verification.csv", "reports/verification.json"),
+    "figures": tuple(f"reports/figures/{name}" for name in FILES),
+    "report": ("reports/index.html",),
+}
 
 
 @dataclass
@@ -89,13 +102,14 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
 
 
 def _open(overrides: list[str], conf: Path) -> Pipeline:
-    config = compose(overrides, conf)
+    config = with_renderer(compose(overrides, conf))
     store = Store(Path(ARTEFACTS))
-    plan = build_plan(table1_jobs(config))
+    plan = build_plan(all_jobs(config))
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
-    refresh_marker(store, plan, "table1", [Path(name) for name in TABLE1_REPORTS])
+    for target, names in REPORTS.items():
+        refresh_marker(store, plan, target, [Path(name) for name in names])
     return Pipeline(config, overrides, plan, path, store)
 
 

@@ -44,7 +44,7 @@ def test_every_option_composes(option):
         ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
         ("env.physics.timestep=-0.005", "env.physics.timestep: expected a positive value"),
         ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
-        ("gait.cost=cheap", "gait.cost: expected one of paper, torque, found cheap"),
+        ("gait.cost=cheap", "gait.cost: expected one of paper, torque, transport, found cheap"),
         ("gait.step_time.upper=nan", "a finite number"),
         ("what", "what"),
         ("gait=[1]", "gait"),

@@ -5,7 +5,20 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.stages import BASELINE, EVALUATION, GAIT, LIBRARY, STANDING, TABLE1, WALKING
+from pipeline.stages import (
+    BASELINE,
+    EVALUATION,
+    FIGURES,
+    GAIT,
+    LIBRARY,
+    REPORT,
+    STANDING,
+    TABLE1,
+    VERIFICATION,
+    VERIFICATION_GAITS,
+    VIDEO,
+    WALKING,
+)
 from slider.core.source import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -13,10 +26,24 @@ ORDER = ("robot", "gait", "library", "env", "control", "training", "evaluation",
 ALLOWED = {
     "core": {"core"},
     "verification": {"core", "robot", "gait", "library", "verification"},
+    "play": {"core", *ORDER, "play"},
 } | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 # The checks of the configuration know the names of joints.
 EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
-STAGES = (GAIT, LIBRARY, STANDING, WALKING, EVALUATION, BASELINE, TABLE1)
+STAGES = (
+    GAIT,
+    LIBRARY,
+    STANDING,
+    WALKING,
+    EVALUATION,
+    BASELINE,
+    TABLE1,
+    VERIFICATION,
+    VERIFICATION_GAITS,
+    FIGURES,
+    VIDEO,
+    REPORT,
+)
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 
 

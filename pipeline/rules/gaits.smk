@@ -1,7 +1,18 @@
-# One eHZD gait per commanded velocity, and the library that collects them.
+# The functions that all gaits share, one eHZD gait per commanded velocity, and the library.
+
+
+rule problem:
+    output:
+        "artefacts/problem/{recipe}.json",
+    log:
+        "artefacts/logs/problem/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"
 
 
 rule gait:
+    input:
+        PIPELINE.inputs,
     output:
         "artefacts/gait/{recipe}.json",
     log:

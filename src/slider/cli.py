@@ -15,7 +15,11 @@ COMMANDS = {
     "config": ("slider.core.commands.config", "print the resolved configuration"),
     "run": ("slider.core.commands.run", "run one job of a plan"),
     "publish": ("slider.core.commands.publish", "copy files of a result out of the store"),
+    "play": ("slider.play.command", "watch a policy, a gait or a random agent"),
     "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
+    "benchmark-gaits": ("slider.gait.benchmark", "time the gait optimisation"),
+    "library": ("slider.reports.library_command", "show what is in the gait library"),
+    "gait": ("slider.reports.gait_command", "show or export one gait of the library"),
     "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
 }
 
@@ -39,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _overview() -> argparse.ArgumentParser:
-    lines = [f"  {name:<12}{text}" for name, (_, text) in COMMANDS.items()]
+    lines = [f"  {name:<20}{text}" for name, (_, text) in COMMANDS.items()]
     parser = argparse.ArgumentParser(
         "slider",
         description="Gaits, training and evaluation of the biped SLIDER.",

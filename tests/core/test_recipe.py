@@ -55,3 +55,7 @@ def test_package_without_distribution_is_refused(tmp_path, monkeypatch):
     versions_module.version.cache_clear()
     with pytest.raises(UserError, match="orphan"):
         version("orphan")
+
+
+def test_a_package_below_a_prefix_belongs_to_its_distribution():
+    assert version("pinocchio") == metadata.version("pin")

@@ -23,7 +23,11 @@ def recording(count: int = 1, **changes: np.ndarray) -> Recording:
         yaw=np.zeros((STEPS, count)),
         foot_forces=np.full((STEPS, count, 2), LOADED),
         foot_positions=np.zeros((STEPS, count, 2, 3)),
+        power=np.zeros((STEPS, count)),
+        effort_share=np.zeros((STEPS, count)),
+        speed_share=np.zeros((STEPS, count)),
         diverged=np.zeros(count, dtype=bool),
+        weight=100.0,
     )
     return replace(still, **changes)
 
@@ -186,3 +190,41 @@ def test_heading_is_the_largest_turn_across_the_wrap():
     yaw[:, 1] = np.linspace(0.2, -0.1, STEPS)
     heading = gait_quality(recording(2, yaw=yaw), 1.0).heading
     np.testing.assert_allclose(heading, [0.5, 0.3], atol=1e-3)
+
+
+def test_asymmetry_of_step_times():
+    """Left lands at 10, 50, 90; right at 26, 66 (16 and 24 steps apart) or evenly at 30, 70."""
+    left = pattern((10, 20), (50, 60), (90, 95))
+    limping, even = pattern((26, 40), (66, 80)), pattern((30, 40), (70, 80))
+    found = [gait_quality(recording(foot_forces=contact(left, r)), 0.0) for r in (limping, even)]
+    assert found[0].asymmetry == pytest.approx([(24 - 16) / 40])
+    assert found[1].asymmetry == pytest.approx([0.0])
+
+
+def test_feet_that_do_not_alternate_are_as_asymmetric_as_can_be():
+    hopping = contact(pattern((10, 20), (40, 50)), pattern((0, STEPS)))
+    assert gait_quality(recording(foot_forces=hopping), 0.0).asymmetry == pytest.approx([1.0])
+
+
+def test_energy_and_peaks_count_after_the_start():
+    late = np.arange(STEPS)[:, None] >= 50
+    start = np.where(late, 0.0, 9.0)
+    found = gait_quality(
+        recording(
+            velocity=forward(0.5),
+            power=30.0 * late + start,
+            effort_share=0.7 * late + start,
+            speed_share=0.2 * late + start,
+        ),
+        1.0,
+    )
+    assert found.cost_of_transport == pytest.approx([30.0 / 100.0 / 0.5])
+    assert found.peak_effort == pytest.approx([0.7])
+    assert found.peak_speed == pytest.approx([0.2])
+
+
+def test_velocity_variance_is_about_the_mean():
+    swing = 0.5 + 0.1 * np.sign(np.sin(np.arange(STEPS) + 0.5))
+    found = gait_quality(recording(velocity=forward(swing)), 0.0)
+    assert found.velocity_variance == pytest.approx([np.var(swing)])
+    assert np.isinf(gait_quality(recording(), 0.0).cost_of_transport).all()

@@ -1,5 +1,7 @@
 """Per-robot records come back from their file as they were."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
@@ -10,9 +12,9 @@ from slider.evaluation import records
 
 def make_records(rng: np.random.Generator) -> records.Records:
     survived = np.array([True, True, False, True, False, True])
-    numbers = [np.where(survived, rng.uniform(size=6) * 10.0**k, np.nan) for k in range(-4, 6)]
+    numbers = [np.where(survived, rng.uniform(size=6) * 10.0**k, np.nan) for k in range(-4, 11)]
     tracked = Tracking(survived, *numbers[:3], tracked=survived & (np.arange(6) > 2))
-    quality = GaitQuality(*numbers[3:10])
+    quality = GaitQuality(*numbers[3 : 3 + len(fields(GaitQuality))])
     return records.build(2, 3, tracked, quality, ~survived)
 
 

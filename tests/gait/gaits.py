@@ -10,14 +10,16 @@ from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
 from slider.core.config.schema import Config
 from slider.gait.formulation import Formulation
-from slider.gait.problem import NODE, GaitProblem
+from slider.gait.layout import NODE
+from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.tree import StanceTree
 from slider.robot.knee_model import KneeModel, build_knee_model
 
 CONF = Path(__file__).parents[2] / "conf"
-ROBOT_PARTS = ("geometry", "links", "virtual_knee", "limits")
+ROBOT_PARTS = ("geometry", "links", "virtual_knee", "limits", "capstan")
+SOLVE_PARTS = ("kinematic_map", "step_time", "solver")
 
 
 @cache
@@ -32,15 +34,21 @@ def model() -> KneeModel:
 
 
 @cache
-def problem() -> GaitProblem:
+def form() -> Formulation:
     robot = config().robot
     length = robot.geometry.leg_length
-    return GaitProblem(Formulation(StanceTree(model()), config().gait, robot.limits, length))
+    tree = StanceTree(model())
+    return Formulation(tree, config().gait, robot.limits, robot.capstan, length)
+
+
+@cache
+def problem() -> GaitProblem:
+    return build(form())
 
 
 @cache
 def solver() -> GaitSolver:
-    return GaitSolver(problem())
+    return GaitSolver(problem(), config().gait.solver, config().gait.step_time)
 
 
 @cache
@@ -55,13 +63,14 @@ def trajectory(vx: float, vy: float) -> KneeTrajectory:
 
 def nodes(vx: float, vy: float) -> np.ndarray:
     """Node vectors (42, 34) of a solved gait; the second step is reflected."""
-    return (problem().select_nodes @ solved(vx, vy).variables).reshape(-1, NODE)
+    return (problem().layout.select_nodes @ solved(vx, vy).variables).reshape(-1, NODE)
 
 
 def section(vx: float, vy: float, **solver_settings: Any) -> dict[str, Any]:
     """What the stage ``gait`` gets."""
     values = to_dict(config())
     gait = {key: value for key, value in values["gait"].items() if key != "grid"}
-    gait["solver"] = {**gait["solver"], **solver_settings}
+    solve = {name: gait.pop(name) for name in SOLVE_PARTS}
+    solve["solver"] = {**solve["solver"], **solver_settings}
     robot = {name: values["robot"][name] for name in ROBOT_PARTS}
-    return {"robot": robot, "gait": gait, "velocity": [vx, vy]}
+    return {"robot": robot, "formulation": gait, "solve": solve, "velocity": [vx, vy]}

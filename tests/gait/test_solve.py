@@ -20,7 +20,7 @@ def test_cold_starts_converge(command):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_both_steps_take_the_same_way_forward(command):
     swing = trajectory(*command).swing_foot
-    time = solved(*command).variables[problem().time_index(0)]
+    time = solved(*command).variables[problem().layout.time_index(0)]
     half = problem().nodes
     expected = command[0] * time
     assert swing[half - 1, 0] == pytest.approx(expected, abs=1e-6)

@@ -1,14 +1,26 @@
 """Object folders of made-up gaits: smooth functions of the velocity, quick to write."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from slider.core.config.compose import compose
+from slider.core.config.convert import to_dict
+from slider.core.job import Job
+from slider.library.contents import LibraryContents
 from slider.library.schema import ARRAYS
+from slider.library.stage import run
 
 SAMPLES, HALF = 42, 21
-SCALARS = ("velocities", "cost", "max_violation", "iterations")
+SCALARS = ("velocities", "cost", "max_violation", "iterations", "residuals")
+CONF = Path(__file__).parents[2] / "conf"
+ROBOT = {
+    name: to_dict(compose([], CONF).robot)[name] for name in ("geometry", "virtual_knee", "limits")
+}
+Velocities = Sequence[tuple[float, float]]
 SHAPES = {
     "samples": (SAMPLES, 26),
     "time": (SAMPLES,),
@@ -48,3 +60,28 @@ def write_gait(folder: Path, vx: float, vy: float, **report: object) -> Path:
     facts |= {"residuals": {"impact": 1e-9, "torso": 0.0}}
     (folder / "report.json").write_text(json.dumps(facts | report))
     return folder
+
+
+def section(velocities: Velocities, allow_holes: bool = False) -> dict[str, Any]:
+    """What the stage ``library`` gets."""
+    return {
+        "library": {"allow_holes": allow_holes, "max_violation": 1e-6},
+        "velocities": [list(velocity) for velocity in velocities],
+        "robot": ROBOT,
+        "kinematic_map": "exact",
+    }
+
+
+def write_store(folder: Path, velocities: Velocities, holes: Velocities = ()) -> Path:
+    """A library of made-up gaits, with holes; the path of its ``library.zarr``."""
+    gaits = [write_gait(folder / f"gait{i}", *v) for i, v in enumerate(velocities)]
+    failed = {"converged": False, "status": "Infeasible_Problem_Detected", "max_violation": 0.3}
+    failed |= {"residuals": {"impact": 1e-3, "torso": 0.3}}
+    gaits += [write_gait(folder / f"hole{i}", *v, **failed) for i, v in enumerate(holes)]
+    out = folder / "out"
+    run(section([*velocities, *holes], bool(holes)), {"gaits": gaits}, out, Job(folder))
+    return out / "library.zarr"
+
+
+def library(folder: Path, velocities: Velocities, holes: Velocities = ()) -> LibraryContents:
+    return LibraryContents.load(write_store(folder, velocities, holes))

@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 
 from slider.core.errors import UserError
-from slider.core.job import Job
 from slider.library.lookup import GaitLibrary, GaitTable
-from slider.library.stage import run
-from tests.library.gaits import HALF, value, write_gait
+from tests.library.gaits import HALF, value, write_store
 
 VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]
 
@@ -19,13 +17,7 @@ VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]
 @pytest.fixture(scope="module")
 def library(tmp_path_factory) -> GaitLibrary:
     folder = tmp_path_factory.mktemp("library")
-    gaits = [write_gait(folder / f"{i}", *v) for i, v in enumerate(VELOCITIES)]
-    section = {
-        "library": {"allow_holes": False, "max_violation": 1e-6},
-        "velocities": [list(v) for v in VELOCITIES],
-    }
-    run(section, {"gaits": gaits}, folder / "out", Job(folder))
-    return GaitLibrary.load(folder / "out" / "library.zarr")
+    return GaitLibrary.load(write_store(folder, VELOCITIES))
 
 
 @pytest.fixture(scope="module")

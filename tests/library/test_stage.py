@@ -6,14 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 import zarr
 
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
+from slider.library.contents import LibraryContents
 from slider.library.schema import ARRAYS, AXES
 from slider.library.stage import run
 from slider.robot.names import CHANNELS
-from tests.library.gaits import value, write_gait
+from tests.library.gaits import ROBOT, value, write_gait
+from tests.library.gaits import section as gaits_section
 
 VELOCITIES = [(0.0, 0.0), (0.5, 0.1), (1.0, -0.1)]
 
@@ -27,10 +30,7 @@ class Recorder(NoTracker):
 
 
 def section(allow_holes: bool = False) -> dict[str, Any]:
-    return {
-        "library": {"allow_holes": allow_holes, "max_violation": 1e-6},
-        "velocities": [list(v) for v in VELOCITIES],
-    }
+    return gaits_section(VELOCITIES, allow_holes)
 
 
 @pytest.fixture
@@ -85,6 +85,35 @@ def test_an_allowed_hole_is_left_out(with_a_hole, tmp_path: Path):
     assert summary["holes"] == [[0.5, 0.1]]
     np.testing.assert_array_equal(group["velocities"][:], [VELOCITIES[0], VELOCITIES[2]])
     np.testing.assert_array_equal(group["samples"][1], value("samples", 1.0, -0.1))
+
+
+def test_it_says_what_a_hole_violates_and_for_which_robot_it_was_made(with_a_hole, tmp_path: Path):
+    run(section(True), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
+    contents = LibraryContents.load(tmp_path / "out" / "library.zarr")
+    (hole,) = contents.holes
+    assert (hole.vx, hole.vy, hole.status) == (0.5, 0.1, "Infeasible_Problem_Detected")
+    assert list(hole.residuals.items()) == [("slide_force", 0.3), ("impact", 1e-3)]
+    assert contents.constraints == ("impact", "torso")
+    np.testing.assert_array_equal(contents.arrays["residuals"], [[1e-9, 0.0]] * 2)
+    assert contents.robot.limits["slide"].effort == ROBOT["limits"]["slide"]["effort"]
+    efforts = contents.robot.joint_limits("effort")
+    assert efforts.tolist() == [40, 60, 60, 400, 20, 0] * 2
+    assert contents.kinematic_map == "exact"
+
+
+def test_xarray_finds_named_dimensions_and_coordinates(gaits, tmp_path: Path):
+    run(section(), {"gaits": gaits}, tmp_path / "out", Job(tmp_path))
+    data = xarray.open_zarr(tmp_path / "out" / "library.zarr", consolidated=False)
+    assert data["samples"].dims == ("gait", "sample", "channel")
+    assert {"vx", "vy", "status", "channel", "joint", "knee_joint", "constraint"} <= set(
+        data.coords
+    )
+    at = data.set_xindex(["vx", "vy"]).sel(vx=0.5, vy=0.1)
+    found = at["samples"].sel(channel="left_slide.velocity").values.squeeze()
+    expected = value("samples", 0.5, 0.1)[:, CHANNELS.index("left_slide.velocity")]
+    np.testing.assert_array_equal(found, expected)
+    assert data["efforts"].sel(joint="right_ankle").attrs["units"] == "N m, N (slide)"
+    assert set(data.data_vars) == set(ARRAYS)
 
 
 def test_a_converged_gait_that_violates_too_much_is_a_hole(gaits, tmp_path: Path):

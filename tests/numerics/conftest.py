@@ -3,15 +3,11 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 from slider.core.config.compose import compose
-from slider.core.config.convert import from_dict, to_dict
-from slider.core.config.gait import FormulationConfig
 from slider.gait.formulation import Formulation
-from slider.gait.problem import GaitProblem
+from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.tree import StanceTree
@@ -31,19 +27,11 @@ def knee_model(config) -> KneeModel:
     return build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
 
 
-def build_problem(config, knee_model, **changes) -> GaitProblem:
-    gait = {k: v for k, v in to_dict(config.gait).items() if k != "grid"} | changes
-    limits, length = config.robot.limits, config.robot.geometry.leg_length
-    settings = from_dict(FormulationConfig, gait)
-    return GaitProblem(Formulation(StanceTree(knee_model), settings, limits, length))
-
-
-@dataclass(frozen=True)
-class FloatingState:
-    """Position (17,) with quaternion x, y, z, w and velocity (16,) in the base frame."""
-
-    q: np.ndarray
-    v: np.ndarray
+@pytest.fixture(scope="session")
+def formulation(config, knee_model) -> Formulation:
+    robot = config.robot
+    length = robot.geometry.leg_length
+    return Formulation(StanceTree(knee_model), config.gait, robot.limits, robot.capstan, length)
 
 
 @dataclass(frozen=True)
@@ -54,27 +42,10 @@ class SolvedGait:
     solve: Solve
     trajectory: KneeTrajectory
 
-    @property
-    def node_interval(self) -> float:
-        """Time between two nodes [s]."""
-        step_time = self.solve.variables[self.problem.time_index(0)]
-        return float(step_time / (self.problem.nodes - 1))
-
-    def knee_state(self, k: int) -> FloatingState:
-        """Sample k as pinocchio wants it."""
-        t = self.trajectory
-        rotation = t.base_rotation[k]
-        quaternion = Rotation.from_matrix(rotation).as_quat()
-        linear = rotation.T @ t.base_velocity[k]
-        return FloatingState(
-            np.concatenate([t.base_position[k], quaternion, t.q[k]]),
-            np.concatenate([linear, t.base_angular[k], t.v[k]]),
-        )
-
 
 @pytest.fixture(scope="session")
-def solver(config, knee_model) -> GaitSolver:
-    return GaitSolver(build_problem(config, knee_model))
+def solver(config, formulation) -> GaitSolver:
+    return GaitSolver(build(formulation), config.gait.solver, config.gait.step_time)
 
 
 @pytest.fixture(scope="session")

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from slider.gait.guess import cold_start
+from slider.gait.layout import NODE, STEP
 from slider.gait.nlp import assemble
-from slider.gait.problem import NODE, STEP
 from tests.gait.gaits import problem, solver
 
 STEP_SIZE = 1e-6
@@ -15,7 +15,7 @@ STEP_SIZE = 1e-6
 def near_a_gait() -> np.ndarray:
     """A point with no symmetry, so that no derivative vanishes by accident."""
     rng = np.random.default_rng(3)
-    x = cold_start(problem(), 0.5)
+    x = cold_start(problem().layout, 0.5, problem().config.degree, (0.25, 0.42))
     return x + 0.05 * rng.normal(size=x.size)
 
 
@@ -43,7 +43,7 @@ def assert_close(found: np.ndarray, expected: np.ndarray) -> None:
 
 
 def node_vector() -> np.ndarray:
-    return (problem().select_nodes @ near_a_gait())[5 * NODE : 6 * NODE]
+    return (problem().layout.select_nodes @ near_a_gait())[5 * NODE : 6 * NODE]
 
 
 def test_node_jacobian_and_cost_gradient():
@@ -75,7 +75,7 @@ def test_node_hessian():
 
 def test_impact_and_step_ends():
     rng = np.random.default_rng(1)
-    y, command = problem().select_ends @ near_a_gait(), np.array([0.5, 0.05])
+    y, command = problem().layout.select_ends @ near_a_gait(), np.array([0.5, 0.05])
     piece = problem().ends
     assert y.shape == (2 * STEP,)
     jacobian = dense(piece.jacobian(y, command)[1])
@@ -126,4 +126,4 @@ def test_rows_and_bounds_belong_together():
     rows = np.concatenate([block.rows for block in problem().blocks])
     np.testing.assert_array_equal(np.sort(rows), np.arange(len(lower)))
     assert (lower <= upper).all()
-    assert solver().problem.size == len(problem().variable_bounds[0])
+    assert solver().problem.layout.size == len(problem().variable_bounds((0.25, 0.42))[0])

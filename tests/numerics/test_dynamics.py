@@ -7,11 +7,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from slider.gait.problem import NODE
+from slider.gait.layout import NODE
 from slider.gait.symbols import NodeSymbols, StepEnd
 from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
-from tests.gait.gaits import model, nodes, problem, solved, trajectory
-from tests.numerics.pin_robot import SIDES, FloatingState, PinRobot
+from slider.verification.pin_robot import SIDES, FloatingState, PinRobot
+from tests.gait.gaits import form, model, nodes, problem, solved, trajectory
 
 COMMANDS = [(0.6, 0.1), (1.2, 0.0)]
 
@@ -25,7 +25,7 @@ def robot() -> PinRobot:
 def rooted() -> ca.Function:
     """Torques, ground force and moment of a node vector (34,)."""
     x = ca.SX.sym("x", NODE)
-    s, tree = NodeSymbols.of(x), problem().formulation.tree
+    s, tree = NodeSymbols.of(x), form().tree
     dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
     return ca.Function("rooted", [x], [dynamics.torques, *tree.line_wrench(s.roll, dynamics)])
 
@@ -113,9 +113,7 @@ def impact_residual(command: tuple[float, float], step: int, velocity: np.ndarra
 def impact_rows() -> ca.Function:
     roll, rate, new_roll, new_rate = (ca.SX.sym(name) for name in ("r", "w", "nr", "nw"))
     q, v, new_q, new_v = (ca.SX.sym(name, 10) for name in ("q", "v", "nq", "nv"))
-    rows = problem().formulation.touchdown(
-        StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v)
-    )
+    rows = form().touchdown(StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v))
     impact = next(row.expression for row in rows if row.name == "impact")
     return ca.Function("impact", [roll, rate, q, v, new_roll, new_q, new_rate, new_v], [impact])
 
@@ -136,7 +134,7 @@ def test_impact_keeps_the_angular_momentum_about_the_new_foot_line(command, step
 
 def test_the_cost_is_equation_2():
     t, solve = trajectory(0.6, 0.1), solved(0.6, 0.1)
-    times = [solve.variables[problem().time_index(step)] for step in range(2)]
+    times = [solve.variables[problem().layout.time_index(step)] for step in range(2)]
     half = problem().nodes
     expected = sum(
         (t.torques[step * half : (step + 1) * half] ** 2).sum() / times[step] for step in range(2)

@@ -1,10 +1,8 @@
-"""Solved gaits against other integrators, closed forms and the prismatic robot."""
+"""Solved gaits against closed forms and the prismatic robot; more in ``tests/verification``."""
 
-import casadi as ca
 import mujoco
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from slider.gait import bezier
 from slider.gait.solution import base_motion
@@ -18,66 +16,13 @@ VELOCITY = (0.6, 0.05)
 
 
 @pytest.fixture(scope="module")
-def arrays(config, solved):
-    return gait_arrays(solved.problem, solved.solve, config.robot.geometry.leg_length)
+def arrays(formulation, solved):
+    return gait_arrays(solved.problem, solved.solve, formulation, "exact")
 
 
 def test_all_constraints_hold(solved):
     assert solved.solve.max_violation <= 1e-6
     assert solved.solve.residuals.keys() >= {"impact", "friction", "touchdown_velocity"}
-
-
-def test_mean_velocity_is_the_command(arrays):
-    """Simpson's rule over the base velocity, and the displacement of one walk."""
-    half = len(arrays["time"]) // 2
-    weights = np.ones(half)
-    weights[1:-1:2], weights[2:-1:2] = 4.0, 2.0
-    walk = arrays["step_time"].sum()
-    for axis, command in enumerate(VELOCITY):
-        velocity = arrays["base"][:, 7 + axis].reshape(2, half)
-        intervals = arrays["step_time"] / (half - 1)
-        travelled = (velocity @ weights * intervals / 3).sum()
-        assert travelled / walk == pytest.approx(command, abs=2e-4)
-    first, last = arrays["base"][0, :2], arrays["base"][-1, :2]
-    np.testing.assert_allclose((last - first) / walk, VELOCITY, atol=1e-6)
-
-
-def test_walk_is_periodic(solved, arrays):
-    """After the second touchdown the first sample comes again."""
-    nodes = solved.problem.nodes
-    before = arrays["knee_positions"][2 * nodes - 1]
-    np.testing.assert_allclose(before, arrays["knee_positions"][0], atol=1e-6)
-    np.testing.assert_allclose(arrays["base"][-1, 2:7], arrays["base"][0, 2:7], atol=1e-6)
-
-
-def test_roll_agrees_with_another_integrator(solved):
-    """DOP853 along the Bézier outputs, roll acceleration from the zero-moment condition."""
-    problem, tree = solved.problem, solved.problem.formulation.tree
-    roll, rate, acceleration = (ca.SX.sym(name) for name in "rda")
-    q, v, a = (ca.SX.sym(name, NUM_JOINTS) for name in "qva")
-    dynamics = tree.inverse_dynamics(roll, rate, acceleration, q, v, a)
-    moment = tree.line_wrench(roll, dynamics)[1][0]
-    slope = ca.jacobian(moment, acceleration)
-    solve = ca.Function(
-        "roll", [roll, rate, q, v, a], [-ca.substitute(moment, acceleration, 0) / slope]
-    )
-    variables = solved.solve.variables
-    time = variables[problem.time_index(0)]
-    coefficients = variables[: problem.num_coefficients].reshape(NUM_JOINTS, -1)
-
-    def outputs(t, order):
-        return bezier.evaluate(coefficients, np.array([t / time]), order)[0] / time**order
-
-    def derivative(t, x):
-        joints = (outputs(t, 0), outputs(t, 1), outputs(t, 2))
-        return [x[1], float(solve(x[0], x[1], *joints))]
-
-    nodes = variables[problem.time_index(0) + 1 : problem.step_size].reshape(-1, 3)
-    result = solve_ivp(derivative, (0, time), nodes[0, :2], "DOP853", rtol=1e-10, atol=1e-12)
-    # The roll is unstable: collocation errors grow about fivefold over a step.
-    np.testing.assert_allclose(result.y[0, -1], nodes[-1, 0], atol=1e-3)
-    np.testing.assert_allclose(result.y[1, -1], nodes[-1, 1], atol=5e-3)
-    assert np.ptp(nodes[:, 0]) > 0.01
 
 
 def test_opposite_lateral_velocities_mirror_each_other(solver, solved):
@@ -93,9 +38,9 @@ def test_prismatic_velocities_are_derivatives_of_positions(solved, config):
     """Eq. 1 along the stance leg: central differences of the exact positions; not the paper's."""
     knee = config.robot.virtual_knee
     lengths = (knee.thigh_length, knee.shank_length)
-    problem, variables = solved.problem, solved.solve.variables
-    time = variables[problem.time_index(0)]
-    coefficients = variables[: problem.num_coefficients].reshape(NUM_JOINTS, -1)[2:5]
+    layout, variables = solved.problem.layout, solved.solve.variables
+    time = variables[layout.time_index(0)]
+    coefficients = variables[layout.joint_slice(0)].reshape(NUM_JOINTS, -1)[2:5]
     s, shift = np.linspace(0.05, 0.95, 19), 1e-6
     place = [bezier.evaluate(coefficients, s + d).T for d in (shift, -shift)]
     theta = bezier.evaluate(coefficients, s)[:, 1]

@@ -3,6 +3,7 @@
 import csv
 import json
 import shutil
+from dataclasses import fields
 from importlib.resources import files
 from pathlib import Path
 
@@ -33,7 +34,7 @@ def make_records(survived: list[list[int]], error: list[list[float]]) -> records
     errors = np.where(alive, np.array(error, dtype=float), np.nan).ravel()
     tracked = alive & (np.arange(alive.shape[1]) == 0)
     tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
-    quality = GaitQuality(*(errors * k for k in range(7)))
+    quality = GaitQuality(*(errors * k for k in range(len(fields(GaitQuality)))))
     return records.build(*alive.shape, tracking, quality, np.zeros(alive.size, dtype=bool))
 
 

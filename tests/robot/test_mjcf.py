@@ -10,6 +10,7 @@ from slider.core.config.compose import compose
 from slider.robot import names
 from slider.robot.kinematics import (
     foot_ends,
+    leg_points,
     quaternion_from_tilt,
     rotation_from_quaternion,
     standing_height,
@@ -118,6 +119,24 @@ def test_foot_ends_are_where_mujoco_has_them(model, data):
             axis = geom.xmat.reshape(3, 3)[:, 2] * 0.085
             expected = {tuple(np.round(geom.xpos + s * axis - [0, 0, 0.006], 9)) for s in (1, -1)}
             assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
+
+
+def test_leg_points_are_where_mujoco_has_them(model, data):
+    rng = np.random.default_rng(6)
+    for _ in range(20):
+        tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
+        data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
+        data.qpos[7:] = joints[0]
+        mujoco.mj_kinematics(model, data)
+        rotation = rotation_from_quaternion(data.qpos[None, 3:7])
+        points = leg_points(ROBOT.geometry, rotation, joints)[0] + data.qpos[:3]
+        for leg, side in enumerate(names.SIDES):
+            hip, foot, top = (data.body(f"{side}_{n}") for n in ("hip_pitch", "foot", "upper_foot"))
+            for found, body in zip(points[leg], (hip, foot, top), strict=False):
+                np.testing.assert_allclose(found, body.xpos, atol=1e-12)
+            ends = np.array([[-ROBOT.geometry.heel, 0, 0.045], [ROBOT.geometry.toe, 0, 0.045]])
+            expected = top.xpos + ends @ top.xmat.reshape(3, 3).T
+            np.testing.assert_allclose(points[leg, 3:], expected, atol=1e-12)
 
 
 def test_standing_height_puts_the_lowest_foot_point_on_the_ground():

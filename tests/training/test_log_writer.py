@@ -6,7 +6,8 @@ from tests.training.test_trainer import Notes, trained
 
 def test_one_call_per_step():
     notes = Notes()
-    writer = TrackerLogWriter(notes)
+    curve: list[dict[str, float]] = []
+    writer = TrackerLogWriter(notes, curve)
     for step in range(3):
         writer.add_scalar("Loss/value", 0.1 * step, step)
         writer.add_scalar("/reward/alive", 1.0, step)
@@ -16,15 +17,19 @@ def test_one_call_per_step():
     assert notes.metrics == [
         (step, {"Loss/value": 0.1 * step, "reward/alive": 1.0}) for step in range(3)
     ]
+    assert curve == [{"iteration": step, **metrics} for step, metrics in notes.metrics]
 
 
 def test_scalars_against_the_clock_are_dropped():
     notes = Notes()
-    writer = TrackerLogWriter(notes)
+    curve: list[dict[str, float]] = []
+    writer = TrackerLogWriter(notes, curve)
     writer.add_scalar("Train/mean_reward/time", 3.0, 17)
     writer.add_scalar("Train/mean_reward", 3.0, 2)
+    writer.add_scalar("Perf/total_fps", 1e4, 2)
     writer.stop()
-    assert notes.metrics == [(2, {"Train/mean_reward": 3.0})]
+    assert notes.metrics == [(2, {"Train/mean_reward": 3.0, "Perf/total_fps": 1e4})]
+    assert curve == [{"iteration": 2, "Train/mean_reward": 3.0}]  # the same on any machine
 
 
 def test_a_training_logs_once_per_iteration_and_once_per_check(tmp_path):

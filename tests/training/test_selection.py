@@ -53,7 +53,11 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
         yaw=np.zeros((50, 4)),
         foot_forces=forces,
         foot_positions=np.zeros((50, 4, 2, 3)),
+        power=np.zeros((50, 4)),
+        effort_share=np.zeros((50, 4)),
+        speed_share=np.zeros((50, 4)),
         diverged=np.zeros(4, dtype=bool),
+        weight=120.0,
     )
 
 
@@ -83,7 +87,7 @@ def test_the_same_network_has_the_same_score():
 
 def test_our_settings_in_rsl_rls_words():
     train = config("experiment=paper").train.walking
-    settings = ppo.runner_config(train, NoTracker())
+    settings = ppo.runner_config(train, NoTracker(), [])
     assert settings["actor"]["hidden_dims"] == [256, 256, 256]
     assert settings["critic"]["hidden_dims"] == [256, 256, 256]
     assert settings["actor"]["obs_normalization"]

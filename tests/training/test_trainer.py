@@ -11,7 +11,7 @@ import torch
 from slider.control.policy_file import load_policy
 from slider.core.config.train import RewardConfig, RewardTerm, TrainConfig
 from slider.core.job import Job, NoTracker
-from slider.training.trainer import CHECKPOINT, POLICY, WEIGHTS, Task, Trainer
+from slider.training.trainer import CHECKPOINT, CURVE, POLICY, SELECTION, WEIGHTS, Task, Trainer
 from tests.env.synthetic import config, gait_table, make_guide
 
 TINY = (
@@ -116,6 +116,8 @@ def test_a_killed_training_goes_on_where_it_was(tmp_path):
     assert second._iteration == 5
     assert [row["iteration"] for row in second._history] == [1, 2, 3, 4, 5]
     assert second._history[:2] == first._history
+    assert [row["iteration"] for row in second._curve] == [0, 1, 2, 3, 4]
+    assert second._curve[:2] == first._curve
     third = trained(tmp_path, iterations=5)
     assert iterations(third) == []
     assert same(actor(third), actor(second))
@@ -160,7 +162,18 @@ def test_same_seed_same_policy(tmp_path):
         run.export(out)
         files.append({path.name: path.read_bytes() for path in out.iterdir()})
     assert files[0] == files[1]
-    assert set(files[0]) == {POLICY, WEIGHTS, "selection.csv"}
+    assert set(files[0]) == {POLICY, WEIGHTS, SELECTION, CURVE}
+
+
+def test_the_learning_curve_has_every_reward_term(tmp_path):
+    trainer = trained(tmp_path, iterations=2)
+    trainer.export(tmp_path)
+    header, *rows = (tmp_path / CURVE).read_text().splitlines()
+    columns = header.split(",")
+    assert columns[0] == "iteration"
+    assert {f"reward/{name}" for name in trainer._task.train.reward.terms} <= set(columns)
+    assert [row.split(",")[0] for row in rows] == ["0", "1"]
+    assert {len(row.split(",")) for row in rows} == {len(columns)}
 
 
 def test_start_from_copies_weights_but_not_the_noise(tmp_path):

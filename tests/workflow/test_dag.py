@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from slider.reports.figures import FILES
 from tests.workflow.workspace import Workspace, copy_repository
 
 pytestmark = pytest.mark.workflow
@@ -46,6 +47,17 @@ def test_ends_with_a_table_of_our_controller(finished):
 
 def test_computes_nothing_on_a_second_run(finished):
     assert finished.computed() == []
+
+
+def test_the_figures_are_beside_the_way_to_the_table(finished):
+    assert not list(finished.artefacts.glob("figures/*.json"))
+    done = finished.snakemake("figures", hydra="tracking.enabled=false")
+    assert done.returncode == 0, done.stderr
+    names = {path.name for path in (finished.folder / "reports/figures").iterdir()}
+    assert names == {*FILES, "solve_times.svg", "solve_times.png", "solve_times.md"}
+    assert finished.computed() == []
+    shown = finished.slider("gait", "show", "--vx", "0.4")
+    assert "Solve_Succeeded" in shown.stdout, shown.stderr
 
 
 def test_computes_nothing_after_a_comment(finished):

@@ -69,11 +69,24 @@ def run(section, inputs, out, job):
     "reports": """
 def run(section, inputs, out, job):
     records = [(folder / "records.txt").read_text() for folder in inputs["evaluations"]]
-    (out / "gait_quality.csv").write_text("quality\\n")
+    for name in ("gait_quality.csv", "table1.md", "table1.tex"):
+        (out / name).write_text("quality\\n")
     (out / "table1.csv").write_text("command\\n" + "\\n".join(records) + "\\n")
     return {}
 """,
 }
+PAGE = """
+def run(section, inputs, out, job):
+    (out / "index.html").write_text(" ".join(sorted(inputs)))
+    return {}
+"""
+
+
+FIGURES = """
+def run(section, inputs, out, job):
+    (out / "size.md").write_text((inputs["library"][0] / "library.txt").read_text())
+    return {}
+"""
 
 
 @dataclass(frozen=True)
@@ -195,6 +208,11 @@ def with_dummies(workspace: Workspace) -> Workspace:
         (source / name / "__init__.py").write_text("")
         module = "table1" if name == "reports" else "stage"
         (source / name / f"{module}.py").write_text(text)
+    (source / "reports" / "figures").mkdir()
+    (source / "reports" / "figures" / "__init__.py").write_text("FILES = ('size.md',)\n")
+    (source / "reports" / "figures" / "stage.py").write_text(FIGURES)
+    for name in ("report", "video"):
+        (source / "reports" / f"{name}.py").write_text(PAGE)
     (source / "gait" / "tiny.py").write_text(
         "def speed(section):\n    return sum(section['velocity'])\n"
     )

@@ -18,9 +18,12 @@ from slider.core.index import Entry, Index
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
 from slider.core.journal import FAILED, FINISHED, JournalTracker, current_session
 from slider.core.locks import exclusive
+from slider.core.machine import machine
 from slider.core.plan import JobSpec
 from slider.core.recipe import SOURCE_ROOT, code_of, recipe_digest
 from slider.core.store import Manifest, Result, Store
+
+_LISTED_FILES = 20  # in the description of a run; a Zarr store has more
 
 
 @dataclass(frozen=True)
@@ -88,8 +91,19 @@ class Runner:
             _end(tracker, FAILED, {})
             raise
         self._note_computed(spec, job, watch)
-        _end(tracker, FINISHED, {"object": result.object, "resumed": str(resumed)})
+        _end(tracker, FINISHED, self._result_tags(result))
         return result
+
+    def _result_tags(self, result: Result) -> dict[str, str]:
+        """Links to the result that stay right when the folder moves; MLflow's own are absolute."""
+        path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
+        names = "\n".join(f"* `{path}/{name}`" for name in sorted(result.files)[:_LISTED_FILES])
+        return {
+            "object": result.object,
+            "object.path": path,
+            "resumed": str(result.resumed),
+            "mlflow.note.content": f"Result, below `{self.store.root.name}/`:\n\n{names}",
+        }
 
     def _job(self, spec: JobSpec) -> Job:
         work = self.store.work_folder(spec.stage, spec.recipe)
@@ -134,6 +148,7 @@ class _Watch:
             "wall_s": round(time.perf_counter() - self._wall, 3),
             "cpu_s": round(_cpu_seconds() - self._cpu, 3),
             "load_1min_at_start": round(self._load, 2),
+            "machine": machine(),
         }
 
 

@@ -34,7 +34,8 @@ def version(package: str) -> str:
 def _search(package: str) -> str:
     # metadata.packages_distributions() parses every list of files and takes 0.7 s; the
     # names of two of ten packages differ from their distribution's, so a text search will do.
-    markers = (f"\n{package}/", f"\n{package}.py,")
+    # The packages of cmeel (pinocchio) are one folder of site-packages below another.
+    markers = (f"\n{package}/", f"\n{package}.py,", f"/site-packages/{package}/__init__.py,")
     for distribution in metadata.distributions():
         record = "\n" + (distribution.read_text("RECORD") or "")
         if any(marker in record for marker in markers):

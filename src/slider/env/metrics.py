@@ -60,6 +60,11 @@ class GaitQuality:
             counts as 0 while the foot is loaded.
         slip: mean horizontal speed of soles while loaded [m/s].
         heading: largest |yaw − yaw at the start| [rad] of the whole rollout, command yaw rate 0.
+        asymmetry: |mean time from a left to the next right touchdown − from right to left| over
+            their sum; 1 where the feet do not alternate.
+        velocity_variance: of the forward velocity about its mean [m²/s²].
+        cost_of_transport: mean absolute power of the drives over m g and the mean speed [-].
+        peak_effort, peak_speed: largest share of a drive's limit [-].
     """
 
     flight: np.ndarray
@@ -69,6 +74,11 @@ class GaitQuality:
     clearance: np.ndarray
     slip: np.ndarray
     heading: np.ndarray
+    asymmetry: np.ndarray
+    velocity_variance: np.ndarray
+    cost_of_transport: np.ndarray
+    peak_effort: np.ndarray
+    peak_speed: np.ndarray
 
 
 def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
@@ -87,6 +97,11 @@ def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
         clearance=_where(survived, _clearance(recording.foot_positions[first:], contact)),
         slip=_where(survived, _slip(recording.foot_positions[first:], contact, recording.period)),
         heading=_where(survived, np.abs(turned).max(axis=0)),
+        asymmetry=_where(survived, _asymmetry(touchdown)),
+        velocity_variance=_where(survived, recording.velocity[first:, :, 0].var(axis=0)),
+        cost_of_transport=_where(survived, _cost_of_transport(recording, first)),
+        peak_effort=_where(survived, recording.effort_share[first:].max(axis=0)),
+        peak_speed=_where(survived, recording.speed_share[first:].max(axis=0)),
     )
 
 
@@ -102,6 +117,26 @@ def _alternation(touchdown: np.ndarray) -> np.ndarray:
         if len(feet) > 1:
             share[robot] = np.mean(feet[1:] != feet[:-1])
     return share
+
+
+def _asymmetry(touchdown: np.ndarray) -> np.ndarray:
+    """Of the step times, from touchdowns (S, N, 2) that follow one of the other foot (N,)."""
+    result = np.ones(touchdown.shape[1])
+    for robot in range(touchdown.shape[1]):
+        steps, feet = np.nonzero(touchdown[:, robot])
+        times, changed = np.diff(steps), np.diff(feet) != 0
+        left, right = (times[changed & (feet[1:] == foot)] for foot in range(2))
+        if len(left) and len(right):
+            one, other = left.mean(), right.mean()
+            result[robot] = abs(one - other) / (one + other)
+    return result
+
+
+def _cost_of_transport(recording: Recording, first: int) -> np.ndarray:
+    """Infinite for a robot that stays where it is."""
+    speed = np.abs(recording.velocity[first:, :, 0].mean(axis=0))
+    power = recording.power[first:].mean(axis=0) / recording.weight
+    return np.divide(power, speed, out=np.full_like(power, np.inf), where=speed > 0)
 
 
 def _clearance(positions: np.ndarray, contact: np.ndarray) -> np.ndarray:

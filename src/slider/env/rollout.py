@@ -13,9 +13,14 @@ from typing import Protocol
 import numpy as np
 
 from slider.core.config.env import EnvConfig, PlantConfig
+from slider.core.config.robot import RobotConfig
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
+from slider.robot.names import ACTUATED, JOINTS
+
+GRAVITY = 9.81  # [m/s²]
+_DRIVEN = np.array(ACTUATED)
 
 
 class Controller(Protocol):
@@ -41,7 +46,11 @@ class Recording:
         yaw: (S, N) [rad].
         foot_forces: (S, N, 2) [N].
         foot_positions: (S, N, 2, 3) [m].
+        power: (S, N) mechanical power of the drives, absolute values added [W].
+        effort_share: (S, N) largest effort of a drive as a share of its limit [-].
+        speed_share: (S, N) largest speed of a drive as a share of its limit [-].
         diverged: (N,) the simulation blew up.
+        weight: m g of the robot [N].
     """
 
     period: float
@@ -51,7 +60,11 @@ class Recording:
     yaw: np.ndarray
     foot_forces: np.ndarray
     foot_positions: np.ndarray
+    power: np.ndarray
+    effort_share: np.ndarray
+    speed_share: np.ndarray
     diverged: np.ndarray
+    weight: float
 
     @property
     def survived(self) -> np.ndarray:
@@ -86,15 +99,37 @@ def roll_out(
     controller.reset(state, command)
     alive = np.ones(physics.num_robots, dtype=bool)
     diverged = np.zeros(physics.num_robots, dtype=bool)
+    limits = _Limits.of(physics.robot)
     rows: list[tuple[np.ndarray, ...]] = []
     for step in range(steps):
         state, blown = run_ticks(controller, physics, state, ticks)
         diverged |= blown
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
-        rows.append(_row(alive, state))
+        rows.append((*_row(alive, state), *_drives(state, limits)))
         progress((step + 1) / steps)
     series = [np.stack(column) for column in zip(*rows, strict=True)]
-    return Recording(config.control_period, command, *series, diverged=diverged)
+    weight = float(physics.model.body_mass.sum()) * GRAVITY
+    return Recording(config.control_period, command, *series, diverged=diverged, weight=weight)
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """Effort and speed limits (A,) of the joints with a drive."""
+
+    effort: np.ndarray
+    speed: np.ndarray
+
+    @classmethod
+    def of(cls, robot: RobotConfig) -> "_Limits":
+        driven = [robot.limits[JOINTS[i].split("_", 1)[1]] for i in ACTUATED]
+        return cls(np.array([d.effort for d in driven]), np.array([d.speed for d in driven]))
+
+
+def _drives(state: RobotState, limits: _Limits) -> tuple[np.ndarray, ...]:
+    effort = np.abs(state.efforts[:, _DRIVEN])
+    speed = np.abs(state.joint_velocities[:, _DRIVEN])
+    shares = (effort / limits.effort).max(axis=1), (speed / limits.speed).max(axis=1)
+    return ((effort * speed).sum(axis=1), *shares)
 
 
 def run_ticks(

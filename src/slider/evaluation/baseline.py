@@ -10,7 +10,7 @@ from slider.core.config.env import PhysicsConfig, PlantConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.physics import BatchedPhysics
-from slider.evaluation.protocol import evaluate, read_protocol
+from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -19,13 +19,20 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     Its nominal model is that of the section's robot, which is the plant's as well.
     """
     protocol = read_protocol(section)
+    simulated = simulate(section, protocol.count, job.threads)
+    summary = evaluate(protocol, simulated, out, job)
+    assert isinstance(simulated.controller, MpcController)
+    job.volatile["tick_us"] = simulated.controller.clock.microseconds()
+    return summary
+
+
+def simulate(section: Section, count: int, threads: int = 1) -> Simulated:
+    """The baseline on ``count`` robots."""
+    robot = from_dict(RobotConfig, section["robot"])
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(MpcConfig, section["control"])
-    physics = build_plant(protocol.robot, plant.physics, config, protocol.count, job.threads)
-    controller = MpcController(protocol.robot, config, physics.period)
-    summary = evaluate(protocol, controller, physics, plant, out, job)
-    job.volatile["tick_us"] = controller.clock.microseconds()
-    return summary
+    physics = build_plant(robot, plant.physics, config, count, threads)
+    return Simulated(MpcController(robot, config, physics.period), physics, plant)
 
 
 def build_plant(

@@ -43,6 +43,15 @@ class Protocol:
         return self.config.trials * self.config.robots
 
 
+@dataclass(frozen=True)
+class Simulated:
+    """N robots in physics with their controller, and the control period and terminations."""
+
+    controller: Controller
+    physics: BatchedPhysics
+    env: EnvConfig | PlantConfig
+
+
 def read_protocol(section: Section) -> Protocol:
     """The protocol of a stage's section.
 
@@ -57,17 +66,10 @@ def read_protocol(section: Section) -> Protocol:
     )
 
 
-def evaluate(
-    protocol: Protocol,
-    controller: Controller,
-    physics: BatchedPhysics,
-    env: EnvConfig | PlantConfig,
-    out: Path,
-    job: Job,
-) -> Summary:
+def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> Summary:
     """Roll a controller out and write per-robot records and mean velocity traces."""
     config = protocol.config
-    recording = _simulate(protocol, controller, physics, env, job)
+    recording = _simulate(protocol, simulated, job)
     tracked = tracking(
         recording, config.steady_from, config.tracking_tolerance, config.tracking_relative
     )
@@ -82,19 +84,13 @@ def evaluate(
     return summary
 
 
-def _simulate(
-    protocol: Protocol,
-    controller: Controller,
-    physics: BatchedPhysics,
-    env: EnvConfig | PlantConfig,
-    job: Job,
-) -> Recording:
+def _simulate(protocol: Protocol, simulated: Simulated, job: Job) -> Recording:
     velocity = np.zeros((protocol.count, 3))
     velocity[:, 0] = protocol.command
     return roll_out(
-        controller,
-        physics,
-        env,
+        simulated.controller,
+        simulated.physics,
+        simulated.env,
         _starts(protocol.robot, protocol.config),
         velocity,
         protocol.config.duration,

@@ -13,27 +13,28 @@ from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
-from slider.evaluation.protocol import evaluate, read_protocol
+from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Roll the policy out on position drives, once per control period."""
     torch.set_num_threads(job.threads)
     protocol = read_protocol(section)
-    env = from_dict(EnvConfig, section["env"])
-    controller = build_controller(inputs, protocol.robot, env, protocol.count)
-    physics = BatchedPhysics(protocol.robot, env.physics, protocol.count, job.threads)
-    return evaluate(protocol, controller, physics, env, out, job)
+    return evaluate(protocol, simulate(section, inputs, protocol.count, job.threads), out, job)
 
 
-def build_controller(
-    inputs: Inputs, robot: RobotConfig, env: EnvConfig, count: int
-) -> PolicyController:
-    """The policy of the walking stage for ``count`` robots.
+def simulate(section: Section, inputs: Inputs, count: int, threads: int = 1) -> Simulated:
+    """The policy of the walking stage on ``count`` robots.
 
     Raises:
         UserError: the policy is for other observations.
     """
+    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
+    physics = BatchedPhysics(robot, env.physics, count, threads)
+    return Simulated(_policy(inputs, robot, env, count), physics, env)
+
+
+def _policy(inputs: Inputs, robot: RobotConfig, env: EnvConfig, count: int) -> PolicyController:
     policy = load_policy(inputs["walking"][0] / "policy.pt")
     agent = AgentInterface(robot, env, count, policy.times)
     if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts

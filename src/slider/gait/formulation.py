@@ -4,27 +4,26 @@ Two steps make a walk. The second is written in reflected coordinates, so that t
 always the left one and the same functions serve both.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
 
 from slider.core.config.gait import FormulationConfig
-from slider.core.config.robot import JointLimits
+from slider.core.config.robot import Capstan, JointLimits
+from slider.gait import drives
 from slider.gait.constraint import Constraint, at_least, between, equality
+from slider.gait.costs import COSTS, NodeMotion
 from slider.gait.symbols import NodeSymbols, StepEnd, mirrored
 from slider.gait.tree import (
     GRAVITY,
-    LEG_JOINTS,
     NUM_JOINTS,
     BodyPose,
     StanceTree,
 )
 
-TORQUE_SCALE = 50.0  # [N m]
-SPEED_SCALE = 10.0  # [rad/s]
 LENGTH_SCALE = 0.1  # [m]
-KNEE = 3
 
 
 class Formulation:
@@ -35,32 +34,55 @@ class Formulation:
         tree: StanceTree,
         config: FormulationConfig,
         limits: dict[str, JointLimits],
+        capstan: Capstan,
         leg_length: float,
     ) -> None:
         self.tree = tree
         self.leg_length = leg_length
         self.config = config
         self.limits = limits
-        self.phase = np.linspace(0.0, 1.0, config.nodes)
+        self.capstan = capstan
         self.weight = tree.model.mass * GRAVITY
 
     # --- nodes -----------------------------------------------------------------------------
 
-    def node(self, x: ca.SX) -> tuple[list[Constraint], ca.SX]:
-        """Constraints at a node (34,) and the squared torque ‖τ‖² [N² m²]."""
+    def node(self, x: ca.SX, weight: ca.SX) -> tuple[list[Constraint], ca.SX]:
+        """Constraints at a node (34,) with quadrature weight, and its part of the scaled cost."""
         s = NodeSymbols.of(x)
         tree = self.tree
         dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
         force, moment = tree.line_wrench(s.roll, dynamics)
         poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
+        legs = drives.leg_drives(s, dynamics.torques, tree.model)
         constraints = [
             self._line_moment(moment),
             *self.contact(force, moment, self.config.contact.min_vertical * self.weight),
-            *self._drives(s, dynamics.torques),
+            drives.torque(legs, self.limits),
+            drives.slide_force(legs, self.limits),
+            drives.capstan(legs, self.capstan),
+            drives.speed(legs, self.limits),
+            drives.position(legs, self.limits, self.leg_length),
             *self._swing_foot(poses["swing_foot"]),
             self._torso(poses["base"]),
         ]
-        return constraints, ca.sumsqr(dynamics.torques)
+        cost = COSTS[self.config.cost]
+        motion = NodeMotion(dynamics.torques, legs, s.step_time, weight, self.weight)
+        return constraints, cost.scale * cost.node(motion)
+
+    def quantities(self, x: ca.SX) -> list[ca.SX]:
+        """What a gait stores of a node (34,).
+
+        Joint positions, velocities and torques (10 each), base rotation (9, columns first), origin,
+        velocity (world) and angular velocity (base), ground force and moment, swing foot.
+        """
+        s, tree = NodeSymbols.of(x), self.tree
+        dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
+        force, moment = tree.line_wrench(s.roll, dynamics)
+        poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
+        base = poses["base"]
+        swing = tree.point(poses["swing_foot"], np.array([0.0, 0.0, -tree.model.ankle_height]))[0]
+        motion = [ca.vec(base.rotation), base.origin, base.linear, base.angular]
+        return [s.q, s.v, dynamics.torques, *motion, force, moment, swing]
 
     def _line_moment(self, moment: ca.SX) -> Constraint:
         """A foot line cannot carry a moment about itself: the roll equation."""
@@ -91,70 +113,19 @@ class Formulation:
             at_least("friction", "N", "Coulomb, inner pyramid", cone, 0.0, self.weight),
         ]
 
-    def _drives(self, s: NodeSymbols, torques: ca.SX) -> list[Constraint]:
-        """Efforts, speeds and positions of the prismatic leg's drives (eq. 1, exact)."""
-        model = self.tree.model
-        l1, l2 = model.thigh, model.shank
-        effort, speed, place = [], [], []
-        force_room = []
-        for leg in (0, LEG_JOINTS):
-            theta, rate = s.q[leg + KNEE], s.v[leg + KNEE]
-            length = ca.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * ca.cos(theta))
-            hip = l2 * (l2 + l1 * ca.cos(theta)) / length**2
-            ankle = l1 * (l1 + l2 * ca.cos(theta)) / length**2
-            slide = l1 * l2 * ca.sin(theta) / length
-            t = torques[leg : leg + LEG_JOINTS]
-            v = s.v[leg : leg + LEG_JOINTS]
-            effort += [t[0], t[1], t[2], t[4]]
-            speed += [v[0], v[1], v[2] - hip * rate, v[4] - ankle * rate]
-            work = t[3] + hip * t[2] + ankle * t[4]
-            reach = self.limits["slide"].effort * slide
-            force_room += [reach - work, reach + work]
-            hip_shift = ca.atan2(l2 * ca.sin(theta), l1 + l2 * ca.cos(theta))
-            q = s.q[leg : leg + LEG_JOINTS]
-            place += [q[2] - hip_shift, q[4] - (theta - hip_shift), length]
-            speed.append(slide * rate)
-        rotary = ("hip_yaw", "hip_roll", "hip_pitch", "ankle")
-        efforts = np.tile([self.limits[name].effort for name in rotary], 2)
-        speeds = np.tile([*(self.limits[name].speed for name in rotary), 0.0], 2)
-        speeds[4::5] = self.limits["slide"].speed
-        return [
-            between("torque", "N m", "robot.limits", effort, -efforts, efforts, TORQUE_SCALE),
-            at_least(
-                "slide_force",
-                "N m",
-                "robot.limits.slide.effort · |dl/dθ|",
-                ca.vertcat(*force_room),
-                0.0,
-                TORQUE_SCALE,
-            ),
-            between("speed", "rad/s, m/s", "robot.limits", speed, -speeds, speeds, SPEED_SCALE),
-            self._places(place),
-        ]
-
-    def _places(self, place: list[ca.SX]) -> Constraint:
-        pitch, ankle, slide = (self.limits[name] for name in ("hip_pitch", "ankle", "slide"))
-        nominal = self.leg_length
-        lower = np.tile([pitch.lower, ankle.lower, nominal + slide.lower], 2)
-        upper = np.tile([pitch.upper, ankle.upper, nominal + slide.upper], 2)
-        return between("position", "rad, m", "robot.limits", place, lower, upper, 1.0)
-
     def _swing_foot(self, foot: BodyPose) -> list[Constraint]:
         """Height over the step and lateral distance from the stance foot."""
         toe, heel = (self.tree.point(foot, end)[0] for end in self.foot_ends())
         posture = self.config.posture
-        arc = 4.0 * posture.clearance * self.phase * (1.0 - self.phase)
-        lower = np.repeat(arc[:, None], 2, axis=1)
-        lower[[0, -1]] = -np.inf  # touchdown and lift-off have their own constraints
-        height = ca.vertcat(toe[2], heel[2])
         clearance = Constraint(
             "clearance",
             "m",
             "gait.posture.clearance, swing_height",
-            height,
-            lower,
-            np.full_like(lower, posture.swing_height),
+            ca.vertcat(toe[2], heel[2]),
+            _arc(posture.clearance, self.config.nodes),
+            np.full(2, posture.swing_height),
             LENGTH_SCALE,
+            _arc(posture.clearance + posture.clearance_margin, self.config.nodes),
         )
         middle = (toe[1] + heel[1]) / 2
         distance = between(
@@ -247,6 +218,22 @@ class Formulation:
         poses = self.tree.poses(end.roll, end.roll_rate, end.q, end.v)
         sole = np.array([0.0, 0.0, -self.tree.model.ankle_height])
         return self.tree.point(poses["swing_foot"], sole)[0][:2]
+
+
+def _arc(height: float, nodes: int) -> Callable[[np.ndarray], np.ndarray]:
+    """Parabola over the step as a bound of toe and heel (S, 2) [m].
+
+    In the first and the last interval the foot has only not to scuff; at the very ends touchdown
+    and lift-off have their own constraints.
+    """
+    first = 1.0 / (nodes - 1) - 1e-9
+
+    def bound(phase: np.ndarray) -> np.ndarray:
+        away = np.minimum(phase, 1.0 - phase)
+        arc = np.where(away > first, 4.0 * height * phase * (1.0 - phase), 0.0)
+        return np.repeat(np.where(away > 0, arc, -np.inf)[:, None], 2, axis=1)
+
+    return bound
 
 
 def _impulsive(constraint: Constraint) -> Constraint:

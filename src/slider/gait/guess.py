@@ -1,8 +1,9 @@
-"""The generic cold start: a crouched walk in place or forward, the same for every robot state."""
+"""Where the optimisation starts: a crouched walk in place or forward."""
 
 import numpy as np
 
-from slider.gait.problem import ROLL_STATES, GaitProblem
+from slider.gait.layout import ROLL_STATES, Layout
+from slider.gait.transcription import from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 
 CROUCH = 0.9  # knee flexion [rad]
@@ -11,24 +12,29 @@ BUMP = 0.6  # extra flexion of the swing knee [rad]
 STRIDE = 0.6  # longest step that the start assumes [m]
 
 
-def cold_start(problem: GaitProblem, vx: float) -> np.ndarray:
-    """Variables (size,) of a crouched gait at forward speed vx [m/s]."""
-    times = problem.formulation.config.step_time
-    step_time = float(np.clip(STRIDE / max(abs(vx), 1e-9), times.lower, times.upper))
-    angles = _joints(vx * step_time / 2 / LEG, problem.degree + 1)
-    step = np.concatenate([angles.ravel(), [step_time], np.zeros(ROLL_STATES * problem.nodes)])
+def cold_start(
+    layout: Layout, vx: float, degree: int, duration: tuple[float, float], crouch: float = CROUCH
+) -> np.ndarray:
+    """Variables (size,) of a crouched gait at forward speed vx [m/s].
+
+    ``duration``: bounds of the step time [s]; ``crouch``: knee flexion [rad].
+    """
+    step_time = float(np.clip(STRIDE / max(abs(vx), 1e-9), *duration))
+    angles = _joints(vx * step_time / 2 / LEG, degree + 1, crouch)
+    joints = from_polynomials(layout.joints, angles)
+    step = np.concatenate([joints, [step_time], np.zeros(ROLL_STATES * layout.nodes)])
     return np.tile(step, 2)
 
 
-def _joints(swing: float, count: int) -> np.ndarray:
+def _joints(swing: float, count: int, crouch: float) -> np.ndarray:
     """Bézier coefficients (10, count): legs swing from +swing to −swing about vertical."""
     s = np.linspace(0.0, 1.0, count)
     joints = np.zeros((NUM_JOINTS, count))
     stance = swing * (1 - 2 * s)
     bump = BUMP * np.sin(np.pi * s)
     for leg, forward, flexion in (
-        (0, stance, CROUCH + 0 * s),
-        (LEG_JOINTS, -stance, CROUCH + bump),
+        (0, stance, crouch + 0 * s),
+        (LEG_JOINTS, -stance, crouch + bump),
     ):
         joints[leg + 2] = flexion / 2 - forward
         joints[leg + 3] = flexion

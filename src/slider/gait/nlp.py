@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from slider.gait.problem import NODE, GaitProblem
+from slider.gait.layout import NODE
+from slider.gait.problem import GaitProblem
 
 
 @dataclass(frozen=True)
@@ -19,12 +20,12 @@ class Nlp:
 
 def assemble(problem: GaitProblem) -> Nlp:
     """Map the node functions over all nodes and scatter their derivatives."""
-    count = 2 * problem.nodes
-    x, p = ca.MX.sym("x", problem.size), ca.MX.sym("p", 2)
-    select, select_ends = ca.DM(problem.select_nodes), ca.DM(problem.select_ends)
+    layout, count = problem.layout, 2 * problem.nodes
+    x, p = ca.MX.sym("x", layout.size), ca.MX.sym("p", 2)
+    select, select_ends = ca.DM(layout.select_nodes), ca.DM(layout.select_ends)
     nodes = ca.reshape(select @ x, NODE, count)
     ends = select_ends @ x
-    weights = ca.DM(problem.weights).T
+    weights = ca.DM(layout.weights).T
 
     costs, rows = problem.node.value.map(count)(nodes, weights)
     objective = ca.sum2(costs)

@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
-from slider.gait.problem import NODE, GaitProblem
-from slider.gait.symbols import NodeSymbols
+from slider.gait import bezier
+from slider.gait.layout import NODE, ROLL_STATES
+from slider.gait.problem import GaitProblem
 from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
+from slider.gait.tree import NUM_JOINTS as NUM_KNEE_JOINTS
 from slider.robot import knee_map
 from slider.robot.names import LEG_JOINTS as PRISMATIC_LEG
 from slider.robot.names import NUM_JOINTS as NUM_PRISMATIC
@@ -44,8 +45,8 @@ class KneeTrajectory:
 
 def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajectory:
     """Evaluate all nodes of both steps and undo the second step's reflection."""
-    nodes = (problem.select_nodes @ variables).reshape(2 * problem.nodes, NODE)
-    values = [np.array(v).T for v in _node_quantities(problem).map(len(nodes))(nodes.T)]
+    nodes = (problem.layout.select_nodes @ variables).reshape(2 * problem.nodes, NODE)
+    values = [np.array(v).T for v in problem.quantities.map(len(nodes))(nodes.T)]
     q, v, torques, rotation, position, velocity, angular, force, moment, swing = values
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
     second = slice(problem.nodes, None)
@@ -58,24 +59,6 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
         axial[second] *= _AXIAL
     wrench = np.concatenate([force, moment], axis=1)
     return KneeTrajectory(q, v, torques, rotation, position, velocity, angular, wrench, swing)
-
-
-def _node_quantities(problem: GaitProblem) -> ca.Function:
-    tree = problem.formulation.tree
-    x = ca.SX.sym("x", NODE)
-    s = NodeSymbols.of(x)
-    dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
-    force, moment = tree.line_wrench(s.roll, dynamics)
-    poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
-    base = poses["base"]
-    sole = np.array([0.0, 0.0, -tree.model.ankle_height])
-    swing = tree.point(poses["swing_foot"], sole)[0]
-    return ca.Function(
-        "quantities",
-        [x],
-        [s.q, s.v, dynamics.torques, ca.vec(base.rotation), base.origin, base.linear, base.angular]
-        + [force, moment, swing],
-    )
 
 
 def _swap(joints: np.ndarray) -> np.ndarray:
@@ -138,3 +121,27 @@ def samples(position: np.ndarray, velocity: np.ndarray, trajectory: KneeTrajecto
     forward = np.cos(yaw) * world[:, 0] + np.sin(yaw) * world[:, 1]
     leftward = -np.sin(yaw) * world[:, 0] + np.cos(yaw) * world[:, 1]
     return np.concatenate([position, velocity, forward[:, None], leftward[:, None]], axis=1)
+
+
+def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarray, float]:
+    """Bézier coefficients (2, 10, degree + 1), and by how much they miss the nodes [rad].
+
+    Exact for Bézier joints, least squares for collocated ones; the second step is reflected.
+    """
+    layout = problem.layout
+    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
+    positions = nodes[..., ROLL_STATES : ROLL_STATES + NUM_KNEE_JOINTS]
+    if problem.config.transcription == "bezier":
+        steps = [variables[layout.joint_slice(step)] for step in range(2)]
+        return np.stack(steps).reshape(2, NUM_KNEE_JOINTS, -1), 0.0
+    basis = bezier.basis(problem.config.degree, layout.phase)
+    fitted = np.stack([np.linalg.lstsq(basis, step)[0].T for step in positions])
+    missed = np.abs(np.einsum("kw,sjw->skj", basis, fitted) - positions).max()
+    return fitted, float(missed)
+
+
+def rolls(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
+    """Roll, rate and acceleration (2, nodes, 3) of the stance foot; the second step reflected."""
+    layout = problem.layout
+    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
+    return nodes[..., :ROLL_STATES].copy()

@@ -1,15 +1,35 @@
 """Solve a gait problem for one commanded velocity."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
-from slider.core.config.gait import SolverConfig
+from slider.core.config.gait import SolverConfig, StepTime
+from slider.gait.costs import COSTS
 from slider.gait.guess import cold_start
-from slider.gait.nlp import assemble
+from slider.gait.nlp import Nlp, assemble
 from slider.gait.problem import GaitProblem
+
+RELAXED_CROUCH = 0.6  # knee flexion of the second start: longer legs [rad]
+RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
+_WARM = {
+    "warm_start_init_point": "yes",
+    "warm_start_bound_push": 1e-6,
+    "warm_start_mult_bound_push": 1e-6,
+    "mu_init": 1e-4,
+}
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """One rung of the ladder, for the report."""
+
+    name: str
+    status: str
+    iterations: int
 
 
 @dataclass(frozen=True)
@@ -20,10 +40,12 @@ class Solve:
         variables: (size,) best point found.
         status: IPOPT's return status.
         success: whether IPOPT reports convergence.
-        iterations: of IPOPT.
+        iterations: of IPOPT, of the last attempt.
         cost: in SI units.
         residuals: worst violation by constraint name, in the constraint's own unit.
-        wall, cpu: time of the solve [s].
+        wall, cpu: time of all attempts [s].
+        evaluations: time of the last attempt in each function [s].
+        attempts: what was tried, the last one being the result.
     """
 
     variables: np.ndarray
@@ -34,6 +56,8 @@ class Solve:
     residuals: dict[str, float]
     wall: float
     cpu: float
+    evaluations: dict[str, float] = field(default_factory=dict)
+    attempts: tuple[Attempt, ...] = ()
 
     @property
     def max_violation(self) -> float:
@@ -41,31 +65,61 @@ class Solve:
         return max(self.residuals.values())
 
 
+@dataclass(frozen=True)
+class _Point:
+    """Primal and dual variables."""
+
+    x: np.ndarray
+    lam_x: np.ndarray | None = None
+    lam_g: np.ndarray | None = None
+
+
+def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
+    """Bounds of the step time [s] of a commanded velocity: an interval, or one value."""
+    if law.law == "free":
+        return law.lower, law.upper
+    slope = law.slope if law.law == "speed" else 0.0
+    value = float(np.clip(law.value + slope * np.hypot(vx, vy), law.lower, law.upper))
+    return value, value
+
+
 class GaitSolver:
     """IPOPT on one problem; reusable for several velocities."""
 
-    def __init__(self, problem: GaitProblem) -> None:
+    def __init__(self, problem: GaitProblem, config: SolverConfig, step_time: StepTime) -> None:
         self.problem = problem
-        self._nlp = assemble(problem)
-        self._solver = self._build(problem.formulation.config.solver)
+        self._config, self._step_time = config, step_time
+        self._nlp: Nlp = assemble(problem)
 
-    def _build(self, config: SolverConfig) -> ca.Function:
-        x, p = ca.MX.sym("x", self.problem.size), ca.MX.sym("p", 2)
+    @cached_property
+    def _cold(self) -> ca.Function:
+        return self._build({})
+
+    @cached_property
+    def _warm(self) -> ca.Function:
+        return self._build(_WARM)
+
+    def _build(self, changes: dict[str, object]) -> ca.Function:
+        config = self._config
+        x, p = ca.MX.sym("x", self.problem.layout.size), ca.MX.sym("p", 2)
         objective, rows = self._nlp.objective_and_rows(x, p)
+        ipopt = {
+            "max_iter": config.max_iterations,
+            "tol": config.tolerance,
+            "constr_viol_tol": config.constraint_tolerance,
+            "linear_solver": "mumps",
+            "mumps_permuting_scaling": 0,
+            "mu_strategy": "adaptive",
+            "acceptable_tol": 1e-4,
+            "acceptable_iter": 15,
+            "bound_relax_factor": 1e-9,
+            "print_level": 0,
+            "sb": "yes",
+        }
         options = {
-            "ipopt": {
-                "max_iter": config.max_iterations,
-                "tol": config.tolerance,
-                "constr_viol_tol": config.constraint_tolerance,
-                "linear_solver": "mumps",
-                "mu_strategy": "adaptive",
-                "acceptable_tol": 1e-4,
-                "acceptable_iter": 15,
-                "bound_relax_factor": 1e-9,
-                "print_level": 0,
-                "sb": "yes",
-            },
+            "ipopt": ipopt | changes,
             "print_time": False,
+            "record_time": True,
             "no_nlp_grad": True,
             "calc_lam_p": False,
             "grad_f": self._nlp.gradient,
@@ -76,33 +130,66 @@ class GaitSolver:
         return ca.nlpsol("gait", "ipopt", {"x": x, "p": p, "f": objective, "g": rows}, options)
 
     def solve(self, vx: float, vy: float) -> Solve:
-        """Cold solve for a commanded velocity [m/s]."""
-        lower, upper = self.problem.variable_bounds
-        row_lower, row_upper = self.problem.row_bounds
+        """Solve for a commanded velocity [m/s], trying the rungs of the ladder in order."""
         wall, cpu = time.perf_counter(), time.process_time()
-        result = self._solver(
-            x0=cold_start(self.problem, vx),
+        attempts: list[Attempt] = []
+        for rung in self._config.ladder:
+            function, result = self._climb(rung, vx, vy)
+            stats = function.stats()
+            status, count = str(stats["return_status"]), int(stats["iter_count"])
+            attempts.append(Attempt(rung, status, count))
+            if stats["success"]:
+                break
+        variables = np.array(result["x"]).ravel()
+        duration = duration_bounds(self._step_time, vx, vy)
+        return Solve(
+            variables=variables,
+            status=status,
+            success=bool(stats["success"]),
+            iterations=count,
+            cost=float(result["f"]) / COSTS[self.problem.config.cost].scale,
+            residuals=self.residuals(np.array(result["g"]).ravel(), variables, duration),
+            wall=time.perf_counter() - wall,
+            cpu=time.process_time() - cpu,
+            evaluations={k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
+            attempts=tuple(attempts),
+        )
+
+    def _climb(self, rung: str, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
+        """One rung: ``cold`` and ``relaxed`` starts, or a ``ramp`` of warm starts from rest."""
+        if rung == "ramp":
+            return self._ramp(vx, vy)
+        crouch = {"relaxed": {"crouch": RELAXED_CROUCH}}.get(rung, {})
+        duration = duration_bounds(self._step_time, vx, vy)
+        degree = self.problem.config.degree
+        start = cold_start(self.problem.layout, vx, degree, duration, **crouch)
+        return self._cold, self._call(self._cold, _Point(start), vx, vy)
+
+    def _ramp(self, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
+        """Walk in place first, then ever faster, each start with primal and dual values."""
+        _, result = self._climb("cold", 0.0, 0.0)
+        for share in RAMP:
+            values = (np.array(result[name]).ravel() for name in ("x", "lam_x", "lam_g"))
+            result = self._call(self._warm, _Point(*values), share * vx, share * vy)
+        return self._warm, result
+
+    def _call(self, function: ca.Function, start: _Point, vx: float, vy: float) -> dict[str, ca.DM]:
+        lower, upper = self.problem.variable_bounds(duration_bounds(self._step_time, vx, vy))
+        row_lower, row_upper = self.problem.row_bounds
+        duals = {} if start.lam_x is None else {"lam_x0": start.lam_x, "lam_g0": start.lam_g}
+        return function(
+            x0=start.x,
             p=[vx, vy],
             lbx=lower,
             ubx=upper,
             lbg=row_lower,
             ubg=row_upper,
-        )
-        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        stats = self._solver.stats()
-        variables = np.array(result["x"]).ravel()
-        return Solve(
-            variables=variables,
-            status=str(stats["return_status"]),
-            success=bool(stats["success"]),
-            iterations=int(stats["iter_count"]),
-            cost=float(result["f"]) / self.problem.cost_scale,
-            residuals=self.residuals(np.array(result["g"]).ravel(), variables),
-            wall=wall,
-            cpu=cpu,
+            **duals,
         )
 
-    def residuals(self, rows: np.ndarray, variables: np.ndarray) -> dict[str, float]:
+    def residuals(
+        self, rows: np.ndarray, variables: np.ndarray, duration: tuple[float, float]
+    ) -> dict[str, float]:
         """Worst violation by constraint name; constraints of both steps count together."""
         lower, upper = self.problem.row_bounds
         excess = np.maximum(np.maximum(lower - rows, rows - upper), 0.0)
@@ -110,7 +197,7 @@ class GaitSolver:
         for block in self.problem.blocks:
             value = float(excess[block.rows].max() * block.scale)
             worst[block.name] = max(worst.get(block.name, 0.0), value)
-        low, high = self.problem.variable_bounds
+        low, high = self.problem.variable_bounds(duration)
         worst["variables"] = float(
             np.maximum(np.maximum(low - variables, variables - high), 0.0).max()
         )

@@ -1,5 +1,7 @@
 """Layout of the gait library's Zarr store; documented in ``docs/gait-library.md``."""
 
+from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES
+
 SCHEMA = "slider-gait-library"
 VERSION = 1
 
@@ -22,8 +24,34 @@ AXES: dict[str, tuple[str, ...]] = {
     "cost": (),
     "max_violation": (),
     "iterations": (),
+    "residuals": ("constraint",),
 }
 ARRAYS = tuple(AXES)
+
+# Names along the axes: one-dimensional arrays of text, which xarray takes for coordinates.
+# The names of the constraints are the formulation's and come with the gaits.
+CONSTRAINT = "constraint"
+LABELS: dict[str, tuple[str, ...]] = {
+    "component": ("vx", "vy"),
+    "channel": CHANNELS,
+    "joint": JOINTS,
+    "knee_joint": KNEE_JOINTS,
+    "step": SIDES,  # by its stance foot
+    "foot": SIDES,
+    "base_channel": (
+        *("x", "y", "z"),
+        *("qw", "qx", "qy", "qz"),
+        *("vx", "vy", "vz"),
+        *("wx", "wy", "wz"),
+    ),
+    "wrench_component": ("fx", "fy", "fz", "mx", "my", "mz"),
+    "coordinate": ("x", "y", "z"),
+    "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
+}
+# What the gaits were made for and with, and the velocities that have none.
+ATTRIBUTES = ("holes", "robot", "kinematic_map")
+# One value per gait, beside its place in the arrays.
+GAIT_COORDINATES: dict[str, str] = {"vx": "m/s", "vy": "m/s", "status": "IPOPT's return status"}
 
 UNITS: dict[str, str] = {
     "velocities": "m/s",
@@ -43,4 +71,5 @@ UNITS: dict[str, str] = {
     "cost": "N^2 m^2 / s",
     "max_violation": "SI unit of the worst constraint",
     "iterations": "1",
+    "residuals": "unit of the constraint",
 }

@@ -12,11 +12,21 @@ from slider.core.config.convert import from_dict
 from slider.core.config.gait import LibraryConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.library.schema import ARRAYS, AXES, SCHEMA, UNITS, VERSION
+from slider.library.schema import (
+    ARRAYS,
+    AXES,
+    CONSTRAINT,
+    GAIT_COORDINATES,
+    LABELS,
+    SCHEMA,
+    UNITS,
+    VERSION,
+)
 from slider.robot.names import CHANNEL_UNITS, CHANNELS
 
 STORE = "library.zarr"
 _REPORT = "report.json"
+_TEXT = np.dtypes.StringDType()
 
 Report = dict[str, Any]
 
@@ -35,7 +45,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     _log(reports, job)
     if not good or (holes and not config.allow_holes):
         raise UserError(_describe(holes))
-    write_library(out / STORE, [folders[i] for i in good], [reports[i] for i in good])
+    about = {"robot": section["robot"], "kinematic_map": section["kinematic_map"]}
+    about["holes"] = [_hole(report, config) for report in holes]
+    write_library(out / STORE, [folders[i] for i in good], [reports[i] for i in good], about)
     return {
         "gaits": len(good),
         "holes": [[report["vx"], report["vy"]] for report in holes],
@@ -43,8 +55,13 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     }
 
 
-def write_library(path: Path, folders: Sequence[Path], reports: Sequence[Report]) -> None:
-    """Write gaits to a Zarr store; the same gaits give the same bytes."""
+def write_library(
+    path: Path, folders: Sequence[Path], reports: Sequence[Report], about: dict[str, Any]
+) -> None:
+    """Write gaits to a Zarr store; the same gaits give the same bytes.
+
+    ``about`` holds further attributes: robot, kinematic_map, holes.
+    """
     group = zarr.open_group(path, mode="w", zarr_format=3)
     group.attrs.update(
         {
@@ -53,23 +70,49 @@ def write_library(path: Path, folders: Sequence[Path], reports: Sequence[Report]
             "channels": list(CHANNELS),
             "channel_units": list(CHANNEL_UNITS),
             "passive_channels": [i for i, name in enumerate(CHANNELS) if "upper_foot" in name],
-            "status": [report["status"] for report in reports],
+            "coordinates": " ".join(GAIT_COORDINATES),  # as xarray reads it
+            **about,
         }
     )
-    scalars = {
-        "velocities": np.array([[report["vx"], report["vy"]] for report in reports]),
-        "cost": np.array([report["cost"] for report in reports]),
-        "max_violation": np.array([report["max_violation"] for report in reports]),
-        "iterations": np.array([report["iterations"] for report in reports]),
-    }
+    constraints = list(reports[0]["residuals"])
+    known = _facts(reports, constraints)
     for name in ARRAYS:
-        values = scalars.get(name)
+        values = known.get(name)
         if values is None:
             values = np.stack([np.load(folder / f"{name}.npy") for folder in folders])
-        array = group.create_array(
-            name, data=values, chunks=values.shape, dimension_names=("gait", *AXES[name])
-        )
-        array.attrs["units"] = UNITS[name]
+        _write_array(group, name, values, ("gait", *AXES[name]), UNITS[name])
+    for name, unit in GAIT_COORDINATES.items():
+        _write_array(group, name, _column(reports, name), ("gait",), unit)
+    for name, labels in (LABELS | {CONSTRAINT: tuple(constraints)}).items():
+        _write_array(group, name, np.array(labels, dtype=_TEXT), (name,), "name")
+
+
+def _facts(reports: Sequence[Report], constraints: Sequence[str]) -> dict[str, np.ndarray]:
+    """Arrays that come from the reports of the gaits."""
+    residuals = [[report["residuals"][name] for name in constraints] for report in reports]
+    facts = {name: _column(reports, name) for name in ("cost", "max_violation", "iterations")}
+    velocities = np.array([[report["vx"], report["vy"]] for report in reports])
+    return facts | {"velocities": velocities, "residuals": np.array(residuals)}
+
+
+def _column(reports: Sequence[Report], name: str) -> np.ndarray:
+    values = [report[name] for report in reports]
+    return np.array(values, dtype=_TEXT) if isinstance(values[0], str) else np.array(values)
+
+
+def _write_array(
+    group: zarr.Group, name: str, values: np.ndarray, axes: tuple[str, ...], unit: str
+) -> None:
+    array = group.create_array(name, data=values, chunks=values.shape, dimension_names=axes)
+    array.attrs["units"] = unit
+
+
+def _hole(report: Report, config: LibraryConfig) -> dict[str, Any]:
+    """What is known of a gait that did not converge: the constraints that it violates, by name."""
+    names = ("vx", "vy", "status", "iterations", "max_violation")
+    violated = {k: v for k, v in report["residuals"].items() if v > config.max_violation}
+    worst_first = dict(sorted(violated.items(), key=lambda item: -item[1]))
+    return {name: report[name] for name in names} | {"residuals": worst_first}
 
 
 def _acceptable(report: Report, config: LibraryConfig) -> bool:

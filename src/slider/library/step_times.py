@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.library.mesh import corners
+
 
 @dataclass(frozen=True)
 class StepTimes:
-    """Step time over a regular grid of commanded velocities.
+    """Step time over a grid of commanded velocities.
 
     Attributes:
         vx, vy: increasing grid values [m/s], (nx,), (ny,).
@@ -20,19 +22,7 @@ class StepTimes:
 
     def at(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
         """Bilinear step times (N,) [s]; commands outside the grid use its border."""
-        i, a = cell(self.vx, vx)
-        j, b = cell(self.vy, vy)
-        k, m = np.minimum(i + 1, len(self.vx) - 1), np.minimum(j + 1, len(self.vy) - 1)
-        table = self.step_time
-        near = table[i, j] * (1 - b) + table[i, m] * b
-        far = table[k, j] * (1 - b) + table[k, m] * b
-        return near * (1 - a) + far * a
-
-
-def cell(axis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Index (N,) of the grid value below and the fraction (N,) above it; clamped outside."""
-    if len(axis) == 1:
-        return np.zeros(len(value), dtype=int), np.zeros(len(value))
-    position = np.interp(value, axis, np.arange(len(axis)))
-    index = np.minimum(position.astype(int), len(axis) - 2)
-    return index, position - index
+        result = np.zeros(len(vx))
+        for i, j, weight in corners(self.vx, self.vy, vx, vy):
+            result += weight * self.step_time[i, j]
+        return result

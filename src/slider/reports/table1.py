@@ -9,6 +9,8 @@ import numpy as np
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation import records
+from slider.reports import table1_text
+from slider.reports.comparison import read_rows
 
 COLUMNS = (
     "controller",
@@ -30,14 +32,29 @@ Row = dict[str, str | float]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``table1.csv`` and a second table about the quality of the gait."""
+    """Write Table 1 as CSV, Markdown and LaTeX, and a table about the quality of the gait."""
     evaluations = [_read(folder) for folder in inputs["evaluations"]]
     rows = [table_row(*evaluation) for evaluation in evaluations]
     _write(rows + paper_rows(), COLUMNS, out / "table1.csv")
     quality = [quality_row(*evaluation) for evaluation in evaluations]
     _write(quality, tuple(quality[0]), out / "gait_quality.csv")
+    comparable = read_rows(out / "table1.csv")
+    (out / "table1.md").write_text(table1_text.markdown(comparable), encoding="utf-8")
+    (out / "table1.tex").write_text(table1_text.latex(comparable), encoding="utf-8")
     job.tracker.log_file(out / "table1.csv")
+    job.tracker.log_metrics(_metrics(rows), 0)
     return {"rows": len(rows)}
+
+
+def _metrics(rows: list[Row]) -> dict[str, float]:
+    """The whole table as metrics of one run, such as ``success_rate/policy/1.2``."""
+    names = ("success_rate", "mse", "mse_steady", "tracking_rate")
+    found = {
+        f"{name}/{row['controller']}/{row['command_velocity']}": float(row[name])
+        for row in rows
+        for name in names
+    }
+    return {name: value for name, value in found.items() if np.isfinite(value)}
 
 
 def table_row(controller: str, command: float, table: records.Records) -> Row:

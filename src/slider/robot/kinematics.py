@@ -5,8 +5,9 @@ import numpy as np
 from slider.core.config.robot import Geometry
 from slider.robot.names import LEG_JOINTS
 
-_YAW, _ROLL, _PITCH, _SLIDE, _ANKLE = (
-    LEG_JOINTS.index(name) for name in ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle")
+_YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (
+    LEG_JOINTS.index(name)
+    for name in ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
 )
 
 
@@ -44,16 +45,44 @@ def foot_ends(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> n
         (N, 2, 2, 3): foot (left, right), end (heel, toe), coordinate.
     """
     ends = np.empty((len(joints), 2, 2, 3))
-    for leg, sign in enumerate((1.0, -1.0)):
-        q = joints[:, leg * len(LEG_JOINTS) :]
-        hip = rotation @ _about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
-        foot = hip @ _about_y(q[:, _ANKLE])
-        origin = rotation @ np.array([0.0, sign * geometry.hip_offset, 0.0])
-        ankle = origin - hip[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None]
+    for leg in range(2):
+        _, ankle, tube = _leg(geometry, rotation, joints, leg)
+        foot = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _ANKLE])
         for end, x in enumerate((-geometry.heel, geometry.toe)):
             centre = foot @ np.array([x, 0.0, geometry.foot_radius - geometry.ankle_height])
             ends[:, leg, end] = ankle + centre - [0.0, 0.0, geometry.foot_radius]
     return ends
+
+
+def leg_points(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> np.ndarray:
+    """Hip, ankle, top of the tube, and ends of the upper foot, relative to the base origin [m].
+
+    Args:
+        rotation: base to world (N, 3, 3).
+        joints: joint positions (N, 12).
+
+    Returns:
+        (N, 2, 5, 3): foot (left, right); hip, ankle, top, back and front of the upper foot, world.
+    """
+    points = np.empty((len(joints), 2, 5, 3))
+    for leg in range(2):
+        hip, ankle, tube = _leg(geometry, rotation, joints, leg)
+        top = ankle + tube[:, :, 2] * (geometry.leg_length + geometry.upper_foot_height)
+        upper = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _UPPER_FOOT])
+        points[:, leg, 0], points[:, leg, 1], points[:, leg, 2] = hip, ankle, top
+        for end, x in ((3, -geometry.heel), (4, geometry.toe)):
+            points[:, leg, end] = top + upper @ np.array([x, 0.0, geometry.ankle_height])
+    return points
+
+
+def _leg(
+    geometry: Geometry, rotation: np.ndarray, joints: np.ndarray, leg: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Hip (N, 3) and ankle (N, 3) relative to the base origin, rotation of the tube (N, 3, 3)."""
+    q = joints[:, leg * len(LEG_JOINTS) :]
+    tube = rotation @ _about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
+    hip = rotation @ np.array([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0])
+    return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
 
 
 def standing_height(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> np.ndarray:

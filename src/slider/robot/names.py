@@ -12,6 +12,7 @@ ACTUATED = tuple(i for i, name in enumerate(JOINTS) if not name.endswith(PASSIVE
 
 # The virtual-knee model has a revolute knee in place of the slide and no upper foot.
 KNEE_LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle")
+KNEE_JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in KNEE_LEG_JOINTS)
 
 # Reflection at the sagittal plane: swap the legs, then flip yaw and roll.
 MIRROR_PERMUTATION = tuple((i + len(LEG_JOINTS)) % NUM_JOINTS for i in range(NUM_JOINTS))

@@ -1,4 +1,4 @@
-"""Bridge from rsl-rl's scalars to the tracker, one batch per iteration."""
+"""Bridge from rsl-rl's scalars to the tracker and to the learning curve, a batch per iteration."""
 
 from rsl_rl.utils.log_writer import LogWriter
 
@@ -6,13 +6,20 @@ from slider.core.job import Tracker
 
 # rsl-rl logs these against the wall clock instead of the iteration.
 _SKIPPED_SUFFIX = "/time"
+_VOLATILE = "Perf/"  # times and rates: no part of a result
+ITERATION = "iteration"
 
 
 class TrackerLogWriter(LogWriter):
-    """Collects the scalars of an iteration and hands them over together."""
+    """Collects the scalars of an iteration and hands them over together.
 
-    def __init__(self, tracker: Tracker) -> None:
-        self._tracker = tracker
+    Args:
+        tracker: gets all of them.
+        curve: gets a row per iteration with what does not depend on the machine's speed.
+    """
+
+    def __init__(self, tracker: Tracker, curve: list[dict[str, float]]) -> None:
+        self._tracker, self._curve = tracker, curve
         self._step = 0
         self._metrics: dict[str, float] = {}
 
@@ -32,4 +39,6 @@ class TrackerLogWriter(LogWriter):
     def _flush(self) -> None:
         if self._metrics:
             self._tracker.log_metrics(self._metrics, self._step)
+            lasting = {k: v for k, v in self._metrics.items() if not k.startswith(_VOLATILE)}
+            self._curve.append({ITERATION: self._step, **lasting})
         self._metrics = {}

@@ -12,24 +12,26 @@ NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the stan
 _NEVER = 10**9
 
 
-def runner_config(train: TrainConfig, tracker: Tracker) -> dict[str, Any]:
-    """Configuration dictionary of ``OnPolicyRunner``."""
+def runner_config(
+    train: TrainConfig, tracker: Tracker, curve: list[dict[str, float]]
+) -> dict[str, Any]:
+    """Configuration dictionary of ``OnPolicyRunner``; ``curve`` gets a row per iteration."""
     return {
         "num_steps_per_env": train.steps_per_iteration,
         "save_interval": _NEVER,  # checkpoints are ours
         "obs_groups": {"actor": ["policy"], "critic": ["policy"]},
-        "logger": {"class_name": _writer_factory(tracker)},
+        "logger": {"class_name": _writer_factory(tracker, curve)},
         "actor": {**_model(train.network), "distribution_cfg": _distribution(train.network)},
         "critic": _model(train.network),
         "algorithm": _algorithm(train),
     }
 
 
-def _writer_factory(tracker: Tracker):
+def _writer_factory(tracker: Tracker, curve: list[dict[str, float]]):
     """A function, since rsl-rl deep-copies its configuration and functions survive that."""
 
     def create(log_dir: str) -> TrackerLogWriter:
-        return TrackerLogWriter(tracker)
+        return TrackerLogWriter(tracker, curve)
 
     return create
 

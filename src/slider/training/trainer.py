@@ -26,6 +26,8 @@ CHECKPOINT = "checkpoint.pt"
 BEST = "best.pt"
 POLICY = "policy.pt"
 WEIGHTS = "weights.pt"
+SELECTION = "selection.csv"
+CURVE = "learning_curve.csv"
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,8 @@ class Trainer:
             task.robot, task.env, train, rng, task.times, task.guide, job.threads
         )
         job.work.mkdir(parents=True, exist_ok=True)
-        config = runner_config(train, job.tracker)
+        self._curve: list[dict[str, float]] = []
+        config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
         self._shrink_first_actions()
         self._selector = Selector(
@@ -129,6 +132,7 @@ class Trainer:
             "iteration": self._iteration,
             "best": self._best,
             "history": self._history,
+            "curve": self._curve,
         }
         partial = self._job.work / f"{CHECKPOINT}.partial"
         torch.save(content, partial)
@@ -144,6 +148,7 @@ class Trainer:
         self._runner.alg.load(content, {"actor": True, "critic": True, "optimizer": True}, True)
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
+        self._curve[:] = content["curve"]
         # The states of environments and generators are gone: go on with fresh, distinct noise.
         torch.manual_seed(self._task.train.seed + self._iteration)
         self._job.volatile["resumed"] = True
@@ -161,7 +166,8 @@ class Trainer:
         )
         save_policy(policy, out / POLICY)
         torch.save(weights, out / WEIGHTS)
-        _write_history(self._history, out / "selection.csv")
+        _write_rows(self._history, out / SELECTION)
+        _write_rows(self._curve, out / CURVE)
         self._job.tracker.log_file(out / POLICY)
         return {"iteration": self._best["iteration"], **self._best["score"]}
 
@@ -170,8 +176,9 @@ def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     return {name: value.detach().clone() for name, value in state.items()}
 
 
-def _write_history(history: list[dict[str, float]], path: Path) -> None:
-    names = list(history[0])
+def _write_rows(rows: list[dict[str, float]], path: Path) -> None:
+    """Columns in the order in which they first appear; empty where a row lacks one."""
+    names = list({name: None for row in rows for name in row})
     lines = [",".join(names)]
-    lines += [",".join(f"{row[name]:.6g}" for name in names) for row in history]
+    lines += [",".join(f"{row[n]:.6g}" if n in row else "" for n in names) for row in rows]
     path.write_text("\n".join(lines) + "\n")

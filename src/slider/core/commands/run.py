@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TextIO
 
 from slider.core.errors import UserError
-from slider.core.plan import Plan, read_plan
+from slider.core.plan import JobSpec, Plan, jobs_towards, read_plan
 from slider.core.runner import Runner
 from slider.core.store import ARTEFACTS, Store
 
@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         runner = Runner(store, arguments.threads, _progress(spec.label, terminal))
         try:
             outcome = runner.run(spec)
-            print(f"{_progress_count(store, plan)} {spec.label}: {outcome}", file=terminal)
+            print(f"{_progress_count(store, plan, spec)} {spec.label}: {outcome}", file=terminal)
         except UserError as error:
             print(f"slider: {spec.label}: {error}", file=terminal)
             return 1
@@ -81,9 +81,9 @@ def _redirect(targets: tuple[int, int]) -> None:
         os.dup2(target, descriptor)
 
 
-def _progress_count(store: Store, plan: Plan) -> str:
-    """How many results of the plan are there, whenever they were computed."""
-    jobs = plan.jobs.values()
+def _progress_count(store: Store, plan: Plan, spec: JobSpec) -> str:
+    """How many results are there of what the job leads to, whenever they were computed."""
+    jobs = jobs_towards(plan, spec.recipe).values()
     done = sum(store.manifest_path(job.stage, job.recipe).is_file() for job in jobs)
     return f"[{done}/{len(jobs)}]"
 

@@ -18,27 +18,34 @@ class Axis:
 
 @dataclass(frozen=True, config=STRICT)
 class GridBlock:
-    """A rectangle of commanded velocities [m/s]."""
+    """A rectangle of commanded velocities [m/s]; an axis may be a list of values."""
 
-    vx: Axis
-    vy: Axis
+    vx: Axis | list[float]
+    vy: Axis | list[float]
 
 
 @dataclass(frozen=True, config=STRICT)
 class GridConfig:
     """The commanded velocities of the library: one rectangle, and further ones beside it."""
 
-    vx: Axis
-    vy: Axis
+    vx: Axis | list[float]
+    vy: Axis | list[float]
     extra: list[GridBlock] = field(default_factory=list)
 
 
 @dataclass(frozen=True, config=STRICT)
 class StepTime:
-    """Bounds of the duration of a step [s]."""
+    """Duration of a step [s].
+
+    ``law``: ``free`` within the bounds; ``fixed`` at ``value``; ``speed``: value + slope · speed,
+    within the bounds, ``slope`` in s per m/s.
+    """
 
     lower: float
     upper: float
+    law: str
+    value: float
+    slope: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -57,6 +64,7 @@ class Posture:
     """Geometric limits of a gait: [m], [rad]."""
 
     clearance: float
+    clearance_margin: float
     swing_height: float
     foot_separation_min: float
     foot_separation_max: float
@@ -77,30 +85,38 @@ class ContactLimits:
 
 @dataclass(frozen=True, config=STRICT)
 class SolverConfig:
-    """IPOPT settings."""
+    """IPOPT settings, and what is tried in turn until a gait converges."""
 
     max_iterations: int
     tolerance: float
     constraint_tolerance: float
+    ladder: list[str]
 
 
 @dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
-    """How a gait is optimised, the same for all commanded velocities; see ``docs/method.md``."""
+    """What a gait is, the same for all commanded velocities; see ``docs/method.md``."""
 
     nodes: int
+    transcription: str
     degree: int
     cost: str
-    kinematic_map: str
-    step_time: StepTime
     touchdown: Touchdown
     posture: Posture
     contact: ContactLimits
+
+
+@dataclass(frozen=True, config=STRICT)
+class SolveConfig:
+    """How a gait is found and converted."""
+
+    kinematic_map: str
+    step_time: StepTime
     solver: SolverConfig
 
 
 @dataclass(frozen=True, config=STRICT)
-class GaitConfig(FormulationConfig):
+class GaitConfig(SolveConfig, FormulationConfig):
     """One gait per velocity of the grid."""
 
     grid: GridConfig

@@ -63,6 +63,20 @@ class JointLimits:
 
 
 @dataclass(frozen=True, config=STRICT)
+class Capstan:
+    """Differential drive of slide and foot by two equal motors.
+
+    ``drum_radius``: way of the slide per angle of both motors in the same sense [m/rad];
+    ``foot_ratio``: angle of the foot per angle of both in opposite sense [-]; ``torque``: limit of
+    each motor, gears included [N m].
+    """
+
+    drum_radius: float
+    foot_ratio: float
+    torque: float
+
+
+@dataclass(frozen=True, config=STRICT)
 class JointDrive:
     """Reflected inertia [kg m² or kg], viscous damping [N m s/rad or N s/m].
 
@@ -99,6 +113,7 @@ class RobotConfig:
     links: Links
     virtual_knee: VirtualKnee
     limits: dict[str, JointLimits]
+    capstan: Capstan
     drives: dict[str, JointDrive]
     gains: dict[str, JointGains]
     contact: Contact

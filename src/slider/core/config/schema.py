@@ -6,9 +6,11 @@ from slider.core.config.control import ControlConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig, ResourcesConfig, TrackingConfig
 from slider.core.config.gait import GaitConfig, LibraryConfig
+from slider.core.config.report import ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.strict import STRICT
 from slider.core.config.train import TrainingsConfig
+from slider.core.config.verification import VerificationConfig
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -22,5 +24,7 @@ class Config:
     train: TrainingsConfig
     control: ControlConfig
     evaluation: EvaluationConfig
+    verification: VerificationConfig
+    report: ReportConfig
     tracking: TrackingConfig
     resources: ResourcesConfig

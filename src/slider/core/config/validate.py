@@ -9,9 +9,11 @@ from slider.core.config.control import MpcConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, GaitConfig
+from slider.core.config.report import RENDERERS, SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
 from slider.core.config.train import Interval, TrainConfig
+from slider.core.config.verification import VerificationConfig
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS
 
@@ -35,6 +37,8 @@ def validate(config: Config) -> None:
     for name in settings:
         _control(getattr(config.control, name), config.env, f"control.{name}")
     _evaluation(config.evaluation, ["policy", *(f"mpc_wbc_{name}" for name in settings)])
+    _verification(config.verification)
+    _report(config.report, config.env.control_period)
     _at_least("resources.threads", config.resources.threads, 1)
 
 
@@ -87,6 +91,8 @@ def _robot(robot: RobotConfig) -> None:
         _require(limit.lower < limit.upper, f"robot.limits.{name}", "lower < upper", limit)
     for item in fields(robot.links):
         _positive(f"robot.links.{item.name}.mass", getattr(robot.links, item.name).mass)
+    for item in fields(robot.capstan):
+        _positive(f"robot.capstan.{item.name}", getattr(robot.capstan, item.name))
     _positive("robot.geometry.leg_length", robot.geometry.leg_length)
     knee = robot.virtual_knee
     reach = knee.thigh_length + knee.shank_length
@@ -98,17 +104,20 @@ def _robot(robot: RobotConfig) -> None:
     )
 
 
-def axis_size(axis: Axis) -> int:
+def axis_size(axis: Axis | list[float]) -> int:
     """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
+    if isinstance(axis, list):
+        return len(axis)
     if axis.step <= 0 or axis.stop < axis.start:
         return 0
     return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
-def _axis(key: str, axis: Axis) -> int:
-    _positive(f"{key}.step", axis.step)
+def _axis(key: str, axis: Axis | list[float]) -> int:
+    if isinstance(axis, Axis):
+        _positive(f"{key}.step", axis.step)
     size = axis_size(axis)
-    _require(size > 0, key, "start ≤ stop (a grid that is not empty)", axis)
+    _require(size > 0, key, "start ≤ stop, or a list (a grid that is not empty)", axis)
     return size
 
 
@@ -126,20 +135,32 @@ def _gait(gait: GaitConfig) -> None:
         nodes,
     )
     _require(3 <= gait.degree <= 12, "gait.degree", "a degree from 3 to 12", gait.degree)
-    _in("gait.cost", gait.cost, ("paper", "torque"))
+    _in("gait.transcription", gait.transcription, ("bezier", "collocation"))
+    _in("gait.cost", gait.cost, ("paper", "torque", "transport"))
     _in("gait.kinematic_map", gait.kinematic_map, ("exact", "paper"))
     _interval("gait.step_time", gait.step_time.lower, gait.step_time.upper)
     _positive("gait.step_time.lower", gait.step_time.lower)
+    _in("gait.step_time.law", gait.step_time.law, ("free", "fixed", "speed"))
+    _require(
+        gait.step_time.lower <= gait.step_time.value <= gait.step_time.upper,
+        "gait.step_time.value",
+        f"from {gait.step_time.lower} to {gait.step_time.upper} s",
+        gait.step_time.value,
+    )
     _interval("gait.touchdown.down", gait.touchdown.down_min, gait.touchdown.down_max)
     _require(
-        gait.posture.clearance < gait.posture.swing_height,
+        gait.posture.clearance + gait.posture.clearance_margin < gait.posture.swing_height,
         "gait.posture.clearance",
-        f"less than swing_height ({gait.posture.swing_height} m)",
-        gait.posture.clearance,
+        f"with its margin less than swing_height ({gait.posture.swing_height} m)",
+        gait.posture.clearance + gait.posture.clearance_margin,
     )
     _interval("gait.posture.knee", gait.posture.knee_min, gait.posture.knee_max)
     _positive("gait.contact.friction", gait.contact.friction)
+    _at_least("gait.posture.clearance_margin", gait.posture.clearance_margin, 0)
     _at_least("gait.solver.max_iterations", gait.solver.max_iterations, 1)
+    _require(bool(gait.solver.ladder), "gait.solver.ladder", "at least one rung", "none")
+    for rung in gait.solver.ladder:
+        _in("gait.solver.ladder", rung, ("cold", "relaxed", "ramp"))
 
 
 def _interval(key: str, lower: float, upper: float) -> None:
@@ -246,3 +267,54 @@ def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str]) -> Non
         f"a time in [0, {evaluation.duration}) s",
         evaluation.steady_from,
     )
+
+
+def _verification(verification: VerificationConfig) -> None:
+    key = "verification"
+    _at_least(f"{key}.chunk", verification.chunk, 1)
+    _in(f"{key}.on_failure", verification.on_failure, ("error", "report"))
+    _at_least(f"{key}.points", verification.points, 2)
+    for name in ("reach", "perturbation"):
+        _positive(f"{key}.{name}", getattr(verification, name))
+    for name in ("relative", "absolute"):
+        _positive(f"{key}.integrator.{name}", getattr(verification.integrator, name))
+    replay = verification.replay
+    _at_least(f"{key}.replay.steps", replay.steps, 1)
+    steer = replay.regulator
+    _require(
+        len(steer.forward) == len(steer.speeds) > 0 and steer.speeds == sorted(steer.speeds),
+        f"{key}.replay.regulator.forward",
+        "one share for each of the rising `speeds`",
+        f"{steer.forward} at {steer.speeds}",
+    )
+    _at_least(f"{key}.replay.points", replay.points, 2)
+    _at_least(f"{key}.replay.substeps", replay.substeps, 1)
+    _positive(f"{key}.replay.timestep", replay.timestep)
+    for name in ("settle", "fade"):
+        _positive(f"{key}.replay.regulator.{name}", getattr(replay.regulator, name))
+
+
+def _report(report: ReportConfig, control_period: float) -> None:
+    key, video = "report", report.video
+    _require(bool(report.sections), f"{key}.sections", "at least one section", "none")
+    for name in report.sections:
+        _in(f"{key}.sections", name, SECTION_INPUTS)
+    unique = len(set(report.sections)) == len(report.sections)
+    _require(unique, f"{key}.sections", "each section once", report.sections)
+    _in(f"{key}.video.renderer", video.renderer, RENDERERS)
+    _positive(f"{key}.video.duration", video.duration)
+    for name in ("width", "height"):  # H.264 stores colours at half the resolution
+        size = getattr(video, name)
+        _require(
+            32 <= size <= 1920 and size % 2 == 0, f"{key}.video.{name}", "even, 32 to 1920", size
+        )
+    _at_least(f"{key}.video.frame_rate", video.frame_rate, 1)
+    steps = 1.0 / (control_period * video.frame_rate)
+    _require(
+        steps >= 1 and abs(steps - round(steps)) < 1e-9,
+        f"{key}.video.frame_rate",
+        f"a divisor of the control rate ({1 / control_period:g} 1/s)",
+        video.frame_rate,
+    )
+    _require(0 <= video.quality <= 51, f"{key}.video.quality", "0 to 51", video.quality)
+    _at_least(f"{key}.video.seed", video.seed, 0)

@@ -1,13 +1,16 @@
 """The virtual-knee robot as a floating-base pinocchio model: an independent dynamics."""
 
+# pinocchio lies below cmeel.prefix, where pyright does not look.
+# pyright: reportMissingImports=false
+
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
 from slider.robot.knee_model import LEG_BODIES, Body, KneeModel
+from slider.robot.names import SIDES
 
-SIDES = ("left", "right")
 AXES = {"yaw": [0, 0, 1], "roll": [1, 0, 0], "thigh": [0, 1, 0], "shank": [0, -1, 0]}
 AXES["foot"] = [0, 1, 0]
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -43,14 +46,40 @@ class PinRobot:
                 self._append(parent, knee.bodies[name])
             sole = pin.SE3(np.eye(3), np.array([0, 0, -knee.ankle_height]))
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
+        self.ends = np.array([[knee.toe, 0.0, 0.0], [-knee.heel, 0.0, 0.0]])
         self.data = self.model.createData()
+        self.mass_total = pin.computeTotalMass(self.model)
 
     def _append(self, joint: int, body: Body) -> None:
         inertia = pin.Inertia(body.mass, body.com, np.diag(body.inertia))
         self.model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
 
     def sole(self, side: str) -> int:
+        """Frame of a sole."""
         return self.model.getFrameId(f"{side}_sole")
+
+    def sole_place(self, q: np.ndarray, side: str) -> np.ndarray:
+        """Middle (3,) of a foot line [m]."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+        return self.data.oMf[self.sole(side)].translation.copy()
+
+    def centre(self, q: np.ndarray) -> np.ndarray:
+        """Centre of mass (3,) [m]."""
+        return pin.centerOfMass(self.model, self.data, q).copy()
+
+    def foot_ends(self, q: np.ndarray, side: str) -> np.ndarray:
+        """Toe and heel (2, 3) of a foot line [m]."""
+        pin.framesForwardKinematics(self.model, self.data, q)
+        place = self.data.oMf[self.sole(side)]
+        return self.ends @ place.rotation.T + place.translation
+
+    def forces(self, state: FloatingState) -> np.ndarray:
+        """Generalised forces (16,) of a motion [N, N m]: base (its own frame), then joints."""
+        return pin.rnea(self.model, self.data, state.q, state.v, state.a)
+
+    def difference(self, expected: np.ndarray, found: np.ndarray) -> np.ndarray:
+        """Way (16,) from one configuration to another: base [m, rad], then joints [rad]."""
+        return pin.difference(self.model, expected, found)
 
     def jacobian(self, q: np.ndarray, side: str) -> np.ndarray:
         """Jacobian (6, 16) of the sole: linear, angular, world axes."""
@@ -82,15 +111,19 @@ class PinRobot:
         self, state: FloatingState, side: str = "left"
     ) -> tuple[np.ndarray, np.ndarray]:
         """Joint torques (10,) and ground force and moment (6,) at the stance sole."""
-        total = pin.rnea(self.model, self.data, state.q, state.v, state.a)
+        total = self.forces(state)
         jacobian = self.jacobian(state.q, side)
         wrench = np.linalg.solve(jacobian[:, :6].T, total[:6])
         return total[6:] - jacobian[:, 6:].T @ wrench, wrench
 
+    def mass(self, q: np.ndarray) -> np.ndarray:
+        """Joint-space inertia (16, 16)."""
+        upper = np.triu(pin.crba(self.model, self.data, q))
+        return upper + np.triu(upper, 1).T
+
     def impact(self, q: np.ndarray, v: np.ndarray, side: str) -> np.ndarray:
         """Velocity (16,) after a plastic impact: the sole stops but for the rate about x."""
-        mass = pin.crba(self.model, self.data, q)
-        mass = np.triu(mass) + np.triu(mass, 1).T
+        mass = self.mass(q)
         held = self.jacobian(q, side)[[0, 1, 2, 4, 5]]
         system = np.block([[mass, -held.T], [held, np.zeros((5, 5))]])
         return np.linalg.solve(system, np.concatenate([mass @ v, np.zeros(5)]))[:16]
@@ -100,3 +133,28 @@ class PinRobot:
         pin.computeCentroidalMomentum(self.model, self.data, q, v)
         momentum = self.data.hg
         return momentum.angular + np.cross(self.data.com[0] - point, momentum.linear)
+
+    def line_moment_and_inertia(self, state: FloatingState, side: str) -> tuple[float, float]:
+        """Moment [N m] that a motion needs about the stance line, and inertia [kg m²] about it."""
+        total = self.forces(state)
+        pin.ccrba(self.model, self.data, state.q, state.v)
+        pin.updateFramePlacement(self.model, self.data, self.sole(side))
+        base, sole = self.data.oMi[1], self.data.oMf[self.sole(side)].translation
+        force, moment = base.rotation @ total[:3], base.rotation @ total[3:6]
+        arm, out = base.translation - sole, self.data.com[0] - sole
+        about = moment[0] + arm[1] * force[2] - arm[2] * force[1]
+        about_com = self.data.Ig
+        inertia = about_com.inertia[0, 0] + about_com.mass * (out[1] ** 2 + out[2] ** 2)
+        return float(about), float(inertia)
+
+    def impulse(
+        self, q: np.ndarray, before: np.ndarray, after: np.ndarray, side: str
+    ) -> np.ndarray:
+        """Impulses (11,) [N m s] at the joints and about the foot line that a jump needs.
+
+        They vanish in a plastic impact: neither torques nor a line contact can be that fast.
+        """
+        jump = self.mass(q) @ (after - before)
+        jacobian = self.jacobian(q, side)
+        wrench = np.linalg.solve(jacobian[:, :6].T, jump[:6])
+        return np.append(jump[6:] - jacobian[:, 6:].T @ wrench, wrench[3])

@@ -1,0 +1,15 @@
+"""Hooks of mkdocs: pages that are generated when the site is built."""
+
+from pathlib import Path
+
+from mkdocs.structure.files import File
+
+from slider.core.config.reference import reference
+
+ROOT = Path(__file__).parents[1]
+
+
+def on_files(files, config):
+    """Add the configuration reference."""
+    files.append(File.generated(config, "configuration.md", content=reference(ROOT / "conf")))
+    return files

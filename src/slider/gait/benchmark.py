@@ -1,0 +1,86 @@
+"""``slider benchmark-gaits``: where the time of a gait goes, and how it grows with the nodes."""
+
+import argparse
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from slider.core.config.gait import FormulationConfig, GaitConfig
+from slider.core.config.robot import RobotConfig
+from slider.gait.formulation import Formulation
+from slider.gait.problem import build
+from slider.gait.solve import GaitSolver, Solve
+from slider.gait.tree import StanceTree
+from slider.robot.knee_model import build_knee_model
+
+VELOCITIES = ((0.0, 0.0), (0.3, 0.1), (0.6, 0.0), (0.9, -0.05), (1.2, 0.0))
+_HEADER = "nodes  gaits  build  solve median / max [s CPU]  iterations  per iteration  in functions"
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """CPU times [s] of one problem and of its solves."""
+
+    nodes: int
+    build: float
+    solves: list[Solve]
+
+    def line(self) -> str:
+        """One row of the table."""
+        cpu = np.array([solve.cpu for solve in self.solves])
+        iterations = np.array([sum(a.iterations for a in solve.attempts) for solve in self.solves])
+        functions = sum(sum(solve.evaluations.values()) for solve in self.solves)
+        return (
+            f"{self.nodes:5d}  {len(cpu):5d}  {self.build:5.2f}  {np.median(cpu):12.2f} / "
+            f"{cpu.max():<10.2f}  {np.median(iterations):10.0f}  "
+            f"{1e3 * cpu.sum() / iterations.sum():10.1f} ms  {functions / cpu.sum():10.0%}"
+        )
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("overrides", nargs="*", help="such as gait.cost=torque")
+    parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
+    parser.add_argument(
+        "--nodes", type=int, nargs="+", default=[21, 41, 81], help="per step (default: 21 41 81)"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print a table, one row per number of nodes."""
+    from slider.core.config.compose import compose
+    from slider.core.config.validate import validate
+
+    print(f"load of the machine: {os.getloadavg()[0]:.1f}")
+    print(_HEADER)
+    for nodes in arguments.nodes:
+        config = compose(arguments.overrides, arguments.conf)
+        config = replace(config, gait=replace(config.gait, nodes=nodes))
+        validate(config)
+        print(measure(config.robot, config.gait, VELOCITIES).line(), flush=True)
+
+
+def measure(
+    robot: RobotConfig, gait: GaitConfig, velocities: Sequence[tuple[float, float]]
+) -> Measurement:
+    """Build a problem once and solve it cold for each velocity [m/s]."""
+    start = time.process_time()
+    problem = build(_formulation(robot, gait))
+    solver = GaitSolver(problem, gait.solver, gait.step_time)
+    built = time.process_time() - start
+    return Measurement(gait.nodes, built, [solver.solve(*velocity) for velocity in velocities])
+
+
+def _formulation(robot: RobotConfig, gait: GaitConfig) -> Formulation:
+    settings = {f.name: getattr(gait, f.name) for f in fields(FormulationConfig)}
+    return Formulation(
+        StanceTree(build_knee_model(robot.geometry, robot.links, robot.virtual_knee)),
+        FormulationConfig(**settings),
+        robot.limits,
+        robot.capstan,
+        robot.geometry.leg_length,
+    )

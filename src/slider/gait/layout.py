@@ -1,0 +1,121 @@
+"""Where the variables of a walk are, and constant matrices from them to nodes and step ends.
+
+Variables of a step: joint variables (see ``transcription``), step time, and roll, roll rate and
+roll acceleration of the stance foot at every node.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from slider.core.config.gait import FormulationConfig
+from slider.gait.symbols import NodeSymbols
+from slider.gait.transcription import ORDERS, Transcription, bezier_joints, collocated_joints
+from slider.gait.tree import NUM_JOINTS
+
+NODE = NodeSymbols.SIZE
+END = 2 + 2 * NUM_JOINTS  # roll, roll rate, joints, joint rates over normalised time
+STEP = 2 * END + 1  # start, end, step time
+ROLL_STATES = 3
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Places of the variables of two steps."""
+
+    nodes: int
+    joints: Transcription
+
+    @classmethod
+    def of(cls, config: FormulationConfig) -> "Layout":
+        """The configured transcription."""
+        if config.transcription == "bezier":
+            return cls(config.nodes, bezier_joints(config.nodes, config.degree))
+        return cls(config.nodes, collocated_joints(config.nodes))
+
+    @property
+    def step_size(self) -> int:
+        """Variables of a step."""
+        return self.joints.size + 1 + ROLL_STATES * self.nodes
+
+    @property
+    def size(self) -> int:
+        """Variables of a walk."""
+        return 2 * self.step_size
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Phases of the nodes (nodes,)."""
+        return np.linspace(0.0, 1.0, self.nodes)
+
+    @property
+    def intervals(self) -> int:
+        """Pieces of the collocation per step, each with a node in its middle."""
+        return (self.nodes - 1) // 2
+
+    def joint_slice(self, step: int) -> slice:
+        """Joint variables of a step."""
+        return slice(step * self.step_size, step * self.step_size + self.joints.size)
+
+    def time_index(self, step: int) -> int:
+        """Position of a step's duration in the variables."""
+        return step * self.step_size + self.joints.size
+
+    def roll_index(self, step: int, node: int) -> int:
+        """Position of a node's roll in the variables; rate and acceleration follow."""
+        return self.time_index(step) + 1 + ROLL_STATES * node
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Simpson weights (2 · nodes,) of a mean over each step."""
+        single = np.ones(self.nodes)
+        single[1:-1:2], single[2:-1:2] = 4.0, 2.0
+        return np.tile(single / single.sum(), 2)
+
+    @cached_property
+    def select_nodes(self) -> sp.csc_matrix:
+        """Matrix (2 · nodes · 34, size) from variables to node vectors."""
+        return sp.csc_matrix(self._nodes)
+
+    @cached_property
+    def _nodes(self) -> np.ndarray:
+        rolls = np.eye(ROLL_STATES * self.nodes)
+        step = _diagonal(self.joints.nodes, np.eye(1), rolls)[self._node_rows()]
+        return _diagonal(step, step)
+
+    def _node_rows(self) -> np.ndarray:
+        """Rows of (joint orders, time, rolls) that make up the node vectors of a step."""
+        per_order = self.nodes * NUM_JOINTS
+        joints = np.arange(ORDERS * per_order).reshape(ORDERS, self.nodes, NUM_JOINTS)
+        time = ORDERS * per_order
+        rolls = time + 1 + np.arange(ROLL_STATES * self.nodes).reshape(self.nodes, ROLL_STATES)
+        times = np.full((self.nodes, 1), time)
+        return np.concatenate([rolls, *joints, times], axis=1).ravel()
+
+    @cached_property
+    def select_ends(self) -> sp.csc_matrix:
+        """Matrix (2 · 45, size) from variables to the starts and ends of the steps."""
+        end = np.r_[0:2, ROLL_STATES : ROLL_STATES + 2 * NUM_JOINTS]
+        rows = []
+        for step in range(2):
+            first = step * self.nodes * NODE
+            last = first + (self.nodes - 1) * NODE
+            rows += [first + end, last + end, [first + NODE - 1]]
+        return sp.csc_matrix(self._nodes[np.concatenate(rows)])
+
+    @cached_property
+    def joint_defects(self) -> sp.csc_matrix:
+        """Rows (n, size) of both steps that are zero for a valid joint motion."""
+        defects = self.joints.defects
+        step = np.pad(defects, ((0, 0), (0, self.step_size - self.joints.size)))
+        return sp.csc_matrix(_diagonal(step, step))
+
+
+def _diagonal(*blocks: np.ndarray) -> np.ndarray:
+    rows, columns = np.cumsum([block.shape for block in blocks], axis=0).T
+    matrix = np.zeros((rows[-1], columns[-1]))
+    for block, row, column in zip(blocks, rows, columns, strict=True):
+        matrix[row - block.shape[0] : row, column - block.shape[1] : column] = block
+    return matrix

@@ -1,0 +1,127 @@
+"""A gait at any command: blended Bézier coefficients (virtual constraints) of the gaits around it.
+
+Joints come from the blended polynomials, so that velocities are the derivatives of positions and
+positions are as smooth as a gait's own. What has no polynomial (the roll about the foot line, the
+motion of the base) is blended node by node. A blend of gaits is a reference to track; between the
+gaits it satisfies their constraints only approximately, and it is no periodic solution.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.gait import bezier
+from slider.library.base_motion import aligned, normalise
+from slider.library.contents import LibraryContents
+from slider.robot import knee_map
+from slider.robot.names import JOINTS, KNEE_LEG_JOINTS, LEG_JOINTS, LEG_MIRROR_SIGN, NUM_JOINTS
+
+_KNEE_LEG = len(KNEE_LEG_JOINTS)
+_MIRROR = np.array(LEG_MIRROR_SIGN[:_KNEE_LEG])
+
+
+@dataclass(frozen=True)
+class Gait:
+    """A walk of two steps, left stance first.
+
+    Attributes:
+        velocity: (2,) commanded vx, vy [m/s], within the library's range.
+        weights: (G,) share of each gait of the library.
+        step_time: (2,) duration of the steps [s].
+        coefficients: (2, 10, degree + 1) Bézier coefficients [rad], as in the library.
+        roll: (2, nodes, 3) roll of the stance foot about its line, its rate and acceleration.
+        base: (2 · nodes, 13) motion of the base, as in the library.
+        forward, leftward: (2 · nodes,) speed of the base in its heading frame [m/s].
+    """
+
+    velocity: np.ndarray
+    weights: np.ndarray
+    step_time: np.ndarray
+    coefficients: np.ndarray
+    roll: np.ndarray
+    base: np.ndarray
+    forward: np.ndarray
+    leftward: np.ndarray
+    library: LibraryContents
+
+    def knee_joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Virtual-knee positions [rad] and velocities [rad/s] (N, 10), left leg then right leg.
+
+        Args:
+            step: 0 in left stance, 1 in right stance.
+            phase: (N,) of this step, in [0, 1].
+        """
+        coefficients = self.coefficients[step]
+        q = bezier.evaluate(coefficients, phase)
+        v = bezier.evaluate(coefficients, phase, order=1) / self.step_time[step]
+        return (q, v) if step == 0 else (_reflected(q), _reflected(v))
+
+    def joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and velocities (N, 12) of the prismatic joints (eq. 1) at phases (N,)."""
+        q, v = self.knee_joints(step, phase)
+        shape = (len(q), NUM_JOINTS)
+        position, velocity = np.zeros(shape), np.zeros(shape)
+        for leg in range(2):
+            knee = slice(leg * _KNEE_LEG, (leg + 1) * _KNEE_LEG)
+            first = leg * len(LEG_JOINTS)
+            to = slice(first, first + _KNEE_LEG)  # the upper foot stays 0
+            position[:, to], velocity[:, to] = self._prismatic(q[:, knee], v[:, knee])
+        return position, velocity
+
+    def samples(self) -> np.ndarray:
+        """The 26 channels (2 · nodes, 26) at the library's samples."""
+        phase = np.linspace(0.0, 1.0, len(self.base) // 2)
+        steps = [self.joints(step, phase) for step in range(2)]
+        position, velocity = (np.concatenate(values) for values in zip(*steps, strict=True))
+        speeds = np.stack([self.forward, self.leftward], axis=1)
+        return np.concatenate([position, velocity, speeds], axis=1)
+
+    def _prismatic(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """One leg (N, 5), (N, 5) from the virtual knee to the slide."""
+        robot, variant = self.library.robot, self.library.kinematic_map
+        lengths = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
+        place = knee_map.positions(q[:, 2], q[:, 3], q[:, 4], *lengths, variant)
+        speed = knee_map.velocities(v[:, 2], q[:, 3], v[:, 3], v[:, 4], *lengths, variant)
+        slide = place.length - robot.geometry.leg_length
+        return (
+            np.stack([q[:, 0], q[:, 1], place.hip_pitch, slide, place.ankle], axis=1),
+            np.stack([v[:, 0], v[:, 1], speed.hip_pitch, speed.length, speed.ankle], axis=1),
+        )
+
+
+def blend(library: LibraryContents, vx: float, vy: float) -> Gait:
+    """Gait at a command [m/s]: bilinear in the four velocities around it, step times included.
+
+    At a velocity of the library it is that gait. It is continuous in the command everywhere: at
+    the border (commands outside take the nearest velocity inside) and at holes and velocities
+    that only a part of the grid has (filled as ``slider.library.mesh`` says).
+
+    Raises:
+        ValueError: the command is not finite.
+    """
+    if not (np.isfinite(vx) and np.isfinite(vy)):
+        raise ValueError(f"expected a finite command, found ({vx}, {vy}) m/s")
+    mesh, arrays = library.mesh, library.arrays
+    weights = mesh.weights(np.array([vx]), np.array([vy]))[0]
+    blended = {name: np.tensordot(weights, arrays[name], axes=1) for name in _BLENDED}
+    base = normalise(np.tensordot(weights, aligned(arrays["base"]), axes=1))
+    speeds = np.tensordot(weights, arrays["samples"][..., 2 * len(JOINTS) :], axes=1)
+    inside = np.clip([vx, vy], [mesh.vx[0], mesh.vy[0]], [mesh.vx[-1], mesh.vy[-1]])
+    return Gait(
+        velocity=inside,
+        weights=weights,
+        base=base,
+        forward=speeds[:, 0],
+        leftward=speeds[:, 1],
+        library=library,
+        **blended,
+    )
+
+
+_BLENDED = ("step_time", "coefficients", "roll")
+
+
+def _reflected(joints: np.ndarray) -> np.ndarray:
+    """From stance and swing leg of the reflected second step to left and right leg (N, 10)."""
+    stance, swing = joints[:, :_KNEE_LEG], joints[:, _KNEE_LEG:]
+    return np.concatenate([_MIRROR * swing, _MIRROR * stance], axis=1)

@@ -1,0 +1,39 @@
+"""Which library and which gait a command means: arguments, and reading them."""
+
+import argparse
+from pathlib import Path
+
+from slider.core.current import current_folder
+from slider.core.store import ARTEFACTS, Store
+from slider.library.contents import LibraryContents
+
+MAKE_LIBRARY = "snakemake -j2 gait_library"
+
+
+def add_library_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments that say which library is meant."""
+    parser.add_argument(
+        "--library", type=Path, help="a library.zarr (default: that of the current configuration)"
+    )
+    parser.add_argument(
+        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
+    )
+
+
+def add_velocity_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the velocity of a gait."""
+    parser.add_argument("--vx", type=float, required=True, help="forward velocity [m/s]")
+    parser.add_argument("--vy", type=float, default=0.0, help="leftward [m/s] (default: 0)")
+
+
+def read_library(arguments: argparse.Namespace) -> LibraryContents:
+    """Read the library that the arguments mean.
+
+    Raises:
+        UserError: there is none yet, or the path holds none.
+    """
+    path = arguments.library
+    if path is None:
+        store = Store(arguments.artefacts)
+        path = current_folder(store, "library", MAKE_LIBRARY) / "library.zarr"
+    return LibraryContents.load(path)

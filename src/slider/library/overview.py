@@ -1,0 +1,132 @@
+"""A gait and a library in words and numbers, for the terminal."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from slider.library import loads
+from slider.library.contents import Hole, LibraryContents, violations
+from slider.library.smoothness import smoothness
+from slider.robot.names import CHANNELS
+
+_WORST = 5  # constraints that are shown by name
+
+
+def gait_lines(library: LibraryContents, gait: int) -> list[str]:
+    """Status, times, cost, peaks against the limits, worst residuals and clearance of a gait."""
+    arrays = library.arrays
+    vx, vy = library.velocities[gait]
+    first, second = arrays["step_time"][gait]
+    lengths = _step_lengths(library, gait)
+    lines = [
+        f"gait ({vx:g}, {vy:g}) m/s: {arrays['status'][gait]}, "
+        f"{arrays['iterations'][gait]} iterations",
+        f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
+        f"  step length  {lengths[0]:.3f} m, {lengths[1]:.3f} m forward",
+        f"  cost         {arrays['cost'][gait]:.6g}",
+        f"  clearance    {100 * loads.clearance(library, gait):.1f} cm at mid-step "
+        "(lower end of the swing foot)",
+        "  peaks",
+    ]
+    for peak in loads.peaks(library, gait):
+        share = f"{100 * peak.share:.0f} %"
+        values = f"{peak.value:8.2f} of {peak.limit:g} {peak.unit}"
+        lines.append(f"    {peak.quantity:<12}{values:<26}{share:>6}  {peak.joint}")
+    return [*lines, "  worst residuals [SI unit of the constraint]", *_residuals(library, gait)]
+
+
+def library_lines(library: LibraryContents) -> list[str]:
+    """Grid, convergence, holes with what they violate, ranges, worst residual, smoothness."""
+    return [
+        *_grid(library),
+        *(f"  hole {_hole(hole)}" for hole in library.holes),
+        *_ranges(library),
+        _worst_residual(library),
+        _smoothness(library),
+    ]
+
+
+def _step_lengths(library: LibraryContents, gait: int) -> np.ndarray:
+    """Forward distance (2,) [m] from the stance foot to the touched-down foot of each step."""
+    swing = library.arrays["swing_foot"][gait, :, 0]
+    return swing[[len(swing) // 2 - 1, len(swing) - 1]]
+
+
+def _residuals(library: LibraryContents, gait: int) -> list[str]:
+    values = library.arrays["residuals"][gait]
+    worst = np.argsort(-values, kind="stable")[:_WORST]
+    return [f"    {library.constraints[i]:<24}{values[i]:.1e}" for i in worst]
+
+
+def _grid(library: LibraryContents) -> list[str]:
+    mesh = library.mesh
+    asked = len(library) + len(library.holes)
+    return [
+        f"gait library: {len(library)} of {asked} gaits converged",
+        f"  vx {_axis(mesh.vx)} m/s",
+        f"  vy {_axis(mesh.vy)} m/s",
+    ]
+
+
+def _axis(values: np.ndarray) -> str:
+    """Runs of equal steps: ``0 … 1.2 every 0.05, 1.3 … 3 every 0.1``."""
+    if len(values) == 1:
+        return f"{values[0]:g}"
+    texts, start = [], 0
+    steps = np.round(np.diff(values), 9)
+    while start < len(values):
+        stop = start
+        while stop < len(steps) and steps[stop] == steps[start]:
+            stop += 1
+        texts.append(_run(values[start : stop + 1]))
+        start = stop + 1
+    return ", ".join(texts)
+
+
+def _run(values: np.ndarray) -> str:
+    if len(values) < 3:
+        return ", ".join(f"{value:g}" for value in values)
+    return f"{values[0]:g} … {values[-1]:g} every {values[1] - values[0]:.4g}"
+
+
+def _hole(hole: Hole) -> str:
+    return f"({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}, {violations(hole)}"
+
+
+def _ranges(library: LibraryContents) -> list[str]:
+    arrays = library.arrays
+    rows: list[tuple[str, Sequence[float] | np.ndarray, str]] = [
+        ("step time", arrays["step_time"], "s"),
+        ("cost", arrays["cost"], ""),
+        ("iterations", arrays["iterations"], ""),
+        ("peak torque", 100 * loads.peak_torque_share(library), "% of limit"),
+        ("peak slide force", 100 * loads.slide_force_share(library), "% of limit"),
+        ("peak slide speed", 100 * loads.slide_speed_share(library), "% of limit"),
+        ("clearance", [100 * loads.clearance(library, i) for i in range(len(library))], "cm"),
+    ]
+    header = f"  {'':<18}{'least':>10}{'median':>10}{'greatest':>10}"
+    return [header, *(f"  {name:<18}{_spread(values)}  {unit}" for name, values, unit in rows)]
+
+
+def _spread(values: Sequence[float] | np.ndarray) -> str:
+    return "".join(f"{f(values):>10.4g}" for f in (np.min, np.median, np.max))
+
+
+def _worst_residual(library: LibraryContents) -> str:
+    residuals = library.arrays["residuals"]
+    gait, constraint = np.unravel_index(residuals.argmax(), residuals.shape)
+    vx, vy = library.velocities[gait]
+    name = library.constraints[constraint]
+    return f"  worst residual: {name} {residuals.max():.1e} at ({vx:g}, {vy:g}) m/s"
+
+
+def _smoothness(library: LibraryContents) -> str:
+    measured = smoothness(library.velocities, library.arrays["samples"])
+    if not len(measured.pairs):
+        return "  smoothness: no neighbouring gaits"
+    first, second, channel = measured.worst
+    (ax, ay), (bx, by) = library.velocities[[first, second]]
+    return (
+        f"  smoothness: greatest jump {100 * measured.largest:.1f} % of the range of "
+        f"{CHANNELS[channel]}, between ({ax:g}, {ay:g}) and ({bx:g}, {by:g}) m/s"
+    )

@@ -1,0 +1,56 @@
+"""What the person at the keyboard wants; written by one thread, read by another."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+LIMITS = ((-1.0, 3.0), (-0.5, 0.5), (-1.0, 1.0))  # vx, vy [m/s], yaw rate [rad/s]
+PUSH = 0.4  # change of the base's velocity [m/s]
+
+
+class Control:
+    """Command, pause, and wishes that are granted once.
+
+    Attributes:
+        velocity: vx, vy [m/s], yaw rate [rad/s].
+        paused: whether time stands still.
+    """
+
+    def __init__(self, velocity: Sequence[float]) -> None:
+        self.velocity = np.array(velocity, dtype=float)
+        self.paused = False
+        self._pushes: list[np.ndarray] = []
+        self._restart = False
+
+    def change(self, index: int, amount: float) -> None:
+        """Add to one part of the command, within its limits."""
+        self.set(index, self.velocity[index] + amount)
+
+    def set(self, index: int, value: float) -> None:
+        """Set one part of the command, within its limits."""
+        self.velocity[index] = np.round(np.clip(value, *LIMITS[index]), 3)
+
+    def stop(self) -> None:
+        """Command standing still."""
+        self.velocity[:] = 0.0
+
+    def toggle_pause(self) -> None:
+        """Let time stand still, or go on."""
+        self.paused = not self.paused
+
+    def push(self, forward: float, leftward: float) -> None:
+        """Ask for a push that changes the base's velocity [m/s]."""
+        self._pushes.append(np.array([forward, leftward]))
+
+    def restart(self) -> None:
+        """Ask for a new start."""
+        self._restart = True
+
+    def take_push(self) -> np.ndarray | None:
+        """Oldest push that was not given yet."""
+        return self._pushes.pop(0) if self._pushes else None
+
+    def take_restart(self) -> bool:
+        """Whether a new start was asked for since the last call."""
+        wanted, self._restart = self._restart, False
+        return wanted

@@ -1,0 +1,144 @@
+"""What moves: a simulated robot with an agent, or a gait replayed without physics."""
+
+from typing import Protocol
+
+import numpy as np
+import torch
+
+from slider.control.policy import PolicyController
+from slider.control.policy_file import Policy
+from slider.core.config.env import EnvConfig, StartNoise
+from slider.core.config.robot import RobotConfig
+from slider.core.errors import UserError
+from slider.env.episode import Episode, Frame
+from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
+from slider.env.starts import at_rest
+from slider.library.lookup import GaitLibrary
+from slider.library.step_times import StepTimes
+from slider.robot.names import NUM_JOINTS
+
+
+class Motion(Protocol):
+    """Frames at a fixed period [s]."""
+
+    period: float
+
+    def start(self, velocity: np.ndarray) -> Frame:
+        """First frame, commanded to ``velocity`` (3,)."""
+        ...
+
+    def step(self, velocity: np.ndarray) -> Frame:
+        """Next frame, commanded to ``velocity`` (3,)."""
+        ...
+
+    def push(self, velocity: np.ndarray) -> None:
+        """Change the base's velocity (2,) [m/s]."""
+
+
+class Simulation:
+    """One robot in the environment, controlled by a network."""
+
+    def __init__(
+        self,
+        robot: RobotConfig,
+        env: EnvConfig,
+        agent: AgentInterface,
+        network,
+        noise: StartNoise,
+        seed: int,
+    ) -> None:
+        self.period = env.control_period
+        self._robot, self._noise, self._agent = robot, noise, agent
+        self._rng = np.random.default_rng(seed)
+        controller = PolicyController(network, agent)
+        self._episode = Episode(controller, BatchedPhysics(robot, env.physics, 1), env)
+
+    def start(self, velocity: np.ndarray) -> Frame:
+        """Place the robot at rest, with new noise."""
+        start = at_rest(self._robot, self._noise, self._rng, 1)
+        return self._episode.start(*start, velocity[None])
+
+    def step(self, velocity: np.ndarray) -> Frame:
+        """Simulate one control period."""
+        self._agent.set_velocity_command(np.arange(1), velocity[None])
+        return self._episode.step()
+
+    def push(self, velocity: np.ndarray) -> None:
+        """Give the base an impulse."""
+        self._episode.push(velocity)
+
+
+class Replay:
+    """A gait of the library over and over, on a straight line."""
+
+    def __init__(self, library: GaitLibrary, vx: float, vy: float, period: float) -> None:
+        index = int(library.nearest(np.array([vx]), np.array([vy]))[0])
+        self.period = period
+        self.velocity = library.velocities[index]
+        durations = library.step_time[index]
+        self._duration = float(durations.sum())
+        self._times = _sample_times(durations, library.samples.shape[1])
+        joints = library.samples[index, :, :NUM_JOINTS]
+        self._qpos = np.concatenate([library.base[index, :, :7], joints], axis=1)
+        self._steps = 0
+
+    def start(self, velocity: np.ndarray) -> Frame:
+        """Begin with left stance; the command is the gait's own."""
+        self._steps = 0
+        return self._frame()
+
+    def step(self, velocity: np.ndarray) -> Frame:
+        """Next frame."""
+        self._steps += 1
+        return self._frame()
+
+    def push(self, velocity: np.ndarray) -> None:
+        """A replay has no physics to push."""
+
+    def _frame(self) -> Frame:
+        time = self._steps * self.period
+        walks, since = divmod(time, self._duration)
+        qpos = np.array([np.interp(since, self._times, column) for column in self._qpos.T])
+        qpos[3:7] /= np.linalg.norm(qpos[3:7])
+        qpos[:2] += walks * self._duration * self.velocity
+        return Frame(time, qpos, self.velocity, failed=False)
+
+
+def _sample_times(durations: np.ndarray, samples: int) -> np.ndarray:
+    """Times (samples,) [s]: the last sample of a step and the first of the next coincide."""
+    first, second = (np.linspace(0.0, duration, samples // 2) for duration in durations)
+    return np.concatenate([first, durations[0] + second])
+
+
+def simulate_policy(
+    policy: Policy, robot: RobotConfig, env: EnvConfig, noise: StartNoise, seed: int
+) -> Simulation:
+    """A trained policy in its environment.
+
+    Raises:
+        UserError: the policy is for other observations.
+    """
+    agent = AgentInterface(robot, env, 1, policy.times)
+    if list(agent.observer.layout.items()) != list(policy.observations.items()):
+        raise UserError(
+            f"policy: expected the observations {agent.observer.layout}, "
+            f"found {policy.observations}"
+        )
+    return Simulation(robot, env, agent, policy.network, noise, seed)
+
+
+def simulate_ignorant(
+    robot: RobotConfig, env: EnvConfig, noise: StartNoise, seed: int, random: bool
+) -> Simulation:
+    """An agent that holds the nominal pose, or one whose actions are uniform in ±1."""
+    times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
+    agent = AgentInterface(robot, env, 1, times)
+    generator = torch.Generator().manual_seed(seed)
+
+    def network(observations: torch.Tensor) -> torch.Tensor:
+        if not random:
+            return torch.zeros(1, NUM_JOINTS)
+        return 2.0 * torch.rand(1, NUM_JOINTS, generator=generator) - 1.0
+
+    return Simulation(robot, env, agent, network, noise, seed)

@@ -1,0 +1,103 @@
+"""From the arguments of ``slider play`` to what is shown."""
+
+from argparse import Namespace
+from dataclasses import dataclass
+from pathlib import Path
+
+from slider.control.policy_file import load_policy
+from slider.core.config.compose import compose
+from slider.core.config.convert import from_dict, to_dict
+from slider.core.config.env import EnvConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.errors import UserError
+from slider.core.job import Section
+from slider.core.plan import JobSpec, read_plan
+from slider.core.store import Store
+from slider.library.lookup import GaitLibrary
+from slider.play.motion import Motion, Replay, simulate_ignorant, simulate_policy
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A motion and the robot that moves."""
+
+    title: str
+    robot: RobotConfig
+    motion: Motion
+
+
+def build(arguments: Namespace) -> Scene:
+    """Scene that the arguments ask for.
+
+    Raises:
+        UserError: there is no such policy or library, or they contradict each other.
+    """
+    if arguments.gait is not None:
+        return _replay(arguments)
+    if arguments.agent != "policy":
+        if arguments.policy is not None:
+            raise UserError(f"expected --policy with the agent policy, found {arguments.agent}")
+        return _ignorant(arguments)
+    return _policy(arguments)
+
+
+def _policy(arguments: Namespace) -> Scene:
+    config = compose(arguments.set, arguments.conf)
+    if arguments.policy is None:
+        path, section = _current(arguments.artefacts, "walking", "policy.pt")
+        section = _overridden(section, arguments)
+    else:
+        path, section = arguments.policy, _section(arguments)
+    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
+    noise = config.evaluation.start
+    motion = simulate_policy(load_policy(path), robot, env, noise, arguments.seed)
+    return Scene(f"policy {path}", robot, motion)
+
+
+def _ignorant(arguments: Namespace) -> Scene:
+    config = compose(arguments.set, arguments.conf)
+    random = arguments.agent == "random"
+    noise = config.evaluation.start
+    motion = simulate_ignorant(config.robot, config.env, noise, arguments.seed, random)
+    return Scene(f"agent {arguments.agent}", config.robot, motion)
+
+
+def _replay(arguments: Namespace) -> Scene:
+    config = compose(arguments.set, arguments.conf)
+    path = arguments.library
+    if path is None:
+        path, _ = _current(arguments.artefacts, "library", "library.zarr")
+    library = GaitLibrary.load(path)
+    wanted_vx, wanted_vy = arguments.gait
+    motion = Replay(library, wanted_vx, wanted_vy, config.env.control_period)
+    vx, vy = motion.velocity
+    return Scene(f"gait {vx:.2f} {vy:+.2f} m/s", config.robot, motion)
+
+
+def _overridden(section: Section, arguments: Namespace) -> Section:
+    """Section of the plan, unless the person asks for another configuration."""
+    return _section(arguments) if arguments.set else section
+
+
+def _section(arguments: Namespace) -> Section:
+    config = compose(arguments.set, arguments.conf)
+    robot = to_dict(config.robot)
+    robot.pop("provenance")
+    return {"robot": robot, "env": to_dict(config.env)}
+
+
+def _current(artefacts: Path, target: str, name: str) -> tuple[Path, Section]:
+    """File of a target's result in the latest plan, and the section that it was made with."""
+    plans = sorted((artefacts / "plans").glob("*.json"), key=lambda path: path.stat().st_mtime)
+    if not plans:
+        raise UserError(f"expected a pipeline run in {artefacts}, found no plan there")
+    plan = read_plan(plans[-1])
+    job: JobSpec = plan.jobs[plan.targets[target]]
+    store = Store(artefacts)
+    if not store.manifest_path(job.stage, job.recipe).is_file():
+        raise UserError(
+            f"expected the {target} result of the latest plan in {artefacts}, found none: "
+            "run the pipeline, or name a file"
+        )
+    result = store.read_manifest(job.stage, job.recipe).result
+    return store.object_folder(result.object) / name, dict(job.section)

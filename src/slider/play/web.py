@@ -1,0 +1,97 @@
+"""MuJoCo's web viewer with a panel for commands: for machines without a display."""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+import mujoco
+from mujoco.studio import launch_web, messages, plugin, viewer_protocol
+from mujoco.studio.dear_imgui import dear_imgui as imgui
+
+from slider.env.episode import Frame
+from slider.play import loop
+from slider.play.control import LIMITS, PUSH, Control
+from slider.play.scenes import Scene
+from slider.robot import names
+from slider.robot.scene import build_scene
+
+_ONCE = 4  # ImGui: only when the window first appears
+_SLIDERS = ("vx [m/s]", "vy [m/s]", "yaw rate [rad/s]")
+
+
+class Panel(plugin.ViewerPlugin):
+    """Sliders and buttons that write into a :class:`Control`."""
+
+    def __init__(self, control: Control) -> None:
+        self._control = control
+        self._followed: mujoco.MjModel | None = None
+        self.status = ""
+
+    @messages.handler
+    def on_build_gui(self, event: messages.BuildGuiEvent) -> None:
+        """Draw the panel."""
+        self._follow_robot()
+        imgui.SetNextWindowPos(imgui.Vec2(10, 10), _ONCE)
+        imgui.SetNextWindowSize(imgui.Vec2(330, 240), _ONCE)
+        imgui.Begin("SLIDER")
+        for line in self.status.split(", "):
+            imgui.Text(line)
+        self._sliders()
+        self._buttons()
+        imgui.End()
+
+    def _follow_robot(self) -> None:
+        """Once per model: a person may move the camera afterwards."""
+        model = self.viewer.model
+        if self._followed is model or model.nbody < 2:
+            return
+        self._followed = model
+        camera = self.viewer.camera
+        camera.type = mujoco.mjtCamera.mjCAMERA_TRACKING
+        camera.trackbodyid = model.body(names.BASE).id
+        camera.distance, camera.azimuth, camera.elevation = 2.8, 120.0, -12.0
+
+    def _sliders(self) -> None:
+        velocity = self._control.velocity
+        for index, (name, limits) in enumerate(zip(_SLIDERS, LIMITS, strict=True)):
+            changed, value = imgui.SliderFloat(name, float(velocity[index]), *limits)
+            if changed:
+                self._control.set(index, value)
+
+    def _buttons(self) -> None:
+        control = self._control
+        pause = "go on" if control.paused else "pause"
+        if imgui.Button("stand"):
+            control.stop()
+        imgui.SameLine()
+        if imgui.Button("push"):
+            control.push(0.0, PUSH)
+        imgui.SameLine()
+        if imgui.Button(pause):
+            control.toggle_pause()
+        imgui.SameLine()
+        if imgui.Button("start anew"):
+            control.restart()
+
+
+def run(scene: Scene, control: Control, seconds: float | None, port: int) -> None:
+    """Serve the scene until interrupted."""
+    model = build_scene(scene.robot)
+    data = mujoco.MjData(model)
+    panel = Panel(control)
+    config = viewer_protocol.ViewerConfig(title=scene.title, gfx="web", http_port=port)
+    with launch_web.launch(config, plugins=[panel]) as handle:
+        data.qpos[:] = scene.motion.start(control.velocity).qpos
+        handle.set_model(model, data=data)
+
+        def show(frame: Frame) -> bool:
+            data.qpos[:] = frame.qpos
+            data.time = frame.time
+            mujoco.mj_forward(model, data)
+            panel.status = loop.status(frame, control)
+            handle.sync()
+            return handle.is_running()
+
+        try:
+            loop.run(scene.motion, control, show, seconds)
+        except KeyboardInterrupt:
+            return

@@ -1,0 +1,124 @@
+"""Table 1 as people compare it: one row per command, one column per controller."""
+
+import csv
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from slider.reports.controllers import PAPER, label
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A column of Table 1.
+
+    Attributes:
+        name: of the column; the spread is in ``<name>_std``.
+        title: heading, with its unit.
+        higher_is_better: or lower.
+        percent: whether it is shown in percent.
+        paper_column: what the paper printed under this heading, or empty.
+    """
+
+    name: str
+    title: str
+    higher_is_better: bool
+    percent: bool
+    paper_column: str
+
+
+METRICS = (
+    Metric("success_rate", "Success rate", True, True, "success_rate"),
+    # The paper does not say whether its MSE has the start in it: it stands beside both of ours.
+    Metric("mse_steady", "Velocity MSE from 2 s on [m²/s²]", False, False, "mse"),
+    Metric(
+        "mse", "Velocity MSE over all 10 s, start from rest included [m²/s²]", False, False, "mse"
+    ),
+    Metric("tracking_rate", "Tracking rate", True, True, ""),
+)
+
+
+@dataclass(frozen=True)
+class Value:
+    """One cell: a number, its spread over trials (NaN if not stated), whether none is better."""
+
+    value: float
+    spread: float
+    best: bool
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A metric for all commands (rows) and controllers (columns); None where there is no value."""
+
+    metric: Metric
+    commands: tuple[float, ...]
+    controllers: tuple[str, ...]
+    rows: tuple[tuple[Value | None, ...], ...]
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Rows of ``table1.csv``."""
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def compare(rows: Sequence[dict[str, str]], metric: Metric) -> Comparison:
+    """Put controllers side by side: measured ones first, in the order of the table."""
+    columns = list(dict.fromkeys((row["source"], row["controller"]) for row in rows))
+    if not metric.paper_column:
+        columns = [column for column in columns if column[0] != PAPER]
+    ours = {float(row["command_velocity"]) for row in rows if row["source"] != PAPER}
+    cells = {
+        (row["source"], row["controller"], float(row["command_velocity"])): _value(row, metric)
+        for row in rows
+    }
+    commands = tuple(sorted(ours))
+    table = tuple(_marked([cells.get((*c, v)) for c in columns], metric) for v in commands)
+    names = tuple(label(controller, source) for source, controller in columns)
+    return Comparison(metric, commands, names, table)
+
+
+def show(value: Value | None, metric: Metric) -> str:
+    """Text of a cell, such as ``99.6 % ± 0.5`` or ``0.00837 ± 0.00003``."""
+    if value is None:
+        return "–"
+    if math.isinf(value.value):
+        return "∞"
+    if metric.percent:
+        text, spread = f"{100 * value.value:.1f} %", f"{100 * value.spread:.1f}"
+    else:
+        digits = _decimals(value.value)
+        text, spread = f"{value.value:.{digits}f}", f"{value.spread:.{digits}f}"
+    return text if math.isnan(value.spread) else f"{text} ± {spread}"
+
+
+def _value(row: dict[str, str], metric: Metric) -> tuple[float, float] | None:
+    paper = row["source"] == PAPER
+    text = row[metric.paper_column] if paper and metric.paper_column else row[metric.name]
+    if not text:
+        return None
+    spread = "" if paper else row[f"{metric.name}_std"]
+    return float(text), float(spread) if spread else math.nan
+
+
+def _marked(row: list[tuple[float, float] | None], metric: Metric) -> tuple[Value | None, ...]:
+    """Mark the best of a row, and all that look the same when printed."""
+    known = [cell[0] for cell in row if cell is not None]
+    best = (max if metric.higher_is_better else min)(known, default=math.nan)
+    return tuple(
+        None if cell is None else Value(*cell, best=_same(cell[0], best, metric)) for cell in row
+    )
+
+
+def _same(value: float, best: float, metric: Metric) -> bool:
+    if not math.isfinite(best):
+        return False
+    digits = 3 if metric.percent else _decimals(best)
+    return round(value, digits) == round(best, digits)
+
+
+def _decimals(value: float) -> int:
+    """Decimals that show three digits of a value, as the paper does."""
+    return max(0, 2 - math.floor(math.log10(value))) if value > 0 else 3

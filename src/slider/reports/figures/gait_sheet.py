@@ -1,0 +1,93 @@
+"""One gait on one page: from the side, joints, use of the drives, ground force, foot height."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from slider.library.contents import LibraryContents
+from slider.library.loads import foot_heights
+from slider.reports.figures.gait_tiles import draw_tiles, tile_samples
+from slider.reports.figures.style import DARK, MIDDLE, new_figure
+from slider.robot.names import JOINTS, LEG_JOINTS, NUM_JOINTS, SIDES
+
+_SHOWN = LEG_JOINTS[:5]
+_LINES = {"left": (DARK, "-"), "right": (MIDDLE, "--")}
+_HEIGHTS = (1.35, 1.15, 1.15, 1.15)  # of the rows [inch]
+
+
+def draw(library: LibraryContents, gait: int) -> Figure:
+    """Draw the gait with an index of the library; ``style()`` must be active."""
+    figure = new_figure(sum(_HEIGHTS) + 1.4)
+    heights = (_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6)
+    tiles, plots = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
+    vx, vy = library.velocities[gait]
+    figure.suptitle(f"gait at ({vx:g}, {vy:g}) m/s", fontsize=9)
+    draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
+    panels = plots.subplots(3, 5, sharex=True)
+    for row, values in zip(panels, _drives(library, gait), strict=False):
+        for axes, joint in zip(row, _SHOWN, strict=True):
+            _both_legs(axes, library, gait, joint, values)
+    _label_drives(panels, library)
+    _ground(panels[2], library, gait)
+    for axes in panels.flat:
+        axes.title.set_size(7)
+    return figure
+
+
+def _drives(library: LibraryContents, gait: int) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [rad, m] and efforts [% of limit], (S, 12) each."""
+    limit = library.robot.joint_limits("effort")
+    share = 100 * library.arrays["efforts"][gait] / np.where(limit > 0, limit, 1.0)
+    return library.arrays["samples"][gait][:, :NUM_JOINTS], share
+
+
+def _both_legs(
+    axes: Axes, library: LibraryContents, gait: int, joint: str, values: np.ndarray
+) -> None:
+    columns = [values[:, JOINTS.index(f"{side}_{joint}")] for side in SIDES]
+    _two_lines(axes, library, gait, columns)
+
+
+def _two_lines(axes: Axes, library: LibraryContents, gait: int, columns: list[np.ndarray]) -> None:
+    """Left and right over time, in pieces: values jump at the touchdown."""
+    time = library.arrays["time"][gait]
+    half = len(time) // 2
+    for side, values in zip(SIDES, columns, strict=True):
+        colour, dash = _LINES[side]
+        for piece, label in ((slice(0, half), side), (slice(half, None), None)):
+            axes.plot(time[piece], values[piece], dash, color=colour, label=label)
+    axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
+
+
+def _label_drives(panels: np.ndarray, library: LibraryContents) -> None:
+    for top, bottom, joint in zip(panels[0], panels[1], _SHOWN, strict=True):
+        top.set_title(f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]")
+        unit = "N" if joint == "slide" else "N m"
+        bottom.set_title(f"effort [% of {library.robot.limits[joint].effort:g} {unit}]")
+    panels[0, 0].legend()
+
+
+def _ground(row: np.ndarray, library: LibraryContents, gait: int) -> None:
+    """Ground force under the stance foot, its line's loads, height and speed."""
+    time, wrench = library.arrays["time"][gait], library.arrays["ground_wrench"][gait]
+    half = len(time) // 2
+    columns = [
+        np.where(np.arange(len(time)) < half, wrench[:, 2], np.nan),
+        np.where(np.arange(len(time)) < half, np.nan, wrench[:, 2]),
+    ]
+    _two_lines(row[0], library, gait, columns)
+    row[0].set_title("ground force z [N]")
+    heights = 100 * foot_heights(library, gait)
+    _two_lines(row[1], library, gait, [heights[:, 0], heights[:, 1]])
+    row[1].set_title("foot height [cm]")
+    samples = library.arrays["samples"][gait]
+    speeds = [samples[:, NUM_JOINTS + JOINTS.index(f"{side}_slide")] for side in SIDES]
+    _two_lines(row[3], library, gait, speeds)
+    row[3].set_title("slide speed [m/s]")
+    for axes, column, name in ((row[2], -2, "forward"), (row[4], -1, "leftward")):
+        for piece in (slice(0, half), slice(half, None)):
+            axes.plot(time[piece], samples[piece, column], color=DARK)
+        axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
+        axes.set_title(f"base {name} [m/s]")
+    for axes in row:
+        axes.set_xlabel("time [s]")

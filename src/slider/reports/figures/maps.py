@@ -1,0 +1,97 @@
+"""A quantity of each gait over the grid of commanded velocities."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.collections import PatchCollection
+from matplotlib.colors import LogNorm, Normalize
+from matplotlib.patches import Rectangle
+
+from slider.library.contents import LibraryContents
+from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE
+
+
+@dataclass(frozen=True)
+class VelocityMap:
+    """Values (G,) of the gaits of a library, for one map.
+
+    Attributes:
+        name, unit: for the title and the colour bar.
+        values: (G,) in the order of the library; NaN where a gait has none.
+        logarithmic: colours by powers of ten.
+    """
+
+    name: str
+    values: np.ndarray
+    unit: str
+    logarithmic: bool = False
+
+
+def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
+    """One coloured cell per gait, a cross at each hole, a colour bar with the unit.
+
+    Raises:
+        ValueError: not one value per gait.
+    """
+    if item.values.shape != (len(library),):
+        raise ValueError(f"{item.name}: expected {len(library)} values, found {item.values.shape}")
+    colours = colormaps[COLOURS].with_extremes(bad=EMPTY)
+    cells = PatchCollection(
+        [Rectangle(*cell) for cell in _cells(library)], cmap=colours, norm=_norm(item)
+    )
+    cells.set_array(np.ma.masked_invalid(item.values))
+    cells.set(edgecolor="white", linewidth=0.4)
+    axes.add_collection(cells)
+    frame(axes, library)
+    for hole in library.holes:
+        axes.plot(hole.vx, hole.vy, "x", color=MIDDLE, markersize=4, markeredgewidth=1.2)
+    bar = axes.figure.colorbar(cells, ax=axes, pad=0.01, aspect=8)
+    bar.set_label(item.unit)
+    bar.outline.set_visible(False)  # type: ignore[reportCallIssue]
+    axes.set_title(item.name, loc="left")
+
+
+def frame(axes: Axes, library: LibraryContents) -> None:
+    """Axes of a map over all velocities that were asked for, holes included."""
+    mesh = library.mesh
+    margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
+    holes = np.array([[hole.vx, hole.vy] for hole in library.holes]).reshape(-1, 2)
+    places = np.concatenate([library.velocities, holes])
+    axes.set_xlim(places[:, 0].min() - margin_x, places[:, 0].max() + margin_x)
+    axes.set_ylim(places[:, 1].min() - margin_y, places[:, 1].max() + margin_y)
+    axes.set(xlabel="commanded forward velocity [m/s]", ylabel="leftward\n[m/s]")
+    axes.grid(visible=False)
+
+
+def _cells(library: LibraryContents) -> list[tuple[tuple[float, float], float, float]]:
+    """Lower left corner, width and height [m/s] of each gait's cell."""
+    vx, vy = library.velocities.T
+    low_x, high_x = _borders(library.mesh.vx)
+    low_y, high_y = _borders(library.mesh.vy)
+    i, j = np.searchsorted(library.mesh.vx, vx), np.searchsorted(library.mesh.vy, vy)
+    width, height = (high_x - low_x).tolist(), (high_y - low_y).tolist()
+    left, bottom = low_x.tolist(), low_y.tolist()
+    return [((left[a], bottom[b]), width[a], height[b]) for a, b in zip(i, j, strict=True)]
+
+
+def _borders(axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half way to the neighbours, below and above each value."""
+    half = np.diff(axis) / 2 if len(axis) > 1 else np.array([0.025])
+    below, above = np.concatenate([half[:1], half]), np.concatenate([half, half[-1:]])
+    return axis - below[: len(axis)], axis + above[: len(axis)]
+
+
+def _half_width(axis: np.ndarray) -> float:
+    low, high = _borders(axis)
+    return float((high - low).max()) / 2
+
+
+def _norm(item: VelocityMap) -> Normalize:
+    values = item.values[np.isfinite(item.values)]
+    if not item.logarithmic:
+        return Normalize(float(values.min()), float(values.max()))
+    positive = values[values > 0]
+    low = float(positive.min()) if len(positive) else 1e-12
+    return LogNorm(low, max(float(values.max()), 10 * low))

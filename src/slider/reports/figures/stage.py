@@ -1,0 +1,53 @@
+"""The stage ``figures``: pictures of the gait library, each with a caption beside it."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.library.contents import LibraryContents
+from slider.reports.figures import (
+    NAMES,
+    convergence,
+    gait_tiles,
+    knee_map_error,
+    limit_cycles,
+    smoothness,
+    velocity_maps,
+)
+from slider.reports.figures.publication import write_figure
+
+
+class Drawing(NamedTuple):
+    """A figure of a library and the Markdown that explains it."""
+
+    title: str
+    draw: Callable[[LibraryContents], Figure]
+    caption: Callable[[LibraryContents], str]
+
+
+DRAWINGS = {
+    "limit_cycles": Drawing("Limit cycles", limit_cycles.draw, limit_cycles.caption),
+    "gait_tiles": Drawing("Gaits from the side", gait_tiles.draw, gait_tiles.caption),
+    "velocity_maps": Drawing(
+        "Gaits over the commanded velocity", velocity_maps.draw, velocity_maps.caption
+    ),
+    "convergence": Drawing("Convergence", convergence.draw, convergence.caption),
+    "knee_map_error": Drawing(
+        "Equation 1 as printed, against the exact map", knee_map_error.draw, knee_map_error.caption
+    ),
+    "smoothness": Drawing("Smoothness of the library", smoothness.draw, smoothness.caption),
+}
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Draw every figure of ``slider.reports.figures.NAMES`` as SVG, PNG and Markdown."""
+    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    for name in NAMES:
+        title, draw, caption = DRAWINGS[name]
+        job.progress(name)
+        write_figure(out / name, title, lambda draw=draw: draw(library), caption(library))
+        job.tracker.log_file(out / f"{name}.png")
+    return {"figures": len(NAMES)}

@@ -1,0 +1,73 @@
+"""``slider gait``: look at one gait of the library, or take it out."""
+
+import argparse
+from pathlib import Path
+
+from slider.core.errors import UserError
+from slider.library.choose import add_library_arguments, add_velocity_arguments, read_library
+from slider.library.contents import LibraryContents
+from slider.library.export import FORMATS
+from slider.library.overview import gait_lines
+
+_PICTURES = (".svg", ".png")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    actions = parser.add_subparsers(dest="action", required=True)
+    show = actions.add_parser("show", help="print a summary and draw the gait")
+    export = actions.add_parser("export", help="write the gait for other programs")
+    for action in (show, export):
+        add_velocity_arguments(action)
+        add_library_arguments(action)
+    show.add_argument(
+        "--out", type=Path, help="picture, .svg or .png (default: reports/gaits/<vx>_<vy>.png)"
+    )
+    export.add_argument("--format", choices=FORMATS, required=True)
+    export.add_argument("--out", type=Path, required=True, help="file to write")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Show or export one gait."""
+    _check(arguments)
+    library = read_library(arguments)
+    gait = library.find(arguments.vx, arguments.vy)
+    if arguments.action == "show":
+        print("\n".join(gait_lines(library, gait)))
+        out = arguments.out or _default_picture(library, gait)
+        _draw(library, gait, out)
+    else:
+        out = arguments.out
+        _make_folder(out)
+        FORMATS[arguments.format](library, gait, out)
+    print(f"{out} is ready")
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse a name for the output before anything is read."""
+    out = arguments.out
+    if out is not None and out.is_dir():
+        raise UserError(f"--out: expected the name of a file, found the folder {out}")
+    if arguments.action == "show" and out is not None and out.suffix not in _PICTURES:
+        raise UserError(f"--out: expected a name that ends in .svg or .png, found {out}")
+
+
+def _default_picture(library: LibraryContents, gait: int) -> Path:
+    vx, vy = library.velocities[gait]
+    return Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}.png"
+
+
+def _draw(library: LibraryContents, gait: int, out: Path) -> None:
+    from slider.reports.figures import gait_sheet
+    from slider.reports.figures.style import save, style
+
+    _make_folder(out)
+    with style():
+        save(gait_sheet.draw(library, gait), out)
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"--out: {out}: {error.strerror}") from None

@@ -1,0 +1,45 @@
+"""The stage ``report``: one self-contained page about everything."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from slider.core.config.convert import from_dict
+from slider.core.config.report import ReportConfig
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.reports.controllers import label, speed
+from slider.reports.page import render_page
+from slider.reports.sections import SECTIONS
+from slider.reports.sections.sources import Sources
+
+PAGE = "index.html"
+_TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write ``index.html`` with the configured sections, each from its declared inputs."""
+    report = from_dict(ReportConfig, section["report"])
+    sources = Sources(
+        report=report,
+        configuration=section["configuration"],
+        origins=section["origins"],
+        inputs=inputs,
+        times=job.input_volatile,
+    )
+    sections = {name: SECTIONS[name](sources) for name in report.sections}
+    page = render_page(_TITLE, _facts(section["configuration"]), sections)
+    (out / PAGE).write_text(page, encoding="utf-8")
+    job.tracker.log_file(out / PAGE)
+    return {"sections": report.sections, "megabytes": round(len(page.encode()) / 1e6, 1)}
+
+
+def _facts(configuration: Mapping[str, Any]) -> dict[str, str]:
+    """What a reader wants to know before anything else."""
+    evaluation, walking = configuration["evaluation"], configuration["train"]["walking"]
+    samples = walking["iterations"] * walking["num_envs"] * walking["steps_per_iteration"]
+    return {
+        "controllers": ", ".join(map(label, evaluation["controllers"])),
+        "commands": ", ".join(map(speed, evaluation["commands"])) + " m/s",
+        "robots per command": f"{evaluation['trials']} trials × {evaluation['robots']}",
+        "training": f"{samples / 1e6:.1f} million control steps",
+    }

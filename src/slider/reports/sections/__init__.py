@@ -1,0 +1,25 @@
+"""Sections of the page. A new one is a function here and its inputs in ``SECTION_INPUTS``."""
+
+from collections.abc import Callable
+
+from slider.reports.page import Section
+from slider.reports.sections import (
+    gaits,
+    learning,
+    provenance,
+    readings,
+    table1,
+    tracking,
+    videos,
+)
+from slider.reports.sections.sources import Sources
+
+SECTIONS: dict[str, Callable[[Sources], Section]] = {
+    "table1": table1.section,
+    "tracking": tracking.section,
+    "videos": videos.section,
+    "gaits": gaits.section,
+    "learning": learning.section,
+    "readings": readings.section,
+    "provenance": provenance.section,
+}

@@ -1,0 +1,132 @@
+"""Learning curves of standing and walking: the periodic checks and the terms of the reward."""
+
+from pathlib import Path
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from slider.reports.controllers import colour
+from slider.reports.page import Chart, Section, chart
+from slider.reports.sections.sources import Sources
+
+CURVES = "learning_curve.csv"
+_CHECKS = {
+    "success": "share of robots that survive",
+    "speed_error": "speed error [m/s]",
+    "flight": "flight share",
+    "value": "score (lower is better)",
+}
+_PANELS = 4  # in a row
+_TRAININGS = {"standing": "Standing", "walking": "Walking"}
+
+
+def section(sources: Sources) -> Section:
+    """For each training its periodic evaluation and, where recorded, every curve by group."""
+    trainings = []
+    for name, title in _TRAININGS.items():
+        folder = sources.inputs[name][0]
+        charts = [_checks_chart(name, _read(folder / "selection.csv"))]
+        recorded = (folder / CURVES).is_file()
+        if recorded:
+            charts += _curve_charts(name, _read(folder / CURVES))
+        trainings.append({"title": title, "charts": charts, "recorded": recorded})
+    return Section("Learning curves", "learning.html", {"trainings": trainings})
+
+
+def _read(path: Path) -> dict[str, np.ndarray]:
+    """Columns of a CSV file of numbers."""
+    header, *rows = path.read_text().splitlines()
+    values = np.array([[float(text or "nan") for text in row.split(",")] for row in rows])
+    return dict(zip(header.split(","), values.T, strict=True))
+
+
+def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
+    names = [column for column in _CHECKS if column in table]
+    figure = make_subplots(1, len(names), subplot_titles=[_CHECKS[column] for column in names])
+    for index, column in enumerate(names):
+        figure.add_scatter(
+            x=table["iteration"],
+            y=table[column],
+            mode="lines+markers",
+            line={"color": colour(index), "width": 1.8},
+            marker={"size": 5},
+            name=_CHECKS[column],
+            showlegend=False,
+            row=1,
+            col=index + 1,
+        )
+        figure.update_yaxes(rangemode="nonnegative", row=1, col=index + 1)
+        if column == "value" and (table[column] > 0).all():
+            figure.update_yaxes(type="log", row=1, col=index + 1)
+    figure.update_xaxes(title_text="iteration")
+    figure.update_annotations(font_size=12)
+    best = int(table["iteration"][np.argmin(table["value"])])
+    caption = f"Periodic evaluation on a few robots; the policy of iteration {best} was kept."
+    return chart(f"checks-{name}", figure, caption, 280)
+
+
+def _curve_charts(name: str, table: dict[str, np.ndarray]) -> list[Chart]:
+    """One figure per group of columns ``group/curve``."""
+    groups: dict[str, list[str]] = {}
+    for column in table:
+        group, slash, _ = column.partition("/")
+        if slash:
+            groups.setdefault(group, []).append(column)
+    return [_curves_chart(name, group, table, columns) for group, columns in groups.items()]
+
+
+def _curves_chart(name: str, group: str, table: dict[str, np.ndarray], columns: list[str]) -> Chart:
+    """Terms of a reward over each other, since they add up; other quantities have own panels."""
+    identity = f"curves-{name}-{group.lower()}"
+    if "reward" in group.lower():
+        caption = "Terms of the reward during training, weighted."
+        return chart(identity, _overlaid(table, columns), caption, 380)
+    caption = f"Recorded during training: {group.lower().replace('_', ' ')}."
+    return chart(identity, _panels(table, columns), caption, 90 + 190 * _rows(columns))
+
+
+def _overlaid(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
+    figure = go.Figure()
+    for index, column in enumerate(columns):
+        line = {"color": colour(index), "width": 1.5, "dash": _dash(index)}
+        figure.add_scatter(
+            x=table["iteration"], y=_short(table[column]), name=_term(column), line=line
+        )
+    figure.update_xaxes(title_text="iteration")
+    return figure
+
+
+def _panels(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
+    rows, titles = _rows(columns), [_term(column) for column in columns]
+    figure = make_subplots(rows, _PANELS, subplot_titles=titles, vertical_spacing=0.3 / rows)
+    for index, column in enumerate(columns):
+        figure.add_scatter(
+            x=table["iteration"],
+            y=_short(table[column]),
+            line={"color": colour(0), "width": 1.5},
+            name=titles[index],
+            showlegend=False,
+            row=index // _PANELS + 1,
+            col=index % _PANELS + 1,
+        )
+    figure.update_annotations(font_size=12)
+    return figure
+
+
+def _rows(columns: list[str]) -> int:
+    return -(-len(columns) // _PANELS)
+
+
+def _term(column: str) -> str:
+    return column.partition("/")[2].replace("_", " ")
+
+
+def _short(values: np.ndarray) -> list[float]:
+    """Five digits are more than a screen shows."""
+    return [float(f"{value:.5g}") for value in values]
+
+
+def _dash(index: int) -> str:
+    """Line style of curve ``index``, so that more curves than colours stay apart."""
+    return ("solid", "dash", "dot", "dashdot")[index // 7 % 4]

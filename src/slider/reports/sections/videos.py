@@ -1,0 +1,50 @@
+"""Videos: a row per command, a column per controller."""
+
+import base64
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+from slider.reports.controllers import label, speed
+from slider.reports.page import Section
+from slider.reports.sections.sources import Sources
+from slider.reports.video import ABOUT, FILM, POSTER
+
+
+@dataclass(frozen=True)
+class _Video:
+    controller: str
+    command: float
+    fate: str
+    film: str
+    poster: str
+
+
+def section(sources: Sources) -> Section:
+    """All videos, in the page itself."""
+    videos = [_read(folder) for folder in sources.inputs.get("videos", ())]
+    commands = sorted({video.command for video in videos})
+    rows = [(speed(command), [v for v in videos if v.command == command]) for command in commands]
+    renderer = sources.report.video.renderer
+    return Section("Videos", "videos.html", {"rows": rows, "renderer": renderer})
+
+
+def _read(folder: Path) -> _Video:
+    about = json.loads((folder / ABOUT).read_text())
+    fell = about["fell_at"]
+    fate = (
+        f"walks at {about['mean_velocity']:.2f} m/s"
+        if fell is None
+        else f"falls after {fell:.1f} s"
+    )
+    return _Video(
+        controller=label(about["controller"]),
+        command=about["command"],
+        fate=fate,
+        film=_data(folder / FILM, "video/mp4"),
+        poster=_data(folder / POSTER, "image/jpeg"),
+    )
+
+
+def _data(path: Path, kind: str) -> str:
+    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

@@ -1,0 +1,93 @@
+"""The stage ``video``: one controller at one command, as a short film."""
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from slider.core.config.convert import from_dict
+from slider.core.config.env import StartNoise
+from slider.core.config.report import VideoConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.errors import UserError
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.reports.controllers import label
+
+FILM, POSTER, ABOUT = "video.mp4", "poster.jpg", "about.json"
+_POSTER_TIME = 2.0  # a robot in motion [s]
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Simulate one robot from rest, film it, and say how it went.
+
+    Raises:
+        UserError: nothing can be rendered on this machine.
+    """
+    torch.set_num_threads(job.threads)
+    # Before the first import of mujoco, which reads it.
+    os.environ["MUJOCO_GL"] = section["video"]["renderer"]
+    from slider.env.episode import Episode
+    from slider.env.starts import at_rest
+    from slider.evaluation import baseline, stage
+
+    robot = from_dict(RobotConfig, section["robot"])
+    video = from_dict(VideoConfig, section["video"])
+    noise = from_dict(StartNoise, section["start"])
+    learned = "walking" in inputs
+    one = stage.simulate(section, inputs, 1) if learned else baseline.simulate(section, 1)
+    episode = Episode(one.controller, one.physics, one.env)
+    start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
+    frames = [episode.start(*start, np.array([[section["command"], 0.0, 0.0]]))]
+    frames += [episode.step() for _ in range(round(video.duration / one.env.control_period))]
+    _film(section, robot, video, frames, out)
+    summary = _summary(section, frames)
+    (out / ABOUT).write_text(json.dumps(summary) + "\n")
+    return summary
+
+
+def _film(section: Section, robot: RobotConfig, video: VideoConfig, frames, out: Path) -> None:
+    from slider.reports import film
+    from slider.robot.scene import build_scene
+
+    period = frames[1].time - frames[0].time
+    shown = frames[:: round(1.0 / (video.frame_rate * period))]
+    model = build_scene(robot, video.width, video.height)
+    pictures = film.render(model, shown, (video.width, video.height))
+    images = []
+    fallen = False
+    try:
+        for frame, picture in zip(shown, pictures, strict=True):
+            fallen |= frame.failed
+            images.append(film.annotate(picture, *_overlay(section, frame, fallen), fallen))
+    except (ImportError, RuntimeError, AttributeError) as error:  # what broken OpenGL raises
+        raise UserError(
+            f"expected to render with {video.renderer}, found: {error}; the report does "
+            "without videos after report.video.renderer=none"
+        ) from None
+    film.write(images, video, out / FILM)
+    images[min(len(images) - 1, round(_POSTER_TIME * video.frame_rate))].save(
+        out / POSTER, quality=80
+    )
+
+
+def _overlay(section: Section, frame, fallen: bool) -> tuple[str, list[str]]:
+    title = label(section["controller"]) + (", fallen" if fallen else "")
+    lines = [
+        f"command {section['command']:.2f} m/s",
+        f"actual {frame.velocity[0]:.2f} m/s",
+        f"t = {frame.time:.1f} s",
+    ]
+    return title, lines
+
+
+def _summary(section: Section, frames) -> Summary:
+    falls = [frame.time for frame in frames if frame.failed]
+    half = [frame.velocity[0] for frame in frames[len(frames) // 2 :]]
+    return {
+        "controller": section["controller"],
+        "command": section["command"],
+        "fell_at": falls[0] if falls else None,
+        "mean_velocity": float(np.mean(half)),
+    }

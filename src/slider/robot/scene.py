@@ -1,0 +1,113 @@
+"""The robot in a scene to look at: floor grid, sky, light with shadows.
+
+Apart from the simulated model, so that the looks of a video change nobody's recipe.
+"""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+import mujoco
+
+from slider.core.config.robot import RobotConfig
+from slider.robot import names
+from slider.robot.mjcf import SimulationOptions, build_spec
+
+TILE = 0.5  # edge of a floor tile [m]
+_SHADOW_TEXELS = 2048
+_EXTENT = 4.0  # what the shadow map covers about the light's target; less gives speckles [m]
+_FLOOR_LIGHT, _FLOOR_DARK, _FLOOR_LINE = (0.80, 0.83, 0.86), (0.70, 0.75, 0.80), (0.55, 0.61, 0.67)
+_SKY_TOP, _SKY_HORIZON = (0.62, 0.74, 0.88), (0.93, 0.95, 0.97)
+
+_TUBE, _FOOT = (0.12, 0.12, 0.13, 1.0), (0.75, 0.35, 0.15, 1.0)
+
+
+def build_scene(robot: RobotConfig, width: int = 640, height: int = 480) -> mujoco.MjModel:
+    """Compile the robot with everything that makes it good to look at.
+
+    Args:
+        robot: parameters of the robot.
+        width, height: size of the largest picture rendered offscreen [pixel].
+    """
+    spec = build_spec(robot, SimulationOptions())
+    spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
+    spec.visual.quality.shadowsize = _SHADOW_TEXELS
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
+    spec.visual.headlight.diffuse = [0.35, 0.35, 0.35]
+    spec.visual.headlight.specular = [0.0, 0.0, 0.0]
+    spec.stat.extent = _EXTENT  # without it the floor's, and a coarse shadow
+    spec.visual.map.shadowclip = 1.0
+    spec.visual.map.zfar = 40.0 / _EXTENT
+    _add_sky(spec)
+    _add_floor(spec)
+    _add_light(spec)
+    for side in names.SIDES:
+        _complete_leg(spec, robot, side)
+    return spec.compile()
+
+
+def _add_sky(spec: mujoco.MjSpec) -> None:
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=_SKY_HORIZON,
+        rgb2=_SKY_TOP,
+        width=256,
+        height=1536,
+    )
+
+
+def _add_floor(spec: mujoco.MjSpec) -> None:
+    spec.add_texture(
+        name="tiles",
+        type=mujoco.mjtTexture.mjTEXTURE_2D,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
+        mark=mujoco.mjtMark.mjMARK_EDGE,
+        rgb1=_FLOOR_LIGHT,
+        rgb2=_FLOOR_DARK,
+        markrgb=_FLOOR_LINE,
+        width=512,
+        height=512,
+    )
+    material = spec.add_material(name="tiles", texrepeat=[0.5 / TILE, 0.5 / TILE], texuniform=True)
+    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
+    material.specular = 0.0
+    spec.geom(names.FLOOR).material = material.name
+
+
+def _add_light(spec: mujoco.MjSpec) -> None:
+    """Light that goes with the robot, so that its shadow is as sharp after ten metres."""
+    spec.body(names.BASE).add_light(
+        pos=[-0.6, -1.0, 3.0],
+        dir=[0.2, 0.33, -1.0],
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
+        diffuse=[0.6, 0.6, 0.6],
+        specular=[0.2, 0.2, 0.2],
+        castshadow=True,
+    )
+
+
+def _complete_leg(spec: mujoco.MjSpec, robot: RobotConfig, side: str) -> None:
+    """What touches nothing and is therefore not simulated: the ankle and the upper foot."""
+    geometry = robot.geometry
+    end = [0, 0, -geometry.leg_length]
+    _decorate(spec.body(f"{side}_slide"), 0.013, [*end[:2], end[2] + 0.05, *end], _TUBE)
+    height = geometry.foot_radius - geometry.ankle_height
+    _decorate(spec.body(names.foot(side)), 0.011, [0, 0, 0, 0, 0, height], _TUBE)
+    line = [-geometry.heel, 0, -height, geometry.toe, 0, -height]
+    _decorate(spec.body(f"{side}_upper_foot"), geometry.foot_radius, line, _FOOT)
+
+
+def _decorate(
+    body: mujoco.MjsBody, radius: float, line: list[float], colour: tuple[float, ...]
+) -> None:
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        size=[radius, 0, 0],
+        fromto=line,
+        rgba=colour,
+        mass=0.0,
+        contype=0,
+        conaffinity=0,
+    )

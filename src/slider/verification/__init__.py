@@ -1,0 +1,1 @@
+"""Independent checks of solved gaits: other dynamics, other integrators, another robot."""

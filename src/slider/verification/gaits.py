@@ -1,0 +1,72 @@
+"""The checks of single gaits, one after the other, with the time that each takes."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from slider.core.config.gait import Posture
+from slider.core.config.robot import RobotConfig
+from slider.core.config.verification import CheckConfig
+from slider.robot.knee_model import build_knee_model
+from slider.verification import dense, dynamics, periodicity, prismatic, replay, roll
+from slider.verification.pin_robot import PinRobot
+from slider.verification.stored import StoredGait
+
+Values = dict[str, float]
+Check = Callable[[StoredGait], Values]
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What gaits are checked against: the robot and what the optimisation was asked for."""
+
+    robot: RobotConfig
+    posture: Posture
+    kinematic_map: str
+    config: CheckConfig
+
+
+def checks(given: Surroundings) -> dict[str, Check]:
+    """Checks by name; each gives some of ``slider.verification.quantities``."""
+    robot, config = given.robot, given.config
+    floating = PinRobot(build_knee_model(robot.geometry, robot.links, robot.virtual_knee))
+    slides = prismatic.PrismaticRobot(robot)
+    simulation = replay.Simulation(robot, config.replay)
+    return {
+        "kinematics": partial(dynamics.kinematics, robot=floating),
+        "samples": partial(prismatic.stored_samples, robot=robot, variant=given.kinematic_map),
+        "dynamics": partial(dynamics.inverse_dynamics, robot=floating),
+        "impact": partial(dynamics.impact, robot=floating),
+        "mean_velocity": periodicity.mean_velocity,
+        "periodicity": periodicity.periodicity,
+        "roll": partial(roll.one_step_integration, robot=floating, integrator=config.integrator),
+        "return_map": partial(
+            roll.open_loop,
+            robot=floating,
+            integrator=config.integrator,
+            step=config.perturbation,
+        ),
+        "replay": partial(
+            replay.replays, simulation=simulation, pinocchio=floating, prismatic=slides
+        ),
+        "wrench": partial(prismatic.residual_wrench, pinocchio=floating, prismatic=slides),
+        "dense": partial(
+            dense.between_nodes,
+            pinocchio=floating,
+            robot=robot,
+            posture=given.posture,
+            points=config.points,
+        ),
+    }
+
+
+def check_gait(gait: StoredGait, table: dict[str, Check]) -> tuple[Values, dict[str, float]]:
+    """All quantities of a gait, and the processor time of each check [s]."""
+    values: Values = {}
+    seconds = {}
+    for name, check in table.items():
+        start = time.process_time()
+        values |= check(gait)
+        seconds[name] = time.process_time() - start
+    return values, seconds

@@ -1,0 +1,159 @@
+"""Check 7: the gait replayed in MuJoCo, by its joint targets alone and with foot placement."""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import mujoco
+import numpy as np
+
+from slider.core.config.robot import RobotConfig
+from slider.core.config.verification import ReplayConfig
+from slider.robot import names
+from slider.robot.mjcf import SimulationOptions, build_model
+from slider.verification.pin_robot import PinRobot
+from slider.verification.prismatic import PrismaticRobot
+from slider.verification.reference import Reference, StepReference, tabulate
+from slider.verification.regulator import Measurement, Regulator, Touchdown, touchdown
+from slider.verification.stored import StoredGait
+
+_EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
+_ITERATIONS = 50  # of MuJoCo's solver
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Completed steps, and mean forward velocity over them [m/s] (none without any)."""
+
+    steps: int
+    speed: float | None
+
+
+class Simulation:
+    """The prismatic robot in MuJoCo, its drives following the targets of a gait."""
+
+    def __init__(self, robot: RobotConfig, config: ReplayConfig) -> None:
+        self.robot, self.config = robot, config
+        options = SimulationOptions(config.timestep, _ITERATIONS, _ITERATIONS)
+        self.model = build_model(robot, options)
+        self.data = mujoco.MjData(self.model)
+        self.base = self.model.body(names.BASE).id
+        gains = [robot.gains[names.JOINTS[i].split("_", 1)[1]] for i in names.ACTUATED]
+        self.kp = np.array([gain.kp for gain in gains])
+        self.kd = np.array([gain.kd for gain in gains])
+        self.actuated = np.array(names.ACTUATED)
+
+    def start(self, gait: StoredGait, wanted: Reference) -> None:
+        """Put the robot where a walk starts, just after touchdown."""
+        mujoco.mj_resetData(self.model, self.data)
+        self.data.qpos[:] = np.concatenate([gait.base[0, :7], wanted.joints])
+        self.data.qvel[:] = np.concatenate([gait.base[0, 7:], wanted.velocities])
+        mujoco.mj_forward(self.model, self.data)
+        mujoco.mj_subtreeVel(self.model, self.data)
+
+    def drive(self, targets: np.ndarray, wanted: Reference) -> None:
+        """One control step: PD about the targets (12,), the gait's velocities and efforts."""
+        efforts = self.kd * wanted.velocities[self.actuated] + wanted.efforts[self.actuated]
+        self.data.ctrl[:] = targets[self.actuated] + efforts / self.kp
+        mujoco.mj_step(self.model, self.data, self.config.substeps)
+
+    def measure(self, side: str) -> Measurement:
+        """The state as the regulator wants it, in stance ``side``."""
+        data = self.data
+        mujoco.mj_subtreeVel(self.model, data)
+        other = names.SIDES[1 - names.SIDES.index(side)]
+        return Measurement(
+            (data.xpos[self.base].copy(), data.xmat[self.base].reshape(3, 3).copy()),
+            data.qpos[7:].copy(),
+            data.subtree_com[self.base].copy(),
+            data.subtree_linvel[self.base].copy(),
+            data.site(names.sole(side)).xpos.copy(),
+            data.site(names.sole(other)).xpos.copy(),
+        )
+
+    def loaded(self, side: str) -> bool:
+        """Whether a foot touches the ground."""
+        force = self.data.sensor(f"{side}_foot_force").data
+        return bool(np.linalg.norm(force) > self.config.contact)
+
+    def fallen(self) -> bool:
+        """Base too low, tilted too far, or numbers gone wild."""
+        height, upright = self.data.xpos[self.base, 2], self.data.xmat[self.base, 8]
+        falls = height < self.config.height or upright < np.cos(self.config.tilt)
+        return bool(falls or not np.isfinite(self.data.qpos).all())
+
+
+Follow = Callable[[Simulation, StepReference], bool]
+"""Drives the robot through a step; false where it does not get to its end."""
+
+
+def replays(
+    gait: StoredGait, simulation: Simulation, pinocchio: PinRobot, prismatic: PrismaticRobot
+) -> dict[str, float]:
+    """Steps and errors of the mean velocity [m/s], alone and with the regulator."""
+    points = simulation.config.points
+    steps = tabulate(gait, pinocchio, prismatic, points)
+    found = {}
+    speed = float(gait.velocities[0])
+    regulator = Regulator(simulation.robot.geometry, simulation.config.regulator, speed)
+    for name, follow in (
+        ("replay", alone_step),
+        ("regulated", partial(regulated_step, regulator=regulator)),
+    ):
+        simulation.start(gait, steps[0].at(0.0))
+        walk = walk_on(simulation, steps, follow)
+        found[f"{name}_steps"] = float(walk.steps)
+        if walk.speed is not None:
+            found[f"{name}_speed"] = abs(walk.speed - speed)
+    return found
+
+
+def walk_on(
+    simulation: Simulation, steps: tuple[StepReference, StepReference], follow: Follow
+) -> Replay:
+    """Step after step, until one is not completed or the walk is long enough."""
+    start = float(simulation.data.qpos[0])
+    count, time, place = 0, 0.0, start
+    while count < simulation.config.steps and follow(simulation, steps[count % 2]):
+        count += 1
+        time, place = float(simulation.data.time), float(simulation.data.qpos[0])
+    return Replay(count, (place - start) / time if count else None)
+
+
+def alone_step(simulation: Simulation, step: StepReference) -> bool:
+    """One step by the clock; false where the robot falls."""
+    start = float(simulation.data.time)
+    time = 0.0
+    while time < step.duration:
+        wanted = step.at(time)
+        simulation.drive(wanted.joints, wanted)
+        if simulation.fallen():
+            return False
+        time = float(simulation.data.time) - start
+    return True
+
+
+def regulated_step(simulation: Simulation, step: StepReference, regulator: Regulator) -> bool:
+    """One step from touchdown to touchdown; false where the robot falls."""
+    config = simulation.config
+    start = float(simulation.data.time)
+    past: Touchdown = touchdown(simulation.measure(step.side), step.at(0.0))
+    other = names.SIDES[1 - names.SIDES.index(step.side)]
+    time = 0.0
+    while time < config.patience * step.duration:
+        wanted = step.at(time)
+        late = max(0.0, time - step.duration)
+        wanted.swing[2] -= regulator.config.descent * late
+        found = simulation.measure(step.side)
+        phase = time / step.duration
+        targets = regulator.targets(found, wanted, past, step.side, phase, step.duration - time)
+        simulation.drive(targets, wanted)
+        time = float(simulation.data.time) - start
+        if simulation.fallen():
+            return False
+        if time > _EARLY * step.duration and simulation.loaded(other):
+            return True
+    return False

@@ -1,0 +1,131 @@
+"""The stages ``verification_gaits``, some gaits per job, and ``verification``, which collects."""
+
+import importlib.util
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slider.core.config.convert import from_dict
+from slider.core.config.gait import Posture
+from slider.core.config.robot import RobotConfig
+from slider.core.config.verification import CheckConfig
+from slider.core.errors import UserError
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.verification import neighbours, summary
+from slider.verification.stored import StoredGait, load_gaits
+
+LIBRARY = "library.zarr"
+RECORDS = "gaits.json"
+CSV, JSON = "verification.csv", "verification.json"
+_SHOWN = 5  # failures in the line that ends a job
+
+
+def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Check the gaits of some velocities; a hole of the library is left out.
+
+    Raises:
+        UserError: pinocchio is not installed.
+    """
+    if importlib.util.find_spec("pinocchio") is None:
+        raise UserError("expected pinocchio, found none: pip install 'slider-ehzd[verify]'")
+    from slider.verification import gaits
+
+    table = gaits.checks(
+        gaits.Surroundings(
+            from_dict(RobotConfig, section["robot"]),
+            from_dict(Posture, section["posture"]),
+            section["kinematic_map"],
+            from_dict(CheckConfig, section["verification"]),
+        )
+    )
+    chosen = _choose(load_gaits(inputs["library"][0] / LIBRARY), section["velocities"])
+    records, times = [], []
+    for gait in chosen:
+        values, seconds = gaits.check_gait(gait, table)
+        records.append({"velocity": gait.velocities.tolist(), "values": values})
+        times.append(seconds)
+        job.progress(f"{len(records)} of {len(chosen)} gaits")
+    if times:
+        job.volatile["seconds"] = {name: float(np.mean([t[name] for t in times])) for name in table}
+    job.volatile["checked"] = len(records)
+    (out / RECORDS).write_text(json.dumps(records, indent=1) + "\n")
+    return {"gaits": len(records)}
+
+
+def _choose(gaits: Sequence[StoredGait], velocities: Sequence[Sequence[float]]) -> list[StoredGait]:
+    by_velocity = {tuple(gait.velocities): gait for gait in gaits}
+    return [by_velocity[tuple(v)] for v in velocities if tuple(v) in by_velocity]
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Add the checks between gaits, compare all values with their bounds and write the results.
+
+    Raises:
+        UserError: a bound is unknown, or does not hold and ``verification.on_failure`` is
+            ``error``.
+    """
+    settings = section["verification"]
+    bounds: summary.Bounds = settings["bounds"]
+    summary.check_names(bounds)
+    gaits = load_gaits(inputs["library"][0] / LIBRARY)
+    pairs = neighbours.smoothness(gaits, settings["reach"])
+    rows = _rows(gaits, _records(inputs["gaits"]), pairs)
+    failed = summary.failures(rows, bounds)
+    if failed and settings["on_failure"] == "error":
+        raise UserError(_describe(failed))
+    content = {
+        "gaits": len(rows),
+        "passed": not failed,
+        "failures": [str(failure) for failure in failed],
+        "quantities": summary.worst(rows, bounds),
+        "jumps": summary.describe_pairs(pairs, rows, bounds),
+    }
+    summary.write_csv(out / CSV, rows, failed)
+    summary.write_json(out / JSON, content)
+    _log(rows, out, job)
+    return {"gaits": len(rows), "passed": not failed, "failures": len(failed)}
+
+
+def _records(folders: Sequence[Path]) -> dict[tuple[float, ...], dict[str, float]]:
+    records = [r for folder in folders for r in json.loads((folder / RECORDS).read_text())]
+    return {tuple(record["velocity"]): record["values"] for record in records}
+
+
+def _rows(
+    gaits: Sequence[StoredGait],
+    records: Mapping[tuple[float, ...], dict[str, float]],
+    pairs: Sequence[neighbours.Pair],
+) -> list[summary.Row]:
+    rows = []
+    for index, (gait, reflection) in enumerate(zip(gaits, neighbours.mirror(gaits), strict=True)):
+        vx, vy = (float(v) for v in gait.velocities)
+        values = records[vx, vy] | reflection | neighbours.jumps_of(pairs, index)
+        rows.append(summary.Row((vx, vy), values))
+    return rows
+
+
+def _describe(failed: Sequence[summary.Failure]) -> str:
+    texts = [str(failure) for failure in failed[:_SHOWN]]
+    more = f"; and {len(failed) - _SHOWN} more" if len(failed) > _SHOWN else ""
+    return (
+        f"{len(failed)} bounds do not hold: {'; '.join(texts)}{more} "
+        "(verification.on_failure=report writes the table all the same)"
+    )
+
+
+def _log(rows: Sequence[summary.Row], out: Path, job: Job) -> None:
+    """Times per gait [s] go to the volatile facts, the table to the tracker."""
+    facts: list[Mapping[str, Any]] = [
+        f for f in job.input_volatile.get("gaits", []) if "seconds" in f
+    ]
+    weights = [f["checked"] for f in facts]
+    if sum(weights):
+        names = facts[0]["seconds"]
+        job.volatile["seconds"] = {
+            n: float(np.average([f["seconds"][n] for f in facts], weights=weights)) for n in names
+        }
+    job.tracker.log_file(out / CSV)
+    job.tracker.log_file(out / JSON)

@@ -1,0 +1,143 @@
+"""Table, summary and verdict of a verification."""
+
+import csv
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slider.core.errors import UserError
+from slider.verification.neighbours import Pair
+from slider.verification.quantities import QUANTITIES, Quantity
+
+Bounds = dict[str, float | None]
+
+
+@dataclass(frozen=True)
+class Row:
+    """Quantities of the gait of a velocity (vx, vy) [m/s]; some do not exist for every gait."""
+
+    velocity: tuple[float, float]
+    values: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A quantity of a gait that is beyond its bound."""
+
+    velocity: tuple[float, float]
+    quantity: str
+    value: float
+    bound: float
+
+    def __str__(self) -> str:
+        about, (vx, vy) = QUANTITIES[self.quantity], self.velocity
+        sign = "≥" if about.at_least else "≤"
+        return (
+            f"gait ({vx:g}, {vy:g}) m/s, {self.quantity}: expected {sign} {self.bound:g} "
+            f"{about.unit}, found {self.value:.3g}"
+        )
+
+
+def check_names(bounds: Bounds) -> None:
+    """Refuse bounds that do not belong to the quantities.
+
+    Raises:
+        UserError: names what is unknown or missing.
+    """
+    unknown = sorted(set(bounds) - set(QUANTITIES))
+    missing = sorted(set(QUANTITIES) - set(bounds))
+    if unknown or missing:
+        what = f"unknown {', '.join(unknown)}" if unknown else f"none for {', '.join(missing)}"
+        raise UserError(
+            f"verification.bounds: expected one bound (or null) per quantity, found {what}"
+        )
+
+
+def failures(rows: Sequence[Row], bounds: Bounds) -> list[Failure]:
+    """Values beyond their bounds, by quantity; a value that is no number fails too."""
+    found = []
+    for name, about in QUANTITIES.items():
+        bound = bounds[name]
+        if bound is None:
+            continue
+        for row in rows:
+            value = row.values.get(name)
+            if value is not None and not _holds(value, bound, about):
+                found.append(Failure(row.velocity, name, value, bound))
+    return found
+
+
+def _holds(value: float, bound: float, about: Quantity) -> bool:
+    return value >= bound if about.at_least else value <= bound
+
+
+def worst(rows: Sequence[Row], bounds: Bounds) -> dict[str, dict[str, Any]]:
+    """Per quantity: its worst value and gait, median, bound and whether it holds."""
+    failed = {failure.quantity for failure in failures(rows, bounds)}
+    table = {}
+    for name, about in QUANTITIES.items():
+        having = [row for row in rows if name in row.values]
+        if not having:
+            continue
+        row = max(having, key=lambda row: _badness(row.values[name], about))
+        table[name] = {
+            "check": about.check,
+            "unit": about.unit,
+            "worst": _number(row.values[name]),
+            "vx": row.velocity[0],
+            "vy": row.velocity[1],
+            "median": _number(float(np.median([row.values[name] for row in having]))),
+            "bound": bounds[name],
+            "passed": None if bounds[name] is None else name not in failed,
+        }
+    return table
+
+
+def _badness(value: float, about: Quantity) -> float:
+    if math.isnan(value):
+        return math.inf
+    return -value if about.at_least else value
+
+
+def _number(value: float) -> float | None:
+    """JSON has neither infinity nor NaN."""
+    return float(f"{value:.6g}") if math.isfinite(value) else None
+
+
+def describe_pairs(
+    pairs: Sequence[Pair], rows: Sequence[Row], bounds: Bounds
+) -> list[dict[str, Any]]:
+    """Neighbours whose jump is beyond a bound."""
+    found = []
+    for pair in pairs:
+        jumps = {"jump_samples": pair.samples, "jump_coefficients": pair.coefficients}
+        limits = {name: bounds[name] for name in jumps}
+        if any(limit is not None and jumps[name] > limit for name, limit in limits.items()):
+            ends = {"from": rows[pair.first].velocity, "to": rows[pair.second].velocity}
+            found.append(ends | {name: _number(value) for name, value in jumps.items()})
+    return found
+
+
+def write_csv(path: Path, rows: Sequence[Row], failed: Sequence[Failure]) -> None:
+    """One line per gait, one column per quantity, and the names of those that failed."""
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["vx", "vy", *QUANTITIES, "failed"])
+        for row in rows:
+            names = [f.quantity for f in failed if f.velocity == row.velocity]
+            values = [_text(row.values.get(name)) for name in QUANTITIES]
+            writer.writerow([*(f"{v:g}" for v in row.velocity), *values, " ".join(names)])
+
+
+def _text(value: float | None) -> str:
+    return "" if value is None else f"{value:.6g}"
+
+
+def write_json(path: Path, content: dict[str, Any]) -> None:
+    """The summary that programmes read."""
+    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")

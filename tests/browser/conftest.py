@@ -1,0 +1,70 @@
+"""A headless Chromium of the system, and a finished pipeline to look at."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from tests.workflow.workspace import Workspace, copy_repository
+
+CANDIDATES = ("chromium", "chromium-browser", "google-chrome")
+FINISHED = "SLIDER_FINISHED"  # folder of a finished pipeline, to look at instead of a tiny one
+
+
+@dataclass
+class Visit:
+    """A page and everything it complained about or asked for."""
+
+    page: object
+    complaints: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[object]:
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="needs the Python package playwright (extra test)"
+    )
+    path = next(filter(None, map(shutil.which, CANDIDATES)), None)
+    if path is None:
+        pytest.skip("needs Chromium, such as Debian's package chromium")
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def finished(browser, tmp_path_factory) -> Workspace:
+    """A pipeline that ran up to its report, with tracking."""
+    given = os.environ.get(FINISHED)
+    if given:
+        return Workspace(Path(given).resolve())
+    workspace = copy_repository(tmp_path_factory.mktemp("browser"))
+    done = workspace.snakemake("reports/index.html", "reports/table1.csv")
+    assert done.returncode == 0, done.stderr
+    return workspace
+
+
+@pytest.fixture
+def visit(browser):
+    """Open pages; note console errors, exceptions and requests of each."""
+    contexts = []
+
+    def open_page(address: str, scheme: str = "light") -> Visit:
+        context = browser.new_context(viewport={"width": 1280, "height": 900}, color_scheme=scheme)
+        contexts.append(context)
+        visit = Visit(context.new_page())
+        page = visit.page
+        page.on("console", lambda m: m.type == "error" and visit.complaints.append(m.text))
+        page.on("pageerror", lambda error: visit.complaints.append(str(error)))
+        page.on("request", lambda request: visit.requests.append(request.url))
+        page.goto(address)
+        return visit
+
+    yield open_page
+    for context in contexts:
+        context.close()

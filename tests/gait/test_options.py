@@ -1,0 +1,157 @@
+"""Transcriptions, costs, step-time laws, the ladder and the capstan."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from slider.core.config.gait import StepTime
+from slider.core.config.robot import Capstan
+from slider.gait.dense import dense_nodes, dense_violations
+from slider.gait.formulation import Formulation
+from slider.gait.problem import DENSE, build
+from slider.gait.solution import coefficients, knee_trajectory, prismatic_joints
+from slider.gait.solve import GaitSolver, duration_bounds
+from slider.gait.tree import StanceTree
+from slider.robot.names import JOINTS
+from tests.gait.gaits import config, form, model, nodes, problem, solved
+
+COMMAND = (0.4, 0.0)
+
+
+@cache
+def formulated(**changes: Any) -> Formulation:
+    robot = config().robot
+    length = robot.geometry.leg_length
+    settings = replace(config().gait, **changes)
+    return Formulation(StanceTree(model()), settings, robot.limits, robot.capstan, length)
+
+
+def solve_with(form: Formulation, ladder=("cold",), step_time: StepTime | None = None):
+    gait = config().gait
+    settings = replace(gait.solver, ladder=list(ladder))
+    return GaitSolver(build(form), settings, step_time or gait.step_time)
+
+
+def efforts(variables: np.ndarray, problem) -> np.ndarray:
+    trajectory = knee_trajectory(problem, variables)
+    return prismatic_joints(trajectory, model().thigh, model().shank, form().leg_length, "exact")[2]
+
+
+def test_collocation_costs_less_than_polynomials():
+    """The polynomials are a subset of all motions, up to the collocation's own error."""
+    solver = solve_with(formulated(transcription="collocation"))
+    free = solver.solve(*COMMAND)
+    assert free.success, free.status
+    assert free.max_violation <= 1e-6
+    assert free.cost < 0.99 * solved(*COMMAND).cost
+    fitted, error = coefficients(solver.problem, free.variables)
+    assert fitted.shape == (2, 10, config().gait.degree + 1)
+    assert 0 < error < 0.2
+
+
+def test_each_cost_is_least_for_its_own_optimum():
+    found = {
+        name: solve_with(formulated(cost=name)).solve(*COMMAND) for name in ("torque", "transport")
+    }
+    found["paper"] = solved(*COMMAND)
+    for name, own in found.items():
+        assert own.success, name
+        value = _cost(name, own.variables)
+        assert value == pytest.approx(own.cost, rel=1e-9)
+        for other in found.values():
+            assert value <= _cost(name, other.variables) * (1 + 1e-6)
+
+
+def _cost(name: str, variables: np.ndarray) -> float:
+    """Independent evaluation at the nodes."""
+    gait = problem()
+    layout = gait.layout
+    trajectory = knee_trajectory(gait, variables)
+    time = variables[layout.time_index(0)]
+    square = (trajectory.torques**2).sum(axis=1)
+    if name == "paper":
+        return float(square.sum() / time)
+    if name == "torque":
+        return float(layout.weights @ square)
+    _, velocity, effort = prismatic_joints(
+        trajectory, model().thigh, model().shank, form().leg_length, "exact"
+    )
+    power = effort * velocity
+    absolute = (np.sqrt(power**2 + 1.0) - 1.0).sum(axis=1)
+    return float(layout.weights @ absolute) / 2 / (model().mass * 9.81)
+
+
+def test_the_ramp_arrives_where_the_cold_start_does():
+    ramp = solve_with(formulated(), ladder=("ramp",)).solve(*COMMAND)
+    assert [attempt.name for attempt in ramp.attempts] == ["ramp"]
+    assert ramp.success
+    assert ramp.cost == pytest.approx(solved(*COMMAND).cost, rel=5e-3)
+
+
+def test_the_ladder_goes_on_after_a_failure():
+    gait = config().gait
+    settings = replace(gait.solver, ladder=["cold", "relaxed"], max_iterations=2)
+    solve = GaitSolver(problem(), settings, gait.step_time).solve(*COMMAND)
+    assert [attempt.name for attempt in solve.attempts] == ["cold", "relaxed"]
+    assert not solve.success
+    assert all(attempt.iterations == 2 for attempt in solve.attempts)
+
+
+@pytest.mark.parametrize(
+    ("law", "expected"), [("free", (0.25, 0.42)), ("fixed", (0.4, 0.4)), ("speed", (0.35, 0.35))]
+)
+def test_step_time_laws(law, expected):
+    bounds = duration_bounds(StepTime(0.25, 0.42, law, 0.4, -0.05), 1.0, 0.0)
+    assert bounds == pytest.approx(expected)
+
+
+def test_a_fixed_step_time_is_kept():
+    law = StepTime(0.25, 0.42, "fixed", 0.36, 0.0)
+    solver = solve_with(formulated(), step_time=law)
+    solve = solver.solve(*COMMAND)
+    assert solve.success
+    layout = solver.problem.layout
+    assert [solve.variables[layout.time_index(step)] for step in range(2)] == [0.36, 0.36]
+
+
+def test_the_capstan_bounds_both_motors():
+    """A weaker motor binds: its torques, from slide force and ankle torque, reach the bound."""
+    robot, drive = config().robot, Capstan(0.025, 1.0, 3.2)
+    length, settings = robot.geometry.leg_length, formulated().config
+    weak = Formulation(StanceTree(model()), settings, robot.limits, drive, length)
+    solve = solve_with(weak).solve(*COMMAND)
+    assert solve.success, solve.status
+
+    def motors(variables: np.ndarray) -> np.ndarray:
+        effort = efforts(variables, problem())
+        slide = effort[:, [JOINTS.index("left_slide"), JOINTS.index("right_slide")]]
+        ankle = effort[:, [JOINTS.index("left_ankle"), JOINTS.index("right_ankle")]]
+        return np.abs(drive.drum_radius * slide) / 2 + np.abs(drive.foot_ratio * ankle) / 2
+
+    assert motors(solved(*COMMAND).variables).max() > 1.02 * drive.torque
+    assert motors(solve.variables).max() == pytest.approx(drive.torque, abs=1e-4)
+
+
+def test_between_nodes_the_constraints_nearly_hold():
+    violations = dense_violations(problem(), solved(*COMMAND).variables)
+    assert violations["clearance"] < 5e-4  # the nodes leave a margin below; nothing above
+    assert violations["torque"] == violations["speed"] == 0.0
+    assert 0 < violations["foot_line_moment"] < 5.0
+    assert violations["torso"] < 0.01
+
+
+def test_dense_phases_pass_through_the_nodes():
+    dense = dense_nodes(problem(), solved(*COMMAND).variables).reshape(2, -1, 34)[:, ::DENSE]
+    np.testing.assert_allclose(dense.reshape(-1, 34), nodes(*COMMAND), atol=1e-9)
+
+
+def test_a_foot_that_is_too_low_between_nodes_is_seen():
+    variables = solved(*COMMAND).variables
+    layout = problem().layout
+    lowered = variables.copy()
+    swing_knee = layout.joint_slice(0).start + 8 * (config().gait.degree + 1)
+    lowered[swing_knee + 3 : swing_knee + 6] -= 0.8
+    assert dense_violations(problem(), lowered)["clearance"] > 0.01

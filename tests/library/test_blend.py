@@ -1,0 +1,124 @@
+"""Blended gaits: exact at the library's velocities, continuous between them."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.gait.stage import run as run_gait
+from slider.library.blend import blend
+from slider.library.contents import LibraryContents
+from slider.library.stage import run
+from tests.gait.gaits import section as gait_section
+from tests.library.gaits import library as make_library
+from tests.library.gaits import section
+
+PHASE = np.linspace(0.0, 1.0, 21)
+VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]
+HOLES = [(0.5, 0.0)]
+GAITS = [velocity for velocity in VELOCITIES if velocity not in HOLES]
+
+
+@pytest.fixture(scope="module")
+def made_up(tmp_path_factory) -> LibraryContents:
+    return make_library(tmp_path_factory.mktemp("library"), GAITS, HOLES)
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory) -> LibraryContents:
+    """Two solved gaits that are no mirror images of themselves."""
+    folder = tmp_path_factory.mktemp("real")
+    velocities = [(0.4, 0.1), (0.6, 0.1)]
+    for index, velocity in enumerate(velocities):
+        (folder / f"{index}").mkdir()
+        run_gait(gait_section(*velocity), {}, folder / f"{index}", Job(folder))
+    inputs = {"gaits": [folder / f"{index}" for index in range(2)]}
+    run(section(velocities), inputs, folder / "out", Job(folder))
+    return LibraryContents.load(folder / "out" / "library.zarr")
+
+
+def test_at_a_velocity_of_the_library_it_is_that_gait(made_up):
+    for index, velocity in enumerate(GAITS):
+        gait = blend(made_up, *velocity)
+        for name in ("step_time", "coefficients", "roll", "base"):
+            expected = made_up.arrays[name][index]
+            if name == "base":
+                expected = expected.copy()
+                expected[:, 3:7] /= np.linalg.norm(expected[:, 3:7], axis=1, keepdims=True)
+            np.testing.assert_allclose(getattr(gait, name), expected, atol=1e-12)
+
+
+def test_a_real_gait_comes_back_from_its_polynomials(real):
+    for index, velocity in enumerate(real.velocities):
+        gait = blend(real, *velocity)
+        np.testing.assert_allclose(gait.samples(), real.arrays["samples"][index], atol=1e-9)
+        for name, column in (("knee_positions", 0), ("knee_velocities", 1)):
+            steps = [gait.knee_joints(step, PHASE)[column] for step in range(2)]
+            np.testing.assert_allclose(np.concatenate(steps), real.arrays[name][index], atol=1e-9)
+
+
+def test_velocities_of_a_blend_are_the_derivatives_of_its_positions(real):
+    gait = blend(real, 0.47, 0.1)
+    assert gait.weights == pytest.approx([0.65, 0.35])
+    for step in range(2):
+        phase, small = np.linspace(0.05, 0.95, 11), 1e-5
+        position, velocity = gait.joints(step, phase)
+        after, before = (gait.joints(step, phase + s)[0] for s in (small, -small))
+        slope = (after - before) / (2 * small * gait.step_time[step])
+        np.testing.assert_allclose(velocity, slope, atol=1e-6)
+        assert np.abs(velocity).max() > 0.5
+        assert not position[:, [5, 11]].any()  # the upper feet
+
+
+def test_a_blend_is_near_to_the_gaits_around_it(real):
+    between = blend(real, 0.5, 0.1).samples()
+    jump = np.abs(real.arrays["samples"][1] - real.arrays["samples"][0])
+    middle = real.arrays["samples"].mean(axis=0)
+    assert np.abs(between - middle).max() < 0.05 * jump.max()
+
+
+def test_it_is_continuous_over_the_grid_its_border_and_its_hole(made_up):
+    rng = np.random.default_rng(0)
+    start = rng.uniform((-0.3, -0.2), (2.3, 0.2), (150, 2))
+    small = 1e-6
+    for vx, vy in start:
+        first, second = blend(made_up, vx, vy), blend(made_up, vx + small, vy - small)
+        np.testing.assert_allclose(second.samples(), first.samples(), atol=1e3 * small)
+        np.testing.assert_allclose(second.step_time, first.step_time, atol=small)
+
+
+def test_across_a_line_of_the_grid_nothing_jumps(made_up):
+    for line in (0.0, 0.5, 1.0, 2.0):
+        below, above = (blend(made_up, line + s, 0.03) for s in (-1e-9, 1e-9))
+        np.testing.assert_allclose(above.samples(), below.samples(), atol=1e-6)
+
+
+def test_outside_it_is_the_border_and_says_so(made_up):
+    gait = blend(made_up, 9.0, 0.0)
+    assert gait.velocity.tolist() == [2.0, 0.0]
+    np.testing.assert_array_equal(gait.samples(), blend(made_up, 2.0, 0.0).samples())
+
+
+def test_step_times_are_blended(made_up):
+    assert blend(made_up, 0.73, 0.02).step_time == pytest.approx(2 * [0.42 - 0.05 * 0.73])
+
+
+def test_quaternions_stay_unit(made_up):
+    base = blend(made_up, 0.73, 0.02).base
+    np.testing.assert_allclose(np.linalg.norm(base[:, 3:7], axis=1), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("command", [(np.nan, 0.0), (0.0, np.inf)])
+def test_what_is_no_command_is_refused(made_up, command: tuple[float, float]):
+    with pytest.raises(ValueError, match="finite"):
+        blend(made_up, *command)
+
+
+def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(made_up):
+    assert made_up.find(1.0, -0.1) == GAITS.index((1.0, -0.1))
+    with pytest.raises(UserError, match=r"found \(0\.9, 0\) m/s; the nearest gait is at \(1, 0\)"):
+        made_up.find(0.9, 0.0)
+    with pytest.raises(UserError, match=r"did not converge: Infeasible.*torso 3\.0e-01, impact"):
+        made_up.find(0.5, 0.0)

@@ -1,0 +1,55 @@
+"""Finding out how this machine renders, and what becomes of the videos."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline import rendering
+from pipeline.stages import all_jobs
+from slider.core.config.compose import compose
+from slider.core.config.report import SECTION_INPUTS
+from slider.core.plan import build_plan
+from slider.reports.sections import SECTIONS
+
+CONF = Path(__file__).parents[2] / "conf"
+
+
+@pytest.mark.parametrize(
+    ("devices", "libraries", "expected"),
+    [(1, set(), "egl"), (0, {"libOSMesa.so.8"}, "osmesa"), (0, set(), "none")],
+)
+def test_takes_the_first_that_works(devices, libraries, expected, monkeypatch):
+    monkeypatch.setattr(rendering, "_egl_devices", lambda: devices)
+    monkeypatch.setattr(rendering, "_load", lambda name: name if name in libraries else None)
+    config = rendering.with_renderer(compose(["experiment=test"], CONF))
+    assert config.report.video.renderer == expected
+
+
+def test_leaves_a_choice_alone(monkeypatch):
+    monkeypatch.setattr(rendering, "find_renderer", lambda: "egl")
+    config = compose(["experiment=test", "report.video.renderer=none"], CONF)
+    assert rendering.with_renderer(config).report.video.renderer == "none"
+
+
+def stages(*overrides):
+    config = compose(["experiment=test", *overrides], CONF)
+    targets = all_jobs(config)
+    jobs = build_plan(targets).jobs.values()
+    return {job.stage for job in jobs}, targets["report"]
+
+
+def test_without_a_renderer_there_is_a_page_and_no_video_job():
+    found, _ = stages("report.video.renderer=none")
+    assert "report" in found
+    assert "video" not in found
+    found, _ = stages("report.video.renderer=egl")
+    assert "video" in found
+
+
+def test_a_page_has_the_inputs_of_its_sections_only():
+    _, report = stages("report.sections=[table1,learning]")
+    assert set(report.inputs) == {"table1", "standing", "walking"}
+
+
+def test_every_section_declares_its_inputs():
+    assert set(SECTIONS) == set(SECTION_INPUTS)

@@ -1,0 +1,117 @@
+"""Replays, agents that know nothing, and the loop around them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.cli import main
+from slider.core.config.compose import compose
+from slider.env.episode import Frame
+from slider.library.lookup import GaitLibrary
+from slider.play import loop
+from slider.play.control import Control
+from slider.play.motion import Replay, simulate_ignorant
+
+CONF = Path(__file__).parents[2] / "conf"
+SAMPLES = 10
+
+
+def library() -> GaitLibrary:
+    """Two gaits that move straight on: base x = vx t, joint 0 = t within the walk."""
+    velocities = np.array([[0.2, 0.0], [0.6, 0.1]])
+    step_time = np.array([[0.4, 0.4], [0.3, 0.5]])
+    samples, base = np.zeros((2, SAMPLES, 26)), np.zeros((2, SAMPLES, 13))
+    for gait, (first, second) in enumerate(step_time):
+        half = SAMPLES // 2
+        time = np.concatenate([np.linspace(0, first, half), first + np.linspace(0, second, half)])
+        samples[gait, :, 0] = time
+        base[gait, :, :2] = time[:, None] * velocities[gait]
+        base[gait, :, 2], base[gait, :, 3] = 0.7, 1.0
+    return GaitLibrary(velocities, samples, base, step_time)
+
+
+def test_replay_takes_the_nearest_gait_and_goes_on_for_ever():
+    motion = Replay(library(), 0.7, 0.05, period=0.02)
+    frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(100)]
+    np.testing.assert_allclose(motion.velocity, [0.6, 0.1])
+    last = frames[-1]
+    assert last.time == pytest.approx(2.0)
+    np.testing.assert_allclose(last.qpos[:3], [1.2, 0.2, 0.7], atol=1e-9)
+    assert last.qpos[7] == pytest.approx(2.0 - 2 * 0.8)  # two walks of 0.8 s are over
+
+
+@pytest.fixture(scope="module")
+def config():
+    return compose(["experiment=test"], CONF)
+
+
+@pytest.mark.parametrize("random", [False, True])
+def test_ignorant_agents_start_upright_and_repeat_themselves(config, random):
+    def run():
+        motion = simulate_ignorant(config.robot, config.env, config.evaluation.start, 3, random)
+        frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(5)]
+        return np.array([frame.qpos for frame in frames])
+
+    first = run()
+    assert 0.6 < first[0, 2] < 0.8
+    np.testing.assert_array_equal(first, run())
+
+
+def test_a_push_changes_the_velocity_of_the_base(config):
+    def velocity(push):
+        motion = simulate_ignorant(config.robot, config.env, config.evaluation.start, 3, False)
+        motion.start(np.zeros(3))
+        motion.push(np.array(push))
+        return motion.step(np.zeros(3)).velocity
+
+    assert velocity([0.0, 0.4])[1] - velocity([0.0, 0.0])[1] > 0.2
+
+
+class Counter:
+    period = 0.1
+
+    def __init__(self):
+        self.steps, self.pushes = 0, []
+
+    def start(self, velocity):
+        self.steps = 0
+        return self._frame()
+
+    def step(self, velocity):
+        self.steps += 1
+        return self._frame()
+
+    def push(self, velocity):
+        self.pushes.append(velocity)
+
+    def _frame(self):
+        return Frame(self.steps * self.period, np.zeros(19), np.zeros(2), False)
+
+
+def test_the_loop_obeys():
+    motion, control = Counter(), Control((0.4, 0.0, 0.0))
+    assert loop.run(motion, control, lambda frame: True, 1.0, real_time=False).time == 1.0
+    assert loop.run(motion, control, lambda frame: frame.time < 0.25, real_time=False).time < 0.35
+    control.paused = True
+    assert loop.run(motion, control, lambda frame: True, 1.0, real_time=False).time == 0.0
+    control.paused = False
+    control.push(0.0, 0.4)
+    loop.run(motion, control, lambda frame: True, 1.0, real_time=False)
+    assert len(motion.pushes) == 1
+
+
+def test_headless_says_how_it_went(capsys, tmp_path):
+    common = ["--conf", str(CONF), "--headless", "--seconds", "4"]
+    assert main(["play", "zero", *common]) == 1  # nobody stands on two lines without control
+    assert "agent zero: fell after" in capsys.readouterr().out
+    assert main(["play", "--artefacts", str(tmp_path), *common]) == 1
+    assert "found no plan there" in capsys.readouterr().err
+
+
+def test_a_window_needs_a_display(capsys, monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setattr("sys.platform", "linux")
+    assert main(["play", "zero", "--conf", str(CONF)]) == 1
+    assert "use --web or --headless" in capsys.readouterr().err

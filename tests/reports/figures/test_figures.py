@@ -1,0 +1,158 @@
+"""The stage ``figures``: which files, that they repeat, and what they must show."""
+
+from itertools import product
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from slider.core.job import Job
+from slider.library.contents import LibraryContents
+from slider.reports.figures import FILES, NAMES, solve_times
+from slider.reports.figures.gait_sheet import draw as draw_sheet
+from slider.reports.figures.knee_map_error import map_errors
+from slider.reports.figures.limit_cycles import draw as draw_cycles
+from slider.reports.figures.maps import VelocityMap, draw_map
+from slider.reports.figures.robot_drawing import postures
+from slider.reports.figures.speeds import forward_gaits
+from slider.reports.figures.stage import DRAWINGS, run
+from slider.reports.figures.style import save, style
+from tests.library.gaits import library as make_library
+from tests.library.gaits import write_store
+
+VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]
+HOLES = [(0.5, 0.0), (2.0, 0.1)]
+GAITS = [velocity for velocity in VELOCITIES if velocity not in HOLES]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    """Object of a library with holes."""
+    return write_store(tmp_path_factory.mktemp("figures"), GAITS, HOLES).parent
+
+
+@pytest.fixture(scope="module")
+def library(folder) -> LibraryContents:
+    return LibraryContents.load(folder / "library.zarr")
+
+
+@pytest.fixture(scope="module")
+def drawn(folder, tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("drawn")
+    assert run({}, {"library": [folder]}, out, Job(out)) == {"figures": len(NAMES)}
+    return out
+
+
+def test_writes_exactly_the_files_that_the_pipeline_publishes(drawn):
+    assert {path.name for path in drawn.iterdir()} == set(FILES)
+    assert set(DRAWINGS) == set(NAMES)
+    for name in NAMES:
+        assert (drawn / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert (drawn / f"{name}.svg").read_text().lstrip().startswith("<?xml")
+        assert f"({name}.png)" in (drawn / f"{name}.md").read_text()
+
+
+def test_the_same_library_gives_the_same_bytes(drawn, folder, tmp_path: Path):
+    with matplotlib.rc_context({"font.size": 20, "svg.hashsalt": None}):  # someone's settings
+        run({}, {"library": [folder]}, tmp_path, Job(tmp_path))
+    for name in FILES:
+        assert (tmp_path / name).read_bytes() == (drawn / name).read_bytes(), name
+
+
+def test_files_hold_neither_dates_nor_versions(drawn):
+    for name in NAMES:
+        svg, png = (drawn / f"{name}.svg").read_text(), (drawn / f"{name}.png").read_bytes()
+        assert "dc:date" not in svg
+        assert "matplotlib.org" not in svg
+        assert b"matplotlib" not in png.lower()
+
+
+@pytest.mark.parametrize("velocities", [[(0.0, -0.1)], [(0.2, 0.0), (0.4, 0.0)]])
+def test_tiny_libraries_can_be_drawn(velocities, tmp_path: Path):
+    object_folder = write_store(tmp_path / "library", velocities).parent
+    out = tmp_path / "out"
+    out.mkdir()
+    run({}, {"library": [object_folder]}, out, Job(out))
+    assert {path.name for path in out.iterdir()} == set(FILES)
+
+
+def test_captions_name_the_holes_and_what_they_violate(drawn):
+    text = (drawn / "convergence.md").read_text()
+    assert "9 of 11 gaits converged" in text
+    assert "hole at (0.5, 0) m/s: Infeasible_Problem_Detected; torso 3.0e-01" in text
+    assert "hole at (2, 0.1) m/s" in text
+
+
+def test_a_map_has_a_cell_per_gait_and_a_cross_per_hole(library):
+    values = np.arange(len(library), dtype=float)
+    values[3] = np.nan
+    axes = Figure().subplots()
+    draw_map(axes, library, VelocityMap("eigenvalue", values, "1"))
+    (cells,) = axes.collections
+    middles = [path.get_extents().get_points().mean(axis=0) for path in cells.get_paths()]
+    np.testing.assert_allclose(np.array(middles)[:, 1], library.velocities[:, 1], atol=1e-9)
+    assert len(middles) == len(library)
+    shown = cells.get_array()
+    assert shown is not None
+    np.testing.assert_array_equal(np.ma.getmaskarray(shown), np.isnan(values))
+    crosses = [line.get_xydata().ravel().tolist() for line in axes.lines]
+    assert crosses == [[0.5, 0.0], [2.0, 0.1]]
+
+
+def test_a_map_needs_a_value_per_gait(library):
+    with pytest.raises(ValueError, match="expected 9 values"):
+        draw_map(Figure().subplots(), library, VelocityMap("short", np.zeros(3), "1"))
+
+
+def test_limit_cycles_are_closed_and_one_per_velocity(library):
+    with style():
+        axes = draw_cycles(library).axes[:6]
+    gaits = forward_gaits(library, 9)
+    assert library.velocities[gaits].tolist() == [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]
+    for panel in axes:
+        assert len(panel.lines) == 4 * len(gaits)  # two steps, two touchdowns
+        for start in range(0, len(panel.lines), 4):
+            pieces = [line.get_xydata() for line in panel.lines[start : start + 4]]
+            for piece, following in zip(pieces, [*pieces[1:], pieces[0]], strict=True):
+                np.testing.assert_array_equal(piece[-1], following[0])
+
+
+def test_forward_gaits_are_evenly_spread(tmp_path: Path):
+    made = make_library(tmp_path, [(x / 10, y) for x in range(11) for y in (-0.05, 0.05)])
+    chosen = made.velocities[forward_gaits(made, 5)]
+    np.testing.assert_allclose(chosen[:, 0], [0, 0.25, 0.5, 0.75, 1.0], atol=0.051)
+    assert len(set(chosen[:, 1])) == 1
+
+
+def test_errors_of_equation_1_are_those_that_the_documents_state():
+    errors = map_errors(np.linspace(0.1, 1.2, 200), 0.36, 0.36)
+    assert np.abs(errors["hip"]).max() == pytest.approx(0.127, abs=1e-3)
+    assert np.abs(errors["slide_rate"]).max() == pytest.approx(0.24, abs=5e-3)
+    assert not errors["slide"].any()
+
+
+def test_postures_stand_on_their_feet(library):
+    """The lower end of the upright leg is the foot; the tube's length is that of the robot."""
+    geometry = library.robot.geometry
+    (posture,) = postures(library, 0, [0])
+    hip, ankle, top = posture.legs[0, :3]
+    assert np.linalg.norm(top - ankle) == pytest.approx(
+        geometry.leg_length + geometry.upper_foot_height
+    )
+    assert abs(np.cross(hip - ankle, top - ankle)).max() < 1e-12  # hip on the tube
+    length = np.linalg.norm(posture.feet[0, 1] - posture.feet[0, 0])
+    assert length == pytest.approx(geometry.toe + geometry.heel)
+
+
+def test_a_sheet_and_solve_times_can_be_drawn(library, tmp_path: Path):
+    times = np.linspace(0.4, 2.0, len(library))
+    times[0] = np.nan
+    with style():
+        save(draw_sheet(library, 3), tmp_path / "sheet.png")
+        save(solve_times.draw(library, times), tmp_path / "times.svg")
+    assert (tmp_path / "sheet.png").stat().st_size > 10_000
+    text = solve_times.caption(times)
+    assert "for 8 gaits" in text
+    assert "greatest 2.00 s" in text

@@ -1,0 +1,95 @@
+"""Table 1 side by side: who is best, what is printed, and the same in documents."""
+
+import math
+
+import pytest
+
+from slider.reports import controllers, table1, table1_text
+from slider.reports.comparison import METRICS, Value, compare, show
+
+SUCCESS, STEADY, WHOLE, TRACKING = METRICS
+
+
+def row(controller, command, source="measured", **values):
+    names = ("success_rate", "mse", "mse_steady", "tracking_rate")
+    cells = dict.fromkeys([*names, *(f"{name}_std" for name in names)], "")
+    cells |= {"controller": controller, "source": source, "command_velocity": str(command)}
+    return cells | {name: str(value) for name, value in values.items()}
+
+
+ROWS = [
+    row("policy", 1.0, success_rate=1, success_rate_std=0, mse=0.0246, mse_steady=0.00271),
+    row("mpc_wbc_tuned", 1.0, success_rate=0.5, mse=0.5, mse_steady=0.4),
+    row("policy", 0.2, success_rate=1, mse=0.001, mse_steady=0.0005),
+    row("guided_drl", 0.2, "paper", success_rate=1, mse=0.0317),
+    row("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221),
+    row("mpc_wbc", 1.0, "paper", success_rate=0, mse="inf"),
+]
+
+
+def test_commands_are_sorted_and_controllers_keep_the_order_of_the_table():
+    table = compare(ROWS, SUCCESS)
+    assert table.commands == (0.2, 1.0)
+    assert table.controllers[0] == controllers.label("policy")
+    assert len(table.controllers) == 4
+    assert table.rows[0][1] is None  # not evaluated at 0.2 m/s
+
+
+def test_marks_all_who_share_the_best_value():
+    best = [value.best for value in compare(ROWS, SUCCESS).rows[1]]
+    assert best == [True, False, True, False]
+
+
+def test_the_paper_can_win():
+    best = [value.best for value in compare(ROWS, WHOLE).rows[1]]
+    assert best == [False, False, True, False]
+
+
+def test_the_papers_error_stands_beside_both_of_ours():
+    steady, whole = compare(ROWS, STEADY).rows[1], compare(ROWS, WHOLE).rows[1]
+    assert steady[2].value == whole[2].value == 0.0221
+    assert (steady[0].value, whole[0].value) == (0.00271, 0.0246)
+
+
+def test_a_metric_that_the_paper_does_not_have_is_ours_alone():
+    rows = [row("policy", 1.0, tracking_rate=0.9), *ROWS[3:]]
+    assert compare(rows, TRACKING).controllers == (controllers.label("policy"),)
+
+
+def test_nobody_is_best_where_nobody_survives():
+    rows = [row("policy", 1.0, mse="inf"), row("mpc_wbc", 1.0, "paper", mse="inf")]
+    assert not any(value.best for value in compare(rows, WHOLE).rows[0])
+
+
+@pytest.mark.parametrize(
+    ("value", "spread", "metric", "text"),
+    [
+        (0.996, 0.00516, SUCCESS, "99.6 % ± 0.5"),
+        (1.0, math.nan, SUCCESS, "100.0 %"),
+        (0.000461344, 1.9e-5, STEADY, "0.000461 ± 0.000019"),
+        (0.0217, math.nan, WHOLE, "0.0217"),
+        (1.6, math.nan, WHOLE, "1.60"),
+        (0.0, math.nan, WHOLE, "0.000"),
+        (math.inf, math.nan, WHOLE, "∞"),
+    ],
+)
+def test_prints_three_digits(value, spread, metric, text):
+    assert show(Value(value, spread, False), metric) == text
+
+
+def test_names_the_sources_as_table_1_does():
+    assert (controllers.OURS, controllers.PAPER) == (table1.OURS, table1.PAPER)
+
+
+def test_markdown_has_one_row_per_command_and_metric():
+    lines = table1_text.markdown(ROWS).splitlines()
+    assert "| 1.0 | 0.0246 | 0.500 | **0.0221** | ∞ |" in lines
+    assert sum(line.startswith("| 0.2 |") for line in lines) == len(METRICS)
+
+
+def test_latex_is_escaped_and_balanced():
+    text = table1_text.latex(ROWS)
+    assert "0.0246 & 0.500 & \\textbf{0.0221} & $\\infty$ \\\\" in text
+    assert "100.0 \\%" in text
+    assert text.count("\\begin{tabular}") == text.count("\\end{tabular}") == len(METRICS)
+    assert not any(character in text for character in "±∞²–")

@@ -1,0 +1,85 @@
+"""A film of a tiny policy, made by the stage in a process of its own, as the pipeline does."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+import torch
+
+from pipeline.rendering import find_renderer
+from slider.control.network import PolicyNetwork
+from slider.control.policy_file import Policy, save_policy
+from slider.core.config.compose import compose
+from slider.core.config.convert import to_dict
+from slider.env.observations import Observer
+from slider.library.step_times import StepTimes
+from slider.robot.names import NUM_JOINTS
+
+CONF = Path(__file__).parents[2] / "conf"
+RUN = """
+import json, sys
+from pathlib import Path
+from slider.core.job import Job
+from slider.reports.video import run
+section = json.loads(Path(sys.argv[1]).read_text())
+folder = Path(sys.argv[2])
+run(section, {"walking": [folder]}, folder / "out", Job(folder))
+"""
+
+
+def write_policy(path: Path, env) -> None:
+    torch.manual_seed(0)
+    layout = Observer(env.observation).layout
+    times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
+    network = PolicyNetwork(sum(layout.values()), NUM_JOINTS, (8,), "elu")
+    save_policy(Policy(network, (8,), "elu", layout, times), path)
+
+
+def film(folder: Path, renderer: str):
+    config = compose(["experiment=test"], CONF)
+    write_policy(folder / "policy.pt", config.env)
+    robot = to_dict(config.robot)
+    robot.pop("provenance")
+    video = to_dict(config.report.video) | {"renderer": renderer}
+    section = {
+        "robot": robot,
+        "env": to_dict(config.env),
+        "start": to_dict(config.evaluation.start),
+        "video": video,
+        "controller": "policy",
+        "command": 0.2,
+    }
+    (folder / "section.json").write_text(json.dumps(section))
+    (folder / "out").mkdir()
+    return subprocess.run(
+        [sys.executable, "-c", RUN, str(folder / "section.json"), str(folder)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
+def test_films_what_the_configuration_asks_for(tmp_path):
+    folders = [tmp_path / name for name in ("first", "second")]
+    for folder in folders:
+        folder.mkdir()
+        done = film(folder, find_renderer())
+        assert done.returncode == 0, done.stderr
+    out = folders[0] / "out"
+    with av.open(str(out / "video.mp4")) as container:
+        stream = container.streams.video[0]
+        assert (stream.codec.name, stream.width, stream.height) == ("h264", 160, 96)
+        assert stream.average_rate == 25
+        pictures = [frame.to_ndarray(format="rgb24") for frame in container.decode(video=0)]
+    assert len(pictures) == 11  # 0.4 s at 25 per second, both ends
+    assert np.ptp(pictures[0].mean(axis=2)) > 60  # not an empty picture
+    assert (pictures[0].astype(int) != pictures[-1]).any()
+    about = json.loads((out / "about.json").read_text())
+    assert (about["controller"], about["command"]) == ("policy", 0.2)
+    for name in ("video.mp4", "about.json", "poster.jpg"):
+        assert (out / name).read_bytes() == (folders[1] / "out" / name).read_bytes()

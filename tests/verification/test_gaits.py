@@ -1,0 +1,86 @@
+"""Good gaits pass; a gait that is spoiled is caught by the check whose business it is."""
+
+import numpy as np
+import pytest
+
+from slider.verification.quantities import QUANTITIES
+from tests.verification.sample import VELOCITIES, config, gaits, spoiled, table
+
+OWN = ("kinematics", "samples", "dynamics", "impact", "mean_velocity", "periodicity")
+
+
+def failed(gait, names=OWN) -> set[str]:
+    """Quantities of the quick checks that are beyond the configured bounds."""
+    bounds, values = config().verification.bounds, {}
+    for name in names:
+        values |= table()[name](gait)
+    limits = {name: bounds[name] for name in values}
+    return {n for n, limit in limits.items() if limit is not None and not values[n] <= limit}
+
+
+@pytest.mark.parametrize("index", range(len(VELOCITIES)))
+def test_solved_gaits_pass(index):
+    slow = ("roll", "dense", "return_map", "wrench")
+    assert failed(gaits()[index], (*OWN, *slow)) == set()
+
+
+def test_checks_give_all_quantities_but_those_between_gaits():
+    values = {}
+    for check in table().values():
+        values |= check(gaits()[0])
+    between = {"mirror_distance", "mirror_cost", "jump_samples", "jump_coefficients"}
+    assert set(values) | between == set(QUANTITIES)
+
+
+def add(index, amount):
+    def change(array):
+        array[index] += amount
+
+    return change
+
+
+def flip(index):
+    def change(array):
+        array[index] *= -1.0
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("array", "change", "caught"),
+    [
+        ("knee_torques", add((5, 2), 1e-3), {"dynamics_torque"}),
+        ("knee_torques", flip((slice(None), 1)), {"dynamics_torque"}),
+        ("efforts", add((30, 3), 1e-2), {"dynamics_efforts"}),
+        ("ground_wrench", add((30, 2), 1e-3), {"dynamics_base", "dynamics_torque"}),
+        ("ground_wrench", add((7, 3), 1e-3), {"dynamics_line_moment", "dynamics_base"}),
+        ("roll", add((0, 9, 2), 1e-3), {"dynamics_base"}),
+        ("velocities", add(0, 0.01), {"mean_velocity"}),
+        ("swing_foot", add((20, 0), 1e-4), {"mean_velocity", "kinematics_position"}),
+        ("step_time", add(1, 1e-4), {"mean_velocity", "kinematics_time"}),
+        ("samples", flip((12, 7)), {"kinematics_samples"}),
+        ("samples", add((12, 24), 1e-3), {"kinematics_samples"}),
+        ("base", add((41, 2), 1e-4), {"periodicity", "kinematics_position"}),
+        ("knee_positions", add((21, 4), 1e-4), {"periodicity", "kinematics_position"}),
+        ("knee_velocities", add((21, 2), 1e-4), {"impact_velocity", "impact_impulse"}),
+        ("base", add((0, 10), 1e-4), {"impact_velocity", "kinematics_velocity"}),
+        ("coefficients", add((1, 3, 4), 1e-3), {"kinematics_position", "kinematics_samples"}),
+    ],
+)
+def test_spoiled_gaits_are_caught(array, change, caught):
+    found = failed(spoiled(gaits()[1], array, change))
+    assert caught <= found
+
+
+def test_a_wrong_torque_or_command_is_no_business_of_the_other_checks():
+    torque = spoiled(gaits()[1], "knee_torques", add((5, 2), 1e-3))
+    assert failed(torque) == {"dynamics_torque", "dynamics_efforts"}
+    command = spoiled(gaits()[1], "velocities", add(1, 0.01))
+    assert failed(command) == {"mean_velocity"}
+
+
+def test_an_unphysical_roll_is_caught_by_the_other_integrator():
+    def bend(roll):
+        roll[0, :, 0] += 0.02 * np.linspace(0.0, 1.0, len(roll[0]))
+
+    assert {"roll_end", "roll_worst"} <= failed(spoiled(gaits()[1], "roll", bend), ("roll",))

@@ -1,0 +1,113 @@
+"""The stages: chunks of gaits, their collection, and what ends it."""
+
+import csv
+import importlib.util
+import json
+from copy import deepcopy
+from pathlib import Path
+
+import pytest
+
+from pipeline.stages import VERIFICATION, VERIFICATION_GAITS
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.core.recipe import SOURCE_ROOT
+from slider.core.source import closure
+from slider.verification import stage
+from slider.verification.quantities import QUANTITIES
+from tests.verification.sample import VELOCITIES, jobs, library
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory) -> tuple[list[Path], list[Job]]:
+    """Results and jobs of all chunks."""
+    folders, done = [], []
+    for spec in jobs()[0]:
+        folder, job = tmp_path_factory.mktemp("chunk"), Job(Path())
+        stage.run_gaits(dict(spec.section), {"library": [library()]}, folder, job)
+        folders.append(folder)
+        done.append(job)
+    return folders, done
+
+
+def collect(checked, out: Path, **settings) -> Job:
+    section = deepcopy(dict(jobs()[1].section))
+    section["verification"]["bounds"] |= settings.pop("bounds", {})
+    section["verification"] |= settings
+    inputs = {"library": [library()], "gaits": checked[0]}
+    job = Job(Path(), input_volatile={"gaits": [job.volatile for job in checked[1]]})
+    out.mkdir(exist_ok=True)
+    stage.run(section, inputs, out, job)
+    return job
+
+
+def test_every_gait_is_in_one_chunk():
+    chunks = [job.section["velocities"] for job in jobs()[0]]
+    assert [len(chunk) for chunk in chunks] == [2, 1]
+    assert [tuple(velocity) for chunk in chunks for velocity in chunk] == VELOCITIES
+
+
+def test_table_and_summary(checked, tmp_path):
+    job = collect(checked, tmp_path)
+    rows = list(csv.DictReader((tmp_path / stage.CSV).read_text().splitlines()))
+    assert [(float(row["vx"]), float(row["vy"])) for row in rows] == VELOCITIES
+    assert set(rows[0]) == {"vx", "vy", "failed", *QUANTITIES}
+    content = json.loads((tmp_path / stage.JSON).read_text())
+    assert content["passed"]
+    assert content["gaits"] == len(VELOCITIES)
+    assert set(content["quantities"]) == set(QUANTITIES)
+    assert job.volatile["seconds"].keys() >= {"dynamics", "return_map", "replay"}
+
+
+def test_same_input_same_bytes(checked, tmp_path):
+    spec = jobs()[0][1]
+    stage.run_gaits(dict(spec.section), {"library": [library()]}, tmp_path, Job(tmp_path))
+    assert (tmp_path / stage.RECORDS).read_bytes() == (checked[0][1] / stage.RECORDS).read_bytes()
+    for name in ("first", "second"):
+        collect(checked, tmp_path / name)
+    for name in (stage.CSV, stage.JSON):
+        assert (tmp_path / "first" / name).read_bytes() == (tmp_path / "second" / name).read_bytes()
+
+
+def test_a_bound_that_does_not_hold_ends_the_job(checked, tmp_path):
+    with pytest.raises(UserError, match=r"gait \(0.6, -0.1\) m/s, return_map: expected ≤ 2") as e:
+        collect(checked, tmp_path, bounds={"return_map": 2.0})
+    assert "\n" not in str(e.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_or_is_written_down(checked, tmp_path):
+    collect(checked, tmp_path, bounds={"return_map": 2.0}, on_failure="report")
+    content = json.loads((tmp_path / stage.JSON).read_text())
+    assert not content["passed"]
+    assert len(content["failures"]) == len(VELOCITIES)
+    assert content["quantities"]["return_map"]["passed"] is False
+    rows = csv.DictReader((tmp_path / stage.CSV).read_text().splitlines())
+    assert {row["failed"] for row in rows} == {"return_map"}
+
+
+def test_holes_of_the_library_are_left_out(tmp_path):
+    section = dict(jobs()[0][0].section) | {"velocities": [[2.0, 0.0]]}
+    job = Job(tmp_path)
+    assert stage.run_gaits(section, {"library": [library()]}, tmp_path, job) == {"gaits": 0}
+    assert json.loads((tmp_path / stage.RECORDS).read_text()) == []
+
+
+def test_without_pinocchio_one_line_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(UserError, match="verify"):
+        stage.run_gaits({}, {}, tmp_path, Job(tmp_path))
+
+
+def test_no_library(tmp_path):
+    with pytest.raises(UserError, match="expected a gait library"):
+        stage.run_gaits(
+            dict(jobs()[0][0].section), {"library": [tmp_path]}, tmp_path, Job(tmp_path)
+        )
+
+
+@pytest.mark.parametrize("entry", [VERIFICATION, VERIFICATION_GAITS])
+def test_the_checks_share_nothing_with_the_optimisation(entry):
+    modules = closure(entry.partition(":")[0], SOURCE_ROOT).modules
+    assert not [name for name in modules if name.startswith("slider.gait")]
+    assert "slider.verification.pin_robot" in modules

@@ -1,0 +1,79 @@
+"""Bounds, verdicts and files."""
+
+import csv
+import json
+
+import pytest
+
+from slider.core.errors import UserError
+from slider.verification import summary
+from slider.verification.neighbours import Pair
+from slider.verification.quantities import QUANTITIES
+from tests.verification.sample import config
+
+NONE: summary.Bounds = dict.fromkeys(QUANTITIES)
+ROWS = [
+    summary.Row((0.2, 0.0), {"dynamics_torque": 1e-9, "regulated_steps": 30.0}),
+    summary.Row((0.3, 0.0), {"dynamics_torque": 1e-3, "regulated_steps": 4.0}),
+    summary.Row((0.4, 0.0), {"dynamics_torque": float("nan")}),
+]
+
+
+def test_every_quantity_has_a_bound_or_none():
+    summary.check_names(config().verification.bounds)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "message"),
+    [
+        (NONE | {"dynamics_torqe": 1.0}, "unknown dynamics_torqe"),
+        ({n: b for n, b in NONE.items() if n != "return_map"}, "none for return_map"),
+    ],
+)
+def test_other_names_are_refused(bounds, message):
+    with pytest.raises(UserError, match=message):
+        summary.check_names(bounds)
+
+
+def test_values_beyond_a_bound_fail_and_no_numbers_too():
+    failed = summary.failures(ROWS, NONE | {"dynamics_torque": 1e-6})
+    assert [failure.velocity for failure in failed] == [(0.3, 0.0), (0.4, 0.0)]
+    assert str(failed[0]) == (
+        "gait (0.3, 0) m/s, dynamics_torque: expected ≤ 1e-06 N m, found 0.001"
+    )
+    assert summary.failures(ROWS, NONE) == []
+
+
+def test_some_bounds_are_lower_ones():
+    failed = summary.failures(ROWS, NONE | {"regulated_steps": 10.0})
+    assert [failure.velocity for failure in failed] == [(0.3, 0.0)]
+    assert "expected ≥ 10" in str(failed[0])
+
+
+def test_worst_values_name_their_gaits():
+    table = summary.worst(ROWS[:2], NONE | {"dynamics_torque": 1e-6})
+    torque, steps = table["dynamics_torque"], table["regulated_steps"]
+    assert (torque["worst"], torque["vx"], torque["passed"]) == (1e-3, 0.3, False)
+    assert torque["median"] == pytest.approx(5e-4, rel=1e-3)
+    assert (steps["worst"], steps["vx"], steps["passed"]) == (4.0, 0.3, None)
+    assert "roll_end" not in table
+    assert summary.worst(ROWS, NONE)["dynamics_torque"]["worst"] is None
+
+
+def test_jumps_beyond_the_bound_are_named():
+    pairs = [Pair(0, 1, 0.1, 0.2), Pair(1, 2, 0.5, 0.1)]
+    found = summary.describe_pairs(pairs, ROWS, NONE | {"jump_samples": 0.4})
+    assert found == [
+        {"from": (0.3, 0.0), "to": (0.4, 0.0), "jump_samples": 0.5, "jump_coefficients": 0.1}
+    ]
+
+
+def test_files(tmp_path):
+    failed = summary.failures(ROWS, NONE | {"dynamics_torque": 1e-6})
+    summary.write_csv(tmp_path / "a.csv", ROWS, failed)
+    rows = list(csv.DictReader((tmp_path / "a.csv").read_text().splitlines()))
+    assert [row["failed"] for row in rows] == ["", "dynamics_torque", "dynamics_torque"]
+    assert rows[0]["regulated_steps"] == "30"
+    assert rows[2]["regulated_steps"] == ""
+    summary.write_json(tmp_path / "a.json", {"quantities": summary.worst(ROWS, NONE)})
+    assert json.loads((tmp_path / "a.json").read_text())["quantities"]

@@ -188,7 +188,8 @@ class MpcController:
         gone = now - gait.starts[robots, 0]
         gait.starts[robots] = np.stack([gait.starts[robots, 1], now], axis=1)
         known = gait.steps[robots] > 2
-        mean = self._to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
+        halfway = gait.heading[robots] - 0.5 * self._command[robots, 2] * gone[:, 2]
+        mean = _turn(gone[:, :2], -halfway) / np.maximum(gone[:, 2:], self._period)
         error = np.where(known[:, None], self._command[robots, :2] - mean, 0.0)
         total = gait.correction[robots] + planner.integral * error
         gait.correction[robots] = np.clip(total, -planner.integral_limit, planner.integral_limit)

@@ -188,7 +188,8 @@ class MpcController:
         gone = now - gait.starts[robots, 0]
         gait.starts[robots] = np.stack([gait.starts[robots, 1], now], axis=1)
         known = gait.steps[robots] > 2
-        mean = self._to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
+        halfway = gait.heading[robots] - 0.5 * self._command[robots, 2] * gone[:, 2]
+        mean = _turn(gone[:, :2], -halfway) / np.maximum(gone[:, 2:], self._period)
         error = np.where(known[:, None], self._command[robots, :2] - mean, 0.0)
         total = gait.correction[robots] + planner.integral * error
         gait.correction[robots] = np.clip(total, -planner.integral_limit, planner.integral_limit)
@@ -199,9 +200,10 @@ class MpcController:
         gait, planner = self.gait, self._config.planner
         stance = gait.stance[robots]
         foot = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
-        share = np.minimum(1.0, gait.walked[robots] / planner.ramp) if planner.ramp else 1.0
-        command = self._command[robots, :2] * np.reshape(share, (-1, 1))
-        command = command + gait.correction[robots]
+        command = self._command[robots, :2]
+        speed = np.maximum(np.linalg.norm(command, axis=1), 1e-9)
+        share = np.minimum(1.0, planner.acceleration * gait.walked[robots] / speed)
+        command = command * share[:, None] + gait.correction[robots]
         pendulum = Pendulum(
             position=self._to_heading(dynamics.com[:, :2] - foot, robots),
             velocity=self._to_heading(dynamics.com_velocity[:, :2], robots),

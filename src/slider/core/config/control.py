@@ -46,7 +46,7 @@ class PlannerConfig:
         reach: largest forward step [m].
         width_min, width_max: lateral distance of successive feet [m].
         lock: no new plan in the last moments of a step [s].
-        ramp: time in which the reference grows to the command [s].
+        acceleration: with which the reference grows to the command [m/s²].
         integral: share of the last stride's velocity error that is added to the reference.
         integral_limit: largest sum of these [m/s].
     """
@@ -60,7 +60,7 @@ class PlannerConfig:
     width_min: float
     width_max: float
     lock: float
-    ramp: float
+    acceleration: float
     integral: float
     integral_limit: float
 

@@ -237,6 +237,7 @@ def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:
         ("step.apex", step.apex),
         ("planner.period", planner.period),
         ("planner.lock", planner.lock),
+        ("planner.acceleration", planner.acceleration),
         ("entry.duration", control.entry.duration),
         ("whole_body.friction", control.whole_body.friction),
         ("whole_body.force_max", control.whole_body.force_max),

@@ -1,0 +1,133 @@
+"""The planner's prediction against the pendulum, its fixed point and its optimality."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.control.mpc import lip
+from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
+from tests.env.synthetic import config
+
+OMEGA = lip.rate(0.65)
+STEP = config().control.tuned.step
+TIME = STEP.time
+
+
+def planner(setting: str = "tuned", step: dict | None = None, **changes) -> FootstepPlanner:
+    control = getattr(config().control, setting)
+    changed = replace(control.step, **(step or {}))
+    return FootstepPlanner(changed, replace(control.planner, **changes), OMEGA)
+
+
+def pendulum(position, velocity, command=(0.0, 0.0), elapsed: float = 0.1, **changes) -> Pendulum:
+    values = {
+        "position": np.array([position], dtype=float),
+        "velocity": np.array([velocity], dtype=float),
+        "swing_sign": np.array([-1.0]),
+        "elapsed": np.array([elapsed]),
+        "duration": np.array([TIME]),
+        "command": np.array([command], dtype=float),
+    }
+    return Pendulum(**(values | changes))
+
+
+def on_orbit(command: float, elapsed: float) -> Pendulum:
+    """Walking on the left foot, right foot in the air, exactly on both orbits."""
+    along = lip.step_map(OMEGA, elapsed) @ [
+        -command * TIME / 2,
+        lip.forward_end_velocity(OMEGA, TIME, np.array(command)),
+    ]
+    across = lip.step_map(OMEGA, elapsed) @ [
+        -STEP.width / 2,
+        lip.lateral_end_velocity(OMEGA, TIME, STEP.width),
+    ]
+    state = np.stack([along, across], axis=-1)
+    return pendulum(state[0], state[1], (command, 0.0), elapsed)
+
+
+@pytest.mark.parametrize("elapsed", [0.0, 0.13, 0.2])
+def test_the_orbit_is_a_fixed_point(elapsed):
+    plan = planner().plan(on_orbit(0.8, elapsed))
+    np.testing.assert_allclose(plan.step, [[0.8 * TIME, -STEP.width]], atol=1e-9)
+    np.testing.assert_allclose(plan.duration, TIME)
+    np.testing.assert_allclose(plan.cost, 0.0, atol=1e-12)
+
+
+def velocities(start: np.ndarray, remaining: float, lengths: np.ndarray) -> np.ndarray:
+    """Velocities at the ends of the steps, step by step."""
+    state, found = lip.step_map(OMEGA, remaining) @ start, []
+    for length in lengths:
+        state = lip.step_map(OMEGA, TIME) @ (state - [length, 0.0])
+        found.append(state[1])
+    return np.array(found)
+
+
+def cost(case: FootstepPlanner, now: Pendulum, lengths: np.ndarray, remaining: float) -> float:
+    speeds, nominal, _, _ = case.references(now)
+    total = 0.0
+    for axis in (0, 1):
+        start = np.array([now.position[0, axis], now.velocity[0, axis]])
+        error = velocities(start, remaining, lengths[axis]) - speeds[0, axis]
+        total += (error**2).sum()
+        total += 0.05 * ((lengths[axis] - nominal[0, axis]) ** 2).sum()
+    return total
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_plans_are_optimal_within_their_bounds(seed):
+    """Cost from the pendulum itself; no feasible change of the lengths is cheaper."""
+    rng = np.random.default_rng(seed)
+    case = planner(length_weight=0.05)
+    now = pendulum(rng.normal(0, 0.15, 2), rng.normal(0, 0.8, 2), (0.9, 0.1))
+    lengths, found = case.solve(now, np.array([0.2]))
+    assert found[0] == pytest.approx(cost(case, now, lengths[0], 0.2), rel=1e-9)
+    _, _, lower, upper = case.references(now)
+    assert (lengths >= lower - 1e-9).all()
+    assert (lengths <= upper + 1e-9).all()
+    for _ in range(200):
+        other = np.clip(lengths[0] + rng.normal(0, 0.02, (2, 3)), lower[0], upper[0])
+        assert cost(case, now, other, 0.2) >= found[0] - 1e-9
+
+
+def test_feet_never_cross():
+    """Even where the body falls to the outside of the stance foot."""
+    case = planner()
+    now = pendulum((0.0, 0.05), (0.0, 0.6))
+    lengths, _ = case.solve(now, np.array([0.2]))
+    np.testing.assert_array_equal(np.sign(lengths[0, 1]), [-1, 1, -1])
+    assert lengths[0, 1, 0] == pytest.approx(-case._config.width_min)
+
+
+def test_literal_settings_take_the_command_as_the_velocity_at_the_end():
+    literal, tuned = planner("literal"), planner("tuned")
+    now = pendulum((0.0, -0.1), (0.5, 0.0), (0.5, 0.0))
+    assert literal.references(now)[0][0, 0, 0] == pytest.approx(0.5)
+    expected = lip.forward_end_velocity(OMEGA, TIME, np.array(0.5))
+    assert tuned.references(now)[0][0, 0, 0] == pytest.approx(expected)
+
+
+def test_sideways_commands_move_both_feet_by_the_same():
+    speeds, lengths, _, _ = planner().references(pendulum((0, 0), (0, 0), (0.0, 0.1)))
+    np.testing.assert_allclose(lengths[0, 1] - [-0.2, 0.2, -0.2], 0.1 * TIME)
+    drift = lip.forward_end_velocity(OMEGA, TIME, np.array(0.1))
+    orbit = lip.lateral_end_velocity(OMEGA, TIME, 0.2)
+    np.testing.assert_allclose(speeds[0, 1], drift + np.array([orbit, -orbit, orbit]))
+
+
+def test_step_time_adapts_where_that_pays_and_stays_in_range():
+    now = on_orbit(0.8, 0.1)
+    late = pendulum(now.position[0], now.velocity[0] + [0.0, -0.3], (0.8, 0.0))
+    plan = planner(time_weight=0.0).plan(late)  # falls back too early: land earlier
+    assert plan.duration[0] < TIME
+    fixed = planner(time_weight=0.0, step={"time_change": 0.0}).plan(late)
+    assert fixed.duration[0] == TIME
+    assert plan.cost[0] < fixed.cost[0]
+    narrow = planner(time_weight=0.0, step={"time_min": TIME}).plan(late)
+    assert narrow.duration[0] >= TIME
+    almost = replace_elapsed(late, TIME - 0.05)
+    assert planner(time_weight=0.0, lock=0.03).plan(almost).duration[0] >= TIME
+
+
+def replace_elapsed(case: Pendulum, elapsed: float) -> Pendulum:
+    return replace(case, elapsed=np.array([elapsed]))

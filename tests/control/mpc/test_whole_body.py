@@ -1,0 +1,160 @@
+"""The whole-body QP: physics holds exactly, limits are kept, tasks are met, KKT."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.control.mpc import qp
+from slider.control.mpc.motion import Motion, join
+from slider.control.mpc.nominal import Dynamics, NominalModel
+from slider.control.mpc.whole_body import WholeBody
+from slider.env.starts import at_rest
+from slider.robot import names
+from tests.control.mpc.test_qp import conditions
+from tests.env.synthetic import config, robot_config
+
+CONTROL = config().control.tuned.whole_body
+ACTUATED = np.array(names.ACTUATED)
+COUNT = 3
+
+
+@pytest.fixture(scope="module")
+def nominal() -> NominalModel:
+    return NominalModel(robot_config())
+
+
+@pytest.fixture
+def dynamics(nominal) -> Dynamics:
+    """Robots near standing that move a little."""
+    rng = np.random.default_rng(5)
+    qpos, _ = at_rest(robot_config(), config().evaluation.start, rng, COUNT)
+    return nominal.evaluate(qpos, 0.1 * rng.standard_normal((COUNT, 18)))
+
+
+def build(dynamics: Dynamics, feet: np.ndarray, acceleration=(0.0, 0.0, 0.0), settings=CONTROL):
+    motion, body = Motion(settings), WholeBody(robot_config(), settings)
+    zero = np.zeros(COUNT)
+    parts = [
+        motion.com(dynamics, np.tile(acceleration, (COUNT, 1)), np.ones(3)),
+        motion.base(dynamics, zero, zero),
+        motion.stance(dynamics, feet, np.zeros(feet.shape)),
+    ]
+    tasks = join(parts)
+    return body, tasks, body.build(dynamics, tasks, feet, np.ones(feet.shape, dtype=bool))
+
+
+BOTH, LEFT = np.tile([0, 1], (COUNT, 1)), np.zeros((COUNT, 1), dtype=int)
+
+
+def solution(problem, i: int) -> np.ndarray:
+    parts = (problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper)
+    y = qp.solve(*(part[i] for part in parts))
+    assert y is not None
+    return y
+
+
+@pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])
+def test_equations_of_motion_hold_exactly(dynamics, feet):
+    body, _, problem = build(dynamics, feet)
+    torques, solved = body.solve(problem)
+    assert solved.all()
+    contact = body.contact_jacobian(dynamics, feet)
+    for i in range(COUNT):
+        y = solution(problem, i)
+        acceleration = problem.to_acceleration[i] @ np.append(y, 1.0)
+        force = contact[i].T @ y[: contact.shape[1]]
+        force[6:] += torques[i]
+        left = dynamics.mass_matrix[i] @ acceleration + dynamics.bias[i]
+        np.testing.assert_allclose(left, force, atol=1e-7)
+    assert not torques[:, [5, 11]].any(), "upper feet have no drive"
+
+
+@pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])
+def test_optimality_conditions(dynamics, feet):
+    _, _, problem = build(dynamics, feet, (0.5, 0.0, 0.0), replace(CONTROL, friction=0.02))
+    for i in range(COUNT):
+        parts = (problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper)
+        hessian, gradient, *limits = (part[i] for part in parts)
+        scale = np.abs(gradient).max()
+        conditions(hessian / scale, gradient / scale, *limits, solution(problem, i))
+
+
+def test_tasks_are_met_where_they_can_be(dynamics):
+    """Four tasks of both feet and the base, and the centre of mass: the accelerations follow."""
+    _, tasks, problem = build(dynamics, BOTH, acceleration=(0.3, -0.2, 0.4))
+    for i in range(COUNT):
+        acceleration = problem.to_acceleration[i] @ np.append(solution(problem, i), 1.0)
+        found = tasks.jacobian[i] @ acceleration
+        np.testing.assert_allclose(found, tasks.wanted[i], atol=0.02)
+
+
+def test_forces_lie_in_the_friction_cone_and_carry_the_weight(nominal, dynamics):
+    slippery = replace(CONTROL, friction=0.02)
+    _, _, problem = build(dynamics, BOTH, (0.5, 0.0, 0.0), slippery)
+    for i in range(COUNT):
+        force = solution(problem, i)[:12].reshape(4, 3)
+        assert (force[:, 2] > -1e-6).all()
+        assert (np.hypot(force[:, 0], force[:, 1]) <= 0.02 * force[:, 2] + 1e-4).all()
+        bound = 0.02 / np.sqrt(2) * force[:, 2:]
+        assert (np.abs(force[:, :2]) <= bound + 1e-4).all()
+        assert np.isclose(np.abs(force[:, :2]), bound, atol=1e-5).any(), "a side is active"
+    _, _, still = build(dynamics, BOTH)
+    weight = nominal.mass * 9.81
+    total = solution(still, 0)[:12].reshape(4, 3).sum(axis=0)
+    assert total[2] == pytest.approx(weight, rel=0.1)
+
+
+def test_a_foot_in_the_air_carries_nothing(dynamics):
+    body, tasks, _ = build(dynamics, BOTH)
+    loaded = np.tile([True, False], (COUNT, 1))
+    problem = body.build(dynamics, tasks, BOTH, loaded)
+    for i in range(COUNT):
+        force = solution(problem, i)[:12].reshape(4, 3)
+        np.testing.assert_allclose(force[2:], 0.0, atol=1e-9)
+        assert force[:2, 2].sum() > 10
+
+
+def test_torque_limits_are_the_drives(nominal):
+    """What the plant makes of a torque that is far too large is the controller's limit."""
+    body = WholeBody(robot_config(), CONTROL)
+    data = mujoco.MjData(nominal.model)
+    rng = np.random.default_rng(1)
+    speeds = rng.uniform(-1.2, 1.2, (6, 10)) * body._speed
+    lower, upper = body.torque_limits(speeds)
+    for i, sign in ((i, sign) for i in range(6) for sign in (-1, 1)):
+        data.qvel[:] = 0.0
+        data.qvel[6 + ACTUATED] = speeds[i]
+        data.ctrl[:] = sign * 1e4
+        mujoco.mj_forward(nominal.model, data)
+        expected = upper[i] if sign > 0 else lower[i]
+        np.testing.assert_allclose(data.actuator_force, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_torques_stay_within_a_share_of_the_limits(dynamics):
+    settings = replace(CONTROL, effort_share=0.16)  # slides: 64 N each
+    body, _, problem = build(dynamics, BOTH, (0.0, 0.0, 8.0), settings)
+    torques, solved = body.solve(problem)
+    assert solved.all()
+    lower, upper = body.torque_limits(dynamics.qvel[:, 6 + ACTUATED])
+    assert (torques[:, ACTUATED] <= upper + 1e-4).all()
+    assert (torques[:, ACTUATED] >= lower - 1e-4).all()
+    assert np.abs(torques[:, [3, 9]]).max() == pytest.approx(64.0, rel=0.02), "a limit is active"
+
+
+def test_contact_points_are_the_ends_of_the_line(nominal, dynamics):
+    body = WholeBody(robot_config(), CONTROL)
+    qpos, _ = at_rest(robot_config(), config().evaluation.start, np.random.default_rng(5), COUNT)
+    data = mujoco.MjData(nominal.model)
+    data.qpos[:] = qpos[0]
+    mujoco.mj_kinematics(nominal.model, data)
+    mujoco.mj_comPos(nominal.model, data)
+    found = body.contact_jacobian(dynamics, BOTH)[0].reshape(2, 2, 3, 18)
+    for leg, side in enumerate(names.SIDES):
+        foot = data.body(names.foot(side))
+        for end, x in enumerate((-0.085, 0.085)):
+            point = foot.xpos + foot.xmat.reshape(3, 3) @ [x, 0.0, -0.045]
+            jacobian = np.zeros((3, 18))
+            mujoco.mj_jac(nominal.model, data, jacobian, None, point, foot.id)
+            np.testing.assert_allclose(found[leg, end], jacobian, atol=1e-12)

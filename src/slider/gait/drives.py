@@ -1,7 +1,7 @@
 """Limits of the prismatic leg's drives, on the virtual-knee leg (eq. 1, exact).
 
-Virtual work turns the virtual-knee torques into the efforts of the prismatic leg. All rows with the
-slide's force are multiplied by |dl/dθ|, which vanishes for a straight leg.
+Virtual work turns the virtual-knee torques into the efforts of the prismatic leg. The slide's force is
+work over |dl/dθ|, which vanishes for a straight leg: the knee's lower bound keeps away from it.
 """
 
 from dataclasses import dataclass
@@ -10,12 +10,13 @@ import casadi as ca
 import numpy as np
 
 from slider.core.config.robot import Capstan, JointLimits
-from slider.gait.constraint import Constraint, at_least, between
+from slider.gait.constraint import Constraint, between
 from slider.gait.symbols import NodeSymbols
 from slider.gait.tree import LEG_JOINTS
 from slider.robot.knee_model import KneeModel
 
 TORQUE_SCALE = 50.0  # [N m]
+FORCE_SCALE = 400.0  # [N]
 SPEED_SCALE = 10.0  # [rad/s]
 KNEE = 3
 ROTARY = ("hip_yaw", "hip_roll", "hip_pitch", "ankle")
@@ -87,29 +88,25 @@ def torque(legs: list[LegDrives], limits: Limits) -> Constraint:
 
 
 def slide_force(legs: list[LegDrives], limits: Limits) -> Constraint:
-    """|slide force| ≤ effort, times |dl/dθ|."""
-    rows = []
-    for leg in legs:
-        reach = limits["slide"].effort * leg.slide_arm
-        rows += [reach - leg.slide_work, reach + leg.slide_work]
-    source = "robot.limits.slide.effort · |dl/dθ|"
-    return at_least("slide_force", "N m", source, rows, 0.0, TORQUE_SCALE)
+    """Force of the slides."""
+    rows = [leg.slide_work / leg.slide_arm for leg in legs]
+    bound = np.full(len(rows), limits["slide"].effort)
+    return between("slide_force", "N", "robot.limits.slide", rows, -bound, bound, FORCE_SCALE)
 
 
 def capstan(legs: list[LegDrives], drive: Capstan) -> Constraint:
-    """Torques of the two equal motors of the differential capstan, times |dl/dθ|.
+    """Torques of the two equal motors of the differential capstan.
 
     Same sense moves the slide by ``drum_radius`` per motor angle, opposite sense turns the foot by
     ``foot_ratio``: motor torques are (r F ± n τ_ankle)/2.
     """
     rows = []
     for leg in legs:
-        reach = 2.0 * drive.torque * leg.slide_arm
-        slide = drive.drum_radius * leg.slide_work
-        foot = drive.foot_ratio * leg.torques[3] * leg.slide_arm
-        rows += [reach - slide - foot, reach - slide + foot]
-        rows += [reach + slide - foot, reach + slide + foot]
-    return at_least("capstan", "N m · m", "robot.capstan · |dl/dθ|", rows, 0.0, 1.0)
+        slide = drive.drum_radius * leg.slide_work / leg.slide_arm
+        foot = drive.foot_ratio * leg.torques[3]
+        rows += [(slide + foot) / 2, (slide - foot) / 2]
+    bound = np.full(len(rows), drive.torque)
+    return between("capstan", "N m", "robot.capstan.torque", rows, -bound, bound, TORQUE_SCALE)
 
 
 def speed(legs: list[LegDrives], limits: Limits) -> Constraint:

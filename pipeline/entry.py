@@ -31,6 +31,9 @@ REPORTS = {
         "reports/table1.tex",
     ),
     "verification": ("reports/verification.csv", "reports/verification.json"),
+    "verification_maps": tuple(
+        f"reports/figures/verification_maps.{suffix}" for suffix in ("svg", "png", "md")
+    ),
     "figures": tuple(f"reports/figures/{name}" for name in FILES),
     "report": ("reports/index.html",),
 }

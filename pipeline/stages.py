@@ -28,6 +28,7 @@ TABLE1 = "slider.reports.table1:run"
 VERIFICATION_GAITS = "slider.verification.stage:run_gaits"
 VERIFICATION = "slider.verification.stage:run"
 FIGURES = "slider.reports.figures.stage:run"
+VERIFICATION_MAPS = "slider.reports.figures.verification_maps:run"
 VIDEO = "slider.reports.video:run"
 REPORT = "slider.reports.report:run"
 
@@ -74,7 +75,11 @@ def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     inputs = {"library": [library], "gaits": gaits}
     section = {"verification": settings}
     job = JobSpec("verification", "verification", code_of(VERIFICATION), section, inputs)
-    return {"verification": job}
+    inputs = {"library": [library], "verification": [job]}
+    maps = JobSpec(
+        "verification_maps", "maps of the verification", code_of(VERIFICATION_MAPS), {}, inputs
+    )
+    return {"verification": job, "verification_maps": maps}
 
 
 def verification_of_gaits(config: Config, commands: list[list[float]], library: JobSpec) -> JobSpec:

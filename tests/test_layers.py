@@ -16,6 +16,7 @@ from pipeline.stages import (
     TABLE1,
     VERIFICATION,
     VERIFICATION_GAITS,
+    VERIFICATION_MAPS,
     VIDEO,
     WALKING,
 )
@@ -40,6 +41,7 @@ STAGES = (
     TABLE1,
     VERIFICATION,
     VERIFICATION_GAITS,
+    VERIFICATION_MAPS,
     FIGURES,
     VIDEO,
     REPORT,

@@ -11,7 +11,13 @@ from slider.env.rollout import Recording, roll_out
 from slider.env.state import RobotState
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import NUM_JOINTS
-from tests.env.synthetic import config, make_physics, make_state, robot_config
+from tests.env.synthetic import (
+    config,
+    make_physics,
+    make_state,
+    random_pose,
+    robot_config,
+)
 
 COUNT = 4
 
@@ -135,3 +141,32 @@ def test_standing_is_survived():
     assert np.abs(recording.velocity[:, 0]).max() < 0.1
     weight = 9.81 * make_physics(1).model.body_mass.sum()
     assert recording.foot_forces[10:, 0].sum(axis=1).mean() == pytest.approx(weight, rel=0.05)
+
+
+def test_a_plant_with_shorter_steps_asks_more_often_and_is_recorded_as_often():
+    settings = replace(config("experiment=test").env.physics, substeps=1)
+    physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque")
+    controller = Stiff()
+    recording = roll_out(controller, physics, environment(), starts(), np.zeros((COUNT, 3)), 0.4)
+    assert len(controller.seen) == 80
+    assert recording.alive.shape == (20, COUNT)
+    for k in range(19):
+        np.testing.assert_array_equal(
+            controller.seen[4 * (k + 1)].heading_velocity, recording.velocity[k]
+        )
+
+
+def test_torques_of_zero_let_the_legs_slide():
+    settings = replace(config("experiment=test").env.physics, substeps=1)
+    physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque")
+    loose = roll_out(Stiff(), physics, environment(), starts(), np.zeros((COUNT, 3)), 1.0)
+    assert record().survived[0]
+    assert not loose.survived[0], "a position drive holds its place, a torque drive does not"
+
+
+def test_generalised_coordinates_of_a_state_are_the_plants():
+    physics = make_physics(COUNT)
+    qpos, qvel = random_pose(np.random.default_rng(2), COUNT)
+    physics.reset(np.arange(COUNT), qpos, qvel)
+    np.testing.assert_allclose(physics.read().qpos, qpos, atol=1e-12)
+    np.testing.assert_allclose(physics.read().qvel, qvel, atol=1e-12)

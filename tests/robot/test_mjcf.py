@@ -148,3 +148,32 @@ def test_standing_height_puts_the_lowest_foot_point_on_the_ground():
     np.testing.assert_allclose(ends[..., 2].min(axis=(1, 2)) + height, 0.0, atol=1e-12)
     upright = standing_height(ROBOT.geometry, np.eye(3)[None], np.zeros((1, 12)))
     assert upright[0] == pytest.approx(nominal_qpos(ROBOT)[2])
+
+
+@pytest.mark.parametrize("joint", ["left_hip_pitch", "right_slide", "left_ankle"])
+def test_torque_drives_have_the_same_limits(joint):
+    model = build_model(ROBOT, SimulationOptions(actuation="torque"))
+    data, name = mujoco.MjData(model), joint.split("_", 1)[1]
+    limit, drive = ROBOT.limits[name], ROBOT.drives[name]
+    index, actuator = names.JOINTS.index(joint), model.actuator(joint).id
+
+    def force(torque: float, speed: float) -> float:
+        data.qvel[:], data.ctrl[:] = 0.0, 0.0
+        data.qvel[6 + index], data.ctrl[actuator] = speed, torque
+        mujoco.mj_forward(model, data)
+        return float(data.actuator_force[actuator])
+
+    half, fast = 0.5 * limit.effort, 0.8 * limit.speed
+    assert force(half, 0.0) == pytest.approx(half)
+    assert force(-half, fast) == pytest.approx(-half)
+    assert force(3 * limit.effort, 0.0) == pytest.approx(limit.effort)
+    left = drive.stall_ratio * limit.effort * (1 - fast / limit.speed)
+    assert force(limit.effort, fast) == pytest.approx(left, rel=1e-9)
+    assert force(limit.effort, limit.speed) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_position_and_torque_drives_differ_in_their_input_only(model):
+    torque = build_model(ROBOT, SimulationOptions(actuation="torque"))
+    for field in ("dof_armature", "dof_damping", "jnt_range", "body_mass", "body_inertia"):
+        np.testing.assert_array_equal(getattr(torque, field), getattr(model, field))
+    assert torque.na == 0

@@ -3,7 +3,8 @@
 Forward and sideways axes are independent. With ξ₀ the state at the end of the current step relative
 to its foot and dₖ the length of step k, the state at the end of step k is
 ξₖ = Aᵏ ξ₀ − Σⱼ Aᵏ⁻ʲ⁺¹ e₁ dⱼ, so the velocities there are v = f(ξ₀) + F d. The QP is
-min Σ (vₖ − v̂ₖ)² + w Σ (dₖ − d̂ₖ)² with bounds on d (reach; feet do not cross). Its Hessian is constant.
+min Σ (vₖ − v̂ₖ)² + w Σ (dₖ − d̂ₖ)² with bounds on d (reach; feet do not cross). Its Hessian is
+constant.
 """
 
 from dataclasses import dataclass

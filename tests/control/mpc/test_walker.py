@@ -1,0 +1,137 @@
+"""The baseline walks in the simulator: 3 s of each setting, sideways, turning, perturbed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.control.mpc.walker import OFF, WALK, MpcController
+from slider.core.config.robot import RobotConfig
+from slider.env.metrics import CONTACT_FORCE
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Recording, roll_out
+from slider.env.starts import at_rest
+from slider.robot import names
+from tests.env.synthetic import config, make_state, robot_config
+
+COUNT, SECONDS = 2, 3.0
+
+
+def walk(
+    command: tuple[float, float, float],
+    setting: str = "tuned",
+    plant: RobotConfig | None = None,
+    seconds: float = SECONDS,
+    **changes,
+) -> tuple[Recording, MpcController]:
+    whole = config()
+    control = getattr(whole.control, setting)
+    control = replace(control, step=replace(control.step, **changes))
+    settings = replace(whole.env.physics, substeps=control.substeps)
+    physics = BatchedPhysics(plant or robot_config(), settings, COUNT, 1, "torque")
+    controller = MpcController(robot_config(), control, physics.period)
+    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
+    velocity = np.tile(command, (COUNT, 1))
+    return roll_out(controller, physics, whole.env, start, velocity, seconds), controller
+
+
+def steady(recording: Recording) -> np.ndarray:
+    """Mean velocity (2,) over robots and the last two seconds [m/s]."""
+    assert recording.survived.all()
+    return recording.velocity[-100:].mean(axis=(0, 1))
+
+
+def test_walks_forward_with_the_mean_velocity_that_it_is_told():
+    recording, controller = walk((0.6, 0.0, 0.0))
+    np.testing.assert_allclose(steady(recording), [0.6, 0.0], atol=0.05)
+    assert (controller.gait.mode == WALK).all()
+    expected = (SECONDS - 0.3) / config().control.tuned.step.time
+    np.testing.assert_allclose(controller.gait.steps, expected, atol=2)
+    contact = recording.foot_forces > CONTACT_FORCE
+    single = contact.sum(axis=2) == 1
+    assert single[50:].mean() > 0.9
+    assert 0.3 < contact[50:, :, 0].mean() < 0.7, "both legs carry"
+    np.testing.assert_allclose(recording.yaw[-1], 0.0, atol=0.1)
+
+
+def test_literal_settings_walk_slower_than_the_command():
+    """The command is the velocity at the end of a step, where it is largest."""
+    recording, _ = walk((0.4, 0.0, 0.0), "literal")
+    assert 0.25 < steady(recording)[0] < 0.37
+    clearance = recording.foot_positions[50:, :, :, 2].max()
+    assert 0.085 < clearance < 0.115
+
+
+def test_steps_in_place_sideways_and_turns():
+    recording, _ = walk((0.0, -0.15, 0.4))
+    assert recording.survived.all()
+    np.testing.assert_allclose(recording.velocity[-100:, :, 1].mean(), -0.15, atol=0.04)
+    turned = np.unwrap(recording.yaw, axis=0)[-1] - recording.yaw[50]
+    np.testing.assert_allclose(turned / (SECONDS - 1.02), 0.4, atol=0.05)
+
+
+def test_walks_on_a_plant_that_is_not_its_nominal_model():
+    robot = robot_config()
+    base = replace(robot.links.base, mass=1.2 * robot.links.base.mass, com=(0.01, 0.0, 0.06))
+    plant = replace(robot, links=replace(robot.links, base=base))
+    recording, _ = walk((0.4, 0.0, 0.0), plant=plant)
+    np.testing.assert_allclose(steady(recording), [0.4, 0.0], atol=0.08)
+
+
+def test_a_robot_does_not_depend_on_the_others():
+    recording, _ = walk((0.6, 0.0, 0.0))
+    whole = config()
+    physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
+    controller = MpcController(robot_config(), whole.control.tuned, physics.period)
+    qpos, qvel = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
+    alone = roll_out(
+        controller, physics, whole.env, (qpos[1:2], qvel[1:2]), np.array([[0.6, 0, 0]]), 1.0
+    )
+    np.testing.assert_allclose(alone.velocity[:, 0], recording.velocity[:50, 1], atol=1e-6)
+
+
+def test_switches_off_where_it_has_fallen():
+    control = config().control.tuned
+    controller = MpcController(robot_config(), control, 0.005)
+    state = make_state(2, foot_forces=60.0)
+    controller.reset(state, np.zeros((2, 3)))
+    lying = replace(state, gravity=np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]))
+    torques = controller.control(lying)
+    assert controller.gait.mode[1] == OFF
+    assert not torques[1].any()
+    assert np.abs(torques[0, [3, 9]]).min() > 20, "the other one stands"
+    assert not controller.control(state)[1].any(), "off is for ever"
+
+
+def test_torques_stay_within_the_limits():
+    recorded = []
+    whole = config()
+    physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
+    controller = MpcController(robot_config(), whole.control.tuned, physics.period)
+    step = physics.step
+
+    def spying(torques: np.ndarray) -> None:
+        step(torques)
+        recorded.append((torques[0], physics.read().efforts[0]))
+
+    physics.step = spying
+    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), 1)
+    roll_out(controller, physics, whole.env, start, np.array([[0.8, 0.0, 0.0]]), 1.0)
+    asked, applied = (np.array(column) for column in zip(*recorded, strict=True))
+    assert len(asked) == 200, "200 Hz"
+    np.testing.assert_allclose(applied, asked, atol=1e-3)  # the drives clip nothing
+    limits = [robot_config().limits[name.split("_", 1)[1]].effort for name in names.JOINTS]
+    assert (np.abs(asked) <= np.array(limits) + 1e-3).all()
+
+
+def test_reports_what_a_tick_costs():
+    _, controller = walk((0.0, 0.0, 0.0), seconds=1.0)
+    parts = controller.clock.microseconds()
+    assert set(parts) == {"model", "footsteps", "assembly", "solution"}
+    assert all(0 < value < 5000 for value in parts.values())
+
+
+@pytest.mark.parametrize("setting", ["literal", "tuned"])
+def test_same_start_same_walk(setting):
+    first, second = (walk((0.3, 0.0, 0.0), setting, seconds=1.0)[0] for _ in range(2))
+    np.testing.assert_array_equal(first.velocity, second.velocity)

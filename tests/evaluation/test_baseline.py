@@ -1,0 +1,96 @@
+"""The baseline's stage: the policy's protocol on torque drives."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.stages import table1_jobs
+from slider.core.config.convert import to_dict
+from slider.core.job import Job
+from slider.evaluation import baseline, protocol, records
+from slider.reports import table1
+from tests.env.synthetic import config
+
+PROTOCOL = ("experiment=test", "evaluation.duration=0.6")
+
+
+def section(setting: str = "tuned", **changes) -> dict:
+    whole = config(*PROTOCOL)
+    env = to_dict(whole.env)
+    return {
+        "robot": to_dict(whole.robot),
+        "plant": {name: env[name] for name in ("control_period", "physics", "termination")},
+        "control": to_dict(getattr(whole.control, setting)),
+        "evaluation": to_dict(replace(whole.evaluation, **changes)),
+        "controller": f"mpc_wbc_{setting}",
+        "command": 0.2,
+    }
+
+
+def run(out, setting: str = "tuned", **changes):
+    out.mkdir()
+    job = Job(out.parent)
+    return baseline.run(section(setting, **changes), {}, out, job), job
+
+
+@pytest.mark.parametrize("setting", ["literal", "tuned"])
+def test_records_are_those_of_the_policy_and_make_a_row(tmp_path, setting):
+    summary, job = run(tmp_path / "out", setting)
+    found = records.read(tmp_path / "out" / records.FILE)
+    assert tuple(found) == records.COLUMNS
+    assert len(found["trial"]) == 6
+    assert summary["success_rate"] == 1.0
+    assert summary["controller"] == f"mpc_wbc_{setting}"
+    assert {"model", "assembly", "solution"} <= set(job.volatile["tick_us"])
+    about = json.loads((tmp_path / "out" / "command.json").read_text())
+    row = table1.table_row(about["controller"], about["command"], found)
+    assert row["controller"] == f"mpc_wbc_{setting}"
+    assert row["success_rate"] == 1.0
+
+
+def test_same_input_same_bytes(tmp_path):
+    run(tmp_path / "one")
+    run(tmp_path / "other")
+    for path in (tmp_path / "one").iterdir():
+        assert path.read_bytes() == (tmp_path / "other" / path.name).read_bytes(), path.name
+
+
+def test_starts_are_the_protocols(tmp_path, monkeypatch):
+    seen = []
+    real = protocol.roll_out
+
+    def spying(controller, physics, env, start, command, *rest):
+        seen.append((start, command))
+        return real(controller, physics, env, start, command, *rest)
+
+    monkeypatch.setattr(protocol, "roll_out", spying)
+    run(tmp_path / "out")
+    whole = config(*PROTOCOL)
+    qpos, qvel = protocol._starts(whole.robot, whole.evaluation)
+    np.testing.assert_array_equal(seen[0][0][0], qpos)
+    np.testing.assert_array_equal(seen[0][0][1], qvel)
+    np.testing.assert_array_equal(seen[0][1], np.tile([0.2, 0.0, 0.0], (6, 1)))
+
+
+def jobs(*overrides: str) -> dict:
+    found = table1_jobs(config(*overrides))["table1"].inputs["evaluations"]
+    return {(job.section["controller"], job.section["command"]): job for job in found}
+
+
+def test_both_settings_are_jobs_of_their_own_that_need_no_training():
+    found = jobs()
+    names = {controller for controller, _ in found}
+    assert names == {"policy", "mpc_wbc_literal", "mpc_wbc_tuned"}
+    assert len(found) == 3 * len(config().evaluation.commands)
+    for (controller, _), job in found.items():
+        assert (job.stage == "baseline") == controller.startswith("mpc_wbc_")
+        assert bool(job.inputs) == (controller == "policy")
+    assert "torch" not in found["mpc_wbc_tuned", 0.2].code.versions
+
+
+def test_a_setting_reruns_only_its_own_jobs():
+    before, after = jobs(), jobs("control.tuned.step.apex=0.08", "env.action.clip=3.0")
+    changed = {key[0] for key, job in before.items() if job.recipe != after[key].recipe}
+    assert changed == {"policy", "mpc_wbc_tuned"}  # the policy for its actions

@@ -8,7 +8,7 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from pipeline.stages import gait_section, verification_jobs
+from pipeline.stages import gait_library, gait_section, verification_jobs
 from slider.core.config.compose import compose
 from slider.core.config.schema import Config
 from slider.core.job import Job
@@ -43,7 +43,7 @@ def library() -> Path:
         gait_stage.run(shared | {"velocity": [vx, vy]}, {}, gaits[-1], Job(folder))
     out = folder / "library"
     out.mkdir()
-    section = {"library": {"allow_holes": False, "max_violation": 1e-6}}
+    section = gait_library(config(), []).section
     library_stage.run(section, {"gaits": gaits}, out, Job(folder))
     return out
 

@@ -1,6 +1,6 @@
 """Gaits as the library stores them, and the continuous motion that their coefficients describe."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 
@@ -9,7 +9,7 @@ import zarr
 from scipy.interpolate import BPoly
 
 from slider.core.errors import UserError
-from slider.library.schema import ARRAYS, SCHEMA, VERSION
+from slider.library.schema import SCHEMA, VERSION
 from slider.robot.names import KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, SIDES
 
 LEG = len(KNEE_LEG_JOINTS)
@@ -121,6 +121,7 @@ def load_gaits(path: Path) -> list[StoredGait]:
     found = (group.attrs.get("schema"), group.attrs.get("version"))
     if found != (SCHEMA, VERSION):
         raise UserError(f"{path}: expected {SCHEMA} version {VERSION}, found {found}")
-    arrays = {name: np.asarray(group[name][...]) for name in ARRAYS}  # type: ignore
+    names = [item.name for item in fields(StoredGait)]
+    arrays = {name: np.asarray(group[name][...]) for name in names}  # type: ignore
     count = len(arrays["velocities"])
     return [StoredGait(**{name: a[i] for name, a in arrays.items()}) for i in range(count)]

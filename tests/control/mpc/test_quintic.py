@@ -5,7 +5,7 @@ import numpy as np
 from slider.control.mpc.quintic import follow
 
 
-def test_ends_and_derivatives(rng=None):
+def test_ends_and_derivatives():
     rng = np.random.default_rng(0)
     start, end = rng.normal(size=(4, 3)), rng.normal(size=(4, 3))
     duration = rng.uniform(0.2, 0.6, 4)

@@ -37,7 +37,7 @@ class Pendulum:
 
 @dataclass(frozen=True)
 class Plan:
-    """Next step of n robots: (n, 2) from the stance foot [m], and when (n,) [s]; their cost (n,)."""
+    """Next step of n robots: (n, 2) from the stance foot [m], its time (n,) [s], cost (n,)."""
 
     step: np.ndarray
     duration: np.ndarray
@@ -88,7 +88,7 @@ class FootstepPlanner:
         return in_range & (duration - elapsed >= 2 * self._config.lock)
 
     def solve(self, pendulum: Pendulum, remaining: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths of the next steps (n, 2, N) [m] and cost (n,) [m²/s²] with a time left (n,) [s]."""
+        """Lengths of the next steps (n, 2, N) [m] and cost (n,) for a time left (n,) [s]."""
         start = np.stack([pendulum.position, pendulum.velocity], axis=-1)  # (n, axis, 2)
         end = np.einsum("nij,naj->nai", lip.step_map(self.omega, remaining), start)
         speeds, lengths, lower, upper = self.references(pendulum)

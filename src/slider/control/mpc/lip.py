@@ -33,7 +33,8 @@ def forward_end_velocity(omega: float, time: float, mean: np.ndarray) -> np.ndar
 def lateral_end_velocity(omega: float, time: float, width: float) -> float:
     """Speed [m/s] away from the foot at the end of a step of the sideways orbit.
 
-    The orbit starts and ends half of ``width`` [m] beside the foot: v = ω (width/2) tanh(ω time / 2).
+    The orbit starts and ends half of ``width`` [m] beside the foot:
+    v = ω (width/2) tanh(ω time / 2).
     """
     return float(omega * width / 2 * np.tanh(omega * time / 2))
 

@@ -31,7 +31,7 @@ class Motion:
         return jacobian, *_wanted(self._config.base, error, rate)
 
     def swing(self, dynamics: Dynamics, foot: np.ndarray, reference: np.ndarray) -> Part:
-        """Swing foot (n,) follows ``reference`` (n, 3, 3): coordinate; position, rate, acceleration."""
+        """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration."""
         robots = np.arange(len(foot))
         jacobian = dynamics.foot_jacobians[robots, foot, :3]
         error = reference[:, :, 0] - dynamics.foot_positions[robots, foot]

@@ -1,9 +1,10 @@
 """Whole-body control: joint torques that realise wanted accelerations best, as a QP per robot.
 
-Unknowns are the contact forces f and the accelerations of the actuated joints; the rest of q̈ follows
-from the unactuated rows of the equations of motion (base and upper feet), so that these hold
-exactly: q̈ = T y + t with y = (f, q̈ₐ). The QP is min Σ w (J q̈ + J̇ q̇ − a)² + ρ y² subject to friction
-pyramids inside the cones at both ends of each foot line and to the drives' torque-speed limits.
+Unknowns are the contact forces f and the accelerations of the actuated joints; the rest of q̈
+follows from the unactuated rows of the equations of motion (base and upper feet), so that these
+hold exactly: q̈ = T y + t with y = (f, q̈ₐ). The QP is min Σ w (J q̈ + J̇ q̇ − a)² + ρ y² subject to
+friction pyramids inside the cones at both ends of each foot line and to the drives' torque-speed
+limits.
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ import numpy as np
 
 from slider.control.mpc import qp
 from slider.control.mpc.nominal import NUM_DOFS, Dynamics
-from slider.core.config.control import TaskConfig, WholeBodyConfig
+from slider.core.config.control import WholeBodyConfig
 from slider.core.config.robot import RobotConfig
 from slider.robot import names
 
@@ -85,7 +86,7 @@ class WholeBody:
     def build(
         self, dynamics: Dynamics, tasks: Tasks, feet: np.ndarray, loaded: np.ndarray
     ) -> Problem:
-        """QPs of n robots; ``feet`` (n, k) in stance, of which those not ``loaded`` get no force."""
+        """QPs of n robots with ``feet`` (n, k) in stance; those not ``loaded`` get no force."""
         contact = self.contact_jacobian(dynamics, feet)
         transform = self._eliminate(dynamics, contact)
         hessian, gradient = self._cost(tasks, transform)
@@ -169,19 +170,3 @@ class WholeBody:
                 solved[i] = True
                 torques[i, _JOINTS] = problem.torque_map[i] @ y + problem.torque_offset[i]
         return torques, solved
-
-
-def stack(parts: list[tuple[np.ndarray, np.ndarray, np.ndarray | tuple[float, ...]]]) -> Tasks:
-    """One set of tasks from (jacobian, wanted, weight) of several."""
-    return Tasks(
-        np.concatenate([part[0] for part in parts], axis=1),
-        np.concatenate([part[1] for part in parts], axis=1),
-        np.concatenate([np.asarray(part[2], dtype=float) for part in parts]),
-    )
-
-
-def track(
-    task: TaskConfig, error: np.ndarray, rate: np.ndarray, forward: np.ndarray | float = 0.0
-) -> np.ndarray:
-    """Acceleration forward + kp · error + kd · rate."""
-    return forward + task.kp * error + task.kd * rate

@@ -210,7 +210,8 @@ def with_dummies(workspace: Workspace) -> Workspace:
         (source / name / f"{module}.py").write_text(text)
     (source / "reports" / "figures").mkdir()
     (source / "reports" / "figures" / "__init__.py").write_text("FILES = ('size.md',)\n")
-    (source / "reports" / "figures" / "stage.py").write_text(FIGURES)
+    for name in ("stage", "verification_maps"):
+        (source / "reports" / "figures" / f"{name}.py").write_text(FIGURES)
     for name in ("report", "video"):
         (source / "reports" / f"{name}.py").write_text(PAGE)
     (source / "gait" / "tiny.py").write_text(

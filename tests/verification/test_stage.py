@@ -71,13 +71,13 @@ def test_same_input_same_bytes(checked, tmp_path):
 
 def test_a_bound_that_does_not_hold_ends_the_job(checked, tmp_path):
     with pytest.raises(UserError, match=r"gait \(0.6, -0.1\) m/s, return_map: expected ≤ 2") as e:
-        collect(checked, tmp_path, bounds={"return_map": 2.0})
+        collect(checked, tmp_path, bounds={"return_map": 2.0}, on_failure="error")
     assert "\n" not in str(e.value)
     assert not list(tmp_path.iterdir())
 
 
 def test_or_is_written_down(checked, tmp_path):
-    collect(checked, tmp_path, bounds={"return_map": 2.0}, on_failure="report")
+    collect(checked, tmp_path, bounds={"return_map": 2.0})
     content = json.loads((tmp_path / stage.JSON).read_text())
     assert not content["passed"]
     assert len(content["failures"]) == len(VELOCITIES)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def run(section, inputs, out, job):
-    (out / "gait.txt").write_text(f"{speed(section)} {section['gait']['nodes']}")
+    (out / "gait.txt").write_text(f"{speed(section)} {section['formulation']['nodes']}")
     job.volatile["solve_s"] = 0.1
     return {"converged": True}
 """,

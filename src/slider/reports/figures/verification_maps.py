@@ -23,7 +23,6 @@ MAPS: Mapping[str, tuple[str, str]] = {
     "roll_end": ("roll against another integrator, end of step", "rad"),
     "dense_torque": ("peak torque between nodes", "share of limit"),
 }
-_LOGARITHMIC = {"roll_end"}
 CAPTION = """\
 One cell per gait. An eigenvalue above 1 means that the gait, left alone in time, drifts away from
 its limit cycle, as a walk on line feet does: a controller has to place the feet. The replay holds
@@ -41,7 +40,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     library = LibraryContents.load(inputs["library"][0] / "library.zarr")
     table = read_table(inputs["verification"][0] / TABLE)
     maps = [
-        VelocityMap(title, _column(library, table, name), unit, name in _LOGARITHMIC)
+        VelocityMap(title, _column(library, table, name), unit)
         for name, (title, unit) in MAPS.items()
     ]
     title = "Verification over the commanded velocity"

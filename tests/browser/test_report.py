@@ -28,7 +28,7 @@ def test_loads_without_complaint_and_without_the_network(opened):
 def test_shows_the_numbers_of_table_1(opened, finished):
     page = opened().page
     rows = csv.DictReader(finished.table.read_text().splitlines())
-    ours = {float(r["command_velocity"]): r for r in rows if r["source"] == "measured"}
+    ours = {float(r["command_velocity"]): r for r in rows if r["controller"] == "policy"}
     tables = page.locator("#table1 .tables table")
     assert tables.count() == 4
     for index, metric in enumerate(("success_rate", "mse_steady", "mse", "tracking_rate")):

@@ -17,6 +17,11 @@ _QUALITY = {
     "clearance": "clearance [m]",
     "slip": "foot slip [m/s]",
     "heading": "heading drift [rad]",
+    "asymmetry": "step time asymmetry",
+    "velocity_variance": "speed ripple [m²/s²]",
+    "cost_of_transport": "cost of transport",
+    "peak_effort": "peak effort / limit",
+    "peak_speed": "peak speed / limit",
 }
 
 

@@ -73,7 +73,7 @@ class Runner:
 
     def _compute(self, spec: JobSpec) -> Result:
         watch = _Watch()  # before the imports: they are part of what a job costs
-        _limit_threads(self.threads)
+        limit_threads(self.threads)
         function = _load(spec)
         job = self._job(spec)
         tracker = job.tracker
@@ -165,7 +165,7 @@ def _load(spec: JobSpec) -> StageFunction:
     return function
 
 
-def _limit_threads(threads: int) -> None:
+def limit_threads(threads: int) -> None:
     """Set the environment of OpenMP and BLAS before the stage imports them."""
     names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
     os.environ.update(dict.fromkeys(names, str(threads)))

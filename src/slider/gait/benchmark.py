@@ -54,7 +54,9 @@ def run(arguments: argparse.Namespace) -> None:
     """Print a table, one row per number of nodes."""
     from slider.core.config.compose import compose
     from slider.core.config.validate import validate
+    from slider.core.runner import limit_threads
 
+    limit_threads(1)  # as a job of the pipeline has
     print(f"load of the machine: {os.getloadavg()[0]:.1f}")
     print(_HEADER)
     for nodes in arguments.nodes:

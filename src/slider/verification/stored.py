@@ -5,11 +5,9 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-import zarr
 from scipy.interpolate import BPoly
 
-from slider.core.errors import UserError
-from slider.library.schema import SCHEMA, VERSION
+from slider.library.lookup import open_library
 from slider.robot.names import KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, SIDES
 
 LEG = len(KNEE_LEG_JOINTS)
@@ -114,13 +112,7 @@ def load_gaits(path: Path) -> list[StoredGait]:
     Raises:
         UserError: not a gait library, or of another version.
     """
-    try:
-        group = zarr.open_group(path, mode="r")
-    except (FileNotFoundError, ValueError):
-        raise UserError(f"expected a gait library at {path}, found none") from None
-    found = (group.attrs.get("schema"), group.attrs.get("version"))
-    if found != (SCHEMA, VERSION):
-        raise UserError(f"{path}: expected {SCHEMA} version {VERSION}, found {found}")
+    group = open_library(path)
     names = [item.name for item in fields(StoredGait)]
     arrays = {name: np.asarray(group[name][...]) for name in names}  # type: ignore
     count = len(arrays["velocities"])

@@ -6,10 +6,10 @@ from slider.gait.layout import ROLL_STATES, Layout
 from slider.gait.transcription import from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 
-CROUCH = 0.9  # knee flexion [rad]
+CROUCH = 0.6  # knee flexion; found the better of two optima where 0.9 did not [rad]
 LEG = 0.65  # hip-ankle distance that turns speed into leg angle [m]
 BUMP = 0.6  # extra flexion of the swing knee [rad]
-STRIDE = 0.6  # longest step that the start assumes [m]
+STRIDE = 0.45  # longest step that the start assumes [m]
 
 
 def cold_start(

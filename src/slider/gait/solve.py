@@ -13,7 +13,7 @@ from slider.gait.guess import cold_start
 from slider.gait.nlp import Nlp, assemble
 from slider.gait.problem import GaitProblem
 
-RELAXED_CROUCH = 0.6  # knee flexion of the second start: longer legs [rad]
+DEEPER_CROUCH = 0.9  # knee flexion of the second start: shorter legs [rad]
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
 _WARM = {
     "warm_start_init_point": "yes",
@@ -156,10 +156,10 @@ class GaitSolver:
         )
 
     def _climb(self, rung: str, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """One rung: ``cold`` and ``relaxed`` starts, or a ``ramp`` of warm starts from rest."""
+        """One rung: ``cold`` and ``crouched`` starts, or a ``ramp`` of warm starts from rest."""
         if rung == "ramp":
             return self._ramp(vx, vy)
-        crouch = {"relaxed": {"crouch": RELAXED_CROUCH}}.get(rung, {})
+        crouch = {"crouched": {"crouch": DEEPER_CROUCH}}.get(rung, {})
         duration = duration_bounds(self._step_time, vx, vy)
         degree = self.problem.config.degree
         start = cold_start(self.problem.layout, vx, degree, duration, **crouch)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from slider.cli import main
-from slider.gait.benchmark import measure
+from slider.gait.benchmark import measure, measure_fresh
 from tests.gait.gaits import config
 
 
@@ -14,6 +14,14 @@ def test_a_measurement_is_of_real_solves():
     inside = sum(found.solves[0].evaluations.values())
     assert 0 < inside < found.solves[0].cpu
     assert found.line().split()[:2] == ["21", "1"]
+
+
+def test_a_fresh_job_pays_for_its_imports():
+    robot, gait = config().robot, config().gait
+    found = measure_fresh(robot, gait, [(0.2, 0.0)])
+    assert len(found.cpu) == 1
+    assert 0.3 < found.cpu[0]
+    assert found.wall > 0.3
 
 
 def test_impossible_nodes_are_one_line(capsys):

@@ -1,9 +1,11 @@
-"""``slider benchmark-gaits``: where the time of a gait goes, and how it grows with the nodes."""
+"""``slider benchmark-gaits``: where the time of a gait goes; how it grows with nodes and gaits."""
 
 import argparse
+import multiprocessing
 import os
 import time
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
@@ -18,6 +20,8 @@ from slider.gait.tree import StanceTree
 from slider.robot.knee_model import build_knee_model
 
 VELOCITIES = ((0.0, 0.0), (0.3, 0.1), (0.6, 0.0), (0.9, -0.05), (1.2, 0.0))
+WORKERS = 2  # jobs at once, as with ``snakemake -j2``
+_FRESH_HEADER = "fresh jobs   wall, two at once [s]   CPU of a job, median / max [s]"
 _HEADER = "nodes  gaits  build  solve median / max [s CPU]  iterations  per iteration  in functions"
 
 
@@ -41,12 +45,30 @@ class Measurement:
         )
 
 
+@dataclass(frozen=True)
+class FreshJobs:
+    """Gaits solved each in a process of its own, imports included [s]."""
+
+    wall: float
+    cpu: list[float]
+
+    def line(self) -> str:
+        """One row of the table."""
+        return (
+            f"{len(self.cpu):10d}  {self.wall:20.1f}  "
+            f"{np.median(self.cpu):17.2f} / {max(self.cpu):.2f}"
+        )
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("overrides", nargs="*", help="such as gait.cost=torque")
     parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
     parser.add_argument(
         "--nodes", type=int, nargs="+", default=[21, 41, 81], help="per step (default: 21 41 81)"
+    )
+    parser.add_argument(
+        "--jobs", type=int, nargs="+", default=[1, 5, 25], help="gaits (default: 1 5 25)"
     )
 
 
@@ -64,6 +86,12 @@ def run(arguments: argparse.Namespace) -> None:
         config = replace(config, gait=replace(config.gait, nodes=nodes))
         validate(config)
         print(measure(config.robot, config.gait, VELOCITIES).line(), flush=True)
+    config = compose(arguments.overrides, arguments.conf)
+    validate(config)
+    print(_FRESH_HEADER)
+    for count in arguments.jobs:
+        velocities = [VELOCITIES[index % len(VELOCITIES)] for index in range(count)]
+        print(measure_fresh(config.robot, config.gait, velocities).line(), flush=True)
 
 
 def measure(
@@ -75,6 +103,24 @@ def measure(
     solver = GaitSolver(problem, gait.solver, gait.step_time)
     built = time.process_time() - start
     return Measurement(gait.nodes, built, [solver.solve(*velocity) for velocity in velocities])
+
+
+def measure_fresh(
+    robot: RobotConfig, gait: GaitConfig, velocities: Sequence[tuple[float, float]]
+) -> FreshJobs:
+    """Solve each velocity [m/s] in a new process, ``WORKERS`` at once, as the pipeline does."""
+    start = time.perf_counter()
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(WORKERS, mp_context=context, max_tasks_per_child=1) as pool:
+        cpu = list(pool.map(_fresh_job, [(robot, gait, velocity) for velocity in velocities]))
+    return FreshJobs(time.perf_counter() - start, cpu)
+
+
+def _fresh_job(task: tuple[RobotConfig, GaitConfig, tuple[float, float]]) -> float:
+    """CPU time [s] of this process from its start."""
+    robot, gait, velocity = task
+    measure(robot, gait, [velocity])
+    return time.process_time()
 
 
 def _formulation(robot: RobotConfig, gait: GaitConfig) -> Formulation:

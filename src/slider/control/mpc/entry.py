@@ -50,7 +50,7 @@ class Entry:
 
     def __init__(self, step: StepConfig, config: EntryConfig, omega: float, reach: float) -> None:
         self._config, self._omega, self._reach = config, omega, reach
-        self._width = step.width
+        self._width, self._step_time = step.width, step.time
         self._speed = lip.lateral_end_velocity(omega, step.time, step.width)
         half = step.width / 2
         self.energy = float(lip.orbital_energy(omega, np.array([-half, self._speed])))
@@ -60,12 +60,16 @@ class Entry:
     ) -> Sway:
         """Sway of robots at rest at ``position`` (n, 2), commanded to go forward (n,) [m/s].
 
-        The centre of pressure lies behind the middle so that the pendulum reaches the command
-        at the end of the sway, v = −ω p sinh(ω t), if the foot is long enough for that.
+        The centre of pressure p lies behind the middle so that the pendulum, after the sway and a
+        step on a foot in the middle, has the velocity at the end of the orbit's steps,
+        v = −ω p (sinh ω(t + T) − sinh ωT), if the foot is long enough for that.
         """
         start = np.zeros((len(middle), 3))
         start[:, 0] = side * (position - middle)[:, 1]
-        ideal = -command / (self._omega * np.sinh(self._omega * self._config.duration))
+        omega, step = self._omega, self._step_time
+        end = lip.forward_end_velocity(omega, step, command)
+        gain = np.sinh(omega * (self._config.duration + step)) - np.sinh(omega * step)
+        ideal = -end / (omega * gain)
         centre = np.clip(ideal, -self._config.push, self._config.push)
         return Sway(middle, side, start, centre, np.zeros(len(middle)))
 

@@ -91,6 +91,20 @@ def test_the_ramp_arrives_where_the_cold_start_does():
     assert ramp.cost == pytest.approx(solved(*COMMAND).cost, rel=5e-3)
 
 
+def test_the_best_of_several_starts_is_kept():
+    """At 1.2 m/s long slow steps and short quick ones are both optima."""
+    gait, velocity = config().gait, (1.2, 0.0)
+    ladder = ["cold", "brisk"]
+    first = GaitSolver(problem(), replace(gait.solver, ladder=ladder), gait.step_time)
+    best = GaitSolver(problem(), replace(gait.solver, ladder=ladder, keep="best"), gait.step_time)
+    assert [a.name for a in first.solve(*velocity).attempts] == ["cold"]
+    solve = best.solve(*velocity)
+    long, short = solve.attempts
+    assert short.cost < 0.95 * long.cost
+    assert solve.cost == short.cost
+    assert solve.max_violation < 1e-6
+
+
 def test_the_ladder_goes_on_after_a_failure():
     gait = config().gait
     settings = replace(gait.solver, ladder=["cold", "crouched"], max_iterations=2)

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from slider.gait.guess import cold_start
+from slider.gait.guess import STARTS, cold_start
 from slider.gait.layout import NODE, STEP
 from slider.gait.nlp import assemble
 from tests.gait.gaits import problem, solver
@@ -15,7 +15,7 @@ STEP_SIZE = 1e-6
 def near_a_gait() -> np.ndarray:
     """A point with no symmetry, so that no derivative vanishes by accident."""
     rng = np.random.default_rng(3)
-    x = cold_start(problem().layout, 0.5, problem().config.degree, (0.25, 0.42))
+    x = cold_start(problem().layout, 0.5, problem().config.degree, (0.25, 0.42), STARTS["cold"])
     return x + 0.05 * rng.normal(size=x.size)
 
 

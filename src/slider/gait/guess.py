@@ -1,26 +1,46 @@
 """Where the optimisation starts: a crouched walk in place or forward."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from slider.gait.layout import ROLL_STATES, Layout
 from slider.gait.transcription import from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 
-CROUCH = 0.6  # knee flexion; found the better of two optima where 0.9 did not [rad]
 LEG = 0.65  # hip-ankle distance that turns speed into leg angle [m]
 BUMP = 0.6  # extra flexion of the swing knee [rad]
-STRIDE = 0.45  # longest step that the start assumes [m]
+
+
+@dataclass(frozen=True)
+class Start:
+    """A gait to start from.
+
+    Attributes:
+        crouch: knee flexion [rad].
+        stride: longest step; at higher speeds the steps are quicker [m].
+    """
+
+    crouch: float
+    stride: float
+
+
+STARTS = {
+    "cold": Start(crouch=0.6, stride=0.6),
+    "brisk": Start(crouch=0.6, stride=0.45),
+    "crouched": Start(crouch=0.9, stride=0.6),
+}
 
 
 def cold_start(
-    layout: Layout, vx: float, degree: int, duration: tuple[float, float], crouch: float = CROUCH
+    layout: Layout, vx: float, degree: int, duration: tuple[float, float], start: Start
 ) -> np.ndarray:
-    """Variables (size,) of a crouched gait at forward speed vx [m/s].
+    """Variables (size,) of a gait at forward speed vx [m/s].
 
-    ``duration``: bounds of the step time [s]; ``crouch``: knee flexion [rad].
+    ``duration``: bounds of the step time [s].
     """
-    step_time = float(np.clip(STRIDE / max(abs(vx), 1e-9), *duration))
-    angles = _joints(vx * step_time / 2 / LEG, degree + 1, crouch)
+    step_time = float(np.clip(start.stride / max(abs(vx), 1e-9), *duration))
+    angles = _joints(vx * step_time / 2 / LEG, degree + 1, start.crouch)
     joints = from_polynomials(layout.joints, angles)
     step = np.concatenate([joints, [step_time], np.zeros(ROLL_STATES * layout.nodes)])
     return np.tile(step, 2)

@@ -9,11 +9,10 @@ import numpy as np
 
 from slider.core.config.gait import SolverConfig, StepTime
 from slider.gait.costs import COSTS
-from slider.gait.guess import cold_start
+from slider.gait.guess import STARTS, cold_start
 from slider.gait.nlp import Nlp, assemble
 from slider.gait.problem import GaitProblem
 
-DEEPER_CROUCH = 0.9  # knee flexion of the second start: shorter legs [rad]
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
 _WARM = {
     "warm_start_init_point": "yes",
@@ -30,6 +29,7 @@ class Attempt:
     name: str
     status: str
     iterations: int
+    cost: float
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,12 @@ class Solve:
         variables: (size,) best point found.
         status: IPOPT's return status.
         success: whether IPOPT reports convergence.
-        iterations: of IPOPT, of the last attempt.
+        iterations: of IPOPT, of the attempt that is the result.
         cost: in SI units.
         residuals: worst violation by constraint name, in the constraint's own unit.
         wall, cpu: time of all attempts [s].
-        evaluations: time of the last attempt in each function [s].
-        attempts: what was tried, the last one being the result.
+        evaluations: time of that attempt in each function [s].
+        attempts: what was tried, in order.
     """
 
     variables: np.ndarray
@@ -72,6 +72,17 @@ class _Point:
     x: np.ndarray
     lam_x: np.ndarray | None = None
     lam_g: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    """Where an attempt ended."""
+
+    attempt: Attempt
+    success: bool
+    variables: np.ndarray
+    rows: np.ndarray
+    evaluations: dict[str, float]
 
 
 def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
@@ -130,39 +141,51 @@ class GaitSolver:
         return ca.nlpsol("gait", "ipopt", {"x": x, "p": p, "f": objective, "g": rows}, options)
 
     def solve(self, vx: float, vy: float) -> Solve:
-        """Solve for a commanded velocity [m/s], trying the rungs of the ladder in order."""
+        """Solve for a commanded velocity [m/s], trying the rungs of the ladder in order.
+
+        The result is the first that converges or, with ``keep: best``, the cheapest that does.
+        """
         wall, cpu = time.perf_counter(), time.process_time()
-        attempts: list[Attempt] = []
+        outcomes: list[_Outcome] = []
         for rung in self._config.ladder:
-            function, result = self._climb(rung, vx, vy)
-            stats = function.stats()
-            status, count = str(stats["return_status"]), int(stats["iter_count"])
-            attempts.append(Attempt(rung, status, count))
-            if stats["success"]:
+            outcomes.append(self._attempt(rung, vx, vy))
+            if outcomes[-1].success and self._config.keep == "first":
                 break
-        variables = np.array(result["x"]).ravel()
+        kept = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
         duration = duration_bounds(self._step_time, vx, vy)
         return Solve(
-            variables=variables,
-            status=status,
-            success=bool(stats["success"]),
-            iterations=count,
-            cost=float(result["f"]) / COSTS[self.problem.config.cost].scale,
-            residuals=self.residuals(np.array(result["g"]).ravel(), variables, duration),
+            variables=kept.variables,
+            status=kept.attempt.status,
+            success=kept.success,
+            iterations=kept.attempt.iterations,
+            cost=kept.attempt.cost,
+            residuals=self.residuals(kept.rows, kept.variables, duration),
             wall=time.perf_counter() - wall,
             cpu=time.process_time() - cpu,
-            evaluations={k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
-            attempts=tuple(attempts),
+            evaluations=kept.evaluations,
+            attempts=tuple(outcome.attempt for outcome in outcomes),
+        )
+
+    def _attempt(self, rung: str, vx: float, vy: float) -> _Outcome:
+        function, result = self._climb(rung, vx, vy)
+        stats = function.stats()
+        cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
+        status, iterations = str(stats["return_status"]), int(stats["iter_count"])
+        return _Outcome(
+            Attempt(rung, status, iterations, cost),
+            bool(stats["success"]),
+            np.array(result["x"]).ravel(),
+            np.array(result["g"]).ravel(),
+            {k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
         )
 
     def _climb(self, rung: str, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """One rung: ``cold`` and ``crouched`` starts, or a ``ramp`` of warm starts from rest."""
+        """One rung: a cold start, or a ``ramp`` of warm starts from walking in place."""
         if rung == "ramp":
             return self._ramp(vx, vy)
-        crouch = {"crouched": {"crouch": DEEPER_CROUCH}}.get(rung, {})
         duration = duration_bounds(self._step_time, vx, vy)
         degree = self.problem.config.degree
-        start = cold_start(self.problem.layout, vx, degree, duration, **crouch)
+        start = cold_start(self.problem.layout, vx, degree, duration, STARTS[rung])
         return self._cold, self._call(self._cold, _Point(start), vx, vy)
 
     def _ramp(self, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:

@@ -85,12 +85,13 @@ class ContactLimits:
 
 @dataclass(frozen=True, config=STRICT)
 class SolverConfig:
-    """IPOPT settings, and what is tried in turn until a gait converges."""
+    """IPOPT settings, what is tried in turn, and whether the first or the best result counts."""
 
     max_iterations: int
     tolerance: float
     constraint_tolerance: float
     ladder: list[str]
+    keep: str
 
 
 @dataclass(frozen=True, config=STRICT)

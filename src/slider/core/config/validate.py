@@ -160,7 +160,8 @@ def _gait(gait: GaitConfig) -> None:
     _at_least("gait.solver.max_iterations", gait.solver.max_iterations, 1)
     _require(bool(gait.solver.ladder), "gait.solver.ladder", "at least one rung", "none")
     for rung in gait.solver.ladder:
-        _in("gait.solver.ladder", rung, ("cold", "crouched", "ramp"))
+        _in("gait.solver.ladder", rung, ("cold", "brisk", "crouched", "ramp"))
+    _in("gait.solver.keep", gait.solver.keep, ("first", "best"))
 
 
 def _interval(key: str, lower: float, upper: float) -> None:

@@ -12,7 +12,7 @@ from slider.core.config.gait import Axis, GaitConfig
 from slider.core.config.report import RENDERERS, SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
-from slider.core.config.train import Interval, TrainConfig
+from slider.core.config.train import CurriculumConfig, Interval, TrainConfig
 from slider.core.config.verification import VerificationConfig
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS
@@ -32,7 +32,7 @@ def validate(config: Config) -> None:
     _gait(config.gait)
     _env(config.env)
     for name in ("standing", "walking"):
-        _train(getattr(config.train, name), f"train.{name}")
+        _train(getattr(config.train, name), config.env, f"train.{name}")
     settings = [item.name for item in fields(config.control)]
     for name in settings:
         _control(getattr(config.control, name), config.env, f"control.{name}")
@@ -185,6 +185,14 @@ def _env(env: EnvConfig) -> None:
         ", ".join(env.action.scale),
     )
     _positive("env.action.clip", env.action.clip)
+    _in("env.action.about", env.action.about, ("nominal", "gait"))
+    _require(
+        env.phase.enabled or env.action.about == "nominal",
+        "env.action.about",
+        "nominal where there is no phase",
+        env.action.about,
+    )
+    _at_least("env.phase.step_time", env.phase.step_time, 0.0)
     _positive("env.observation.clip", env.observation.clip)
     _require(bool(env.observation.terms), "env.observation.terms", "at least one term", "none")
     _require(
@@ -195,7 +203,7 @@ def _env(env: EnvConfig) -> None:
     )
 
 
-def _train(train: TrainConfig, key: str) -> None:
+def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     _at_least(f"{key}.iterations", train.iterations, 0)
     _at_least(f"{key}.num_envs", train.num_envs, 1)
     _at_least(f"{key}.steps_per_iteration", train.steps_per_iteration, 1)
@@ -203,6 +211,16 @@ def _train(train: TrainConfig, key: str) -> None:
     for name in ("vx", "vy", "yaw_rate"):
         interval: Interval = getattr(train.commands, name)
         _interval(f"{key}.commands.{name}", interval.lower, interval.upper)
+    _curriculum(train.commands.curriculum, f"{key}.commands.curriculum")
+    _in(f"{key}.guide.gait", train.guide.gait, ("interpolated", "nearest"))
+    _in(f"{key}.ppo.symmetry", train.ppo.symmetry, ("none", "augmentation", "loss"))
+    _at_least(f"{key}.ppo.symmetry_weight", train.ppo.symmetry_weight, 0.0)
+    _require(
+        train.ppo.symmetry == "none" or not env.phase.mirror,
+        f"{key}.ppo.symmetry",
+        "none where env.phase.mirror shows the network left stance only",
+        train.ppo.symmetry,
+    )
     _in(f"{key}.ppo.precision", train.ppo.precision, ("auto", "float32", "bfloat16"))
     _in(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
     batch = train.num_envs * train.steps_per_iteration
@@ -216,6 +234,13 @@ def _train(train: TrainConfig, key: str) -> None:
     _require(bool(train.reward.terms), f"{key}.reward.terms", "at least one term", "none")
     _at_least(f"{key}.selection.robots", train.selection.robots, 1)
     _at_least(f"{key}.selection.interval", train.selection.interval, 1)
+
+
+def _curriculum(curriculum: CurriculumConfig, key: str) -> None:
+    for name in ("start", "success"):
+        value = getattr(curriculum, name)
+        _require(0 < value <= 1, f"{key}.{name}", "a share in (0, 1]", value)
+    _positive(f"{key}.growth", curriculum.growth)
 
 
 def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:

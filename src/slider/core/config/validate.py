@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+from slider.core.config.ablation import AblationConfig
 from slider.core.config.control import MpcConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
@@ -39,6 +40,7 @@ def validate(config: Config) -> None:
     _evaluation(config.evaluation, ["policy", *(f"mpc_wbc_{name}" for name in settings)])
     _verification(config.verification)
     _report(config.report, config.env.control_period)
+    _ablation(config.ablation)
     _at_least("resources.threads", config.resources.threads, 1)
 
 
@@ -343,3 +345,15 @@ def _report(report: ReportConfig, control_period: float) -> None:
     )
     _require(0 <= video.quality <= 51, f"{key}.video.quality", "0 to 51", video.quality)
     _at_least(f"{key}.video.seed", video.seed, 0)
+
+
+def _ablation(ablation: AblationConfig) -> None:
+    key = "ablation"
+    for name in ablation.run:
+        _in(f"{key}.run", name, ablation.variants)
+    for name in ("run", "seeds", "commands"):
+        values = getattr(ablation, name)
+        unique = len(set(values)) == len(values) > 0
+        _require(unique, f"{key}.{name}", "one or more, each once", values)
+    for name in ("samples", "pretraining_samples", "check_every", "trials", "robots"):
+        _at_least(f"{key}.{name}", getattr(ablation, name), 1)

@@ -1,0 +1,94 @@
+"""The ablation as a picture: learning curves above, the finished policies below."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from slider.reports.controllers import colour, speed
+from slider.reports.figures.style import DARK, new_figure
+from slider.reports.seeds import Row, distinct, numbers, spread
+
+CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}
+# Column → title, factor, logarithmic.
+DOTS = {
+    "success_rate": ("success [%]", 100.0, False),
+    "mse_steady": ("MSE from 2 s [m²/s²]", 1.0, True),
+    "alternation": ("alternating\ntouchdowns [%]", 100.0, False),
+    "flight": ("flight [%]", 100.0, False),
+    "velocity_variance": ("variance of the\nvelocity [m²/s²]", 1.0, True),
+}
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+_DASHES = ("-", "--", ":")
+_COLOURS = 7
+
+
+def draw(rows: Sequence[Row], curves: Sequence[Row], labels: Mapping[str, str]) -> Figure:
+    """Lines and dots are means over seeds; bands and bars reach from the least to the greatest."""
+    height = 2.6 + 0.55 + 0.24 * len(labels) + 0.7
+    figure = new_figure(height)
+    above, below = figure.subfigures(2, 1, height_ratios=[2.6, height - 2.6])
+    axes = above.subplots(1, len(CURVES))
+    for axis, (name, title) in zip(axes, CURVES.items(), strict=True):
+        _draw_curves(axis, curves, name, labels)
+        axis.set_title(title)
+    handles = [Line2D([], [], **_line(index), label=text) for index, text in _numbered(labels)]
+    above.legend(handles=handles, loc="outside lower center", ncols=3)
+    panels = below.subplots(1, len(DOTS), sharey=True)
+    for axis, name in zip(panels, DOTS, strict=True):
+        _draw_dots(axis, rows, name, labels)
+    below.legend(handles=_markers(rows), loc="outside lower center", ncols=8)
+    return figure
+
+
+def _numbered(labels: Mapping[str, str]) -> list[tuple[int, str]]:
+    return list(enumerate(labels.values()))
+
+
+def _line(index: int) -> dict[str, str]:
+    dash = _DASHES[index // _COLOURS % len(_DASHES)]
+    return {"color": colour(index), "linestyle": dash}
+
+
+def _draw_curves(axis: Axes, curves: Sequence[Row], name: str, labels: Mapping[str, str]) -> None:
+    factor = 100.0 if name == "success" else 1.0
+    for index, variant in enumerate(labels):
+        samples = sorted(set(numbers(curves, "samples", variant=variant)))
+        found = [spread(numbers(curves, name, variant=variant, samples=s)) for s in samples]
+        mean, lower, upper = (
+            np.array([np.nan if f is None else factor * getattr(f, part) for f in found])
+            for part in ("mean", "lower", "upper")
+        )
+        x = np.array(samples) / 1e6
+        axis.plot(x, mean, **_line(index), marker=".", markersize=4)  # pyright: ignore
+        axis.fill_between(x, lower, upper, color=colour(index), alpha=0.12, linewidth=0)
+    axis.set_xlabel("samples [million]")
+    axis.set_ylim(bottom=0)
+
+
+def _draw_dots(axis: Axes, rows: Sequence[Row], name: str, labels: Mapping[str, str]) -> None:
+    title, factor, logarithmic = DOTS[name]
+    commands = distinct(rows, "command_velocity")
+    for place, variant in enumerate(labels):
+        for index, command in enumerate(commands):
+            found = spread(numbers(rows, name, variant=variant, command_velocity=command))
+            if found is None or not np.isfinite(found.mean):
+                continue
+            y = place + 0.22 * (index - (len(commands) - 1) / 2)
+            style = {"color": colour(place), "zorder": 3}
+            axis.plot([factor * found.lower, factor * found.upper], [y, y], lw=0.9, **style)
+            axis.plot(factor * found.mean, y, _MARKERS[index % 7], markersize=3.6, **style)
+    if logarithmic:
+        axis.set_xscale("log")
+    axis.set_title(title)
+    axis.set_yticks(range(len(labels)), list(labels.values()))
+    axis.set_ylim(len(labels) - 0.5, -0.5)
+
+
+def _markers(rows: Sequence[Row]) -> list[Line2D]:
+    return [
+        Line2D([], [], color=DARK, marker=_MARKERS[i % 7], linestyle="", label=f"{speed(v)} m/s")
+        for i, v in enumerate(distinct(rows, "command_velocity"))
+    ]

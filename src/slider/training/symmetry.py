@@ -34,7 +34,7 @@ def with_reflections(
         observer = env.observer
         reflected = obs.clone()
         reflected["policy"] = _reflect(obs["policy"], observer.permutation, observer.sign)
-        obs = torch.cat([obs, reflected])  # pyright: ignore[reportArgumentType]
+        obs = TensorDict.cat([obs, reflected])
     if actions is not None:
         actions = torch.cat([actions, _reflect(actions, MIRROR_PERMUTATION, MIRROR_SIGN)])
     return obs, actions

@@ -1,11 +1,13 @@
 """The ablation as a picture: learning curves above, the finished policies below."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
 
 from slider.reports.controllers import colour, speed
 from slider.reports.figures.style import DARK, new_figure
@@ -29,12 +31,13 @@ def draw(rows: Sequence[Row], curves: Sequence[Row], labels: Mapping[str, str]) 
     """Lines and dots are means over seeds; bands and bars reach from the least to the greatest."""
     height = 2.6 + 0.55 + 0.24 * len(labels) + 0.7
     figure = new_figure(height)
-    above, below = figure.subfigures(2, 1, height_ratios=[2.6, height - 2.6])
+    parts = np.asarray(figure.subfigures(2, 1, height_ratios=[2.6, height - 2.6]))
+    above, below = parts
     axes = above.subplots(1, len(CURVES))
     for axis, (name, title) in zip(axes, CURVES.items(), strict=True):
         _draw_curves(axis, curves, name, labels)
         axis.set_title(title)
-    handles = [Line2D([], [], **_line(index), label=text) for index, text in _numbered(labels)]
+    handles = [_line([], [], index, label=text) for index, text in _numbered(labels)]
     above.legend(handles=handles, loc="outside lower center", ncols=3)
     panels = below.subplots(1, len(DOTS), sharey=True)
     for axis, name in zip(panels, DOTS, strict=True):
@@ -47,9 +50,10 @@ def _numbered(labels: Mapping[str, str]) -> list[tuple[int, str]]:
     return list(enumerate(labels.values()))
 
 
-def _line(index: int) -> dict[str, str]:
+def _line(x: ArrayLike, y: ArrayLike, index: int, **settings: Any) -> Line2D:
+    """A line in the look of variant ``index``."""
     dash = _DASHES[index // _COLOURS % len(_DASHES)]
-    return {"color": colour(index), "linestyle": dash}
+    return Line2D(x, y, color=colour(index), linestyle=dash, **settings)
 
 
 def _draw_curves(axis: Axes, curves: Sequence[Row], name: str, labels: Mapping[str, str]) -> None:
@@ -62,8 +66,9 @@ def _draw_curves(axis: Axes, curves: Sequence[Row], name: str, labels: Mapping[s
             for part in ("mean", "lower", "upper")
         )
         x = np.array(samples) / 1e6
-        axis.plot(x, mean, **_line(index), marker=".", markersize=4)  # pyright: ignore
+        axis.add_line(_line(x, mean, index, marker=".", markersize=4))
         axis.fill_between(x, lower, upper, color=colour(index), alpha=0.12, linewidth=0)
+    axis.autoscale_view()
     axis.set_xlabel("samples [million]")
     axis.set_ylim(bottom=0)
 

@@ -102,7 +102,8 @@ def _curve_rows(item: Run) -> list[Row]:
 def _draw(rows: Sequence[Row], curves: Sequence[Row], labels: dict[str, str], out: Path) -> None:
     with style():
         drawn = figure.draw(rows, curves, labels)
-        drawn.draw_without_rendering()
+        for _ in range(2):  # the second time with the sizes of the first
+            drawn.draw_without_rendering()
         drawn.set_layout_engine("none")
     for suffix in ("svg", "png"):
         save(drawn, out / f"{NAME}.{suffix}")

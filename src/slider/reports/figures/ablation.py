@@ -1,6 +1,7 @@
 """The ablation as a picture: learning curves above, the finished policies below."""
 
 from collections.abc import Mapping, Sequence
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -16,22 +17,24 @@ from slider.reports.seeds import Row, distinct, numbers, spread
 CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}
 # Column → title, factor, logarithmic.
 DOTS = {
-    "success_rate": ("success [%]", 100.0, False),
-    "mse_steady": ("MSE from 2 s [m²/s²]", 1.0, True),
+    "success_rate": ("success [%]\n", 100.0, False),
+    "mse_steady": ("settled velocity\nMSE [m²/s²]", 1.0, True),
     "alternation": ("alternating\ntouchdowns [%]", 100.0, False),
-    "flight": ("flight [%]", 100.0, False),
+    "flight": ("flight [%]\n", 100.0, False),
     "velocity_variance": ("variance of the\nvelocity [m²/s²]", 1.0, True),
 }
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _DASHES = ("-", "--", ":")
 _COLOURS = 7
+_SHARES = ("success_rate", "alternation")
+_WRAP = 20  # characters of a label in a line
 
 
 def draw(rows: Sequence[Row], curves: Sequence[Row], labels: Mapping[str, str]) -> Figure:
     """Lines and dots are means over seeds; bands and bars reach from the least to the greatest."""
-    height = 2.6 + 0.55 + 0.24 * len(labels) + 0.7
-    figure = new_figure(height)
-    parts = np.asarray(figure.subfigures(2, 1, height_ratios=[2.6, height - 2.6]))
+    above, below = 2.8, 1.1 + 0.3 * len(labels)  # [inch]
+    figure = new_figure(above + below)
+    parts = np.asarray(figure.subfigures(2, 1, height_ratios=[above, below]))
     above, below = parts
     axes = above.subplots(1, len(CURVES))
     for axis, (name, title) in zip(axes, CURVES.items(), strict=True):
@@ -85,15 +88,28 @@ def _draw_dots(axis: Axes, rows: Sequence[Row], name: str, labels: Mapping[str, 
             style = {"color": colour(place), "zorder": 3}
             axis.plot([factor * found.lower, factor * found.upper], [y, y], lw=0.9, **style)
             axis.plot(factor * found.mean, y, _MARKERS[index % 7], markersize=3.6, **style)
+            _draw_reference(axis, rows, name, command, y)
     if logarithmic:
         axis.set_xscale("log")
     axis.set_title(title)
-    axis.set_yticks(range(len(labels)), list(labels.values()))
+    if name in _SHARES:
+        axis.set_xlim(-4, 104)
+    axis.set_yticks(range(len(labels)), [fill(text, _WRAP) for text in labels.values()])
     axis.set_ylim(len(labels) - 0.5, -0.5)
 
 
+def _draw_reference(axis: Axes, rows: Sequence[Row], name: str, command: float, y: float) -> None:
+    """A stroke at the number of the library's gait, where it has one."""
+    column = f"reference_{name}"
+    if column in rows[0]:
+        found = spread(numbers(rows, column, command_velocity=command))
+        if found is not None:
+            axis.plot(found.mean, y, "|", color=DARK, markersize=5, zorder=2)
+
+
 def _markers(rows: Sequence[Row]) -> list[Line2D]:
+    gait = Line2D([], [], color=DARK, marker="|", linestyle="", label="the library's gait")
     return [
         Line2D([], [], color=DARK, marker=_MARKERS[i % 7], linestyle="", label=f"{speed(v)} m/s")
         for i, v in enumerate(distinct(rows, "command_velocity"))
-    ]
+    ] + [gait]

@@ -27,6 +27,7 @@ _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _DASHES = ("-", "--", ":")
 _COLOURS = 7
 _SHARES = ("success_rate", "alternation")
+_MARGIN = 0.12  # [inch]
 _WRAP = 20  # characters of a label in a line
 
 
@@ -34,6 +35,7 @@ def draw(rows: Sequence[Row], curves: Sequence[Row], labels: Mapping[str, str]) 
     """Lines and dots are means over seeds; bands and bars reach from the least to the greatest."""
     above, below = 2.8, 1.1 + 0.3 * len(labels)  # [inch]
     figure = new_figure(above + below)
+    figure.get_layout_engine().set(w_pad=_MARGIN)  # pyright: ignore[reportOptionalMemberAccess]
     parts = np.asarray(figure.subfigures(2, 1, height_ratios=[above, below]))
     above, below = parts
     axes = above.subplots(1, len(CURVES))

@@ -280,8 +280,9 @@ def test_observed_channels_follow_the_names():
 def test_the_printed_reward():
     """The sum as printed, with its weights, computed here from the state alone."""
     view = moving_view()
-    settings = config(PAPER_EXPERIMENT).train.walking.reward
-    reward, parts = Reward(settings)(RewardView(view, make_guide()), np.zeros(40, dtype=bool))
+    train = config(PAPER_EXPERIMENT).train.walking
+    guided = RewardView(view, make_guide(train.guide.gait))
+    reward, parts = Reward(train.reward)(guided, np.zeros(40, dtype=bool))
     state = view.state
 
     def size(values: np.ndarray) -> np.ndarray:

@@ -95,7 +95,7 @@ def test_a_mistake_in_a_variant_names_it():
     with pytest.raises(UserError, match=r"ablation\.variants\.curriculum: .*growth: expected"):
         ablation(
             "ablation.run=[curriculum]",
-            "ablation.variants.curriculum.overrides=[train.walking.commands.curriculum.growth=-1]",
+            'ablation.variants.curriculum.overrides=["train.walking.commands.curriculum.growth=-1"]',
         )
 
 

@@ -35,7 +35,7 @@ def draw(rows: Sequence[Row], curves: Sequence[Row], labels: Mapping[str, str]) 
     """Lines and dots are means over seeds; bands and bars reach from the least to the greatest."""
     above, below = 2.8, 1.1 + 0.3 * len(labels)  # [inch]
     figure = new_figure(above + below)
-    figure.get_layout_engine().set(w_pad=_MARGIN)  # pyright: ignore[reportOptionalMemberAccess]
+    figure.set_layout_engine("constrained", w_pad=_MARGIN)
     parts = np.asarray(figure.subfigures(2, 1, height_ratios=[above, below]))
     above, below = parts
     axes = above.subplots(1, len(CURVES))

@@ -33,6 +33,7 @@ include: "pipeline/rules/learning.smk"
 include: "pipeline/rules/evaluation.smk"
 include: "pipeline/rules/verification.smk"
 include: "pipeline/rules/figures.smk"
+include: "pipeline/rules/ablation.smk"
 
 
 onstart:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pipeline.ablation import ablation_job
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
 from pipeline.stages import all_jobs
@@ -22,6 +23,7 @@ from slider.core.store import ARTEFACTS, Store
 from slider.reports.figures import FILES
 
 OPTION = "hydra"
+ABLATION_TARGET = "ablation"
 # What people read, by target: copies out of the store.
 REPORTS = {
     "table1": (
@@ -36,6 +38,13 @@ REPORTS = {
     ),
     "figures": tuple(f"reports/figures/{name}" for name in FILES),
     "report": ("reports/index.html",),
+    ABLATION_TARGET: (
+        "reports/ablation.csv",
+        "reports/ablation_curves.csv",
+        "reports/ablation.md",
+        "reports/figures/ablation.svg",
+        "reports/figures/ablation.png",
+    ),
 }
 
 
@@ -48,6 +57,7 @@ class Pipeline:
     plan: Plan
     plan_path: Path
     store: Store
+    conf: Path
     session: tracking.Session | None = field(default=None)
 
     @property
@@ -57,6 +67,18 @@ class Pipeline:
 
     def manifest(self, target: str) -> str:
         """Manifest of a named target."""
+        return self._manifest(target)
+
+    def ablation_manifest(self, wildcards: Any) -> str:
+        """Manifest of the ablation, whose jobs join the plan when somebody asks for it.
+
+        Raises:
+            UserError: a variant does not compose.
+        """
+        self._plan_ablation()
+        return self._manifest(ABLATION_TARGET)
+
+    def _manifest(self, target: str) -> str:
         job = self.plan.jobs[self.plan.targets[target]]
         return str(self.store.manifest_path(job.stage, job.recipe))
 
@@ -71,11 +93,22 @@ class Pipeline:
         Raises:
             UserError: the recipe is not of the current plan.
         """
+        if wildcards.recipe not in self.plan.jobs:
+            self._plan_ablation()  # a cluster's job reads the Snakefile anew, without its target
         job = self.plan.jobs.get(wildcards.recipe)
         if job is None:
             raise UserError(f"expected a recipe of the current plan, found {wildcards.recipe}")
         groups = job.inputs.values()
         return [str(self.store.manifest_path(i.stage, i.recipe)) for jobs in groups for i in jobs]
+
+    def _plan_ablation(self) -> None:
+        """Add the ablation's jobs to the plan, once."""
+        targets = {name: self.plan.jobs[recipe] for name, recipe in self.plan.targets.items()}
+        if ABLATION_TARGET in targets:
+            return
+        job = ablation_job(self.config, targets["library"], self.overrides, self.conf)
+        self.plan = build_plan(targets | {ABLATION_TARGET: job})
+        self.plan_path = _lay_out(self.plan, self.store)
 
     def start_tracking(self) -> None:
         """Open a session for this pipeline run, if the configuration wants one."""
@@ -108,12 +141,18 @@ def _open(overrides: list[str], conf: Path) -> Pipeline:
     config = with_renderer(compose(overrides, conf))
     store = Store(Path(ARTEFACTS))
     plan = build_plan(all_jobs(config))
+    return Pipeline(config, overrides, plan, _lay_out(plan, store), store, conf)
+
+
+def _lay_out(plan: Plan, store: Store) -> Path:
+    """Write a plan and make what is on disk agree with it."""
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
     for target, names in REPORTS.items():
-        refresh_marker(store, plan, target, [Path(name) for name in names])
-    return Pipeline(config, overrides, plan, path, store)
+        if target in plan.targets:
+            refresh_marker(store, plan, target, [Path(name) for name in names])
+    return path
 
 
 def _overrides(settings: Mapping[str, Any]) -> list[str]:

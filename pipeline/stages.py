@@ -1,6 +1,7 @@
 """The stages: gait → library → standing → walking → evaluation → table1 → report.
 
 The stage ``baseline`` is the evaluation of the model-predictive controllers; it needs no other.
+The ablation compares several configurations and has a module of its own.
 
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
@@ -12,6 +13,7 @@ from typing import Any
 
 from slider.core.config.convert import to_dict
 from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig
+from slider.core.config.library_use import uses_library
 from slider.core.config.report import SECTION_INPUTS
 from slider.core.config.schema import Config
 from slider.core.config.validate import axis_size
@@ -47,22 +49,40 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs up to Table 1 by the name of their target."""
+    library = library_job(config)
+    trainings = training_jobs(config, library)
+    evaluations = evaluation_jobs(config, trainings["walking"])
+    return {"library": library, **trainings, "table1": table1(config, evaluations)}
+
+
+def library_job(config: Config) -> JobSpec:
+    """The gait library, and with it all gaits."""
     shared = gait_section(config)
     gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
-    library = gait_library(config, gaits)
-    standing = standing_training(config, library)
-    walking = walking_training(config, library, standing)
-    evaluations = [
-        evaluation(config, controller, command, walking)
+    return gait_library(config, gaits)
+
+
+def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str, JobSpec]:
+    """``standing``, where the configuration wants it, and ``walking``.
+
+    Args:
+        config: of the trainings.
+        library: for those that need it.
+        note: added to the labels.
+    """
+    if not config.train.pretraining:
+        return {"walking": walking_training(config, library, None, note)}
+    standing = standing_training(config, library, note)
+    return {"standing": standing, "walking": walking_training(config, library, standing, note)}
+
+
+def evaluation_jobs(config: Config, walking: JobSpec, note: str = "") -> list[JobSpec]:
+    """The protocol of every controller at every command."""
+    return [
+        evaluation(config, controller, command, walking, note)
         for controller in config.evaluation.controllers
         for command in config.evaluation.commands
     ]
-    return {
-        "library": library,
-        "standing": standing,
-        "walking": walking,
-        "table1": table1(config, evaluations),
-    }
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
@@ -148,24 +168,33 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
     return JobSpec("library", "gait library", code_of(LIBRARY), section, {"gaits": gaits})
 
 
-def standing_training(config: Config, library: JobSpec) -> JobSpec:
-    """Pre-training; the library is there for the step times of the clock."""
-    section = _simulation(config) | {"train": to_dict(config.train.standing)}
-    return JobSpec("standing", "standing", code_of(STANDING), section, {"library": [library]})
+def standing_training(config: Config, library: JobSpec, note: str = "") -> JobSpec:
+    """Pre-training; of the library it needs the step times of the clock at most."""
+    train = config.train.standing
+    section = _simulation(config) | {"train": to_dict(train)}
+    inputs = {"library": [library]} if uses_library(config.env, train) else {}
+    return JobSpec("standing", f"standing{note}", code_of(STANDING), section, inputs)
 
 
-def walking_training(config: Config, library: JobSpec, standing: JobSpec) -> JobSpec:
-    """Guided training from the standing policy."""
-    section = _simulation(config) | {"train": to_dict(config.train.walking)}
-    inputs = {"library": [library], "standing": [standing]}
-    return JobSpec("walking", "walking", code_of(WALKING), section, inputs)
+def walking_training(
+    config: Config, library: JobSpec, standing: JobSpec | None, note: str = ""
+) -> JobSpec:
+    """Training from the standing policy and guided by the library, where there are these."""
+    train = config.train.walking
+    section = _simulation(config) | {"train": to_dict(train)}
+    inputs = {"library": [library]} if uses_library(config.env, train) else {}
+    if standing is not None:
+        inputs["standing"] = [standing]
+    return JobSpec("walking", f"walking{note}", code_of(WALKING), section, inputs)
 
 
-def evaluation(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
+def evaluation(
+    config: Config, controller: str, command: float, walking: JobSpec, note: str = ""
+) -> JobSpec:
     """The protocol of one controller at one command."""
     protocol = _without(to_dict(config.evaluation), "controllers", "commands")
     section = {"evaluation": protocol} | _controlled(config, controller, command)
-    label = f"evaluation of {controller} at {command:.1f} m/s"
+    label = f"evaluation of {controller} at {command:.1f} m/s{note}"
     if controller == POLICY:
         inputs = {"walking": [walking]}
         return JobSpec("evaluation", label, code_of(EVALUATION), section, inputs)
@@ -185,9 +214,17 @@ def _controlled(config: Config, controller: str, command: float) -> dict[str, An
 
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
-    """Table 1 from the records of all evaluations."""
+    """Table 1 from the records of all evaluations.
+
+    A library that the policy was trained with also gives the gaits' own sway. A table without one
+    (of baselines alone, of a training without library) does not wait for it.
+    """
     section = {"evaluation": to_dict(config.evaluation)}
-    return JobSpec("table1", "table 1", code_of(TABLE1), section, {"evaluations": evaluations})
+    trainings = [job for item in evaluations for job in item.inputs.get("walking", ())]
+    inputs = {"evaluations": evaluations}
+    if trainings and "library" in trainings[0].inputs:
+        inputs["library"] = list(trainings[0].inputs["library"])
+    return JobSpec("table1", "table 1", code_of(TABLE1), section, inputs)
 
 
 def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
@@ -212,7 +249,7 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     inputs = {name: jobs for name, jobs in available.items() if name in names}
     section = {
         "report": to_dict(config.report),
-        "configuration": _without(to_dict(config), "resources", "tracking"),
+        "configuration": _without(to_dict(config), "resources", "tracking", "ablation"),
         "origins": {name: [_origin(job) for job in jobs] for name, jobs in inputs.items()},
     }
     return JobSpec("report", "report", code_of(REPORT), section, inputs)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.ablation import ABLATION
 from pipeline.stages import (
     BASELINE,
     EVALUATION,
@@ -36,6 +37,7 @@ STAGES = (
     LIBRARY,
     STANDING,
     WALKING,
+    ABLATION,
     EVALUATION,
     BASELINE,
     TABLE1,

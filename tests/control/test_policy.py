@@ -1,5 +1,7 @@
 """The policy file and its network, which must be that of training."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -174,3 +176,21 @@ def test_a_network_of_zeros_holds_the_nominal_pose():
     state = physics.read()
     controller.reset(state, np.zeros((3, 3)))
     np.testing.assert_array_equal(controller.control(state), np.tile(agent.nominal, (3, 1)))
+
+
+def test_the_gaits_under_the_actions_travel_with_the_policy(tmp_path):
+    reference = gait_table().joints
+    save_policy(replace(make_policy(), reference=reference), tmp_path / "policy.pt")
+    back = load_policy(tmp_path / "policy.pt").reference
+    assert back is not None
+    arguments = np.array([0.3, 1.1]), np.array([0.0, 0.05]), np.array([0.2, 0.8])
+    np.testing.assert_array_equal(back.at(*arguments), reference.at(*arguments))
+    assert np.abs(back.at(*arguments)).max() > 0.05
+
+
+def test_a_file_from_before_such_actions_has_actions_about_the_nominal_pose(tmp_path):
+    save_policy(make_policy(), tmp_path / "policy.pt")
+    content = torch.load(tmp_path / "policy.pt", weights_only=True)
+    del content["reference"]
+    torch.save(content, tmp_path / "policy.pt")
+    assert load_policy(tmp_path / "policy.pt").reference is None

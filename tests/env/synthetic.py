@@ -90,8 +90,8 @@ def gait_table() -> GaitTable:
     return GaitTable.from_library(library())
 
 
-def make_guide() -> Guide:
-    return Guide(library(), gait_table())
+def make_guide(gait: str = "interpolated") -> Guide:
+    return Guide(library(), gait_table(), gait)
 
 
 def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhysics:
@@ -102,7 +102,8 @@ def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhys
 def make_agent(count: int, *overrides: str) -> AgentInterface:
     """The agent of an environment; ``overrides`` are Hydra's."""
     settings = config("experiment=test", *overrides)
-    return AgentInterface(settings.robot, settings.env, count, gait_table().times)
+    table = gait_table()
+    return AgentInterface(settings.robot, settings.env, count, table.times, table.joints)
 
 
 def random_pose(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:

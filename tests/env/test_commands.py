@@ -3,15 +3,18 @@
 import numpy as np
 import pytest
 
-from slider.core.config.train import CommandConfig, Interval
+from slider.core.config.train import CommandConfig, CurriculumConfig, Interval
 from slider.env.commands import CommandSampler
+from slider.env.curriculum import Curriculum
 
 COUNT = 20000
 
 
 def sampler(period: float = 5.0, standing: float = 0.25) -> CommandSampler:
     ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
-    return CommandSampler(CommandConfig(*ranges, period, standing), control_period=0.02)
+    curriculum = CurriculumConfig(1.0, 0.1, 0.9)
+    config = CommandConfig(*ranges, period, standing, curriculum)
+    return CommandSampler(config, control_period=0.02)
 
 
 def test_uniform_within_the_ranges(rng):
@@ -50,3 +53,22 @@ def test_period_zero_never_changes(rng):
 def test_same_seed_same_commands():
     draws = [sampler().sample(np.random.default_rng(3), 50) for _ in range(2)]
     np.testing.assert_array_equal(*draws)
+
+
+def test_a_share_of_the_ranges_about_zero(rng):
+    commands = sampler(standing=0.0).sample(rng, COUNT, share=0.5)
+    assert commands.min(axis=0) == pytest.approx([0.1, -0.05, -0.25], abs=0.01)
+    assert commands.max(axis=0) == pytest.approx([1.5, 0.15, 0.25], abs=0.01)
+
+
+def test_the_share_grows_with_success_only():
+    curriculum = Curriculum(CurriculumConfig(start=0.4, growth=0.35, success=0.9), window=10)
+    curriculum.note(ended=9, fallen=0)
+    assert curriculum.share == 0.4, "the window is not full"
+    curriculum.note(ended=1, fallen=1)
+    assert curriculum.share == pytest.approx(0.75)
+    curriculum.note(ended=10, fallen=2)
+    assert curriculum.share == pytest.approx(0.75)
+    curriculum.note(ended=10, fallen=0)
+    curriculum.note(ended=10, fallen=0)
+    assert curriculum.share == 1.0

@@ -11,6 +11,7 @@ from tests.env.synthetic import (
     PERMUTATION,
     SIGN,
     config,
+    gait_table,
     make_agent,
     make_physics,
     make_state,
@@ -188,3 +189,26 @@ def test_a_clock_needs_step_times():
     settings = config("experiment=test")
     with pytest.raises(UserError, match="step times"):
         AgentInterface(settings.robot, settings.env, 2, None)
+
+
+@pytest.mark.parametrize("phase", [0.1, 0.6])
+def test_a_residual_action_is_about_the_gait(phase):
+    """No action is the gait at command and phase; any other moves it as it moves the nominal."""
+    agents = [make_agent(3, f"env.action.about={origin}") for origin in ("gait", "nominal")]
+    command = np.array([[0.2, 0.0, 0.0], [0.5, 0.05, 0.0], [1.7, 0.0, 0.0]])
+    for agent in agents:
+        agent.set_velocity_command(np.arange(3), command)
+        agent.reset(np.arange(3), make_state(3), phase=phase)
+    residual, nominal = agents
+    expected = gait_table().at(command[:, 0], command[:, 1], np.full(3, phase))[:, :NUM_JOINTS]
+    assert np.abs(expected - nominal.nominal).max() > 0.05
+    np.testing.assert_allclose(residual.act(np.zeros((3, NUM_JOINTS))), expected, atol=1e-12)
+    action = np.random.default_rng(0).uniform(-0.2, 0.2, (3, NUM_JOINTS))
+    moved = residual.act(action.copy()) - expected
+    np.testing.assert_allclose(moved, nominal.act(action.copy()) - nominal.nominal, atol=1e-12)
+
+
+def test_a_residual_action_needs_the_gaits():
+    settings = config("experiment=test", "env.action.about=gait")
+    with pytest.raises(UserError, match=r"env\.action\.about=gait: expected the gaits"):
+        AgentInterface(settings.robot, settings.env, 2, gait_table().times)

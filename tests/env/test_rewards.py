@@ -24,8 +24,8 @@ NOMINAL_HEIGHT = 0.685
 PAPER_EXPERIMENT = "experiment=paper"
 
 
-def value(name: str, view: View, **params: float) -> np.ndarray:
-    return TERMS[name](RewardView(view, make_guide()), **params)
+def value(name: str, view: View, gait: str = "interpolated", **params: float) -> np.ndarray:
+    return TERMS[name](RewardView(view, make_guide(gait)), **params)
 
 
 def moving_view(count: int = 40) -> View:
@@ -222,8 +222,34 @@ def test_guide_nearest_against_brute_force(masked):
     assert keep.sum() == (22 if masked else 26)
     expected = -brute_force(view, keep)
     np.testing.assert_allclose(
-        value("guide_nearest", view, masked=masked), expected, rtol=1e-5, atol=1e-5
+        value("guide_nearest", view, "nearest", masked=masked), expected, rtol=1e-5, atol=1e-5
     )
+
+
+@pytest.mark.parametrize("masked", [0.0, 1.0])
+def test_guide_nearest_of_an_interpolated_gait(masked):
+    """Half way between two gaits the samples are their means; the nearest of these counts."""
+    view = moving_view()
+    view.command[:, :2] = [0.2, 0.0]
+    keep = np.array([not (masked and "upper_foot" in name) for name in CHANNELS])
+    at_rest, slow = (
+        library().samples[library().nearest(*np.array([[v], [0.0]]))[0]] for v in (0.0, 0.4)
+    )
+    middle = (at_rest + slow) / 2
+    errors = (observed_channels(view)[:, None] - middle)[:, :, keep]
+    expected = -np.linalg.norm(errors, axis=2).min(axis=1)
+    found = value("guide_nearest", view, masked=masked)
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-5)
+    assert np.abs(found - value("guide_nearest", view, "nearest", masked=masked)).max() > 1e-3
+
+
+def test_the_nearest_gait_guides_at_its_own_velocity():
+    commands = np.array([[0.22, 0.01, 0, 0], [0.04, 0.0, 0, 0]])
+    near = library().velocities[library().nearest(commands[:, 0], commands[:, 1])]
+    phase = np.array([0.2, 0.7])
+    found = make_guide("nearest").at_phase(make_view(make_state(2), command=commands, phase=phase))
+    np.testing.assert_array_equal(found, gait_table().at(near[:, 0], near[:, 1], phase))
+    assert (near != commands[:, :2]).any()
 
 
 def test_guide_nearest_is_zero_on_a_sample():
@@ -235,7 +261,7 @@ def test_guide_nearest_is_zero_on_a_sample():
         heading_velocity=sample[24:],
     )
     view = make_view(state, command=[[0.41, 0.09, 0, 0]])
-    assert value("guide_nearest", view, masked=0.0)[0] == pytest.approx(0.0, abs=2e-3)
+    assert value("guide_nearest", view, "nearest", masked=0.0)[0] == pytest.approx(0.0, abs=2e-3)
 
 
 def test_observed_channels_follow_the_names():
@@ -254,8 +280,9 @@ def test_observed_channels_follow_the_names():
 def test_the_printed_reward():
     """The sum as printed, with its weights, computed here from the state alone."""
     view = moving_view()
-    settings = config(PAPER_EXPERIMENT).train.walking.reward
-    reward, parts = Reward(settings)(RewardView(view, make_guide()), np.zeros(40, dtype=bool))
+    train = config(PAPER_EXPERIMENT).train.walking
+    guided = RewardView(view, make_guide(train.guide.gait))
+    reward, parts = Reward(train.reward)(guided, np.zeros(40, dtype=bool))
     state = view.state
 
     def size(values: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ import pytest
 
 from slider.core.errors import UserError
 from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.step_times import StepTimes
 from tests.library.gaits import HALF, value, write_store
 
 VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]
@@ -113,3 +114,19 @@ def test_a_thousand_commands_are_looked_up_in_a_few_milliseconds(table):
         table.at(*commands)
         durations.append(time.perf_counter() - start)
     assert min(durations) < 5e-3  # 1 ms on a quiet core
+
+
+def test_joints_and_channels_are_parts_of_the_reference(table):
+    vx, vy = np.array([0.0, 0.73, 1.5]), np.array([0.05, 0.04, 0.0])
+    phase = np.array([0.13, 0.49, 0.87])
+    np.testing.assert_array_equal(table.joints.at(vx, vy, phase), table.at(vx, vy, phase)[:, :12])
+    channels = table.channels(vx, vy)
+    assert channels.shape == (3, 42, 26)
+    starts = table.at(vx, vy, np.zeros(3))[:, :26]
+    np.testing.assert_allclose(channels[:, 0], starts, atol=1e-12)
+    np.testing.assert_allclose(channels[0], value("samples", 0.0, 0.05), atol=1e-9)
+
+
+def test_a_constant_step_time_is_that_everywhere():
+    times = StepTimes.constant(0.42).at(np.array([-1.0, 0.0, 3.0]), np.array([0.0, 0.1, -0.1]))
+    np.testing.assert_array_equal(times, 0.42)

@@ -13,7 +13,10 @@ import pytest
 from slider.core.job import Job
 from slider.env.metrics import GaitQuality, Tracking
 from slider.evaluation import records
+from slider.library.contents import LibraryContents
+from slider.library.sway import forward_variance
 from slider.reports import table1
+from tests.library.gaits import write_store
 
 # Design, section 3: success, MSE with and without the start, tracking; each with its spread.
 COLUMNS = [
@@ -137,6 +140,7 @@ def test_the_stage(tmp_path):
     assert float(quality[0]["mean_velocity"]) == pytest.approx(1 + 0.875 / 3, rel=1e-5)
     assert float(quality[0]["double_support"]) == pytest.approx(0.875 / 3, rel=1e-5)
     assert {quality[1][name] for name in records.QUALITY} == {""}
+    assert {row["reference_velocity_variance"] for row in quality} == {""}, "there is no library"
 
 
 def test_same_input_same_bytes(tmp_path):
@@ -149,3 +153,22 @@ def test_same_input_same_bytes(tmp_path):
         table1.run({}, {"evaluations": [folder]}, out, Job(tmp_path))
         tables.append((out / "table1.csv").read_bytes())
     assert tables[0] == tables[1]
+
+
+def test_the_sway_of_the_gait_stands_beside_that_of_every_controller(tmp_path):
+    store = write_store(tmp_path / "gaits", [(0.0, 0.0), (1.0, 0.0)])
+    found = make_records([[1, 1]], [[1, 2]])
+    inputs = [write_evaluation(tmp_path / str(v), v, found) for v in (0.2, 0.4, 3.0)]
+    out = tmp_path / "out"
+    out.mkdir()
+    groups = {"evaluations": inputs, "library": [store.parent]}
+    table1.run({}, groups, out, Job(tmp_path))
+    quality = list(csv.DictReader((out / "gait_quality.csv").read_text().splitlines()))
+    names = list(quality[0])
+    at = names.index("velocity_variance")
+    assert names[at + 1] == "reference_velocity_variance"
+    library = LibraryContents.load(store)
+    for row, speed in zip(quality, (0.2, 0.4), strict=False):
+        expected = forward_variance(library, speed)
+        assert float(row[names[at + 1]]) == pytest.approx(expected, rel=1e-5)
+    assert quality[2][names[at + 1]] == "", "the library ends at 1 m/s"

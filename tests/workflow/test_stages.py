@@ -7,7 +7,7 @@ import pytest
 from pipeline import stages
 from pipeline.stages import table1_jobs, velocities
 from slider.core.config.compose import compose
-from slider.core.plan import build_plan
+from slider.core.plan import JobSpec, build_plan
 from slider.core.recipe import Code
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -70,3 +70,31 @@ def test_grids_share_their_velocities():
     assert set(paper) < set(extended)
     assert (0.15, -0.05) in paper  # exactly, not 0.15000000000000002
     assert not any(str(value) == "-0.0" for pair in paper for value in pair)
+
+
+def jobs_of(*overrides: str) -> dict[str, JobSpec]:
+    return table1_jobs(compose(["experiment=test", *overrides], CONF))
+
+
+ALONE = (
+    "env/phase=fixed",
+    "train/walking/reward=unguided",
+    "train.walking.reset.reference_fraction=0",
+)
+
+
+def test_a_training_without_library_or_pretraining_does_not_wait_for_them():
+    assert set(jobs_of()["walking"].inputs) == {"library", "standing"}
+    assert set(jobs_of("train.pretraining=false")["walking"].inputs) == {"library"}
+    assert "standing" not in jobs_of("train.pretraining=false")
+    assert set(jobs_of(*ALONE)["walking"].inputs) == {"standing"}
+    assert set(jobs_of(*ALONE)["standing"].inputs) == set()
+    assert set(jobs_of(*ALONE, "train.pretraining=false")["walking"].inputs) == set()
+
+
+def test_only_a_table_of_a_guided_policy_waits_for_the_library():
+    assert set(jobs_of()["table1"].inputs) == {"evaluations", "library"}
+    baseline = jobs_of("evaluation.controllers=[mpc_wbc_tuned]")["table1"]
+    assert set(baseline.inputs) == {"evaluations"}
+    assert not any(job.inputs for job in baseline.inputs["evaluations"])
+    assert set(jobs_of(*ALONE)["table1"].inputs) == {"evaluations"}

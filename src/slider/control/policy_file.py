@@ -9,6 +9,7 @@ import torch
 
 from slider.control.network import PolicyNetwork
 from slider.core.errors import UserError
+from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.names import JOINTS
 
@@ -24,6 +25,7 @@ class Policy:
         network: with its normaliser.
         observations: name → width of the observation terms, in order.
         times: step times of the gait library for the clock, or None without a clock.
+        reference: joint positions of the gaits, where actions are about the gait.
     """
 
     network: PolicyNetwork
@@ -31,6 +33,7 @@ class Policy:
     activation: str
     observations: dict[str, int]
     times: StepTimes | None
+    reference: JointTable | None = None
 
 
 def save_policy(policy: Policy, path: Path) -> None:
@@ -44,6 +47,7 @@ def save_policy(policy: Policy, path: Path) -> None:
         "observations": policy.observations,
         "state": policy.network.state_dict(),
         "times": None if policy.times is None else _tensors(policy.times),
+        "reference": None if policy.reference is None else _reference_tensors(policy.reference),
     }
     torch.save(content, path)
 
@@ -65,6 +69,7 @@ def load_policy(path: Path) -> Policy:
         activation=content["activation"],
         observations=sizes,
         times=None if content["times"] is None else _times(content["times"]),
+        reference=_reference(content.get("reference")),
     )
 
 
@@ -91,3 +96,15 @@ def _tensors(times: StepTimes) -> dict[str, torch.Tensor]:
 
 def _times(tensors: dict[str, torch.Tensor]) -> StepTimes:
     return StepTimes(**{name: value.numpy() for name, value in tensors.items()})
+
+
+def _reference_tensors(reference: JointTable) -> dict[str, torch.Tensor]:
+    return {**_tensors(reference.times), "positions": torch.from_numpy(reference.positions)}
+
+
+def _reference(tensors: dict[str, torch.Tensor] | None) -> JointTable | None:
+    """The gaits under the actions; files from before there was such a choice have none."""
+    if tensors is None:
+        return None
+    times = {name: value for name, value in tensors.items() if name != "positions"}
+    return JointTable(_times(times), tensors["positions"].numpy())

@@ -15,9 +15,9 @@ class CommandSampler:
         self._upper = np.array([r.upper for r in ranges])
         self._change = control_period / config.period if config.period > 0 else 0.0
 
-    def sample(self, rng: np.random.Generator, count: int) -> np.ndarray:
-        """New commands (count, 3); a share of them is zero."""
-        commands = rng.uniform(self._lower, self._upper, (count, 3))
+    def sample(self, rng: np.random.Generator, count: int, share: float = 1.0) -> np.ndarray:
+        """New commands (count, 3) within a share of the ranges; a fraction of them is zero."""
+        commands = rng.uniform(share * self._lower, share * self._upper, (count, 3))
         commands[rng.uniform(size=count) < self._config.standing_fraction] = 0.0
         return commands
 

@@ -23,13 +23,15 @@ def observed_channels(view: View) -> np.ndarray:
 class Guide:
     """Reference samples for N robots.
 
-    The gait in use follows the command; within it the sample follows the clock (``at_phase``)
-    or the state (``nearest_distance``).
+    The gait in use follows the command: ``interpolated`` between those of the library, or the
+    ``nearest`` of them. Within it the sample follows the clock (``at_phase``) or the state
+    (``nearest_distance``).
     """
 
-    def __init__(self, library: GaitLibrary, table: GaitTable) -> None:
+    def __init__(self, library: GaitLibrary, table: GaitTable, gait: str = "interpolated") -> None:
         self._library = library
         self._table = table
+        self._nearest = gait == "nearest"
         samples = library.samples.astype(np.float32)
         self._samples = samples
         self._active = ~_PASSIVE
@@ -39,13 +41,19 @@ class Guide:
         }
 
     def at_phase(self, view: View) -> np.ndarray:
-        """Interpolated reference at the clock's phase: channels and base motion (N, 26 + 13)."""
-        return self._table.at(view.command[:, 0], view.command[:, 1], view.phase)
+        """Reference at the clock's phase: channels and base motion (N, 26 + 13)."""
+        vx, vy = view.command[:, 0], view.command[:, 1]
+        if self._nearest:
+            vx, vy = self._library.velocities[self._library.nearest(vx, vy)].T
+        return self._table.at(vx, vy, view.phase)
 
     def states(
         self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18)."""
+        """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18).
+
+        A start has the commanded velocity, whichever gait guides: it is interpolated.
+        """
         reference = self._table.at(vx, vy, phase)
         joints, base = reference[:, : 2 * NUM_POSITIONS], reference[:, NUM_CHANNELS:]
         qpos = np.concatenate([base[:, :7], joints[:, :NUM_POSITIONS]], axis=1)
@@ -53,18 +61,27 @@ class Guide:
         return qpos, np.concatenate([base[:, 7:13], joints[:, NUM_POSITIONS:]], axis=1)
 
     def nearest_distance(self, view: View, masked: bool) -> np.ndarray:
-        """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait nearest to the command (eq. 3).
+        """‖Ô − Ĝ‖ (N,) to the nearest sample of the command's gait (eq. 3: the nearest gait).
 
         Args:
             view: N robots.
             masked: leave the passive channels out.
         """
-        gait = self._library.nearest(view.command[:, 0], view.command[:, 1])
         observed = observed_channels(view).astype(np.float32)
-        samples = self._samples
+        samples, norms = self._samples_for(view, masked)
         if masked:
             observed, samples = observed[:, self._active], samples[:, :, self._active]
         # ‖o − g‖² = ‖o‖² − 2 o·g + ‖g‖², which needs no (N, 42, 26) difference.
-        product = np.einsum("nk,nsk->ns", observed, samples[gait])
-        square = (observed**2).sum(axis=1)[:, None] - 2.0 * product + self._norms[masked][gait]
+        product = np.einsum("nk,nsk->ns", observed, samples)
+        square = (observed**2).sum(axis=1)[:, None] - 2.0 * product + norms
         return np.sqrt(np.maximum(square.min(axis=1), 0.0)).astype(np.float64)
+
+    def _samples_for(self, view: View, masked: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Samples (N, S, 26) of the robots' gaits and their squared norms (N, S)."""
+        vx, vy = view.command[:, 0], view.command[:, 1]
+        if self._nearest:
+            gait = self._library.nearest(vx, vy)
+            return self._samples[gait], self._norms[masked][gait]
+        samples = self._table.channels(vx, vy).astype(np.float32)
+        counted = samples[:, :, self._active] if masked else samples
+        return samples, (counted**2).sum(axis=2)

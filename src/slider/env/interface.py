@@ -13,6 +13,7 @@ from slider.env.phase import Clock
 from slider.env.starts import joint_range
 from slider.env.state import RobotState
 from slider.env.view import View
+from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
@@ -22,13 +23,32 @@ _SIGN = np.array(MIRROR_SIGN)
 
 
 class AgentInterface:
-    """Observations, actions, clock and heading target of N robots."""
+    """Observations, actions, clock and heading target of N robots.
+
+    Args:
+        robot, config: the machine, and what the agent sees and commands.
+        num_robots: N.
+        times: step times for the clock, if there is one.
+        reference: joint positions of the gaits, if actions are about the gait.
+
+    Raises:
+        UserError: the configuration needs step times or gaits that are not given.
+    """
 
     def __init__(
-        self, robot: RobotConfig, config: EnvConfig, num_robots: int, times: StepTimes | None
+        self,
+        robot: RobotConfig,
+        config: EnvConfig,
+        num_robots: int,
+        times: StepTimes | None,
+        reference: JointTable | None = None,
     ) -> None:
         if config.phase.enabled and times is None:
             raise UserError("env.phase.enabled: expected the step times of a gait library")
+        about_gait = config.action.about == "gait"
+        if about_gait and reference is None:
+            raise UserError("env.action.about=gait: expected the gaits of a library, found none")
+        self._reference = reference if about_gait else None
         self.observer = Observer(config.observation)
         self.num_robots = num_robots
         self._config = config
@@ -80,7 +100,13 @@ class AgentInterface:
         action[mirrored] = action[mirrored][:, _PERMUTATION] * _SIGN
         self.previous_action = self.action
         self.action = np.where(self._scale > 0, action, 0.0)
-        return np.clip(self.nominal + self._scale * self.action, self._lower, self._upper)
+        return np.clip(self._origin() + self._scale * self.action, self._lower, self._upper)
+
+    def _origin(self) -> np.ndarray:
+        """Joint positions of a zero action: (12,), or (N, 12) on the gaits of the commands."""
+        if self._reference is None or self.clock is None:
+            return self.nominal
+        return self._reference.at(self.command[:, 0], self.command[:, 1], self.clock.phase)
 
     def advance(self, state: RobotState) -> None:
         """Move clock, heading target and velocity filter on by one control period."""

@@ -12,11 +12,14 @@ from slider.core.config.robot import RobotConfig
 from slider.core.config.train import TrainConfig
 from slider.env import terminations
 from slider.env.commands import CommandSampler
+from slider.env.curriculum import Curriculum
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
+from slider.env.observations import Observer
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, perturb
+from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
 
@@ -46,6 +49,7 @@ class WalkingEnv(VecEnv):
         times: StepTimes | None = None,
         guide: Guide | None = None,
         threads: int = 1,
+        reference: JointTable | None = None,
     ) -> None:
         terminations.check(config.termination.terms)
         self.num_envs = train.num_envs
@@ -59,8 +63,9 @@ class WalkingEnv(VecEnv):
         self._rng = rng
         self._guide = guide
         self._physics = BatchedPhysics(robot, config.physics, self.num_envs, threads)
-        self._agent = AgentInterface(robot, config, self.num_envs, times)
+        self._agent = AgentInterface(robot, config, self.num_envs, times, reference)
         self._commands = CommandSampler(train.commands, config.control_period)
+        self.curriculum = Curriculum(train.commands.curriculum, self.num_envs)
         self._reward = Reward(train.reward)
         self._reset(np.arange(self.num_envs))
         self._observe()
@@ -69,6 +74,11 @@ class WalkingEnv(VecEnv):
     def observation_layout(self) -> dict[str, int]:
         """Name → width of the observation terms, in order."""
         return self._agent.observer.layout
+
+    @property
+    def observer(self) -> Observer:
+        """What the observations are made of."""
+        return self._agent.observer
 
     def get_observations(self) -> TensorDict:
         """Current observations."""
@@ -100,6 +110,7 @@ class WalkingEnv(VecEnv):
         timed_out = (self.episode_length_buf >= self.max_episode_length).numpy() & ~fell
         ended = np.flatnonzero(fell | timed_out)
         if len(ended):
+            self.curriculum.note(len(ended), int(fell.sum()))
             self._reset(ended)
             self.episode_length_buf[torch.from_numpy(ended)] = 0
         return Episodes(fell, timed_out, diverged)
@@ -111,11 +122,13 @@ class WalkingEnv(VecEnv):
         log["/episode/falls_per_second"] = float(episodes.fell.mean()) / self._config.control_period
         log["/episode/speed_error"] = float(speed_error.mean())
         log["/episode/diverged"] = float(episodes.diverged)
+        if self.curriculum.enabled:
+            log["/episode/command_share"] = self.curriculum.share
         return log
 
     def _reset(self, index: np.ndarray) -> None:
         count, rng = len(index), self._rng
-        self._agent.set_velocity_command(index, self._commands.sample(rng, count))
+        self._agent.set_velocity_command(index, self._draw_commands(count))
         phase = rng.uniform(size=count) if self._agent.clock is not None else np.zeros(count)
         on_gait = self._choose_reference_starts(count)
         qpos, qvel = at_rest(self._robot, self._config.start, rng, count)
@@ -146,7 +159,10 @@ class WalkingEnv(VecEnv):
     def _change_commands(self) -> None:
         index = self._commands.changing(self._rng, self.num_envs)
         if len(index):
-            self._agent.set_velocity_command(index, self._commands.sample(self._rng, len(index)))
+            self._agent.set_velocity_command(index, self._draw_commands(len(index)))
+
+    def _draw_commands(self, count: int) -> np.ndarray:
+        return self._commands.sample(self._rng, count, self.curriculum.share)
 
     def _observe(self) -> None:
         values = torch.from_numpy(self._agent.observe(self._physics.read()))

@@ -36,7 +36,7 @@ def simulate(section: Section, inputs: Inputs, count: int, threads: int = 1) -> 
 
 def _policy(inputs: Inputs, robot: RobotConfig, env: EnvConfig, count: int) -> PolicyController:
     policy = load_policy(inputs["walking"][0] / "policy.pt")
-    agent = AgentInterface(robot, env, count, policy.times)
+    agent = AgentInterface(robot, env, count, policy.times, policy.reference)
     if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts
         raise UserError(
             f"policy: expected the observations {agent.observer.layout}, "

@@ -10,10 +10,11 @@ from scipy.spatial import KDTree
 
 from slider.core.errors import UserError
 from slider.library.base_motion import aligned, normalise
+from slider.library.joint_table import JointTable, at_phase
 from slider.library.mesh import VelocityMesh, corners
 from slider.library.schema import SCHEMA, VERSION
 from slider.library.step_times import StepTimes
-from slider.robot.names import CHANNELS
+from slider.robot.names import CHANNELS, NUM_JOINTS
 
 _NUM_CHANNELS = len(CHANNELS)
 
@@ -93,26 +94,25 @@ class GaitTable:
         step_time = mesh.node_weights @ library.step_time.mean(axis=1)
         return cls(StepTimes(mesh.vx, mesh.vy, step_time), reference)
 
+    @property
+    def joints(self) -> JointTable:
+        """The joint positions alone."""
+        return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
+
     def at(self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray) -> np.ndarray:
         """Channels and base motion (N, 39) of commands (N,), (N,) at phases (N,) in [0, 1).
 
         Bilinear in velocity, linear in time within a step: the velocities jump at touchdown.
         """
-        k, c = self._sample(phase)
-        nodes = self.reference.shape
-        flat = self.reference.reshape(-1, nodes[-1])
-        result = np.zeros((len(vx), nodes[-1]))
-        for i, j, weight in corners(self.times.vx, self.times.vy, vx, vy):
-            row = (i * nodes[1] + j) * nodes[2] + k
-            result += (weight * (1 - c))[:, None] * flat[row]
-            result += (weight * c)[:, None] * flat[row + 1]
+        result = at_phase(self.times, self.reference, vx, vy, phase)
         normalise(result[:, _NUM_CHANNELS:])
         return result
 
-    def _sample(self, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Index of the sample before a phase, and the fraction of the way to the next."""
-        per_step = self.reference.shape[2] // 2
-        step = (phase >= 0.5).astype(int)
-        position = (2.0 * phase - step) * (per_step - 1)
-        node = np.clip(position.astype(int), 0, per_step - 2)
-        return step * per_step + node, position - node
+    def channels(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
+        """Channels (N, S, 26) of all samples of the walks at commands (N,), (N,) [m/s]."""
+        samples = self.reference[..., :_NUM_CHANNELS]
+        around = corners(self.times.vx, self.times.vy, vx, vy)
+        return sum(
+            (weight[:, None, None] * samples[i, j] for i, j, weight in around),
+            start=np.zeros((len(vx), *samples.shape[2:])),
+        )

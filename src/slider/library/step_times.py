@@ -20,6 +20,11 @@ class StepTimes:
     vy: np.ndarray
     step_time: np.ndarray
 
+    @classmethod
+    def constant(cls, step_time: float) -> "StepTimes":
+        """The same step time [s] at every velocity."""
+        return cls(np.zeros(1), np.zeros(1), np.full((1, 1), step_time))
+
     def at(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
         """Bilinear step times (N,) [s]; commands outside the grid use its border."""
         result = np.zeros(len(vx))

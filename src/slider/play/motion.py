@@ -119,7 +119,7 @@ def simulate_policy(
     Raises:
         UserError: the policy is for other observations.
     """
-    agent = AgentInterface(robot, env, 1, policy.times)
+    agent = AgentInterface(robot, env, 1, policy.times, policy.reference)
     if list(agent.observer.layout.items()) != list(policy.observations.items()):
         raise UserError(
             f"policy: expected the observations {agent.observer.layout}, "

@@ -2,6 +2,7 @@
 
 import csv
 import json
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import numpy as np
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation import records
+from slider.library.contents import LibraryContents
+from slider.library.sway import forward_variance
 from slider.reports import table1_text
 from slider.reports.comparison import read_rows
 
@@ -33,11 +36,12 @@ Row = dict[str, str | float]
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write Table 1 as CSV, Markdown and LaTeX, and a table about the quality of the gait."""
-    evaluations = [_read(folder) for folder in inputs["evaluations"]]
+    evaluations = [read_evaluation(folder) for folder in inputs["evaluations"]]
     rows = [table_row(*evaluation) for evaluation in evaluations]
-    _write(rows + paper_rows(), COLUMNS, out / "table1.csv")
-    quality = [quality_row(*evaluation) for evaluation in evaluations]
-    _write(quality, tuple(quality[0]), out / "gait_quality.csv")
+    write_table(rows + paper_rows(), COLUMNS, out / "table1.csv")
+    sway = reference_sway(inputs)
+    quality = [quality_row(*evaluation, sway(evaluation[1])) for evaluation in evaluations]
+    write_table(quality, tuple(quality[0]), out / "gait_quality.csv")
     comparable = read_rows(out / "table1.csv")
     (out / "table1.md").write_text(table1_text.markdown(comparable), encoding="utf-8")
     (out / "table1.tex").write_text(table1_text.latex(comparable), encoding="utf-8")
@@ -75,14 +79,29 @@ def table_row(controller: str, command: float, table: records.Records) -> Row:
     return row
 
 
-def quality_row(controller: str, command: float, table: records.Records) -> Row:
-    """Means over surviving robots of the gait's quality; empty where none survived."""
-    names = ("mean_velocity", *records.QUALITY)
+def quality_row(
+    controller: str, command: float, table: records.Records, reference: float | None
+) -> Row:
+    """Means over surviving robots of the gait's quality; empty where none survived.
+
+    ``reference`` is the variance of the forward velocity within the library's gait at the command
+    [m²/s²]; it stands beside the controller's own and is empty where there is no such gait.
+    """
     row: Row = {"controller": controller, "command_velocity": command}
-    for name in names:
+    for name in ("mean_velocity", *records.QUALITY):
         values = table[name][table["survived"]]
         row[name] = float(values.mean()) if len(values) else ""
+        if name == "velocity_variance":
+            row[f"reference_{name}"] = "" if reference is None else reference
     return row
+
+
+def reference_sway(inputs: Inputs) -> Callable[[float], float | None]:
+    """Forward velocity → variance within the gait of the input ``library``, if there is one."""
+    if "library" not in inputs:
+        return lambda command: None
+    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    return lambda command: forward_variance(library, command)
 
 
 def paper_rows() -> list[Row]:
@@ -102,7 +121,8 @@ def paper_rows() -> list[Row]:
     return rows
 
 
-def _read(folder: Path) -> tuple[str, float, records.Records]:
+def read_evaluation(folder: Path) -> tuple[str, float, records.Records]:
+    """Controller, command [m/s] and records of an evaluation."""
     about = json.loads((folder / "command.json").read_text())
     return about["controller"], about["command"], records.read(folder / records.FILE)
 
@@ -113,7 +133,8 @@ def _spread(values: np.ndarray, trial: np.ndarray) -> float | str:
     return float(np.std(means, ddof=1)) if len(means) > 1 else ""
 
 
-def _write(rows: list[Row], columns: tuple[str, ...], path: Path) -> None:
+def write_table(rows: list[Row], columns: tuple[str, ...], path: Path) -> None:
+    """Write a CSV file; numbers keep six digits."""
     lines = [",".join(columns)]
     lines += [",".join(_text(row[name]) for name in columns) for row in rows]
     path.write_text("\n".join(lines) + "\n")

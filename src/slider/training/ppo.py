@@ -7,6 +7,7 @@ import torch
 from slider.core.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
 from slider.training.log_writer import TrackerLogWriter
+from slider.training.symmetry import symmetry_config
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
 _NEVER = 10**9
@@ -70,6 +71,7 @@ def _algorithm(train: TrainConfig) -> dict[str, Any]:
         "desired_kl": ppo.desired_kl,
         "max_grad_norm": ppo.max_grad_norm,
         "use_mixed_precision": use_bfloat16(ppo.precision),
+        "symmetry_cfg": symmetry_config(ppo),
     }
 
 

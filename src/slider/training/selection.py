@@ -15,6 +15,7 @@ from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
+from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 
 # The protocol's start noise of evaluations (design, readings of the paper).
@@ -57,11 +58,12 @@ class Selector:
         times: StepTimes | None,
         seed: int,
         threads: int,
+        reference: JointTable | None = None,
     ) -> None:
         self._env, self._config = env, config
         count = len(config.commands) * config.robots
         self._physics = BatchedPhysics(robot, env.physics, count, threads)
-        self._agent = AgentInterface(robot, env, count, times)
+        self._agent = AgentInterface(robot, env, count, times, reference)
         self._start = at_rest(robot, _START, np.random.default_rng([seed, 7]), count)
         self._command = np.zeros((count, 3))
         self._command[:, 0] = np.repeat(config.commands, config.robots)

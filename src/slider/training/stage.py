@@ -9,37 +9,44 @@ from slider.core.config.train import TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.guide import Guide
 from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.step_times import StepTimes
 from slider.training.trainer import WEIGHTS, Task, Trainer
 
 
 def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Pre-train a policy that stands; the library gives the pace of the clock only."""
-    task = _task(section, inputs, guided=False)
-    return _train(task, None, out, job)
+    """Pre-train a policy that stands; of the library it takes the clock's pace at most."""
+    return _train(_task(section, inputs, guided=False), inputs, out, job)
 
 
 def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Train walking from the standing weights, guided by the gait library."""
-    task = _task(section, inputs, guided=True)
-    return _train(task, inputs["standing"][0] / WEIGHTS, out, job)
+    """Train walking, from the standing weights and guided by the library where they are given."""
+    return _train(_task(section, inputs, guided=True), inputs, out, job)
 
 
-def _train(task: Task, weights: Path | None, out: Path, job: Job) -> Summary:
+def _train(task: Task, inputs: Inputs, out: Path, job: Job) -> Summary:
     trainer = Trainer(task, job)
-    if weights is not None:
-        trainer.start_from(weights)
+    if "standing" in inputs:
+        trainer.start_from(inputs["standing"][0] / WEIGHTS)
     trainer.run()
     return trainer.export(out)
 
 
 def _task(section: Section, inputs: Inputs, guided: bool) -> Task:
-    env = from_dict(EnvConfig, section["env"])
+    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
+    train = from_dict(TrainConfig, section["train"])
+    if "library" not in inputs:
+        return Task(robot, env, train, _times(env, None), None)
     library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
     table = GaitTable.from_library(library)
-    return Task(
-        robot=from_dict(RobotConfig, section["robot"]),
-        env=env,
-        train=from_dict(TrainConfig, section["train"]),
-        times=table.times if env.phase.enabled else None,
-        guide=Guide(library, table) if guided else None,
-    )
+    guide = Guide(library, table, train.guide.gait) if guided else None
+    reference = table.joints if env.action.about == "gait" else None
+    return Task(robot, env, train, _times(env, table), guide, reference)
+
+
+def _times(env: EnvConfig, table: GaitTable | None) -> StepTimes | None:
+    """Step times of the clock, if there is one: fixed, or those of the gaits."""
+    if not env.phase.enabled:
+        return None
+    if env.phase.step_time > 0:
+        return StepTimes.constant(env.phase.step_time)
+    return None if table is None else table.times

@@ -18,6 +18,7 @@ from slider.core.config.train import TrainConfig
 from slider.core.job import Job
 from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
+from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.selection import Score, Selector
@@ -32,13 +33,14 @@ CURVE = "learning_curve.csv"
 
 @dataclass(frozen=True)
 class Task:
-    """What is trained, in which environment, towards which guide."""
+    """What is trained, in which environment, towards which guide, with actions about what."""
 
     robot: RobotConfig
     env: EnvConfig
     train: TrainConfig
     times: StepTimes | None
     guide: Guide | None
+    reference: JointTable | None = None
 
 
 class Trainer:
@@ -53,7 +55,7 @@ class Trainer:
         self._task, self._job = task, job
         self._rng = rng
         self._env = WalkingEnv(
-            task.robot, task.env, train, rng, task.times, task.guide, job.threads
+            task.robot, task.env, train, rng, task.times, task.guide, job.threads, task.reference
         )
         job.work.mkdir(parents=True, exist_ok=True)
         self._curve: list[dict[str, float]] = []
@@ -61,7 +63,13 @@ class Trainer:
         self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
         self._shrink_first_actions()
         self._selector = Selector(
-            task.robot, task.env, train.selection, task.times, train.seed, job.threads
+            task.robot,
+            task.env,
+            train.selection,
+            task.times,
+            train.seed,
+            job.threads,
+            task.reference,
         )
         self._iteration = 0
         self._best: dict[str, Any] = {}
@@ -133,6 +141,7 @@ class Trainer:
             "best": self._best,
             "history": self._history,
             "curve": self._curve,
+            "command_share": self._env.curriculum.share,
         }
         partial = self._job.work / f"{CHECKPOINT}.partial"
         torch.save(content, partial)
@@ -149,6 +158,7 @@ class Trainer:
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]
+        self._env.curriculum.share = content["command_share"]
         # The states of environments and generators are gone: go on with fresh, distinct noise.
         torch.manual_seed(self._task.train.seed + self._iteration)
         self._job.volatile["resumed"] = True
@@ -163,6 +173,7 @@ class Trainer:
             activation=network.activation,
             observations=self._env.observation_layout,
             times=self._task.times,
+            reference=self._task.reference,
         )
         save_policy(policy, out / POLICY)
         torch.save(weights, out / WEIGHTS)

@@ -19,8 +19,13 @@ class PhysicsConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ActionConfig:
-    """Desired joint position = nominal + scale · clip(action); scale [rad or m] per leg joint."""
+    """Desired joint position = origin + scale · clip(action); scale [rad or m] per leg joint.
 
+    ``about`` says what the origin is: the ``nominal`` pose, or the ``gait`` of the commanded
+    velocity at the clock's phase, so that the action is a residual.
+    """
+
+    about: str
     clip: float
     scale: dict[str, float]
 
@@ -65,10 +70,14 @@ class StartNoise:
 
 @dataclass(frozen=True, config=STRICT)
 class PhaseConfig:
-    """Clock that runs through the two steps of a walk; ``mirror`` shows left stance only."""
+    """Clock that runs through the two steps of a walk; ``mirror`` shows left stance only.
+
+    ``step_time`` [s] fixes its pace; at 0 it has the step times of the gait library.
+    """
 
     enabled: bool
     mirror: bool
+    step_time: float
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -2,6 +2,7 @@
 
 from pydantic.dataclasses import dataclass
 
+from slider.core.config.ablation import AblationConfig
 from slider.core.config.control import ControlConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig, ResourcesConfig, TrackingConfig
@@ -26,5 +27,6 @@ class Config:
     evaluation: EvaluationConfig
     verification: VerificationConfig
     report: ReportConfig
+    ablation: AblationConfig
     tracking: TrackingConfig
     resources: ResourcesConfig

@@ -16,6 +16,19 @@ class Interval:
 
 
 @dataclass(frozen=True, config=STRICT)
+class CurriculumConfig:
+    """Commands grow with success: their ranges are a share of the configured ones.
+
+    The share begins at ``start`` and grows by ``growth`` whenever at least ``success`` of as many
+    episodes as there are robots ended without a fall; a start of 1 is no curriculum.
+    """
+
+    start: float
+    growth: float
+    success: float
+
+
+@dataclass(frozen=True, config=STRICT)
 class CommandConfig:
     """Ranges of the commanded velocities and how often they change.
 
@@ -28,6 +41,14 @@ class CommandConfig:
     yaw_rate: Interval
     period: float
     standing_fraction: float
+    curriculum: CurriculumConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class GuideConfig:
+    """Which gait guides a command between those of the library: ``interpolated``, ``nearest``."""
+
+    gait: str
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -83,6 +104,8 @@ class PpoConfig:
     entropy_coefficient: float
     max_grad_norm: float
     precision: str
+    symmetry: str
+    symmetry_weight: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -108,6 +131,7 @@ class TrainConfig:
     episode_length: float
     seed: int
     commands: CommandConfig
+    guide: GuideConfig
     reward: RewardConfig
     reset: ResetConfig
     network: NetworkConfig
@@ -117,7 +141,8 @@ class TrainConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class TrainingsConfig:
-    """Standing pre-training, then walking."""
+    """Standing pre-training (if ``pretraining``), then walking."""
 
+    pretraining: bool
     standing: TrainConfig
     walking: TrainConfig

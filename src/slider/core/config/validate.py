@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+from slider.core.config.ablation import AblationConfig
 from slider.core.config.control import MpcConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
@@ -12,7 +13,7 @@ from slider.core.config.gait import Axis, GaitConfig
 from slider.core.config.report import RENDERERS, SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
-from slider.core.config.train import Interval, TrainConfig
+from slider.core.config.train import CurriculumConfig, Interval, TrainConfig
 from slider.core.config.verification import VerificationConfig
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS
@@ -32,13 +33,14 @@ def validate(config: Config) -> None:
     _gait(config.gait)
     _env(config.env)
     for name in ("standing", "walking"):
-        _train(getattr(config.train, name), f"train.{name}")
+        _train(getattr(config.train, name), config.env, f"train.{name}")
     settings = [item.name for item in fields(config.control)]
     for name in settings:
         _control(getattr(config.control, name), config.env, f"control.{name}")
     _evaluation(config.evaluation, ["policy", *(f"mpc_wbc_{name}" for name in settings)])
     _verification(config.verification)
     _report(config.report, config.env.control_period)
+    _ablation(config.ablation)
     _at_least("resources.threads", config.resources.threads, 1)
 
 
@@ -186,6 +188,14 @@ def _env(env: EnvConfig) -> None:
         ", ".join(env.action.scale),
     )
     _positive("env.action.clip", env.action.clip)
+    _in("env.action.about", env.action.about, ("nominal", "gait"))
+    _require(
+        env.phase.enabled or env.action.about == "nominal",
+        "env.action.about",
+        "nominal where there is no phase",
+        env.action.about,
+    )
+    _at_least("env.phase.step_time", env.phase.step_time, 0.0)
     _positive("env.observation.clip", env.observation.clip)
     _require(bool(env.observation.terms), "env.observation.terms", "at least one term", "none")
     _require(
@@ -196,7 +206,7 @@ def _env(env: EnvConfig) -> None:
     )
 
 
-def _train(train: TrainConfig, key: str) -> None:
+def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     _at_least(f"{key}.iterations", train.iterations, 0)
     _at_least(f"{key}.num_envs", train.num_envs, 1)
     _at_least(f"{key}.steps_per_iteration", train.steps_per_iteration, 1)
@@ -204,6 +214,16 @@ def _train(train: TrainConfig, key: str) -> None:
     for name in ("vx", "vy", "yaw_rate"):
         interval: Interval = getattr(train.commands, name)
         _interval(f"{key}.commands.{name}", interval.lower, interval.upper)
+    _curriculum(train.commands.curriculum, f"{key}.commands.curriculum")
+    _in(f"{key}.guide.gait", train.guide.gait, ("interpolated", "nearest"))
+    _in(f"{key}.ppo.symmetry", train.ppo.symmetry, ("none", "augmentation", "loss"))
+    _at_least(f"{key}.ppo.symmetry_weight", train.ppo.symmetry_weight, 0.0)
+    _require(
+        train.ppo.symmetry == "none" or not env.phase.mirror,
+        f"{key}.ppo.symmetry",
+        "none where env.phase.mirror shows the network left stance only",
+        train.ppo.symmetry,
+    )
     _in(f"{key}.ppo.precision", train.ppo.precision, ("auto", "float32", "bfloat16"))
     _in(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
     batch = train.num_envs * train.steps_per_iteration
@@ -217,6 +237,13 @@ def _train(train: TrainConfig, key: str) -> None:
     _require(bool(train.reward.terms), f"{key}.reward.terms", "at least one term", "none")
     _at_least(f"{key}.selection.robots", train.selection.robots, 1)
     _at_least(f"{key}.selection.interval", train.selection.interval, 1)
+
+
+def _curriculum(curriculum: CurriculumConfig, key: str) -> None:
+    for name in ("start", "success"):
+        value = getattr(curriculum, name)
+        _require(0 < value <= 1, f"{key}.{name}", "a share in (0, 1]", value)
+    _positive(f"{key}.growth", curriculum.growth)
 
 
 def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:
@@ -319,3 +346,15 @@ def _report(report: ReportConfig, control_period: float) -> None:
     )
     _require(0 <= video.quality <= 51, f"{key}.video.quality", "0 to 51", video.quality)
     _at_least(f"{key}.video.seed", video.seed, 0)
+
+
+def _ablation(ablation: AblationConfig) -> None:
+    key = "ablation"
+    for name in ablation.run:
+        _in(f"{key}.run", name, ablation.variants)
+    for name in ("run", "seeds", "commands"):
+        values = getattr(ablation, name)
+        unique = len(set(values)) == len(values) > 0
+        _require(unique, f"{key}.{name}", "one or more, each once", values)
+    for name in ("samples", "pretraining_samples", "check_every", "trials", "robots"):
+        _at_least(f"{key}.{name}", getattr(ablation, name), 1)

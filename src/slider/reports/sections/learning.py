@@ -25,6 +25,8 @@ def section(sources: Sources) -> Section:
     """For each training its periodic evaluation and, where recorded, every curve by group."""
     trainings = []
     for name, title in _TRAININGS.items():
+        if name not in sources.inputs:  # train.pretraining=false
+            continue
         folder = sources.inputs[name][0]
         charts = [_checks_chart(name, _read(folder / "selection.csv"))]
         recorded = (folder / CURVES).is_file()

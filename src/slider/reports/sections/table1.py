@@ -19,6 +19,7 @@ _QUALITY = {
     "heading": "heading drift [rad]",
     "asymmetry": "step time asymmetry",
     "velocity_variance": "speed ripple [m²/s²]",
+    "reference_velocity_variance": "that of the gait [m²/s²]",
     "cost_of_transport": "cost of transport",
     "peak_effort": "peak effort / limit",
     "peak_speed": "peak speed / limit",

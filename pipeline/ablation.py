@@ -1,0 +1,96 @@
+"""The ablation: the same trainings and evaluations for several configurations, side by side.
+
+A variant is the configuration of the pipeline with some overrides more. Its gaits, trainings and
+evaluations are ordinary jobs: what two variants have in common is computed once, what was
+computed before is not computed again, and a killed training goes on where it was.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pipeline.stages import POLICY, evaluation_jobs, library_job, training_jobs
+from slider.core.config.ablation import AblationConfig, VariantConfig
+from slider.core.config.compose import compose
+from slider.core.config.convert import to_dict
+from slider.core.config.schema import Config
+from slider.core.config.train import TrainConfig
+from slider.core.errors import UserError
+from slider.core.plan import JobSpec
+from slider.core.recipe import code_of
+
+ABLATION = "slider.reports.ablation:run"
+
+
+def ablation_job(config: Config, library: JobSpec, overrides: Sequence[str], conf: Path) -> JobSpec:
+    """The comparison of all variants; composing these takes about half a second each.
+
+    Args:
+        config: configuration of the pipeline.
+        library: its gaits, with whose sway the variants' is compared.
+        overrides: with which ``config`` was composed.
+        conf: folder of the configuration.
+
+    Raises:
+        UserError: the overrides of a variant do not compose.
+    """
+    settings = config.ablation
+    runs: list[dict[str, Any]] = []
+    walking: list[JobSpec] = []
+    evaluations: list[JobSpec] = []
+    for name in settings.run:
+        variant = _compose(name, settings.variants[name], overrides, conf)
+        gaits = library_job(variant)
+        for seed in settings.seeds:
+            own, note = _with_budget(variant, settings, seed), f" ({name}, seed {seed})"
+            walking.append(training_jobs(own, gaits, note)["walking"])
+            evaluations += evaluation_jobs(own, walking[-1], note)
+            runs.append({"variant": name, "seed": seed, "batch": _batch(own.train.walking)})
+    section = {
+        "runs": runs,
+        "commands": settings.commands,
+        "variants": {name: to_dict(settings.variants[name]) for name in settings.run},
+    }
+    inputs = {"library": [library], "walking": walking, "evaluations": evaluations}
+    return JobSpec("ablation", "ablation", code_of(ABLATION), section, inputs)
+
+
+def _compose(name: str, variant: VariantConfig, overrides: Sequence[str], conf: Path) -> Config:
+    try:
+        return compose([*overrides, *variant.overrides], conf)
+    except UserError as error:
+        raise UserError(f"ablation.variants.{name}: {error}") from None
+
+
+def _with_budget(config: Config, settings: AblationConfig, seed: int) -> Config:
+    """One seed of a variant with the samples and the protocol of the ablation."""
+    train = replace(
+        config.train,
+        standing=_trained(config.train.standing, settings.pretraining_samples, settings, seed),
+        walking=_trained(config.train.walking, settings.samples, settings, seed),
+    )
+    evaluation = replace(
+        config.evaluation,
+        controllers=[POLICY],
+        commands=settings.commands,
+        trials=settings.trials,
+        robots=settings.robots,
+    )
+    return replace(config, train=train, evaluation=evaluation)
+
+
+def _trained(train: TrainConfig, samples: int, settings: AblationConfig, seed: int) -> TrainConfig:
+    """A training of so many samples, in whole iterations, judged at even distances."""
+    interval = max(1, round(settings.check_every / _batch(train)))
+    return replace(
+        train,
+        iterations=max(1, round(samples / _batch(train))),
+        seed=seed,
+        selection=replace(train.selection, interval=interval),
+    )
+
+
+def _batch(train: TrainConfig) -> int:
+    """Samples of one iteration."""
+    return train.num_envs * train.steps_per_iteration

@@ -1,0 +1,109 @@
+"""The stage ``ablation``: what each choice of the method is worth, as tables and a figure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation import records
+from slider.reports import ablation_text
+from slider.reports.figures import ablation as figure
+from slider.reports.figures.style import save, style
+from slider.reports.table1 import (
+    Row,
+    quality_row,
+    read_evaluation,
+    reference_sway,
+    table_row,
+    write_table,
+)
+
+TRACKING = ("success_rate", "mse", "mse_steady", "tracking_rate")
+CHECKS = ("success", "speed_error", "flight")
+SELECTION = "selection.csv"
+NAME = "ablation"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One training of a variant: its checks over samples, and a row per evaluated command."""
+
+    variant: str
+    seed: int
+    curve: dict[str, np.ndarray]
+    rows: list[Row]
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write ``ablation.csv``, ``ablation_curves.csv``, ``ablation.md``, ``.svg`` and ``.png``."""
+    runs = _read_runs(section, inputs)
+    rows = [row for item in runs for row in item.rows]
+    write_table(rows, tuple(rows[0]), out / f"{NAME}.csv")
+    curves = [row for item in runs for row in _curve_rows(item)]
+    write_table(curves, tuple(curves[0]), out / f"{NAME}_curves.csv")
+    labels = {name: variant["label"] for name, variant in section["variants"].items()}
+    text = ablation_text.markdown(rows, curves, section["variants"])
+    (out / f"{NAME}.md").write_text(text, encoding="utf-8")
+    _draw(rows, curves, labels, out)
+    job.tracker.log_file(out / f"{NAME}.csv")
+    job.tracker.log_file(out / f"{NAME}.png")
+    return {"runs": len(runs), "variants": len(labels)}
+
+
+def _read_runs(section: Section, inputs: Inputs) -> list[Run]:
+    sway, count = reference_sway(inputs), len(section["commands"])
+    runs = []
+    for index, about in enumerate(section["runs"]):
+        folders = inputs["evaluations"][index * count : (index + 1) * count]
+        curve = read_curve(inputs["walking"][index] / SELECTION, about["batch"])
+        rows = []
+        for folder in folders:
+            controller, command, table = read_evaluation(folder)
+            found = quality_row(controller, command, table, sway(command))
+            rows.append(_row(about["variant"], about["seed"], command, table, found))
+        runs.append(Run(about["variant"], about["seed"], curve, rows))
+    return runs
+
+
+def _row(variant: str, seed: int, command: float, table: records.Records, quality: Row) -> Row:
+    tracked = table_row(variant, command, table)
+    about: Row = {"variant": variant, "seed": str(seed), "command_velocity": command}
+    about |= {name: tracked[name] for name in TRACKING}
+    return about | {name: value for name, value in quality.items() if name not in _ABOUT}
+
+
+_ABOUT = ("controller", "command_velocity")
+
+
+def read_curve(path: Path, batch: int) -> dict[str, np.ndarray]:
+    """Checks of a training over its samples; without survivors there is no error and no flight."""
+    header, *lines = path.read_text().splitlines()
+    values = np.array([[float(text) for text in line.split(",")] for line in lines])
+    table = dict(zip(header.split(","), values.T, strict=True))
+    alive = table["success"] > 0
+    curve = {name: np.where(alive, table[name], np.nan) for name in CHECKS}
+    return {"samples": table["iteration"] * batch, **curve, "success": table["success"]}
+
+
+def _curve_rows(item: Run) -> list[Row]:
+    columns = zip(*item.curve.values(), strict=True)
+    return [
+        {"variant": item.variant, "seed": str(item.seed)}
+        | {
+            name: "" if np.isnan(value) else float(value)
+            for name, value in zip(item.curve, values, strict=True)
+        }
+        for values in columns
+    ]
+
+
+def _draw(rows: Sequence[Row], curves: Sequence[Row], labels: dict[str, str], out: Path) -> None:
+    with style():
+        drawn = figure.draw(rows, curves, labels)
+        for _ in range(2):  # the second time with the sizes of the first
+            drawn.draw_without_rendering()
+        drawn.set_layout_engine("none")
+    for suffix in ("svg", "png"):
+        save(drawn, out / f"{NAME}.{suffix}")

@@ -1,0 +1,119 @@
+"""The ablation as Markdown: one table per number, variants below each other."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from slider.reports.controllers import speed
+from slider.reports.seeds import Row, Spread, distinct, numbers, spread
+
+LEARNED = 0.95  # share of robots that survive a check of a policy that has learned to walk
+
+# Column of the table → heading.
+METRICS = {
+    "success_rate": "Success rate [%]",
+    "mse_steady": "Velocity MSE from 2 s on [m²/s²]",
+    "tracking_rate": "Tracking rate [%]",
+    "alternation": "Touchdowns that follow one of the other foot [%]",
+    "flight": "Flight [% of time]",
+    "slip": "Slip of loaded feet [m/s]",
+    "clearance": "Clearance [m]",
+    "asymmetry": "Asymmetry of step times [%]",
+    "velocity_variance": "Variance of the forward velocity [m²/s²]",
+    "cost_of_transport": "Cost of transport [-]",
+}
+_PERCENT = ("success_rate", "tracking_rate", "alternation", "flight", "asymmetry")
+
+
+def markdown(
+    rows: Sequence[Row], curves: Sequence[Row], variants: Mapping[str, Mapping[str, Any]]
+) -> str:
+    """Page with what the variants are, when they learned to walk, and a table per number."""
+    commands = distinct(rows, "command_velocity")
+    tables = [_table(rows, name, variants, commands) for name in METRICS]
+    return "\n".join(
+        ["# Ablation", "", _caption(rows), "", "![Ablation](figures/ablation.png)", ""]
+        + [_variants(curves, variants), *tables]
+    )
+
+
+def _caption(rows: Sequence[Row]) -> str:
+    seeds = distinct(rows, "seed")
+    over = f"mean of {len(seeds)} seeds (least to greatest)" if len(seeds) > 1 else "one seed"
+    return (
+        f"Every number: {over}; errors and gait quality are those of surviving robots, – where "
+        "none survived. `reports/ablation.csv` has all of them."
+    )
+
+
+def _variants(curves: Sequence[Row], variants: Mapping[str, Mapping[str, Any]]) -> str:
+    lines = [
+        f"| variant | samples until {100 * LEARNED:.0f} % of a check's robots survive [M] | "
+        "overrides |",
+        "|---|---|---|",
+    ]
+    for name, variant in variants.items():
+        changes = " ".join(f"`{text}`" for text in variant["overrides"]) or "none"
+        lines.append(f"| {variant['label']} | {_learned(curves, name)} | {changes} |")
+    return "\n".join([*lines, ""])
+
+
+def _learned(curves: Sequence[Row], variant: str) -> str:
+    """Samples at which the seeds first pass ``LEARNED``, and how many never do."""
+    seeds = list(dict.fromkeys(row["seed"] for row in curves if row["variant"] == variant))
+    found = [_first(curves, variant, str(seed)) for seed in seeds]
+    never = sum(math.isnan(value) for value in found)
+    text = _cell(spread(found), "samples")
+    if not never:
+        return text
+    return "never" if never == len(found) else f"{text}; {never} of {len(found)} never"
+
+
+def _first(curves: Sequence[Row], variant: str, seed: str) -> float:
+    success = np.array(numbers(curves, "success", variant=variant, seed=seed))
+    samples = np.array(numbers(curves, "samples", variant=variant, seed=seed))
+    passed = np.flatnonzero(success >= LEARNED)
+    return float(samples[passed[0]]) / 1e6 if len(passed) else math.nan
+
+
+def _table(
+    rows: Sequence[Row],
+    name: str,
+    variants: Mapping[str, Mapping[str, Any]],
+    commands: Sequence[float],
+) -> str:
+    heads = " | ".join(f"{speed(command)} m/s" for command in commands)
+    lines = [f"## {METRICS[name]}", "", f"| variant | {heads} |", "|---|" + "---|" * len(commands)]
+    for variant, about in variants.items():
+        cells = (
+            _cell(spread(numbers(rows, name, variant=variant, command_velocity=command)), name)
+            for command in commands
+        )
+        lines.append(f"| {about['label']} | {' | '.join(cells)} |")
+    if name == "velocity_variance":
+        lines.append(f"| the library's gait | {' | '.join(_reference(rows, commands))} |")
+    return "\n".join([*lines, ""])
+
+
+def _reference(rows: Sequence[Row], commands: Sequence[float]) -> list[str]:
+    column = "reference_velocity_variance"
+    return [
+        _cell(spread(numbers(rows, column, command_velocity=command)[:1]), column)
+        for command in commands
+    ]
+
+
+def _cell(value: Spread | None, name: str) -> str:
+    if value is None:
+        return "–"
+    if value.count == 1:
+        return _text(value.mean, name)
+    return f"{_text(value.mean, name)} ({_text(value.lower, name)}–{_text(value.upper, name)})"
+
+
+def _text(value: float, name: str) -> str:
+    if math.isinf(value):
+        return "∞"
+    return f"{100 * value:.1f}" if name in _PERCENT else f"{value:.3g}"

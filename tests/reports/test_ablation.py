@@ -1,0 +1,121 @@
+"""The ablation's tables from evaluations and checks whose answers are known."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.core.job import Job
+from slider.library.contents import LibraryContents
+from slider.library.sway import forward_variance
+from slider.reports.ablation import read_curve, run
+from slider.reports.seeds import spread
+from tests.library.gaits import write_store
+from tests.reports.test_table1 import make_records, write_evaluation
+
+COMMANDS = [0.2, 0.8]
+SECTION = {
+    "commands": COMMANDS,
+    "variants": {
+        "default": {"label": "as it is", "overrides": []},
+        "hard": {"label": "hard", "overrides": ["gait.cost=torque", "env=paper"]},
+    },
+    "runs": [
+        {"variant": "default", "seed": 1, "batch": 100_000},
+        {"variant": "default", "seed": 2, "batch": 100_000},
+        {"variant": "hard", "seed": 1, "batch": 200_000},
+        {"variant": "hard", "seed": 2, "batch": 200_000},
+    ],
+}
+
+
+def write_checks(folder: Path, success: list[float]) -> Path:
+    """Checks after iterations 5, 10, …; an error of 1000 is what the selector writes for none."""
+    folder.mkdir(parents=True)
+    lines = ["iteration,value,success,speed_error,flight"]
+    for index, share in enumerate(success):
+        error = 0.1 * (index + 1) if share else 1000
+        lines.append(f"{5 * (index + 1)},1,{share},{error},0.02")
+    (folder / "selection.csv").write_text("\n".join(lines) + "\n")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory) -> dict[str, list[Path]]:
+    folder = tmp_path_factory.mktemp("ablation")
+    checks = ([0.0, 0.96], [0.97, 1.0], [0.0, 0.5], [0.0, 0.0])
+    walking = [write_checks(folder / f"walking{i}", found) for i, found in enumerate(checks)]
+    evaluations = []
+    for index in range(len(walking)):
+        for command in COMMANDS:
+            alive = [[0, 0]] if (index, command) == (3, 0.8) else [[1, 1]]
+            errors = make_records(alive, [[1.0 + index, 1.0 + index]])
+            evaluations.append(write_evaluation(folder / f"e{len(evaluations)}", command, errors))
+    library = write_store(folder / "gaits", [(0.0, 0.0), (1.0, 0.0)]).parent
+    return {"walking": walking, "evaluations": evaluations, "library": [library]}
+
+
+@pytest.fixture(scope="module")
+def out(inputs, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("out")
+    assert run(SECTION, inputs, folder, Job(folder)) == {"runs": 4, "variants": 2}
+    return folder
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.read_text().splitlines()))
+
+
+def test_one_row_per_run_and_command(out, inputs):
+    found = rows(out / "ablation.csv")
+    keys = [(row["variant"], row["seed"], row["command_velocity"]) for row in found]
+    assert keys == [
+        (item["variant"], str(item["seed"]), f"{command:g}")
+        for item in SECTION["runs"]
+        for command in COMMANDS
+    ]
+    assert [float(row["mse_steady"]) for row in found] == pytest.approx(
+        [0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.4, np.inf]
+    )
+    assert (found[-1]["success_rate"], found[-1]["alternation"]) == ("0", "")
+    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    sway = [f"{forward_variance(library, command):.6g}" for command in COMMANDS]
+    assert [row["reference_velocity_variance"] for row in found] == 4 * sway
+
+
+def test_curves_are_over_samples_and_have_no_error_without_survivors(out, inputs):
+    found = rows(out / "ablation_curves.csv")
+    assert [float(row["samples"]) for row in found[4:6]] == [1e6, 2e6]
+    assert [(row["success"], row["speed_error"]) for row in found[:2]] == [
+        ("0", ""),
+        ("0.96", "0.2"),
+    ]
+    curve = read_curve(inputs["walking"][2] / "selection.csv", 10)
+    assert np.isnan(curve["flight"]).tolist() == [True, False]
+
+
+def test_the_page_says_what_differs_and_how_seeds_spread(out):
+    text = (out / "ablation.md").read_text()
+    assert "| hard | never | `gait.cost=torque` `env=paper` |" in text
+    assert "| as it is | 0.75 (0.5–1) | none |" in text
+    assert "| as it is | 0.15 (0.1–0.2) | 0.15 (0.1–0.2) |" in text
+    assert "| hard | 100.0 (100.0–100.0) | 50.0 (0.0–100.0) |" in text
+    assert "| hard | 0.35 (0.3–0.4) | ∞ (0.3–∞) |" in text
+
+
+def test_same_input_same_bytes(out, inputs, tmp_path):
+    run(SECTION, inputs, tmp_path, Job(tmp_path))
+    names = {path.name for path in out.iterdir()}
+    assert names == {
+        *("ablation.csv", "ablation_curves.csv", "ablation.md", "ablation.svg", "ablation.png")
+    }
+    for name in names:
+        assert (tmp_path / name).read_bytes() == (out / name).read_bytes(), name
+
+
+def test_what_is_unknown_does_not_count():
+    found = spread([1.0, float("nan"), 4.0])
+    assert found is not None
+    assert (found.mean, found.lower, found.upper, found.count) == (2.5, 1.0, 4.0, 2)
+    assert spread([float("nan")]) is None

@@ -1,0 +1,79 @@
+"""The stages train with what they are given: library, standing policy, both or neither."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.control.policy_file import load_policy
+from slider.core.config.convert import to_dict
+from slider.core.config.library_use import uses_library
+from slider.core.errors import UserError
+from slider.core.job import Job, Section
+from slider.training.stage import _task, run_walking
+from slider.training.trainer import POLICY
+from tests.env.synthetic import config
+from tests.library.gaits import write_store
+from tests.training.test_trainer import TINY
+
+ALONE = (
+    "env/phase=fixed",
+    "train/walking/reward=unguided",
+    "train.walking.reset.reference_fraction=0",
+)
+
+
+def section(*overrides: str) -> Section:
+    whole = config(*TINY, *overrides)
+    robot = to_dict(whole.robot)
+    robot.pop("provenance")
+    return {"robot": robot, "env": to_dict(whole.env), "train": to_dict(whole.train.walking)}
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("library")
+    return write_store(folder, [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)]).parent
+
+
+@pytest.mark.parametrize(
+    ("overrides", "standing", "walking"),
+    [
+        ((), True, True),
+        (ALONE, False, False),
+        ((*ALONE, "train/walking/reward=default"), False, True),
+        ((*ALONE, "train.walking.reset.reference_fraction=0.1"), False, True),
+        ((*ALONE, "env/phase=clock"), True, True),
+        ((*ALONE, "env/phase=none"), False, False),
+        ((*ALONE, "env.action.about=gait"), True, True),
+        (("env=paper", "train/standing=paper", "train/walking=paper"), False, True),
+    ],
+)
+def test_who_needs_a_library(overrides, standing, walking):
+    whole = config(*TINY, *overrides)
+    assert uses_library(whole.env, whole.train.standing) == standing
+    assert uses_library(whole.env, whole.train.walking) == walking
+
+
+def test_trains_with_neither_library_nor_standing_policy(tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    run_walking(section(*ALONE, "train.walking.iterations=1"), {}, out, Job(tmp_path / "work"))
+    policy = load_policy(out / POLICY)
+    assert policy.reference is None
+    assert policy.times is not None
+    pace = config(*ALONE).env.phase.step_time
+    np.testing.assert_array_equal(policy.times.at(np.array([0.0, 2.0]), np.zeros(2)), pace)
+
+
+def test_a_guide_without_a_library_is_refused(tmp_path):
+    with pytest.raises(UserError, match="expected a gait library"):
+        run_walking(section(*ALONE, "train/walking/reward=default"), {}, tmp_path, Job(tmp_path))
+
+
+def test_actions_about_the_gait_get_the_gaits(library, tmp_path):
+    inputs = {"library": [library]}
+    assert _task(section(), inputs, guided=True).reference is None
+    task = _task(section("env.action.about=gait"), inputs, guided=True)
+    assert task.reference is not None
+    assert task.reference.positions.shape == (3, 1, 42, 12)

@@ -20,6 +20,7 @@ COMMANDS = {
     "benchmark-gaits": ("slider.gait.benchmark", "time the gait optimisation"),
     "library": ("slider.reports.library_command", "show what is in the gait library"),
     "gait": ("slider.reports.gait_command", "show or export one gait of the library"),
+    "policy": ("slider.control.export.command", "show or export a trained policy"),
     "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
 }
 

@@ -11,7 +11,7 @@ from slider.control.policy import PolicyController
 from slider.control.policy_file import FORMAT, VERSION, Policy, load_policy, save_policy
 from slider.core.errors import UserError
 from slider.training.ppo import NORMALISER_EPSILON
-from tests.env.synthetic import gait_table, make_agent, make_physics, make_state
+from tests.env.synthetic import config, gait_table, make_agent, make_physics, make_state
 
 LAYOUT = {"command": 4, "joint_positions": 12}
 SIZE = sum(LAYOUT.values())
@@ -23,7 +23,10 @@ def make_policy(seed: int = 0, clock: bool = True) -> Policy:
     network = PolicyNetwork(SIZE, 12, HIDDEN, "elu")
     network.mean.copy_(torch.randn(SIZE))
     network.std.copy_(1.0 + torch.rand(SIZE))
-    return Policy(network.eval(), HIDDEN, "elu", LAYOUT, gait_table().times if clock else None)
+    times = gait_table().times if clock else None
+    whole = config("experiment=test")
+    facts = {"seed": 1, "iteration": 20, "value": 0.1}
+    return Policy(network.eval(), HIDDEN, "elu", LAYOUT, times, whole.robot, whole.env, facts)
 
 
 @pytest.mark.parametrize("clock", [True, False])
@@ -37,6 +40,7 @@ def test_comes_back_as_it_was_saved(tmp_path, clock):
     assert (back.hidden, back.activation, back.observations) == (HIDDEN, "elu", LAYOUT)
     assert list(back.observations) == list(LAYOUT), "the order of the terms matters"
     assert not back.network.training
+    assert (back.robot, back.env, back.facts) == (policy.robot, policy.env, policy.facts)
     if policy.times is None:
         assert back.times is None
         return
@@ -78,7 +82,7 @@ def test_foreign_files_are_one_line(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 99}, "expected version 1, found 99"),
+        ({"version": 99}, "expected version 2, found 99"),
         ({"joints": ["left_knee"]}, "expected the joints left_hip_yaw, "),
         ({"format": "other"}, "expected format slider-policy, found other"),
     ],

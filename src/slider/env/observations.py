@@ -132,7 +132,12 @@ TERMS = {
 
 
 class Observer:
-    """Concatenates the configured terms: scale, reflect where asked, clip."""
+    """Concatenates the configured terms: scale, reflect where asked, clip.
+
+    Attributes:
+        layout: name → width of the terms, in order; ``size`` is their sum.
+        permutation, sign: reflected observation = observation[permutation] · sign, (size,).
+    """
 
     def __init__(self, config: ObservationConfig) -> None:
         known = {**TERMS, "height_scan": _scan(config)}
@@ -145,8 +150,8 @@ class Observer:
         self._terms = [(known[name], scale) for name, scale in config.terms.items()]
         self.layout = {name: known[name].size for name in config.terms}
         self.size = sum(self.layout.values())
-        self._permutation = self._stack_permutations()
-        self._sign = np.concatenate([term.sign for term, _ in self._terms])
+        self.permutation = self._stack_permutations()
+        self.sign = np.concatenate([term.sign for term, _ in self._terms])
 
     def _stack_permutations(self) -> np.ndarray:
         offsets = np.cumsum([0, *self.layout.values()])[:-1]
@@ -157,5 +162,5 @@ class Observer:
         """Observations (N, size) float32; those of ``mirrored`` (N,) robots are reflected."""
         parts = [term.function(view) * scale for term, scale in self._terms]
         values = np.concatenate(parts, axis=1)
-        values[mirrored] = values[mirrored][:, self._permutation] * self._sign
+        values[mirrored] = values[mirrored][:, self.permutation] * self.sign
         return np.clip(values, -self._clip, self._clip).astype(np.float32)

@@ -70,6 +70,22 @@ class WalkingEnv(VecEnv):
         """Name → width of the observation terms, in order."""
         return self._agent.observer.layout
 
+    @property
+    def physics(self) -> BatchedPhysics:
+        """The simulated robots."""
+        return self._physics
+
+    @property
+    def methods(self) -> dict[str, tuple[object, str]]:
+        """Owner and name of the methods that make up a step, by what they do."""
+        return {
+            "physics": (self._physics, "step"),
+            "state": (self._physics, "read"),
+            "observation": (self._agent, "observe"),
+            "reward": (self, "_reward"),
+            "environment": (self, "step"),
+        }
+
     def get_observations(self) -> TensorDict:
         """Current observations."""
         return self._observations

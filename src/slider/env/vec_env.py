@@ -17,6 +17,7 @@ from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, perturb
+from slider.env.state import RobotState
 from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
 
@@ -62,7 +63,7 @@ class WalkingEnv(VecEnv):
         self._agent = AgentInterface(robot, config, self.num_envs, times)
         self._commands = CommandSampler(train.commands, config.control_period)
         self._reward = Reward(train.reward)
-        self._reset(np.arange(self.num_envs))
+        self._state = self._reset(np.arange(self.num_envs))
         self._observe()
 
     @property
@@ -94,7 +95,7 @@ class WalkingEnv(VecEnv):
         """One control period for all robots."""
         targets = self._agent.act(actions.numpy().astype(np.float64))
         self._physics.step(targets)
-        state = self._physics.read()
+        state = self._state = self._physics.read()
         self._agent.advance(state)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self._agent.view(state)
@@ -116,7 +117,7 @@ class WalkingEnv(VecEnv):
         timed_out = (self.episode_length_buf >= self.max_episode_length).numpy() & ~fell
         ended = np.flatnonzero(fell | timed_out)
         if len(ended):
-            self._reset(ended)
+            self._state = self._reset(ended)
             self.episode_length_buf[torch.from_numpy(ended)] = 0
         return Episodes(fell, timed_out, diverged)
 
@@ -129,7 +130,8 @@ class WalkingEnv(VecEnv):
         log["/episode/diverged"] = float(episodes.diverged)
         return log
 
-    def _reset(self, index: np.ndarray) -> None:
+    def _reset(self, index: np.ndarray) -> RobotState:
+        """Start robots ``index`` anew; the state of all robots afterwards."""
         count, rng = len(index), self._rng
         self._agent.set_velocity_command(index, self._commands.sample(rng, count))
         phase = rng.uniform(size=count) if self._agent.clock is not None else np.zeros(count)
@@ -144,6 +146,7 @@ class WalkingEnv(VecEnv):
         state = self._physics.read()
         self._agent.reset(index, state, phase, velocity)
         self._agent.refresh_heading(state)
+        return state
 
     def _choose_reference_starts(self, count: int) -> np.ndarray:
         draw = self._rng.uniform(size=count)
@@ -165,5 +168,5 @@ class WalkingEnv(VecEnv):
             self._agent.set_velocity_command(index, self._commands.sample(self._rng, len(index)))
 
     def _observe(self) -> None:
-        values = torch.from_numpy(self._agent.observe(self._physics.read()))
+        values = torch.from_numpy(self._agent.observe(self._state))
         self._observations = TensorDict({"policy": values}, batch_size=[self.num_envs])

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 PRECISIONS = ("float32", "bfloat16")
 _HEADER = (
-    "                      control steps per second, thousands            of bare, in processor time\n"
+    "                      control steps per second, thousands            of bare rollout\n"
     "  envs  precision        bare rollout      environment    whole loop      environment    loop"
 )
 
@@ -53,13 +53,14 @@ def run(arguments: argparse.Namespace) -> None:
     from slider.core.runner import limit_threads
 
     config = compose(arguments.overrides, arguments.conf)
-    threads = arguments.threads or config.resources.threads
+    library = library_path(arguments)
+    threads = config.resources.threads if arguments.threads is None else arguments.threads
     limit_threads(threads)  # before torch, as for a job of the pipeline
     print(f"{machine()}; {threads} threads, load {os.getloadavg()[0]:.1f} before the start")
     print(_HEADER, flush=True)
     found = []
     for num_envs in arguments.envs:
-        for row in _measure(arguments, config, threads, num_envs):
+        for row in _measure(arguments, config, library, threads, num_envs):
             found.append(row)
             print(line(row), flush=True)
     print("\nwhere the processor time of the training goes")
@@ -72,7 +73,7 @@ def _check(arguments: argparse.Namespace) -> None:
     limits = {
         "--envs": min(arguments.envs),
         "--rounds": arguments.rounds,
-        "--threads": arguments.threads or 1,
+        "--threads": 1 if arguments.threads is None else arguments.threads,
     }
     for name, value in limits.items():
         if value < 1:
@@ -80,7 +81,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _measure(
-    arguments: argparse.Namespace, config: "Config", threads: int, num_envs: int
+    arguments: argparse.Namespace, config: "Config", path: Path, threads: int, num_envs: int
 ) -> list["Throughput"]:
     from slider.env.guide import Guide
     from slider.library.lookup import GaitLibrary, GaitTable
@@ -88,7 +89,7 @@ def _measure(
     from slider.training.throughput import Bench
     from slider.training.trainer import Task
 
-    library = GaitLibrary.load(library_path(arguments))
+    library = GaitLibrary.load(path)
     table = GaitTable.from_library(library)
     times = table.times if config.env.phase.enabled else None
     train = replace(config.train.walking, num_envs=num_envs)

@@ -4,6 +4,9 @@ All three do the same work: the physics' states and inputs are recorded from the
 the environment gets actions as noisy as an untrained policy's.
 """
 
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
 import contextlib
 import io
 import statistics

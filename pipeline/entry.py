@@ -13,6 +13,7 @@ from pipeline.ablation import ablation_job
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
 from pipeline.stages import all_jobs
+from slider.control.export import FILES as POLICY_FILES
 from slider.core import tracking
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -37,6 +38,7 @@ REPORTS = {
         f"reports/figures/verification_maps.{suffix}" for suffix in ("svg", "png", "md")
     ),
     "figures": tuple(f"reports/figures/{name}" for name in FILES),
+    "policy_export": tuple(f"reports/policy/{name}" for name in POLICY_FILES),
     "report": ("reports/index.html",),
     ABLATION_TARGET: (
         "reports/ablation.csv",

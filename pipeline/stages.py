@@ -2,6 +2,7 @@
 
 The stage ``baseline`` is the evaluation of the model-predictive controllers; it needs no other.
 The ablation compares several configurations and has a module of its own.
+The stage ``policy_export`` hangs off ``walking``: another exporter must not retrain the policy.
 
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
@@ -24,6 +25,7 @@ GAIT = "slider.gait.stage:run"
 LIBRARY = "slider.library.stage:run"
 STANDING = "slider.training.stage:run_standing"
 WALKING = "slider.training.stage:run_walking"
+POLICY_EXPORT = "slider.control.export.stage:run"
 EVALUATION = "slider.evaluation.stage:run"
 BASELINE = "slider.evaluation.baseline:run"
 TABLE1 = "slider.reports.table1:run"
@@ -44,6 +46,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     targets = table1_jobs(config)
     library = targets["library"]
     beside = verification_jobs(config, library) | figure_jobs(library)
+    beside |= {"policy_export": policy_export(targets["walking"])}
     return targets | beside | {"report": report(config, targets)}
 
 
@@ -186,6 +189,13 @@ def walking_training(
     if standing is not None:
         inputs["standing"] = [standing]
     return JobSpec("walking", f"walking{note}", code_of(WALKING), section, inputs)
+
+
+def policy_export(walking: JobSpec) -> JobSpec:
+    """The policy for use without this package; the policy file brings its configuration along."""
+    section = {"origin": _origin(walking)}
+    code = code_of(POLICY_EXPORT)
+    return JobSpec("policy_export", "policy export", code, section, {"walking": [walking]})
 
 
 def evaluation(

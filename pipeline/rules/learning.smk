@@ -25,6 +25,23 @@ rule walking:
         "{PIPELINE.run} {wildcards.recipe} --threads {threads}"
 
 
+rule export_policy:
+    input:
+        PIPELINE.inputs,
+    output:
+        "artefacts/policy_export/{recipe}.json",
+    log:
+        "artefacts/logs/policy_export/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"
+
+
+# The walking policy, with all that its use elsewhere takes.
 rule policy:
     input:
-        PIPELINE.manifest("walking"),
+        manifest=PIPELINE.manifest("policy_export"),
+        marker="artefacts/current/policy_export",
+    output:
+        REPORTS["policy_export"],
+    shell:
+        "{sys.executable} -m slider.cli publish {input.manifest} {output}"

@@ -18,8 +18,10 @@ COMMANDS = {
     "play": ("slider.play.command", "watch a policy, a gait or a random agent"),
     "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
     "benchmark-gaits": ("slider.gait.benchmark", "time the gait optimisation"),
+    "benchmark-training": ("slider.training.benchmark", "time physics, environment and training"),
     "library": ("slider.reports.library_command", "show what is in the gait library"),
     "gait": ("slider.reports.gait_command", "show or export one gait of the library"),
+    "policy": ("slider.control.export.command", "show or export a trained policy"),
     "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
 }
 

@@ -13,7 +13,7 @@ from slider.control.policy import PolicyController
 from slider.control.policy_file import FORMAT, VERSION, Policy, load_policy, save_policy
 from slider.core.errors import UserError
 from slider.training.ppo import NORMALISER_EPSILON
-from tests.env.synthetic import gait_table, make_agent, make_physics, make_state
+from tests.env.synthetic import config, gait_table, make_agent, make_physics, make_state
 
 LAYOUT = {"command": 4, "joint_positions": 12}
 SIZE = sum(LAYOUT.values())
@@ -25,7 +25,10 @@ def make_policy(seed: int = 0, clock: bool = True) -> Policy:
     network = PolicyNetwork(SIZE, 12, HIDDEN, "elu")
     network.mean.copy_(torch.randn(SIZE))
     network.std.copy_(1.0 + torch.rand(SIZE))
-    return Policy(network.eval(), HIDDEN, "elu", LAYOUT, gait_table().times if clock else None)
+    times = gait_table().times if clock else None
+    whole = config("experiment=test")
+    facts = {"seed": 1, "iteration": 20, "value": 0.1}
+    return Policy(network.eval(), HIDDEN, "elu", LAYOUT, times, whole.robot, whole.env, facts)
 
 
 @pytest.mark.parametrize("clock", [True, False])
@@ -39,6 +42,7 @@ def test_comes_back_as_it_was_saved(tmp_path, clock):
     assert (back.hidden, back.activation, back.observations) == (HIDDEN, "elu", LAYOUT)
     assert list(back.observations) == list(LAYOUT), "the order of the terms matters"
     assert not back.network.training
+    assert (back.robot, back.env, back.facts) == (policy.robot, policy.env, policy.facts)
     if policy.times is None:
         assert back.times is None
         return
@@ -80,7 +84,7 @@ def test_foreign_files_are_one_line(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 99}, "expected version 1, found 99"),
+        ({"version": 99}, "expected version 2, found 99"),
         ({"joints": ["left_knee"]}, "expected the joints left_hip_yaw, "),
         ({"format": "other"}, "expected format slider-policy, found other"),
     ],
@@ -186,11 +190,3 @@ def test_the_gaits_under_the_actions_travel_with_the_policy(tmp_path):
     arguments = np.array([0.3, 1.1]), np.array([0.0, 0.05]), np.array([0.2, 0.8])
     np.testing.assert_array_equal(back.at(*arguments), reference.at(*arguments))
     assert np.abs(back.at(*arguments)).max() > 0.05
-
-
-def test_a_file_from_before_such_actions_has_actions_about_the_nominal_pose(tmp_path):
-    save_policy(make_policy(), tmp_path / "policy.pt")
-    content = torch.load(tmp_path / "policy.pt", weights_only=True)
-    del content["reference"]
-    torch.save(content, tmp_path / "policy.pt")
-    assert load_policy(tmp_path / "policy.pt").reference is None

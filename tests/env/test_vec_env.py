@@ -209,3 +209,18 @@ def test_unknown_terms_are_refused_at_once():
         build(settings("experiment=test", "+env.termination.terms.boredom=1.0"))
     with pytest.raises(UserError, match="found glory"):
         build(settings("experiment=test", "+train.walking.reward.terms.glory={weight: 1.0}"))
+
+
+def test_what_is_observed_is_the_state_after_the_resets():
+    env = build(settings("experiment=test"))
+    fallen = 0
+    for _ in range(40):
+        env._physics.qpos[0, 2] = 0.2  # falls in every step
+        _, _, done, _ = env.step(torch.zeros(env.num_envs, 12))
+        fallen += int(done.sum())
+        fresh = env._physics.read()
+        for name, value in vars(fresh).items():
+            np.testing.assert_array_equal(getattr(env._state, name), value, err_msg=name)
+        expected = env._agent.observe(fresh)
+        np.testing.assert_array_equal(env.get_observations()["policy"].numpy(), expected)
+    assert fallen >= 40

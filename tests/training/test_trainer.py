@@ -1,5 +1,6 @@
 """Training improves a policy, survives being killed and repeats itself."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -176,6 +177,31 @@ def test_the_learning_curve_has_every_reward_term(tmp_path):
     assert {len(row.split(",")) for row in rows} == {len(columns)}
 
 
+def test_what_people_follow_is_tracked(tmp_path):
+    """Reward terms, steps per second, survival, tracking error and blow-ups, by iteration."""
+    trainer = trained(tmp_path, iterations=2)
+    notes = trainer._job.tracker
+    assert isinstance(notes, Notes)
+    each = ("Perf/total_fps", "episode/falls_per_second", "episode/speed_error", "episode/diverged")
+    terms = [f"reward/{name}" for name in trainer._task.train.reward.terms]
+    for name in (*each, *terms, "Loss/surrogate", "Policy/mean_std"):
+        assert [step for step, _ in notes.series(name)] == [0, 1], name
+    for name in ("selection/success", "selection/speed_error", "selection/value"):
+        assert [step for step, _ in notes.series(name)] == [1, 2], name
+
+
+def test_progress_is_one_line_with_time_left_and_success(tmp_path):
+    lines: list[str] = []
+    Trainer(task(iterations=2), replace(job(tmp_path), progress=lines.append)).run()
+    assert len(lines) == 2
+    for iteration, text in enumerate(lines, start=1):
+        assert re.fullmatch(
+            rf"iteration {iteration}/2, [\d.]+ k steps/s, [\d.]+ min left, success \d+ %, "
+            r"speed error [\d.]+ m/s, score [\d.]+",
+            text,
+        ), text
+
+
 def test_start_from_copies_weights_but_not_the_noise(tmp_path):
     standing = trained(tmp_path / "standing", training="standing", iterations=2)
     standing.export(tmp_path)
@@ -223,6 +249,8 @@ def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):
     policy = load_policy(tmp_path / POLICY)
     assert policy.observations == trainer._env.observation_layout
     assert policy.times is not None
+    assert (policy.robot, policy.env) == (trainer._task.robot, trainer._task.env)
+    assert policy.facts["value"] == trainer._best["score"]["value"]
     assert trainer._selector.score(policy.network).value == trainer._best["score"]["value"]
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pipeline import stages
-from pipeline.stages import table1_jobs, velocities
+from pipeline.stages import all_jobs, table1_jobs, velocities
 from slider.core.config.compose import compose
 from slider.core.plan import JobSpec, build_plan
 from slider.core.recipe import Code
@@ -54,6 +54,24 @@ def recipes(*overrides: str) -> dict[str, set[str]]:
 def test_a_value_reaches_what_depends_on_it(before, override, changed):
     after = recipes(override)
     assert {stage for stage in ALL if before[stage] != after[stage]} == changed
+
+
+@pytest.mark.parametrize(
+    ("override", "changed"),
+    [
+        ("robot.gains.slide.kp=7000", True),
+        ("train.walking.seed=2", True),
+        ("report.video.quality=20", False),
+    ],
+)
+def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table_1(
+    override, changed
+):
+    plans = [build_plan(all_jobs(compose(o, CONF))) for o in ([], [override])]
+    recipes = [plan.targets["policy_export"] for plan in plans]
+    assert (recipes[0] != recipes[1]) is changed
+    way = build_plan(table1_jobs(compose([], CONF))).jobs.values()
+    assert "policy_export" not in {job.stage for job in way}
 
 
 def test_a_wider_grid_keeps_its_gaits(before):

@@ -1,5 +1,6 @@
 """The policy file: network, normaliser, layout, clock and everything else needed to run it."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -8,13 +9,16 @@ import numpy as np
 import torch
 
 from slider.control.network import PolicyNetwork
+from slider.core.config.convert import from_dict, to_dict
+from slider.core.config.env import EnvConfig
+from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.names import JOINTS
 
 FORMAT = "slider-policy"
-VERSION = 1
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,9 @@ class Policy:
         network: with its normaliser.
         observations: name → width of the observation terms, in order.
         times: step times of the gait library for the clock, or None without a clock.
+        robot: what it was trained on; gains, limits and drives.
+        env: where it was trained; control period, scales, clips, phase clock.
+        facts: where the weights come from: seed, iteration and the score that they were kept for.
         reference: joint positions of the gaits, where actions are about the gait.
     """
 
@@ -33,6 +40,9 @@ class Policy:
     activation: str
     observations: dict[str, int]
     times: StepTimes | None
+    robot: RobotConfig
+    env: EnvConfig
+    facts: Mapping[str, float]
     reference: JointTable | None = None
 
 
@@ -47,6 +57,9 @@ def save_policy(policy: Policy, path: Path) -> None:
         "observations": policy.observations,
         "state": policy.network.state_dict(),
         "times": None if policy.times is None else _tensors(policy.times),
+        "robot": to_dict(policy.robot),
+        "env": to_dict(policy.env),
+        "facts": dict(policy.facts),
         "reference": None if policy.reference is None else _reference_tensors(policy.reference),
     }
     torch.save(content, path)
@@ -69,7 +82,10 @@ def load_policy(path: Path) -> Policy:
         activation=content["activation"],
         observations=sizes,
         times=None if content["times"] is None else _times(content["times"]),
-        reference=_reference(content.get("reference")),
+        robot=from_dict(RobotConfig, content["robot"]),
+        env=from_dict(EnvConfig, content["env"]),
+        facts=content["facts"],
+        reference=_reference(content["reference"]),
     )
 
 

@@ -53,7 +53,7 @@ class AgentInterface:
         self.num_robots = num_robots
         self._config = config
         nominal = nominal_qpos(robot)
-        self.nominal, self._nominal_height = nominal[7:], float(nominal[2])
+        self.nominal, self.nominal_height = nominal[7:], float(nominal[2])
         self._scale = np.array([config.action.scale[_joint(name)] for name in JOINTS])
         self._lower, self._upper = joint_range(robot)
         effort = np.array([robot.limits[_joint(name)].effort for name in JOINTS])
@@ -134,7 +134,7 @@ class AgentInterface:
             filtered_velocity=self.filtered_velocity,
             phase=np.zeros(self.num_robots) if self.clock is None else self.clock.phase,
             nominal=self.nominal,
-            nominal_height=self._nominal_height,
+            nominal_height=self.nominal_height,
             effort_limits=self._effort_limits,
             scan_points=(scan.points_x, scan.points_y),
         )

@@ -135,9 +135,8 @@ class Observer:
     """Concatenates the configured terms: scale, reflect where asked, clip.
 
     Attributes:
-        layout: name → width of the terms, in order.
-        size: their sum.
-        permutation, sign: reflected = observation[permutation] · sign, each (size,).
+        layout: name → width of the terms, in order; ``size`` is their sum.
+        permutation, sign: reflected observation = observation[permutation] · sign, (size,).
     """
 
     def __init__(self, config: ObservationConfig) -> None:

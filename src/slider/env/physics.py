@@ -72,6 +72,11 @@ class BatchedPhysics:
         return state
 
     @property
+    def state(self) -> np.ndarray:
+        """View of MuJoCo's full physics state (N, 38): time, positions, velocities."""
+        return self._state
+
+    @property
     def qpos(self) -> np.ndarray:
         """View of the base pose and joint positions (N, 19)."""
         return self._state[:, 1 : 1 + self.model.nq]

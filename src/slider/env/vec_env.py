@@ -19,6 +19,7 @@ from slider.env.observations import Observer
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, perturb
+from slider.env.state import RobotState
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
@@ -67,7 +68,7 @@ class WalkingEnv(VecEnv):
         self._commands = CommandSampler(train.commands, config.control_period)
         self.curriculum = Curriculum(train.commands.curriculum, self.num_envs)
         self._reward = Reward(train.reward)
-        self._reset(np.arange(self.num_envs))
+        self._state = self._reset(np.arange(self.num_envs))
         self._observe()
 
     @property
@@ -80,6 +81,21 @@ class WalkingEnv(VecEnv):
         """What the observations are made of."""
         return self._agent.observer
 
+    def physics(self) -> BatchedPhysics:
+        """The simulated robots."""
+        return self._physics
+
+    @property
+    def methods(self) -> dict[str, tuple[object, str]]:
+        """Owner and name of the methods that make up a step, by what they do."""
+        return {
+            "physics": (self._physics, "step"),
+            "state": (self._physics, "read"),
+            "observation": (self._agent, "observe"),
+            "reward": (self, "_reward"),
+            "environment": (self, "step"),
+        }
+
     def get_observations(self) -> TensorDict:
         """Current observations."""
         return self._observations
@@ -88,7 +104,7 @@ class WalkingEnv(VecEnv):
         """One control period for all robots."""
         targets = self._agent.act(actions.numpy().astype(np.float64))
         self._physics.step(targets)
-        state = self._physics.read()
+        state = self._state = self._physics.read()
         self._agent.advance(state)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self._agent.view(state)
@@ -111,7 +127,7 @@ class WalkingEnv(VecEnv):
         ended = np.flatnonzero(fell | timed_out)
         if len(ended):
             self.curriculum.note(len(ended), int(fell.sum()))
-            self._reset(ended)
+            self._state = self._reset(ended)
             self.episode_length_buf[torch.from_numpy(ended)] = 0
         return Episodes(fell, timed_out, diverged)
 
@@ -126,7 +142,8 @@ class WalkingEnv(VecEnv):
             log["/episode/command_share"] = self.curriculum.share
         return log
 
-    def _reset(self, index: np.ndarray) -> None:
+    def _reset(self, index: np.ndarray) -> RobotState:
+        """Start robots ``index`` anew; the state of all robots afterwards."""
         count, rng = len(index), self._rng
         self._agent.set_velocity_command(index, self._draw_commands(count))
         phase = rng.uniform(size=count) if self._agent.clock is not None else np.zeros(count)
@@ -141,6 +158,7 @@ class WalkingEnv(VecEnv):
         state = self._physics.read()
         self._agent.reset(index, state, phase, velocity)
         self._agent.refresh_heading(state)
+        return state
 
     def _choose_reference_starts(self, count: int) -> np.ndarray:
         draw = self._rng.uniform(size=count)
@@ -165,5 +183,5 @@ class WalkingEnv(VecEnv):
         return self._commands.sample(self._rng, count, self.curriculum.share)
 
     def _observe(self) -> None:
-        values = torch.from_numpy(self._agent.observe(self._physics.read()))
+        values = torch.from_numpy(self._agent.observe(self._state))
         self._observations = TensorDict({"policy": values}, batch_size=[self.num_envs])

@@ -32,8 +32,16 @@ def read_library(arguments: argparse.Namespace) -> LibraryContents:
     Raises:
         UserError: there is none yet, or the path holds none.
     """
-    path = arguments.library
-    if path is None:
-        store = Store(arguments.artefacts)
-        path = current_folder(store, "library", MAKE_LIBRARY) / "library.zarr"
-    return LibraryContents.load(path)
+    return LibraryContents.load(library_path(arguments))
+
+
+def library_path(arguments: argparse.Namespace) -> Path:
+    """The library that the arguments mean.
+
+    Raises:
+        UserError: there is none yet.
+    """
+    if arguments.library is not None:
+        return arguments.library
+    store = Store(arguments.artefacts)
+    return current_folder(store, "library", MAKE_LIBRARY) / "library.zarr"

@@ -167,12 +167,16 @@ class Trainer:
         """Write the best policy and its weights; return facts for the manifest."""
         weights = self._best["weights"]
         network = self._task.train.network
+        facts = {"iteration": self._best["iteration"], **self._best["score"]}
         policy = Policy(
             network=self._network(weights["actor_state_dict"]),
             hidden=tuple(network.hidden),
             activation=network.activation,
             observations=self._env.observation_layout,
             times=self._task.times,
+            robot=self._task.robot,
+            env=self._task.env,
+            facts={"seed": self._task.train.seed, **facts},
             reference=self._task.reference,
         )
         save_policy(policy, out / POLICY)
@@ -180,7 +184,7 @@ class Trainer:
         _write_rows(self._history, out / SELECTION)
         _write_rows(self._curve, out / CURVE)
         self._job.tracker.log_file(out / POLICY)
-        return {"iteration": self._best["iteration"], **self._best["score"]}
+        return facts
 
 
 def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:

@@ -1,0 +1,167 @@
+"""Run an exported policy in plain MuJoCo: no part of the package slider is needed.
+
+    pip install mujoco onnxruntime
+    python run_policy.py reports/policy --command 0.6 0 0 --seconds 10
+
+Everything comes from three files of the export: policy.onnx, policy.json, robot.xml. On a robot,
+replace ``observe`` by the state estimate and ``simulate`` by the drives.
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import onnxruntime
+
+
+class Policy:
+    """The network and what it must remember from one control step to the next."""
+
+    def __init__(self, folder: Path) -> None:
+        self.layout = json.loads((folder / "policy.json").read_text())
+        self.session = onnxruntime.InferenceSession(
+            folder / "policy.onnx", providers=["CPUExecutionProvider"]
+        )
+        joints = self.layout["action"]["joints"]
+        self.nominal, self.scale, self.lower, self.upper = (
+            np.array([joint[key] for joint in joints])
+            for key in ("nominal", "scale", "lower", "upper")
+        )
+        self.phase = 0.0
+        self.action = np.zeros(len(joints))
+        self.filtered = np.zeros(2)
+        self.heading_target: float | None = None  # set at the start
+
+    def targets(self, state: dict[str, np.ndarray], command: np.ndarray) -> np.ndarray:
+        """Desired joint positions, once per control period; command: vx, vy, yaw rate."""
+        if self.heading_target is None:
+            self.heading_target = float(state["yaw"])
+        else:
+            self._advance(state, command)
+        action_layout, layout = self.layout["action"], self.layout["observation"]
+        mirrored = self._mirrored()
+        values = self._terms(state, command)
+        observation = np.concatenate(
+            [np.atleast_1d(values[term["name"]]) * term["scale"] for term in layout["terms"]]
+        )
+        if mirrored:
+            observation = reflect(observation, layout["mirror"])
+        observation = np.clip(observation, -layout["clip"], layout["clip"]).astype(np.float32)
+        network = self.layout["network"]
+        action = self.session.run(None, {network["input"]: observation[None]})[0][0].astype(float)
+        action = np.clip(action, -action_layout["clip"], action_layout["clip"])
+        if mirrored:
+            action = reflect(action, action_layout["mirror"])
+        self.action = np.where(self.scale > 0, action, 0.0)
+        return np.clip(self.nominal + self.scale * self.action, self.lower, self.upper)
+
+    def _advance(self, state: dict[str, np.ndarray], command: np.ndarray) -> None:
+        clock, period = self.layout["clock"], self.layout["control_period"]
+        if clock is not None:
+            self.phase = (self.phase + period / (2.0 * step_time(clock, command))) % 1.0
+        self.heading_target += command[2] * period
+        gain = self.layout["observation"]["velocity_filter"]["gain"]
+        self.filtered += gain * (state["heading_velocity"] - self.filtered)
+
+    def _mirrored(self) -> bool:
+        clock = self.layout["clock"]
+        return clock is not None and clock["mirror"] and self.phase >= 0.5
+
+    def _terms(self, state: dict[str, np.ndarray], command: np.ndarray) -> dict[str, np.ndarray]:
+        """Every term that a policy of this format may ask for, before scaling."""
+        error = (self.heading_target - state["yaw"] + np.pi) % (2.0 * np.pi) - np.pi
+        angle = 2.0 * np.pi * self.phase
+        layout = self.layout["observation"]
+        scan = sum(t["width"] for t in layout["terms"] if t["name"] == "height_scan")
+        return {
+            "base_linear_velocity": state["linear_velocity"],
+            "target_linear_velocity": np.array([command[0], command[1], 0.0]),
+            "base_angular_velocity": state["angular_velocity"],
+            "target_angular_velocity": np.array([0.0, 0.0, command[2]]),
+            "projected_gravity": state["gravity"],
+            "command": np.array([*command, error]),
+            "joint_positions": state["joint_positions"] - self.nominal,
+            "joint_velocities": state["joint_velocities"],
+            "previous_action": self.action,
+            "base_height": state["height"] - layout["nominal_height"],
+            "filtered_velocity": self.filtered,
+            "phase": np.array([np.sin(angle), np.cos(angle)]),
+            "height_scan": np.full(scan, state["height"]),  # flat ground
+        }
+
+
+def reflect(values: np.ndarray, mirror: dict) -> np.ndarray:
+    """The same seen in a mirror at the plane between the legs."""
+    return values[mirror["permutation"]] * mirror["sign"]
+
+
+def step_time(clock: dict, command: np.ndarray) -> float:
+    """Bilinear in vx and vy; the border's value outside the grid."""
+    along_vx = [np.interp(command[1], clock["vy"], row) for row in clock["step_time"]]
+    return float(np.interp(command[0], clock["vx"], along_vx))
+
+
+def observe(data: mujoco.MjData) -> dict[str, np.ndarray]:
+    """State of the robot; MuJoCo has the linear velocity in world axes, the angular in base's."""
+    rotation = np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, data.qpos[3:7])
+    rotation = rotation.reshape(3, 3)
+    yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    return {
+        "yaw": yaw,
+        "height": data.qpos[2],
+        "linear_velocity": rotation.T @ data.qvel[:3],
+        "angular_velocity": data.qvel[3:6].copy(),
+        "heading_velocity": np.array([[cosine, sine], [-sine, cosine]]) @ data.qvel[:2],
+        "gravity": -rotation[2],
+        "joint_positions": data.qpos[7:].copy(),
+        "joint_velocities": data.qvel[6:].copy(),
+    }
+
+
+def start(folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """The robot at rest in its nominal pose."""
+    layout = json.loads((folder / "policy.json").read_text())
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    data = mujoco.MjData(model)
+    data.qpos[2] = layout["observation"]["nominal_height"]
+    data.qpos[7:] = [joint["nominal"] for joint in layout["action"]["joints"]]
+    return model, data
+
+
+def simulate(
+    model: mujoco.MjModel, data: mujoco.MjData, policy: Policy, targets: np.ndarray
+) -> None:
+    """One control period; actuators carry the names of their joints."""
+    for joint, target in zip(policy.layout["action"]["joints"], targets, strict=True):
+        if joint["actuated"]:
+            data.actuator(joint["name"]).ctrl[0] = target
+    for _ in range(policy.layout["simulation"]["substeps"]):
+        mujoco.mj_step(model, data)
+
+
+def main() -> None:
+    """Walk and say how far."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, help="with policy.onnx, policy.json and robot.xml")
+    parser.add_argument("--command", type=float, nargs=3, default=(0.6, 0.0, 0.0))
+    parser.add_argument("--seconds", type=float, default=10.0)
+    arguments = parser.parse_args()
+    policy = Policy(arguments.folder)
+    model, data = start(arguments.folder)
+    command = np.array(arguments.command)
+    for _ in range(round(arguments.seconds / policy.layout["control_period"])):
+        simulate(model, data, policy, policy.targets(observe(data), command))
+    upright = data.qpos[2] > 0.4
+    print(
+        f"{'walked' if upright else 'fell'}: {data.time:.1f} s, "
+        f"x = {data.qpos[0]:.2f} m, y = {data.qpos[1]:.2f} m, height = {data.qpos[2]:.2f} m"
+    )
+    raise SystemExit(0 if upright else 1)
+
+
+if __name__ == "__main__":
+    main()

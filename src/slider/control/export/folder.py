@@ -1,0 +1,60 @@
+"""Everything that a robot's own software needs, as files of one folder."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+from slider.control.export import LAYOUT, MODEL, ONNX, POLICY, TORCH_EXPORT
+from slider.control.export.agreement import Agreement, compare, record_observations
+from slider.control.export.graph import save_onnx, save_torch, trace
+from slider.control.export.layout import describe
+from slider.control.policy_file import Policy, load_policy
+from slider.core.files import digest_file
+from slider.robot.mjcf import SimulationOptions, build_spec
+
+_DURATION = 4.0  # of the roll-out whose observations the files are compared on [s]
+
+
+def export(policy_file: Path, origin: dict[str, Any], out: Path, threads: int = 1) -> Agreement:
+    """Write the files ``FILES`` into ``out`` and compare the networks with the policy.
+
+    Args:
+        policy_file: of this project.
+        origin: provenance, copied into the layout beside the digest of the policy file.
+        out: existing folder.
+        threads: of the roll-out.
+
+    Raises:
+        UserError: no policy file, or an exported network acts differently.
+    """
+    policy = write_files(policy_file, origin, out)
+    observations = record_observations(policy, _DURATION, threads)
+    agreement = compare(policy, out / ONNX, out / TORCH_EXPORT, observations)
+    agreement.check()
+    return agreement
+
+
+def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
+    """Write the files, unchecked; return the policy. Arguments as in ``export``."""
+    policy = load_policy(policy_file)
+    layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin})
+    program = trace(policy.network)
+    save_onnx(program, layout, out / ONNX)
+    save_torch(program, layout, out / TORCH_EXPORT)
+    (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")
+    (out / MODEL).write_text(_model_xml(policy))
+    if policy_file.resolve() != (out / POLICY).resolve():
+        shutil.copyfile(policy_file, out / POLICY)
+    return policy
+
+
+def _model_xml(policy: Policy) -> str:
+    """MJCF of the simulated robot, ground and sensors."""
+    physics = policy.env.physics
+    options = SimulationOptions(
+        physics.timestep, physics.solver_iterations, physics.line_search_iterations
+    )
+    spec = build_spec(policy.robot, options)
+    spec.compile()
+    return spec.to_xml()

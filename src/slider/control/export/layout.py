@@ -1,0 +1,163 @@
+"""The layout of a policy: all that a robot's own software needs beside the network, as plain data.
+
+Units: SI and radians. x forward, y left, z up. Positive joint angles are right-handed turns about
+the axes in the robot model; a slide grows as the leg gets longer.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from slider.control.export.terms import MEANINGS
+from slider.control.policy_file import Policy
+from slider.core.errors import UserError
+from slider.env.interface import AgentInterface
+from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN
+
+FORMAT = "slider-policy-layout"
+VERSION = 1
+INPUT, OUTPUT = "observations", "actions"
+
+_PROCEDURE = [
+    "start: clock.phase = 0, previous action = 0, filtered velocity = 0, heading target = yaw",
+    "every control_period, from the second step on: advance the clock, the heading target and the "
+    "velocity filter with the present state",
+    "mirrored = clock.mirror and phase >= 0.5 (right stance); never without a clock",
+    "o = concatenation of the observation's terms, each value times its scale",
+    "if mirrored: o = o[observation.mirror.permutation] * observation.mirror.sign",
+    "o = clip(o, -observation.clip, observation.clip), as float32; a = network(o)",
+    "a = clip(a, -action.clip, action.clip)",
+    "if mirrored: a = a[action.mirror.permutation] * action.mirror.sign",
+    "a[i] = 0 where action.joints[i].scale is 0; a is the next step's previous action",
+    "target[i] = clip(nominal[i] + scale[i] * a[i], lower[i], upper[i]), held for one control "
+    "period by a drive with effort kp * (target - q) - kd * dq, at most effort_limit in size",
+]
+
+
+def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
+    """Layout of a policy as nested plain values, ready for JSON.
+
+    Args:
+        policy: with the robot and the environment of its training.
+        provenance: where it comes from, copied as it is.
+
+    Raises:
+        UserError: the actions are about the gait; the layout does not hold gaits.
+    """
+    if policy.reference is not None:
+        raise UserError("policy export: expected env.action.about=nominal, found gait")
+    agent = AgentInterface(policy.robot, policy.env, 1, policy.times)
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "robot": policy.robot.name,
+        "control_period": policy.env.control_period,
+        "procedure": _PROCEDURE,
+        "network": _network(policy),
+        "observation": _observation(policy, agent),
+        "action": _action(policy, agent),
+        "clock": _clock(policy),
+        "simulation": {
+            "timestep": policy.env.physics.timestep,
+            "substeps": policy.env.physics.substeps,
+        },
+        "training": dict(policy.facts),
+        "provenance": provenance,
+    }
+
+
+def _network(policy: Policy) -> dict[str, Any]:
+    return {
+        "input": INPUT,
+        "output": OUTPUT,
+        "type": "float32",
+        "hidden": list(policy.hidden),
+        "activation": policy.activation,
+        "normaliser": {
+            "inside_network": True,
+            "formula": "(o - mean) / std",
+            "mean": policy.network.mean.tolist(),
+            "std": policy.network.std.tolist(),
+        },
+    }
+
+
+def _observation(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
+    config, observer = policy.env.observation, agent.observer
+    gain = min(1.0, policy.env.control_period / config.velocity_filter)
+    return {
+        "size": observer.size,
+        "clip": config.clip,
+        "terms": _terms(policy, agent),
+        "mirror": {"permutation": observer.permutation.tolist(), "sign": observer.sign.tolist()},
+        "nominal_height": agent.nominal_height,
+        "velocity_filter": {"time_constant": config.velocity_filter, "gain": gain},
+    }
+
+
+def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
+    start, rows = 0, []
+    for name, width in agent.observer.layout.items():
+        meaning = MEANINGS[name]
+        row = {
+            "name": name,
+            "start": start,
+            "width": width,
+            "scale": policy.env.observation.terms[name],
+            "units": list(np.broadcast_to(meaning.units, width).tolist()),
+            "frame": meaning.frame,
+            "components": list(meaning.components),
+            "meaning": meaning.text,
+        }
+        scan = policy.env.observation.height_scan
+        if name == "height_scan":
+            grid = {"points_x": scan.points_x, "points_y": scan.points_y, "spacing": scan.spacing}
+            row |= {"grid": grid}
+        rows.append(row)
+        start += width
+    return rows
+
+
+def _action(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
+    return {
+        "size": len(JOINTS),
+        "clip": policy.env.action.clip,
+        "joints": [_joint(policy, agent, index) for index in range(len(JOINTS))],
+        "mirror": {"permutation": list(MIRROR_PERMUTATION), "sign": list(MIRROR_SIGN)},
+    }
+
+
+def _joint(policy: Policy, agent: AgentInterface, index: int) -> dict[str, Any]:
+    """One joint; its drive's effort falls linearly with speed from the stall effort to 0."""
+    name = JOINTS[index]
+    kind = name.split("_", 1)[1]
+    limits, gains = policy.robot.limits[kind], policy.robot.gains[kind]
+    return {
+        "name": name,
+        "unit": CHANNEL_UNITS[index],
+        "actuated": limits.effort > 0,
+        "nominal": float(agent.nominal[index]),
+        "scale": policy.env.action.scale[kind],
+        "lower": limits.lower,
+        "upper": limits.upper,
+        "kp": gains.kp,
+        "kd": gains.kd,
+        "effort_limit": limits.effort,
+        "speed_limit": limits.speed,
+        "stall_effort": policy.robot.drives[kind].stall_ratio * limits.effort,
+    }
+
+
+def _clock(policy: Policy) -> dict[str, Any] | None:
+    """The clock's pace: bilinear in the command, the border's value outside the grid."""
+    if not policy.env.phase.enabled or policy.times is None:
+        return None
+    return {
+        "mirror": policy.env.phase.mirror,
+        "advance": "phase = (phase + control_period / (2 * step_time(vx, vy))) modulo 1; "
+        "left stance below 0.5, right stance from there on; step_time[i][j] is at vx[i], vy[j], "
+        "bilinear in between, the nearest border's outside",
+        "vx": policy.times.vx.tolist(),
+        "vy": policy.times.vy.tolist(),
+        "step_time": policy.times.step_time.tolist(),
+    }

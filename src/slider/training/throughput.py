@@ -1,0 +1,186 @@
+"""How many control steps per second: bare physics, the environment, the whole training.
+
+All three do the same work: the physics' states and inputs are recorded from the environment, and
+the environment gets actions as noisy as an untrained policy's.
+"""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+import contextlib
+import io
+import statistics
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import torch
+from mujoco import rollout
+from rsl_rl.runners import OnPolicyRunner
+
+from slider.core.job import NoTracker
+from slider.env.vec_env import WalkingEnv
+from slider.robot.names import ACTUATED, NUM_JOINTS
+from slider.training.ppo import runner_config
+from slider.training.stopwatch import Stopwatch
+from slider.training.trainer import Task
+
+_RECORDED = 24  # control steps
+
+
+@dataclass(frozen=True)
+class Rate:
+    """Control steps of one robot, per second of time and per second of processor time."""
+
+    wall: float
+    cpu: float
+
+
+@dataclass(frozen=True)
+class Throughput:
+    """Medians over rounds for one number of environments and one precision of the update.
+
+    Attributes:
+        bare: ``mujoco.rollout`` alone.
+        environment: the environment's ``step``.
+        loop: training iterations, everything included.
+        environment_share, loop_share: of the bare rate, in processor time.
+        parts: share of the training's processor time by part.
+    """
+
+    num_envs: int
+    precision: str
+    bare: Rate
+    environment: Rate
+    loop: Rate
+    environment_share: float
+    loop_share: float
+    parts: dict[str, float]
+
+
+class Bench:
+    """Physics, environment and training of one task, each to be run for a while."""
+
+    def __init__(self, task: Task, threads: int, work: Path) -> None:
+        torch.set_num_threads(threads)
+        torch.set_flush_denormal(True)
+        torch.manual_seed(task.train.seed)
+        rng = np.random.default_rng(task.train.seed)
+        self._task, self._work = task, work
+        self._env = WalkingEnv(
+            task.robot, task.env, task.train, rng, task.times, task.guide, threads
+        )
+        self._actions = task.train.network.initial_std * torch.randn(
+            _RECORDED, task.train.num_envs, NUM_JOINTS
+        )
+        self._physics = self._env.physics
+        self._pool = rollout.Rollout(nthread=threads)
+        self._data = [mujoco.MjData(self._physics.model) for _ in range(threads)]
+        self._recorded = self._record()
+
+    def measure(self, precisions: list[str], seconds: float, rounds: int) -> list[Throughput]:
+        """Measure all by turns, ``rounds`` times, at least ``seconds`` [s] each."""
+        runners = {name: self._runner(name) for name in precisions}
+        watches = {name: Stopwatch() for name in precisions}
+        work: dict[str, Callable[[], int]] = {"bare": self._bare, "environment": self._step}
+        work |= {name: self._learn(runner, watches[name]) for name, runner in runners.items()}
+        for once in work.values():  # first calls allocate
+            once()
+        for watch in watches.values():
+            watch.seconds.clear()
+        rates = {name: [] for name in work}
+        for _ in range(rounds):
+            for name, once in work.items():
+                rates[name].append(_run(once, seconds))
+        return [self._summary(name, rates, watches[name]) for name in precisions]
+
+    def _summary(
+        self, precision: str, rates: dict[str, list[Rate]], watch: Stopwatch
+    ) -> Throughput:
+        bare, environment, loop = (rates[name] for name in ("bare", "environment", precision))
+        total = sum(watch.seconds.values())
+        return Throughput(
+            num_envs=self._task.train.num_envs,
+            precision=precision,
+            bare=_median(bare),
+            environment=_median(environment),
+            loop=_median(loop),
+            environment_share=_share(environment, bare),
+            loop_share=_share(loop, bare),
+            parts={name: seconds / total for name, seconds in watch.seconds.items()},
+        )
+
+    def _record(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """States and inputs of the physics in some steps of the environment."""
+        recorded = []
+        real = self._physics.step
+
+        def step(inputs: np.ndarray) -> None:
+            recorded.append((self._physics.state.copy(), inputs))
+            real(inputs)
+
+        self._physics.step = step  # type: ignore[method-assign]
+        self._step()
+        del self._physics.step
+        return recorded
+
+    def _bare(self) -> int:
+        substeps = self._task.env.physics.substeps
+        for state, inputs in self._recorded:
+            control = np.repeat(inputs[:, None, list(ACTUATED)], substeps, axis=1)
+            self._pool.rollout(self._physics.model, self._data, state, control)
+        return len(self._recorded) * len(self._actions[0])
+
+    def _step(self) -> int:
+        with torch.inference_mode():
+            for actions in self._actions:
+                self._env.step(actions)
+        return len(self._actions) * len(self._actions[0])
+
+    def _runner(self, precision: str) -> OnPolicyRunner:
+        train = self._task.train
+        train = replace(train, ppo=replace(train.ppo, precision=precision))
+        config = runner_config(train, NoTracker(), [])
+        with contextlib.redirect_stdout(io.StringIO()):
+            runner = OnPolicyRunner(self._env, config, log_dir=str(self._work), device="cpu")
+        runner.save = lambda *_, **__: None  # a training saves once in many iterations
+        return runner
+
+    def _learn(self, runner: OnPolicyRunner, watch: Stopwatch) -> Callable[[], int]:
+        methods = self._env.methods | {
+            "policy": (runner.alg, "act"),
+            "storage": (runner.alg, "process_env_step"),
+            "returns": (runner.alg, "compute_returns"),
+            "update": (runner.alg, "update"),
+            "other": (runner, "learn"),
+        }
+
+        def learn() -> int:
+            with contextlib.redirect_stdout(io.StringIO()), watch.watching(methods):
+                runner.learn(1)
+            return self._task.train.num_envs * self._task.train.steps_per_iteration
+
+        return learn
+
+
+def _run(once: Callable[[], int], seconds: float) -> Rate:
+    """Do it again and again for at least ``seconds`` [s]; it returns the control steps done."""
+    wall, cpu, steps = time.perf_counter(), time.process_time(), 0
+    while time.perf_counter() - wall < seconds:
+        steps += once()
+    return Rate(steps / (time.perf_counter() - wall), steps / (time.process_time() - cpu))
+
+
+def _median(rates: list[Rate]) -> Rate:
+    return Rate(
+        statistics.median(rate.wall for rate in rates),
+        statistics.median(rate.cpu for rate in rates),
+    )
+
+
+def _share(part: list[Rate], whole: list[Rate]) -> float:
+    """Median over rounds: what slows one round down slows all its measurements down."""
+    return statistics.median(p.cpu / w.cpu for p, w in zip(part, whole, strict=True))

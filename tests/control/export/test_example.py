@@ -1,0 +1,75 @@
+"""The documented program without this package does what the package does."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.control.export.folder import write_files
+from slider.control.policy import PolicyController
+from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
+from slider.robot.mjcf import nominal_qpos
+from tests.control.export.policies import write_policy
+
+EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "run_policy.py"
+COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
+STEPS = 60
+
+
+def written(folder: Path, *overrides: str) -> Path:
+    write_policy(folder / "policy.pt", *overrides)
+    return folder / "policy.pt"
+
+
+def load_example():
+    spec = importlib.util.spec_from_file_location("run_policy", EXAMPLE)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("overrides", [(), ("env=paper",), ("env.phase.mirror=false",)])
+def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
+    policy = write_files(written(tmp_path, *overrides), {}, tmp_path)
+    physics = BatchedPhysics(policy.robot, policy.env.physics, 1)
+    physics.reset(np.arange(1), nominal_qpos(policy.robot)[None], np.zeros((1, 18)))
+    agent = AgentInterface(policy.robot, policy.env, 1, policy.times)
+    controller = PolicyController(policy.network, agent)
+    controller.reset(physics.read(), COMMAND[None])
+    example = load_example()
+    model, data = example.start(tmp_path)
+    outside = example.Policy(tmp_path)
+    actions = []
+    for step in range(STEPS):
+        expected = controller.control(physics.read())
+        targets = outside.targets(example.observe(data), COMMAND)
+        np.testing.assert_allclose(targets, expected[0], atol=1e-4, err_msg=f"step {step}")
+        physics.step(expected)
+        example.simulate(model, data, outside, targets)
+        actions.append(outside.action)
+    np.testing.assert_allclose(data.qpos, physics.qpos[0], atol=1e-3)
+    assert np.std(actions, axis=0)[agent._scale > 0].min() > 1e-3, "the policy must do something"
+    if policy.env.phase.mirror:
+        assert agent.clock is not None
+        assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()
+
+
+def test_it_runs_as_a_program_without_the_package(tmp_path):
+    write_files(written(tmp_path), {}, tmp_path)
+    blocked = tmp_path / "blocked" / "slider"
+    blocked.mkdir(parents=True)
+    (blocked / "__init__.py").write_text("raise ImportError('the example needs the package')")
+    answer = subprocess.run(
+        [sys.executable, str(EXAMPLE), str(tmp_path), "--command", "0", "0", "0", "--seconds", "1"],
+        env={"PYTHONPATH": str(blocked.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.stdout.startswith(("walked: 1.0 s", "fell: 1.0 s")), answer.stderr

@@ -1,0 +1,132 @@
+"""The exported files: the same actions, complete, the same bytes, and nothing of this machine."""
+
+import json
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import onnx
+import pytest
+import torch
+
+from slider.cli import main
+from slider.control.export import FILES, LAYOUT, MODEL, ONNX, TORCH_EXPORT
+from slider.control.export.agreement import (
+    Agreement,
+    compare,
+    record_observations,
+    run_onnx,
+)
+from slider.control.export.folder import export, write_files
+from slider.control.export.graph import LAYOUT_FILE, LAYOUT_KEY
+from slider.control.export.stage import run
+from slider.control.policy_file import load_policy
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.env.physics import BatchedPhysics
+from tests.control.export.policies import make_policy, write_policy
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("export")
+    write_policy(folder / "policy.pt")
+    export(folder / "policy.pt", {"recipe": "abc"}, folder)
+    return folder
+
+
+def test_both_networks_act_like_the_policy(folder):
+    policy = load_policy(folder / "policy.pt")
+    observations = record_observations(policy, 0.4)
+    assert observations.shape == (20 * 24, 54)
+    assert observations.std(axis=0).max() > 0.1
+    found = compare(policy, folder / ONNX, folder / TORCH_EXPORT, observations)
+    assert 0 <= found.onnx <= 1e-5
+    assert 0 <= found.torch_export <= 1e-5
+    with torch.inference_mode():
+        expected = policy.network(torch.from_numpy(observations[:1])).numpy()
+    np.testing.assert_allclose(run_onnx(folder / ONNX, observations[:1]), expected, atol=1e-5)
+
+
+def test_another_network_is_refused(folder):
+    policy = load_policy(folder / "policy.pt")
+    observations = record_observations(policy, 0.1)
+    policy.network.std[3] += 0.01
+    found = compare(policy, folder / ONNX, folder / TORCH_EXPORT, observations)
+    with pytest.raises(UserError, match="actions of the ONNX file within 1e-05"):
+        found.check()
+    with pytest.raises(UserError, match=r"torch.export file within 1e-05"):
+        Agreement(1, onnx=0.0, torch_export=float("nan")).check()
+
+
+def test_the_layout_is_in_all_three_files(folder):
+    layout = json.loads((folder / LAYOUT).read_text())
+    model = onnx.load(folder / ONNX)
+    assert json.loads({p.key: p.value for p in model.metadata_props}[LAYOUT_KEY]) == layout
+    extra = {LAYOUT_FILE: ""}
+    torch.export.load(folder / TORCH_EXPORT, extra_files=extra)
+    assert json.loads(extra[LAYOUT_FILE]) == layout
+    assert layout["provenance"]["recipe"] == "abc"
+    assert len(layout["provenance"]["policy_sha256"]) == 64
+    assert layout["training"] == {"seed": 1, "iteration": 20, "value": 0.25}
+
+
+def test_the_model_is_the_simulated_one(folder):
+    policy = make_policy()
+    expected = BatchedPhysics(policy.robot, policy.env.physics, 1).model
+    model = mujoco.MjModel.from_xml_path(str(folder / MODEL))
+    for name in ("body_mass", "body_inertia", "body_ipos", "jnt_range", "dof_damping"):
+        np.testing.assert_array_equal(getattr(model, name), getattr(expected, name))
+    for name in ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange", "geom_friction"):
+        np.testing.assert_allclose(getattr(model, name), getattr(expected, name), rtol=1e-12)
+    for name in ("timestep", "iterations", "ls_iterations", "integrator", "jacobian"):
+        assert getattr(model.opt, name) == getattr(expected.opt, name)
+
+
+def test_same_policy_same_bytes_and_no_paths_of_this_machine(folder, tmp_path):
+    write_policy(tmp_path / "policy.pt")
+    write_files(tmp_path / "policy.pt", {"recipe": "abc"}, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(FILES)
+    for name in FILES:
+        content = (tmp_path / name).read_bytes()
+        assert content == (folder / name).read_bytes(), name
+        assert b"site-packages" not in content, name
+
+
+def test_the_stage_exports_the_walking_policy(folder, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    job = Job(tmp_path)
+    summary = run({"origin": {"recipe": "abc"}}, {"walking": [folder]}, out, job)
+    assert summary == {"observations": 4800, "tolerance": 1e-5}
+    assert job.volatile["onnx_difference"] <= 1e-5
+    assert {path.name for path in out.iterdir()} == set(FILES)
+
+
+def test_the_command_exports_and_shows(folder, tmp_path, capsys):
+    assert main(["policy", "export", str(folder / "policy.pt"), "--out", str(tmp_path / "a")]) == 0
+    assert "largest difference of an action over 4800 observations" in capsys.readouterr().out
+    assert {path.name for path in (tmp_path / "a").iterdir()} == set(FILES)
+    assert main(["policy", "show", str(folder / "policy.pt")]) == 0
+    shown = capsys.readouterr().out
+    assert "54 × 24 × 16 × 12, elu" in shown
+    assert "left_slide" in shown
+    assert main(["policy", "show", "--json", str(folder / "policy.pt")]) == 0
+    assert json.loads(capsys.readouterr().out)["observation"]["size"] == 54
+
+
+def test_what_is_no_policy_is_one_line(tmp_path, capsys):
+    (tmp_path / "policy.pt").write_text("not a policy")
+    assert main(["policy", "show", str(tmp_path / "policy.pt")]) == 1
+    assert "expected a policy file of this project" in capsys.readouterr().err
+    assert main(["policy", "export", "--artefacts", str(tmp_path)]) == 1
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_the_tolerance_is_not_met_by_a_coarser_network(folder, tmp_path):
+    """float16 weights would differ by more than the tolerance: the bound can fail."""
+    policy = make_policy()
+    observations = record_observations(policy, 0.1)
+    coarse = replace(policy, network=policy.network.half().float())
+    found = compare(coarse, folder / ONNX, folder / TORCH_EXPORT, observations)
+    assert found.onnx > 1e-5

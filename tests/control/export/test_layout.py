@@ -1,0 +1,67 @@
+"""The layout says everything, and says it right."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.control.export.layout import describe
+from slider.control.export.terms import MEANINGS
+from slider.core.errors import UserError
+from slider.env.observations import TERMS
+from tests.control.export.policies import make_policy
+from tests.env.synthetic import gait_table
+
+
+def test_every_term_of_an_observation_is_explained():
+    assert set(MEANINGS) == {*TERMS, "height_scan"}
+    for name, term in TERMS.items():
+        assert len(MEANINGS[name].components) == term.size, name
+        assert len(MEANINGS[name].units) in (1, term.size), name
+
+
+@pytest.mark.parametrize("env", ["default", "paper"])
+def test_the_terms_tile_the_observation(env):
+    policy = make_policy(f"env={env}")
+    layout = describe(policy, {})
+    assert json.loads(json.dumps(layout)) == layout
+    end = 0
+    for term in layout["observation"]["terms"]:
+        assert term["start"] == end
+        assert len(term["units"]) == term["width"]
+        end += term["width"]
+    assert end == layout["observation"]["size"] == sum(policy.observations.values())
+    assert [t["name"] for t in layout["observation"]["terms"]] == list(policy.env.observation.terms)
+
+
+def test_gains_limits_and_scales_are_the_robots():
+    policy = make_policy("robot.gains.slide.kp=7000", "env.action.scale.slide=0.07")
+    joints = {joint["name"]: joint for joint in describe(policy, {})["action"]["joints"]}
+    slide, foot = joints["right_slide"], joints["left_upper_foot"]
+    assert (slide["kp"], slide["scale"], slide["unit"]) == (7000.0, 0.07, "m")
+    assert slide["stall_effort"] == 2.0 * slide["effort_limit"] == 800.0
+    assert not foot["actuated"]
+    assert foot["scale"] == 0.0
+    assert list(joints)[:3] == ["left_hip_yaw", "left_hip_roll", "left_hip_pitch"]
+
+
+def test_a_reflection_undoes_itself():
+    layout = describe(make_policy(), {})
+    for part in ("observation", "action"):
+        mirror = layout[part]["mirror"]
+        values = np.random.default_rng(0).standard_normal(layout[part]["size"])
+        once = values[mirror["permutation"]] * mirror["sign"]
+        np.testing.assert_array_equal(once[mirror["permutation"]] * mirror["sign"], values)
+
+
+def test_a_policy_without_a_clock_says_so():
+    assert describe(make_policy("env=paper"), {})["clock"] is None
+    clock = describe(make_policy(), {})["clock"]
+    assert np.shape(clock["step_time"]) == (len(clock["vx"]), len(clock["vy"]))
+
+
+def test_actions_about_the_gait_are_refused():
+    policy = replace(make_policy(), reference=gait_table().joints)
+    with pytest.raises(UserError, match=r"expected env\.action\.about=nominal"):
+        describe(policy, {})

@@ -28,7 +28,7 @@ _MAPS = (
 _HOLDS = {None: "–", True: "yes", False: "NO"}
 _CAPTION = (
     "One square per gait; the menu above chooses the quantity, and the table below explains it. "
-    "Above 1, the return map's eigenvalue means that the gait, left alone in time, drifts away from "
+    "Above 1, the eigenvalue of the return map means that the gait, left alone in time, leaves "
     "its limit cycle, as a walk on line feet does."
 )
 

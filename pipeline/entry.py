@@ -22,6 +22,7 @@ from slider.core.store import ARTEFACTS, Store
 from slider.reports.figures import FILES
 
 OPTION = "hydra"
+_TITLE = 80  # characters
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
 # What people read, by target: copies out of the store.
 REPORTS = {
@@ -88,8 +89,12 @@ class Pipeline:
         tags = {_TAGS[name]: value for name, value in revision().items()}
         info = tracking.SessionInfo(self.config.tracking.experiment, os.getpid(), tags)
         tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides)}
-        run = {"name": "pipeline", "tags": tags, "params": to_dict(self.config)}
+        run = {"name": self._title(), "tags": tags, "params": to_dict(self.config)}
         self.session = tracking.start(artefacts, info, run)
+
+    def _title(self) -> str:
+        """Name of the run in MLflow: what a person changed tells it from its neighbours."""
+        return " ".join(["pipeline", *self.overrides])[:_TITLE]
 
     def finish(self, status: str) -> None:
         """Close the session of this pipeline run as ``FINISHED`` or ``FAILED``."""

@@ -97,7 +97,7 @@ def _harmless(json: str | None) -> str:
 def render_page(title: str, facts: Mapping[str, str], sections: Mapping[str, Section]) -> str:
     """The whole page as one HTML text that needs nothing else."""
     environment = Environment(
-        loader=PackageLoader("slider.reports", "templates"),
+        loader=PackageLoader("slider.reports.sections", "templates"),
         autoescape=select_autoescape(["html"]),
         undefined=StrictUndefined,
         trim_blocks=True,

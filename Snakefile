@@ -37,12 +37,12 @@ include: "pipeline/rules/ablation.smk"
 
 
 onstart:
-    PIPELINE.start_tracking()
+    PIPELINE.start()
 
 
 onsuccess:
-    PIPELINE.finish_tracking("FINISHED")
+    PIPELINE.finish("FINISHED")
 
 
 onerror:
-    PIPELINE.finish_tracking("FAILED")
+    PIPELINE.finish("FAILED")

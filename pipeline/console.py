@@ -33,5 +33,6 @@ def _point_to_log(logs: list[str]) -> None:
         lines = log.read_text(encoding="utf-8", errors="replace") if log.is_file() else ""
         if _SHOWN in lines:
             continue
-        end = "".join(f"\n  {line}" for line in lines.splitlines()[-_TAIL:])
+        last = [line for line in lines.splitlines() if line.strip()][-_TAIL:]
+        end = "".join(f"\n  {line}" for line in last)
         print(f"slider: the job's log is {log}{end}", file=sys.stderr)

@@ -2,7 +2,6 @@
 
 import os
 import shlex
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +14,7 @@ from pipeline.reports import refresh_marker
 from pipeline.stages import all_jobs
 from slider.control.export import FILES as POLICY_FILES
 from slider.core import tracking
+from slider.core.circumstances import note_start, revision
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
 from slider.core.config.schema import Config
@@ -25,6 +25,8 @@ from slider.reports.figures import FILES
 
 OPTION = "hydra"
 ABLATION_TARGET = "ablation"
+_TITLE = 80  # characters
+_TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
 # What people read, by target: copies out of the store.
 REPORTS = {
     "table1": (
@@ -112,18 +114,24 @@ class Pipeline:
         self.plan = build_plan(targets | {ABLATION_TARGET: job})
         self.plan_path = _lay_out(self.plan, self.store)
 
-    def start_tracking(self) -> None:
-        """Open a session for this pipeline run, if the configuration wants one."""
+    def start(self) -> None:
+        """Begin this pipeline run; open a session of tracking, if the configuration wants one."""
         artefacts = self.store.root
+        note_start(artefacts)
         tracking.stop(artefacts)
         if not self.config.tracking.enabled:
             return
-        info = tracking.SessionInfo(self.config.tracking.experiment, os.getpid(), _git())
+        tags = {_TAGS[name]: value for name, value in revision().items()}
+        info = tracking.SessionInfo(self.config.tracking.experiment, os.getpid(), tags)
         tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides)}
-        run = {"name": "pipeline", "tags": tags, "params": to_dict(self.config)}
+        run = {"name": self._title(), "tags": tags, "params": to_dict(self.config)}
         self.session = tracking.start(artefacts, info, run)
 
-    def finish_tracking(self, status: str) -> None:
+    def _title(self) -> str:
+        """Name of the run in MLflow: what a person changed tells it from its neighbours."""
+        return " ".join(["pipeline", *self.overrides])[:_TITLE]
+
+    def finish(self, status: str) -> None:
         """Close the session of this pipeline run as ``FINISHED`` or ``FAILED``."""
         if self.session is not None:
             self.session.finish(status)
@@ -173,23 +181,3 @@ def _overrides(settings: Mapping[str, Any]) -> list[str]:
         return shlex.split(text)
     except ValueError as error:
         raise UserError(f"--config {OPTION}: {error} in {text!r}") from None
-
-
-def _git() -> dict[str, str]:
-    """Commit and state of the working tree, where there is one."""
-    commit = _ask_git("rev-parse", "HEAD")
-    if not commit:
-        return {}
-    dirty = bool(_ask_git("status", "--porcelain", "--untracked-files=no"))
-    return {"mlflow.source.git.commit": commit, "git.dirty": str(dirty).lower()}
-
-
-def _ask_git(*arguments: str) -> str:
-    folder = Path(__file__).parent
-    try:
-        answer = subprocess.run(
-            ["git", *arguments], cwd=folder, capture_output=True, text=True, check=False
-        )
-    except OSError:  # no git on this machine
-        return ""
-    return answer.stdout.strip() if answer.returncode == 0 else ""

@@ -8,7 +8,7 @@ Each function says which entry point a stage runs, which part of the configurati
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -45,9 +45,9 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs of everything that can be asked for, by the name of their target."""
     targets = table1_jobs(config)
     library = targets["library"]
-    beside = verification_jobs(config, library) | figure_jobs(library)
-    beside |= {"policy_export": policy_export(targets["walking"])}
-    return targets | beside | {"report": report(config, targets)}
+    targets |= verification_jobs(config, library) | figure_jobs(library)
+    targets |= {"policy_export": policy_export(targets["walking"])}
+    return targets | {"report": report(config, targets)}
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
@@ -250,19 +250,25 @@ def video(config: Config, controller: str, command: float, walking: JobSpec) -> 
 
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     """The page about everything; its sections say what it needs."""
-    available = {name: [job] for name, job in targets.items()} | {
-        "gaits": targets["library"].inputs["gaits"],
-        "evaluations": targets["table1"].inputs["evaluations"],
-        "videos": _videos(config, targets["walking"]),
-    }
-    names = {name for section in config.report.sections for name in SECTION_INPUTS[section]}
-    inputs = {name: jobs for name, jobs in available.items() if name in names}
+    available = _available(targets) | {"videos": _videos(config, targets["walking"])}
+    names = [name for section in config.report.sections for name in SECTION_INPUTS[section]]
+    inputs = {name: available[name] for name in dict.fromkeys(names)}
     section = {
         "report": to_dict(config.report),
         "configuration": _without(to_dict(config), "resources", "tracking", "ablation"),
         "origins": {name: [_origin(job) for job in jobs] for name, jobs in inputs.items()},
     }
     return JobSpec("report", "report", code_of(REPORT), section, inputs)
+
+
+def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:
+    """What a section can ask for: a target, or as ``target.group`` a group of its inputs."""
+    groups = {
+        f"{name}.{group}": jobs
+        for name, job in targets.items()
+        for group, jobs in job.inputs.items()
+    }
+    return {name: [job] for name, job in targets.items()} | groups
 
 
 def _videos(config: Config, walking: JobSpec) -> list[JobSpec]:
@@ -278,6 +284,7 @@ def _videos(config: Config, walking: JobSpec) -> list[JobSpec]:
 def _origin(job: JobSpec) -> dict[str, Any]:
     """Where a result comes from, for the section about it."""
     return {
+        "stage": job.stage,
         "label": job.label,
         "recipe": job.recipe,
         "source": job.code.source,

@@ -31,6 +31,7 @@ ALLOWED = {
     "verification": {"core", "robot", "gait", "library", "verification"},
     "play": {"core", *ORDER, "play"},
 } | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
+ALLOWED["reports"] |= {"verification"}
 # The checks of the configuration know the names of joints.
 EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
 STAGES = (

@@ -53,3 +53,13 @@ def test_a_page_has_the_inputs_of_its_sections_only():
 
 def test_every_section_declares_its_inputs():
     assert set(SECTIONS) == set(SECTION_INPUTS)
+
+
+def test_a_section_pulls_in_what_it_declares():
+    _, report = stages("report.sections=[table1]")
+    assert set(report.inputs) == {"table1"}
+    wanted = f"report.sections=[{','.join(SECTIONS)}]"
+    _, report = stages(wanted)
+    assert set(report.inputs) == {name for names in SECTION_INPUTS.values() for name in names}
+    assert {job.stage for job in report.inputs["verification.gaits"]} == {"verification_gaits"}
+    assert {origin["stage"] for origin in report.section["origins"]["library.gaits"]} == {"gait"}

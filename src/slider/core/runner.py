@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from slider.core import files
+from slider.core.circumstances import circumstances
 from slider.core.errors import UserError
 from slider.core.index import Entry, Index
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
@@ -110,7 +111,8 @@ class Runner:
         work.mkdir(parents=True, exist_ok=True)
         known = {name: [self._sidecar(job) for job in jobs] for name, jobs in spec.inputs.items()}
         tracker = _open_tracker(self.store.root, spec)
-        return Job(work, self.threads, tracker, self.progress, {}, known)
+        facts = circumstances(self.store.root)
+        return Job(work, self.threads, tracker, self.progress, facts, known)
 
     def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
         try:

@@ -1,11 +1,12 @@
-"""``slider play``: watch a policy, a gait, or an agent that knows nothing."""
+"""``slider play``: watch a policy, the baseline, a gait, or an agent that knows nothing."""
 
 import argparse
 from pathlib import Path
 
 from slider.core.store import ARTEFACTS
 
-AGENTS = ("policy", "zero", "random")
+BASELINES = ("mpc_wbc_literal", "mpc_wbc_tuned")
+AGENTS = ("policy", *BASELINES, "zero", "random")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -1,5 +1,7 @@
 """What moves: a simulated robot with an agent, or a gait replayed without physics."""
 
+from collections.abc import Callable
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +19,9 @@ from slider.env.starts import at_rest
 from slider.library.lookup import GaitLibrary
 from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
+
+Start = Callable[[], tuple[np.ndarray, np.ndarray]]
+Steer = Callable[[np.ndarray], None]
 
 
 class Motion(Protocol):
@@ -37,31 +42,26 @@ class Motion(Protocol):
 
 
 class Simulation:
-    """One robot in the environment, controlled by a network."""
+    """One simulated robot and its controller.
 
-    def __init__(
-        self,
-        robot: RobotConfig,
-        env: EnvConfig,
-        agent: AgentInterface,
-        network,
-        noise: StartNoise,
-        seed: int,
-    ) -> None:
-        self.period = env.control_period
-        self._robot, self._noise, self._agent = robot, noise, agent
-        self._rng = np.random.default_rng(seed)
-        controller = PolicyController(network, agent)
-        self._episode = Episode(controller, BatchedPhysics(robot, env.physics, 1), env)
+    Args:
+        episode: of one robot.
+        period: between two frames [s].
+        start: new start of the robot, positions (1, 19) and velocities (1, 18).
+        steer: tells the controller a new command (1, 3).
+    """
+
+    def __init__(self, episode: Episode, period: float, start: Start, steer: Steer) -> None:
+        self.period = period
+        self._episode, self._start, self._steer = episode, start, steer
 
     def start(self, velocity: np.ndarray) -> Frame:
         """Place the robot at rest, with new noise."""
-        start = at_rest(self._robot, self._noise, self._rng, 1)
-        return self._episode.start(*start, velocity[None])
+        return self._episode.start(*self._start(), velocity[None].copy())
 
     def step(self, velocity: np.ndarray) -> Frame:
         """Simulate one control period."""
-        self._agent.set_velocity_command(np.arange(1), velocity[None])
+        self._steer(velocity[None].copy())
         return self._episode.step()
 
     def push(self, velocity: np.ndarray) -> None:
@@ -125,7 +125,7 @@ def simulate_policy(
             f"policy: expected the observations {agent.observer.layout}, "
             f"found {policy.observations}"
         )
-    return Simulation(robot, env, agent, policy.network, noise, seed)
+    return _simulate_agent(robot, env, agent, policy.network, noise, seed)
 
 
 def simulate_ignorant(
@@ -141,4 +141,24 @@ def simulate_ignorant(
             return torch.zeros(1, NUM_JOINTS)
         return 2.0 * torch.rand(1, NUM_JOINTS, generator=generator) - 1.0
 
-    return Simulation(robot, env, agent, network, noise, seed)
+    return _simulate_agent(robot, env, agent, network, noise, seed)
+
+
+def _simulate_agent(
+    robot: RobotConfig,
+    env: EnvConfig,
+    agent: AgentInterface,
+    network,
+    noise: StartNoise,
+    seed: int,
+) -> Simulation:
+    controller = PolicyController(network, agent)
+    episode = Episode(controller, BatchedPhysics(robot, env.physics, 1), env)
+    steer = partial(agent.set_velocity_command, np.arange(1))
+    return Simulation(episode, env.control_period, starts(robot, noise, seed), steer)
+
+
+def starts(robot: RobotConfig, noise: StartNoise, seed: int) -> Start:
+    """Starts at rest, each with new noise."""
+    rng = np.random.default_rng(seed)
+    return lambda: at_rest(robot, noise, rng, 1)

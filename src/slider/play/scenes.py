@@ -7,13 +7,15 @@ from pathlib import Path
 from slider.control.policy_file import load_policy
 from slider.core.config.compose import compose
 from slider.core.config.convert import from_dict, to_dict
-from slider.core.config.env import EnvConfig
+from slider.core.config.env import EnvConfig, PlantConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.core.job import Section
 from slider.core.plan import JobSpec, read_plan
 from slider.core.store import Store
 from slider.library.lookup import GaitLibrary
+from slider.play.baseline import simulate_baseline
+from slider.play.command import BASELINES
 from slider.play.motion import Motion, Replay, simulate_ignorant, simulate_policy
 
 
@@ -37,7 +39,7 @@ def build(arguments: Namespace) -> Scene:
     if arguments.agent != "policy":
         if arguments.policy is not None:
             raise UserError(f"expected --policy with the agent policy, found {arguments.agent}")
-        return _ignorant(arguments)
+        return _baseline(arguments) if arguments.agent in BASELINES else _ignorant(arguments)
     return _policy(arguments)
 
 
@@ -52,6 +54,15 @@ def _policy(arguments: Namespace) -> Scene:
     noise = config.evaluation.start
     motion = simulate_policy(load_policy(path), robot, env, noise, arguments.seed)
     return Scene(f"policy {path}", robot, motion)
+
+
+def _baseline(arguments: Namespace) -> Scene:
+    config = compose(arguments.set, arguments.conf)
+    control = getattr(config.control, arguments.agent.removeprefix("mpc_wbc_"))
+    noise = config.evaluation.start
+    plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
+    motion = simulate_baseline(config.robot, plant, control, noise, arguments.seed)
+    return Scene(f"baseline {arguments.agent}", config.robot, motion)
 
 
 def _ignorant(arguments: Namespace) -> Scene:

@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from slider.core.config.report import VideoConfig
+from slider.core.config.video import VideoConfig
 from slider.env.episode import Frame
 
 _DISTANCE, _AZIMUTH, _ELEVATION = 2.3, 120.0, -12.0  # of the camera [m, degree, degree]

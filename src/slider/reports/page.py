@@ -17,15 +17,25 @@ class Cell:
     text: str
     key: float | str = ""
     best: bool = False
+    failed: bool = False
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table that sorts by a click on a heading; numbers stand right."""
+    """A table, by default one that sorts by a click on a heading; numbers stand right."""
 
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     caption: str = ""
+    sortable: bool = True
+
+    @property
+    def headings(self) -> list[tuple[str, bool]]:
+        """Each column's heading, and whether numbers stand below it."""
+        return [
+            (column, any(isinstance(row[index].key, (int, float)) for row in self.rows))
+            for index, column in enumerate(self.columns)
+        ]
 
 
 @dataclass(frozen=True)
@@ -87,7 +97,7 @@ def _harmless(json: str | None) -> str:
 def render_page(title: str, facts: Mapping[str, str], sections: Mapping[str, Section]) -> str:
     """The whole page as one HTML text that needs nothing else."""
     environment = Environment(
-        loader=PackageLoader("slider.reports", "templates"),
+        loader=PackageLoader("slider.reports.sections", "templates"),
         autoescape=select_autoescape(["html"]),
         undefined=StrictUndefined,
         trim_blocks=True,

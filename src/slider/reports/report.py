@@ -25,6 +25,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         origins=section["origins"],
         inputs=inputs,
         times=job.input_volatile,
+        page=job.volatile,
     )
     sections = {name: SECTIONS[name](sources) for name in report.sections}
     page = render_page(_TITLE, _facts(section["configuration"]), sections)
@@ -38,7 +39,7 @@ def _facts(configuration: Mapping[str, Any]) -> dict[str, str]:
     evaluation, walking = configuration["evaluation"], configuration["train"]["walking"]
     samples = walking["iterations"] * walking["num_envs"] * walking["steps_per_iteration"]
     return {
-        "controllers": ", ".join(map(label, evaluation["controllers"])),
+        "controllers": " · ".join(map(label, evaluation["controllers"])),
         "commands": ", ".join(map(speed, evaluation["commands"])) + " m/s",
         "robots per command": f"{evaluation['trials']} trials × {evaluation['robots']}",
         "training": f"{samples / 1e6:.1f} million control steps",

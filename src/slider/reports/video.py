@@ -9,8 +9,8 @@ import torch
 
 from slider.core.config.convert import from_dict
 from slider.core.config.env import StartNoise
-from slider.core.config.report import VideoConfig
 from slider.core.config.robot import RobotConfig
+from slider.core.config.video import VideoConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports.controllers import label

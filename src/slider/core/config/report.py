@@ -1,37 +1,32 @@
-"""Typed settings of the report and its videos, and what each section of the page needs."""
-
-from dataclasses import field
+"""Typed settings of the report, and what each section of the page needs."""
 
 from pydantic.dataclasses import dataclass
 
 from slider.core.config.strict import STRICT
+from slider.core.config.video import VideoConfig
 
 SECTION_INPUTS: dict[str, tuple[str, ...]] = {
     "table1": ("table1",),
-    "tracking": ("evaluations",),
+    "tracking": ("table1.evaluations",),
     "videos": ("videos",),
     "gaits": ("library",),
+    "verification": ("verification", "verification.gaits"),
     "learning": ("standing", "walking"),
     "readings": (),
-    "provenance": ("gaits", "library", "standing", "walking", "evaluations", "table1"),
+    "provenance": (
+        "library.gaits",
+        "library",
+        "standing",
+        "walking",
+        "table1.evaluations",
+        "table1",
+    ),
 }
-"""Section of the page → names of its inputs; the pipeline makes exactly these."""
+"""Section of the page → names of its inputs; the pipeline makes exactly these.
 
-RENDERERS = ("auto", "egl", "osmesa", "none")
-
-
-@dataclass(frozen=True, config=STRICT)
-class VideoConfig:
-    """Which videos are made, and how; ``commands`` is not in the section of a single one."""
-
-    renderer: str
-    duration: float
-    width: int
-    height: int
-    frame_rate: int
-    quality: int
-    seed: int
-    commands: list[float] = field(default_factory=list)
+A name is a target of ``pipeline/stages.py``, such as ``verification``; a group of a target's own
+inputs, such as ``verification.gaits``; or ``videos``.
+"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -10,11 +10,12 @@ from slider.core.config.control import MpcConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, GaitConfig
-from slider.core.config.report import RENDERERS, SECTION_INPUTS, ReportConfig
+from slider.core.config.report import SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
 from slider.core.config.train import CurriculumConfig, Interval, TrainConfig
 from slider.core.config.verification import VerificationConfig
+from slider.core.config.video import RENDERERS
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS
 

@@ -10,6 +10,7 @@ from slider.reports.sections import (
     readings,
     table1,
     tracking,
+    verification,
     videos,
 )
 from slider.reports.sections.sources import Sources
@@ -19,6 +20,7 @@ SECTIONS: dict[str, Callable[[Sources], Section]] = {
     "tracking": tracking.section,
     "videos": videos.section,
     "gaits": gaits.section,
+    "verification": verification.section,
     "learning": learning.section,
     "readings": readings.section,
     "provenance": provenance.section,

@@ -12,6 +12,7 @@ from plotly.subplots import make_subplots
 from slider.reports.controllers import colour
 from slider.reports.page import Section, chart
 from slider.reports.sections.sources import Sources
+from slider.reports.sections.velocity_map import velocity_map
 from slider.robot.names import CHANNELS
 
 MAP, CYCLE = "gait-map", "limit-cycle"
@@ -40,8 +41,8 @@ def section(sources: Sources) -> Section:
     )
     overview = chart(
         MAP,
-        _map_figure(gaits),
-        "Gaits of the library at their commanded velocities. Choose what the colour shows.",
+        velocity_map(gaits.velocities, gaits.quantities),
+        "Gaits of the library at their commanded velocities. The menu above chooses the colour.",
         height=360,
         linked=CYCLE,
         details=_details(gaits),
@@ -91,41 +92,6 @@ def _cycles(samples: np.ndarray, roll: np.ndarray) -> dict[str, np.ndarray]:
 def _portrait(samples: np.ndarray, joint: str) -> np.ndarray:
     channels = [CHANNELS.index(f"{joint}.{kind}") for kind in ("position", "velocity")]
     return samples[:, :, channels]
-
-
-def _map_figure(gaits: _Gaits) -> go.Figure:
-    titles = list(gaits.quantities)
-    values = [np.round(gaits.quantities[title], 4) for title in titles]
-    figure = go.Figure(
-        go.Scatter(
-            x=gaits.velocities[:, 0],
-            y=gaits.velocities[:, 1],
-            mode="markers",
-            customdata=np.arange(len(gaits.velocities)),
-            text=[f"{v:.4g}" for v in values[0]],
-            hovertemplate="vx %{x:.2f}, vy %{y:.2f} m/s<br>%{text}<extra></extra>",
-            marker={
-                "color": values[0],
-                "colorscale": "Viridis",
-                "size": 11,
-                "symbol": "square",
-                "colorbar": {"thickness": 12},
-            },
-        )
-    )
-    buttons = [
-        {
-            "label": title,
-            "method": "restyle",
-            "args": [{"marker.color": [value], "text": [[f"{v:.4g}" for v in value]]}],
-        }
-        for title, value in zip(titles, values, strict=True)
-    ]
-    menu = {"buttons": buttons, "x": 0, "xanchor": "left", "y": 1.2, "yanchor": "top"}
-    figure.update_layout(updatemenus=[menu], hovermode="closest")
-    figure.update_xaxes(title_text="vx [m/s]")
-    figure.update_yaxes(title_text="vy [m/s]")
-    return figure
 
 
 def _cycle_figure(gaits: _Gaits, index: int) -> go.Figure:

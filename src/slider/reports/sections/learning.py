@@ -18,6 +18,7 @@ _CHECKS = {
     "value": "score (lower is better)",
 }
 _PANELS = 4  # in a row
+_LOG_TICKS = [m * 10.0**e for e in range(-6, 7) for m in (1, 3)]
 _TRAININGS = {"standing": "Standing", "walking": "Walking"}
 
 
@@ -60,7 +61,8 @@ def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
         )
         figure.update_yaxes(rangemode="nonnegative", row=1, col=index + 1)
         if column == "value" and (table[column] > 0).all():
-            figure.update_yaxes(type="log", row=1, col=index + 1)
+            ticks = {"tickvals": _LOG_TICKS, "ticktext": [f"{tick:g}" for tick in _LOG_TICKS]}
+            figure.update_yaxes(type="log", **ticks, row=1, col=index + 1)
     figure.update_xaxes(title_text="iteration")
     figure.update_annotations(font_size=12)
     best = int(table["iteration"][np.argmin(table["value"])])
@@ -69,23 +71,19 @@ def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
 
 
 def _curve_charts(name: str, table: dict[str, np.ndarray]) -> list[Chart]:
-    """One figure per group of columns ``group/curve``."""
-    groups: dict[str, list[str]] = {}
-    for column in table:
-        group, slash, _ = column.partition("/")
-        if slash:
-            groups.setdefault(group, []).append(column)
-    return [_curves_chart(name, group, table, columns) for group, columns in groups.items()]
-
-
-def _curves_chart(name: str, group: str, table: dict[str, np.ndarray], columns: list[str]) -> Chart:
-    """Terms of a reward over each other, since they add up; other quantities have own panels."""
-    identity = f"curves-{name}-{group.lower()}"
-    if "reward" in group.lower():
+    """Terms of the reward over each other, since they add up; other curves apart."""
+    curves = [column for column in table if "/" in column]
+    terms = [column for column in curves if "reward" in column.partition("/")[0].lower()]
+    others = [column for column in curves if column not in terms]
+    charts = []
+    if terms:
         caption = "Terms of the reward during training, weighted."
-        return chart(identity, _overlaid(table, columns), caption, 380)
-    caption = f"Recorded during training: {group.lower().replace('_', ' ')}."
-    return chart(identity, _panels(table, columns), caption, 90 + 190 * _rows(columns))
+        charts.append(chart(f"rewards-{name}", _overlaid(table, terms), caption, 380))
+    if others:
+        caption = "Recorded at every iteration of the training."
+        height = 90 + 190 * _rows(others)
+        charts.append(chart(f"curves-{name}", _panels(table, others), caption, height))
+    return charts
 
 
 def _overlaid(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
@@ -100,7 +98,7 @@ def _overlaid(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
 
 
 def _panels(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
-    rows, titles = _rows(columns), [_term(column) for column in columns]
+    rows, titles = _rows(columns), [_title(column) for column in columns]
     figure = make_subplots(rows, _PANELS, subplot_titles=titles, vertical_spacing=0.3 / rows)
     for index, column in enumerate(columns):
         figure.add_scatter(
@@ -112,6 +110,7 @@ def _panels(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
             row=index // _PANELS + 1,
             col=index % _PANELS + 1,
         )
+    figure.update_xaxes(nticks=5)
     figure.update_annotations(font_size=12)
     return figure
 
@@ -122,6 +121,12 @@ def _rows(columns: list[str]) -> int:
 
 def _term(column: str) -> str:
     return column.partition("/")[2].replace("_", " ")
+
+
+def _title(column: str) -> str:
+    """Group and name, such as ``loss: entropy``, or the name alone where it says the group."""
+    group, term = column.partition("/")[0].lower().replace("_", " "), _term(column)
+    return term if group in ("train", "episode") else f"{group}: {term}"
 
 
 def _short(values: np.ndarray) -> list[float]:

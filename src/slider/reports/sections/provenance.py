@@ -1,6 +1,7 @@
-"""Where it all comes from: configuration, recipes, versions, seeds, machine, times."""
+"""Where it all comes from: commit, configuration, recipes, versions, seeds, machine, times."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import yaml
@@ -8,13 +9,38 @@ import yaml
 from slider.reports.page import Cell, Section, Table
 from slider.reports.sections.sources import Sources
 
+_UNKNOWN = "not\u00a0recorded"
+_STAGES = {  # in the order in which they run; others follow
+    "gait": "gaits",
+    "library": "gait library",
+    "standing": "standing",
+    "walking": "walking",
+    "evaluation": "evaluation of the policy",
+    "baseline": "evaluation of the baselines",
+    "table1": "table 1",
+    "verification_gaits": "verification, per gait",
+    "verification": "verification, verdict",
+    "video": "videos",
+}
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A result: its origin, what differs between runs, and its object."""
+
+    origin: Mapping[str, Any]
+    facts: Mapping[str, Any]
+    object: str
+
 
 def section(sources: Sources) -> Section:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration."""
-    stages = [name for name in sources.origins if name in sources.times]
+    stages = _by_stage(sources)
     values = {
-        "stages": _stages(sources, stages),
-        "recipes": _recipes(sources, stages),
+        "commit": _commit(sources.page),
+        "stages": _stages(stages, sources.page.get("pipeline_started")),
+        "machines": _machines(stages),
+        "recipes": _recipes(stages),
         "versions": _versions(sources),
         "seeds": _seeds(sources.configuration),
         "configuration": yaml.safe_dump(
@@ -24,52 +50,96 @@ def section(sources: Sources) -> Section:
     return Section("Provenance", "provenance.html", values)
 
 
-def _stages(sources: Sources, names: Sequence[str]) -> Table:
+def _by_stage(sources: Sources) -> dict[str, list[_Made]]:
+    """Every result that the page is made from, once, by its stage."""
+    found: dict[str, _Made] = {}
+    for name, origins in sources.origins.items():
+        for origin, facts, folder in zip(
+            origins, sources.times[name], sources.inputs[name], strict=True
+        ):
+            found[origin["recipe"]] = _Made(origin, facts, folder.name)
+    present = {made.origin["stage"] for made in found.values()}
+    order = [*(stage for stage in _STAGES if stage in present), *sorted(present - set(_STAGES))]
+    return {
+        stage: [made for made in found.values() if made.origin["stage"] == stage] for stage in order
+    }
+
+
+def _stages(stages: Mapping[str, list[_Made]], started: str | None) -> Table:
     columns = [
         "stage",
         "jobs",
-        "reused from the store",
+        "computed now",
         "resumed",
         "wall time [s]",
         "CPU time [s]",
-        "finished",
-        "machine",
+        "finished (UTC)",
+        "commit",
     ]
-    rows = [_stage(name, sources.times[name]) for name in names]
+    rows = [_stage(_STAGES.get(name, name), made, started) for name, made in stages.items()]
     return Table(columns, rows)
 
 
-def _stage(name: str, jobs: Sequence[Mapping[str, Any]]) -> list[Cell]:
-    reused = sum(not job.get("computed", True) for job in jobs)
+def _stage(name: str, made: list[_Made], started: str | None) -> list[Cell]:
+    jobs = [item.facts for item in made]
+    now = sum(_is_of(job, started) for job in jobs)
     resumed = sum(bool(job.get("resumed")) for job in jobs)
     wall, cpu = (sum(job.get(key, 0.0) for job in jobs) for key in ("wall_s", "cpu_s"))
     ended = max((job.get("ended", "") for job in jobs), default="")
-    machines = sorted({job["machine"] for job in jobs if "machine" in job})
     return [
         Cell(name, name),
         Cell(str(len(jobs)), len(jobs)),
-        Cell(str(reused), reused),
+        Cell(str(now), now),
         Cell(str(resumed), resumed),
         Cell(f"{wall:.1f}", wall),
         Cell(f"{cpu:.1f}", cpu),
-        Cell(ended[:19].replace("T", " ") or "unknown", ended),
-        Cell("; ".join(machines) or "not recorded"),
+        Cell(ended[:16].replace("T", "\u00a0") or _UNKNOWN, ended),
+        Cell(_all(map(_commit, jobs))),
     ]
 
 
-def _recipes(sources: Sources, names: Sequence[str]) -> Table:
+def _machines(stages: Mapping[str, list[_Made]]) -> list[str]:
+    """Machines, each with the stages that it computed unless it computed all."""
+    found: dict[str, list[str]] = {}
+    for stage, results in stages.items():
+        for machine in {made.facts.get("machine", _UNKNOWN) for made in results}:
+            found.setdefault(machine, []).append(_STAGES.get(stage, stage))
+    if len(found) == 1:
+        return list(found)
+    return [f"{machine} ({', '.join(names)})" for machine, names in sorted(found.items())]
+
+
+def _is_of(job: Mapping[str, Any], started: str | None) -> bool:
+    """Whether the pipeline run that builds the page computed this; else it was in the store."""
+    here = started is not None and job.get("pipeline_started") == started
+    return here and bool(job.get("computed"))
+
+
+def _commit(facts: Mapping[str, Any]) -> str:
+    """First digits of the commit, with a ``+`` where files differed from it."""
+    if "commit" not in facts:
+        return _UNKNOWN
+    return facts["commit"][:8] + ("+" if facts["dirty"] == "true" else "")
+
+
+def _all(texts: Iterable[str]) -> str:
+    return ", ".join(sorted(set(texts)))
+
+
+def _recipes(stages: Mapping[str, list[_Made]]) -> Table:
     rows = [
         [
-            Cell(name, name),
-            Cell(job["label"], job["label"]),
-            Cell(job["recipe"][:16], job["recipe"]),
-            Cell(folder.name[:16], folder.name),
-            Cell(job["source"][:12], job["source"]),
+            Cell(stage, stage),
+            Cell(made.origin["label"], made.origin["label"]),
+            Cell(made.origin["recipe"][:16], made.origin["recipe"]),
+            Cell(made.object[:16], made.object),
+            Cell(made.origin["source"][:12], made.origin["source"]),
+            Cell(_commit(made.facts)),
         ]
-        for name in names
-        for job, folder in zip(sources.origins[name], sources.inputs[name], strict=True)
+        for stage, results in stages.items()
+        for made in results
     ]
-    return Table(["stage", "job", "recipe", "object", "source digest"], rows)
+    return Table(["stage", "job", "recipe", "object", "source digest", "commit"], rows)
 
 
 def _versions(sources: Sources) -> Table:

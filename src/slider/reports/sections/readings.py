@@ -13,7 +13,7 @@ FILE = "readings.csv"
 
 def read() -> list[dict[str, str]]:
     """What the paper says, how it is read, and where that is configured."""
-    text = (files("slider.reports") / FILE).read_text(encoding="utf-8")
+    text = (files("slider.reports.sections") / FILE).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
 
 

@@ -16,9 +16,10 @@ class Sources:
     Attributes:
         report: settings of the page.
         configuration: the resolved configuration, as plain values.
-        origins: input → for each of its jobs label, recipe, entry, source digest, versions.
+        origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
         inputs: input → object folders.
         times: input → for each of its jobs what differs between runs, such as ``wall_s``.
+        page: the same of the page itself; see :mod:`slider.core.circumstances`.
     """
 
     report: ReportConfig
@@ -26,6 +27,7 @@ class Sources:
     origins: Mapping[str, Sequence[Mapping[str, Any]]]
     inputs: Inputs
     times: Mapping[str, Sequence[Mapping[str, Any]]]
+    page: Mapping[str, Any]
 
     def file(self, name: str, path: str) -> Path:
         """File of the one result of an input."""

@@ -9,7 +9,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from slider.reports.controllers import colour, label, speed
+from slider.reports.controllers import colour, label, line, speed
 from slider.reports.page import Section, chart
 from slider.reports.sections.sources import Sources
 
@@ -25,17 +25,28 @@ class _Trace:
     command: float
     velocity: np.ndarray  # (S, 2) mean and standard deviation [m/s]
 
+    @property
+    def fell(self) -> bool:
+        """Nobody survived: there is nothing to draw."""
+        return bool(np.isnan(self.velocity[:, 0]).all())
+
 
 def section(sources: Sources) -> Section:
     """One panel per command, one curve per controller."""
-    traces = [_read(folder) for folder in sources.inputs["evaluations"]]
+    traces = [_read(folder) for folder in sources.inputs["table1.evaluations"]]
     evaluated = {trace.command for trace in traces}
     wanted = sources.report.tracking_commands
     shown = [command for command in wanted if command in evaluated]
     missing = [speed(command) for command in wanted if command not in evaluated]
     period = sources.configuration["env"]["control_period"]
     charts = [_chart(traces, shown, period)] if shown else []
-    return Section("Velocity tracking", "tracking.html", {"charts": charts, "missing": missing})
+    fallen = [
+        f"{label(trace.controller)} at {speed(trace.command)} m/s"
+        for trace in traces
+        if trace.command in shown and trace.fell
+    ]
+    values = {"charts": charts, "missing": missing, "fallen": fallen}
+    return Section("Velocity tracking", "tracking.html", values)
 
 
 def _read(folder: Path) -> _Trace:
@@ -52,21 +63,21 @@ def _chart(traces: list[_Trace], commands: list[float], period: float):
         place: dict[str, Any] = {"row": panel // 2 + 1, "col": panel % 2 + 1}
         for trace in (t for t in traces if t.command == command):
             index = controllers.index(trace.controller)
-            _add_trace(figure, trace, period, colour(index), panel == 0, place)
+            _add_trace(figure, trace, period, index, panel == 0, place)
         figure.add_hline(command, line={"dash": "dash", "width": 1.2, "color": "#888"}, **place)
         if panel >= len(commands) - 2:
             figure.update_xaxes(title_text="time [s]", **place)
         figure.update_yaxes(title_text="velocity [m/s]", rangemode="tozero", **place)
     figure.update_layout(legend={"orientation": "h", "y": 1.0 + 0.16 / rows, "yanchor": "bottom"})
-    return chart("tracking", figure, _CAPTION, 80 + 290 * rows)
+    return chart("velocity", figure, _CAPTION, 80 + 290 * rows)
 
 
 def _add_trace(
-    figure: go.Figure, trace: _Trace, period: float, tint: str, first: bool, place: dict[str, Any]
+    figure: go.Figure, trace: _Trace, period: float, index: int, first: bool, place: dict[str, Any]
 ) -> None:
-    mean, spread = np.round(trace.velocity.astype(float).T, 4)
-    if np.isnan(mean).all():  # nobody survived
+    if trace.fell:
         return
+    mean, spread = np.round(trace.velocity.astype(float).T, 4)
     time = np.round(period * np.arange(1, len(mean) + 1), 3)
     name = label(trace.controller)
     around = np.concatenate([time, time[::-1]])
@@ -75,7 +86,7 @@ def _add_trace(
         x=around,
         y=np.round(band, 4),
         fill="toself",
-        fillcolor=tint,
+        fillcolor=colour(index),
         opacity=0.25,
         line={"width": 0},
         hoverinfo="skip",
@@ -87,7 +98,7 @@ def _add_trace(
         x=time,
         y=mean,
         name=name,
-        line={"color": tint, "width": 1.8},
+        line=line(index),
         legendgroup=name,
         showlegend=first,
         **place,

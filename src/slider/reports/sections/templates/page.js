@@ -97,6 +97,11 @@ async function start() {
   addEventListener("afterprint", () => { setTheme(before); resize(undefined); });
   document.querySelectorAll("table.sortable th").forEach((heading) => {
     heading.addEventListener("click", () => sortBy(heading));
+    heading.addEventListener("keydown", (event) => {
+      if (event.key !== "Enter" && event.key !== " ") return;
+      event.preventDefault();
+      sortBy(heading);
+    });
   });
   const playAll = document.getElementById("play-all");
   if (playAll) playAll.addEventListener("click", () => {

@@ -1,0 +1,51 @@
+"""Under which commit and in which pipeline run a job computes: for display, in no recipe.
+
+The runner notes these facts beside each result, so that the page can say what produced it.
+"""
+
+import subprocess
+from datetime import UTC, datetime
+from pathlib import Path
+
+from slider.core import files
+
+_SOURCE = Path(__file__).parent
+
+
+def revision() -> dict[str, str]:
+    """``commit`` of the source and whether tracked files differ from it (``dirty``).
+
+    Empty where the source is in no git repository, or git is not installed.
+    """
+    commit = _ask_git("rev-parse", "HEAD")
+    if not commit:
+        return {}
+    dirty = bool(_ask_git("status", "--porcelain", "--untracked-files=no"))
+    return {"commit": commit, "dirty": str(dirty).lower()}
+
+
+def note_start(artefacts: Path) -> None:
+    """Begin a pipeline run: jobs from here on belong to it."""
+    now = datetime.now(UTC).isoformat(timespec="milliseconds")
+    files.write_atomic(_start_path(artefacts), now + "\n")
+
+
+def circumstances(artefacts: Path) -> dict[str, str]:
+    """``commit`` and ``dirty``, and ``pipeline_started`` of the run that the job belongs to."""
+    path = _start_path(artefacts)
+    started = {"pipeline_started": path.read_text().strip()} if path.is_file() else {}
+    return revision() | started
+
+
+def _start_path(artefacts: Path) -> Path:
+    return artefacts / "current" / "started"
+
+
+def _ask_git(*arguments: str) -> str:
+    try:
+        answer = subprocess.run(
+            ["git", *arguments], cwd=_SOURCE, capture_output=True, text=True, check=False
+        )
+    except OSError:  # no git on this machine
+        return ""
+    return answer.stdout.strip() if answer.returncode == 0 else ""

@@ -17,10 +17,11 @@ def recording(count: int = 1, **changes: np.ndarray) -> Recording:
     """Robots that stand still with both feet loaded, commanded to 0.5 m/s."""
     still = Recording(
         period=PERIOD,
-        command=np.tile([0.5, 0.0, 0.0], (count, 1)),
+        command=np.tile([0.5, 0.0, 0.0], (STEPS, count, 1)),
         alive=np.ones((STEPS, count), dtype=bool),
         velocity=np.zeros((STEPS, count, 2)),
         yaw=np.zeros((STEPS, count)),
+        position=np.zeros((STEPS, count, 2)),
         foot_forces=np.full((STEPS, count, 2), LOADED),
         foot_positions=np.zeros((STEPS, count, 2, 3)),
         power=np.zeros((STEPS, count)),
@@ -84,7 +85,7 @@ def test_an_error_of_both_signs_does_not_cancel():
     ],
 )
 def test_tracked(command, mean, tracked):
-    one = recording(1, velocity=forward(mean), command=np.array([[command, 0.0, 0.0]]))
+    one = recording(1, velocity=forward(mean), command=np.full((STEPS, 1, 3), [command, 0, 0]))
     assert tracking(one, 0.0, 0.1, 0.1).tracked[0] == tracked
 
 

@@ -49,7 +49,7 @@ class Simulation:
         seed: int,
     ) -> None:
         self.period = env.control_period
-        self._robot, self._noise, self._agent = robot, noise, agent
+        self._robot, self._noise = robot, noise
         self._rng = np.random.default_rng(seed)
         controller = PolicyController(network, agent)
         self._episode = Episode(controller, BatchedPhysics(robot, env.physics, 1), env)
@@ -61,7 +61,7 @@ class Simulation:
 
     def step(self, velocity: np.ndarray) -> Frame:
         """Simulate one control period."""
-        self._agent.set_velocity_command(np.arange(1), velocity[None])
+        self._episode.command(velocity[None])
         return self._episode.step()
 
     def push(self, velocity: np.ndarray) -> None:

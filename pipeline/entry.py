@@ -39,6 +39,12 @@ REPORTS = {
 }
 
 
+def protocol_files(name: str) -> tuple[str, ...]:
+    """What people read of a protocol beside that of Table 1."""
+    table = tuple(f"reports/{name}.{suffix}" for suffix in ("csv", "md"))
+    return table + tuple(f"reports/figures/{name}.{suffix}" for suffix in ("svg", "png"))
+
+
 @dataclass
 class Pipeline:
     """The jobs of one configuration, as files below the working directory."""
@@ -111,7 +117,8 @@ def _open(overrides: list[str], conf: Path) -> Pipeline:
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
-    for target, names in REPORTS.items():
+    reports = REPORTS | {name: protocol_files(name) for name in config.protocols}
+    for target, names in reports.items():
         refresh_marker(store, plan, target, [Path(name) for name in names])
     return Pipeline(config, overrides, plan, path, store)
 

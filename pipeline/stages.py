@@ -1,6 +1,7 @@
 """The stages: gait → library → standing → walking → evaluation → table1 → report.
 
 The stage ``baseline`` is the evaluation of the model-predictive controllers; it needs no other.
+Protocols beside that of Table 1 (``config.protocols``) have the same evaluations and a report each.
 
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
@@ -11,6 +12,7 @@ from dataclasses import fields
 from typing import Any
 
 from slider.core.config.convert import to_dict
+from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig
 from slider.core.config.report import SECTION_INPUTS
 from slider.core.config.schema import Config
@@ -25,6 +27,8 @@ WALKING = "slider.training.stage:run_walking"
 EVALUATION = "slider.evaluation.stage:run"
 BASELINE = "slider.evaluation.baseline:run"
 TABLE1 = "slider.reports.table1:run"
+SPEEDS = "slider.reports.protocols.speeds:run"
+PROFILE = "slider.reports.protocols.profile:run"
 VERIFICATION_GAITS = "slider.verification.stage:run_gaits"
 VERIFICATION = "slider.verification.stage:run"
 FIGURES = "slider.reports.figures.stage:run"
@@ -42,6 +46,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     targets = table1_jobs(config)
     library = targets["library"]
     beside = verification_jobs(config, library) | figure_jobs(library)
+    beside |= protocol_jobs(config, targets["walking"])
     return targets | beside | {"report": report(config, targets)}
 
 
@@ -52,17 +57,28 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
     library = gait_library(config, gaits)
     standing = standing_training(config, library)
     walking = walking_training(config, library, standing)
-    evaluations = [
-        evaluation(config, controller, command, walking)
-        for controller in config.evaluation.controllers
-        for command in config.evaluation.commands
-    ]
+    evaluations = evaluations_of(config, config.evaluation, walking)
     return {
         "library": library,
         "standing": standing,
         "walking": walking,
         "table1": table1(config, evaluations),
     }
+
+
+def protocol_jobs(config: Config, walking: JobSpec) -> dict[str, JobSpec]:
+    """The report of each further protocol; nothing on the way to Table 1 needs them."""
+    return {name: protocol_report(config, name, walking) for name in config.protocols}
+
+
+def protocol_report(config: Config, name: str, walking: JobSpec) -> JobSpec:
+    """Table and figure of a protocol of constant speeds, or of one with a changing command."""
+    protocol = config.protocols[name]
+    inputs = {"evaluations": evaluations_of(config, protocol, walking)}
+    section = {"name": name, "evaluation": protocol_section(protocol)}
+    if protocol.profile is None:
+        return JobSpec("speeds", name, code_of(SPEEDS), section, inputs)
+    return JobSpec("profile", name, code_of(PROFILE), section, inputs)
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
@@ -161,18 +177,40 @@ def walking_training(config: Config, library: JobSpec, standing: JobSpec) -> Job
     return JobSpec("walking", "walking", code_of(WALKING), section, inputs)
 
 
-def evaluation(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
-    """The protocol of one controller at one command."""
-    protocol = _without(to_dict(config.evaluation), "controllers", "commands")
-    section = {"evaluation": protocol} | _controlled(config, controller, command)
-    label = f"evaluation of {controller} at {command:.1f} m/s"
+def evaluations_of(config: Config, protocol: EvaluationConfig, walking: JobSpec) -> list[JobSpec]:
+    """A protocol's evaluations: each controller at each command, or with the profile."""
+    commands = protocol.commands if protocol.profile is None else [None]
+    return [
+        evaluation(config, protocol, controller, command, walking)
+        for controller in protocol.controllers
+        for command in commands
+    ]
+
+
+def evaluation(
+    config: Config,
+    protocol: EvaluationConfig,
+    controller: str,
+    command: float | None,
+    walking: JobSpec,
+) -> JobSpec:
+    """A protocol with one controller at one command."""
+    settings = _without(protocol_section(protocol), "controllers", "commands")
+    section = {"evaluation": settings} | _controlled(config, controller, command)
+    what = "changing commands" if command is None else f"{command:.1f} m/s"
+    label = f"evaluation of {controller} at {what}"
     if controller == POLICY:
         inputs = {"walking": [walking]}
         return JobSpec("evaluation", label, code_of(EVALUATION), section, inputs)
     return JobSpec("baseline", label, code_of(BASELINE), section)
 
 
-def _controlled(config: Config, controller: str, command: float) -> dict[str, Any]:
+def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
+    """A protocol without the options that it does not use: new ones leave old recipes alone."""
+    return {name: value for name, value in to_dict(protocol).items() if value is not None}
+
+
+def _controlled(config: Config, controller: str, command: float | None) -> dict[str, Any]:
     """Robot, plant and controller; the policy comes as an input."""
     section = {"controller": controller, "command": command}
     if controller == POLICY:
@@ -186,7 +224,7 @@ def _controlled(config: Config, controller: str, command: float) -> dict[str, An
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     """Table 1 from the records of all evaluations."""
-    section = {"evaluation": to_dict(config.evaluation)}
+    section = {"evaluation": protocol_section(config.evaluation)}
     return JobSpec("table1", "table 1", code_of(TABLE1), section, {"evaluations": evaluations})
 
 
@@ -212,7 +250,8 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     inputs = {name: jobs for name, jobs in available.items() if name in names}
     section = {
         "report": to_dict(config.report),
-        "configuration": _without(to_dict(config), "resources", "tracking"),
+        "configuration": _without(to_dict(config), "resources", "tracking", "protocols")
+        | {"evaluation": protocol_section(config.evaluation)},
         "origins": {name: [_origin(job) for job in jobs] for name, jobs in inputs.items()},
     }
     return JobSpec("report", "report", code_of(REPORT), section, inputs)

@@ -1,16 +1,16 @@
 """The stage ``table1``: ours beside the paper's, one row per controller and command."""
 
 import csv
-import json
 from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation import records
 from slider.reports import table1_text
 from slider.reports.comparison import read_rows
+from slider.reports.controllers import PAPER
+from slider.reports.rows import Row, quality_row, read_evaluation, table_row, write_rows
 
 COLUMNS = (
     "controller",
@@ -25,19 +25,16 @@ COLUMNS = (
     "tracking_rate",
     "tracking_rate_std",
 )
-OURS, PAPER = "measured", "paper"
 _PAPER_TABLE = "paper_table1.csv"
-
-Row = dict[str, str | float]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write Table 1 as CSV, Markdown and LaTeX, and a table about the quality of the gait."""
-    evaluations = [_read(folder) for folder in inputs["evaluations"]]
+    evaluations = [read_evaluation(folder) for folder in inputs["evaluations"]]
     rows = [table_row(*evaluation) for evaluation in evaluations]
-    _write(rows + paper_rows(), COLUMNS, out / "table1.csv")
+    write_rows(rows + paper_rows(), COLUMNS, out / "table1.csv")
     quality = [quality_row(*evaluation) for evaluation in evaluations]
-    _write(quality, tuple(quality[0]), out / "gait_quality.csv")
+    write_rows(quality, tuple(quality[0]), out / "gait_quality.csv")
     comparable = read_rows(out / "table1.csv")
     (out / "table1.md").write_text(table1_text.markdown(comparable), encoding="utf-8")
     (out / "table1.tex").write_text(table1_text.latex(comparable), encoding="utf-8")
@@ -57,34 +54,6 @@ def _metrics(rows: list[Row]) -> dict[str, float]:
     return {name: value for name, value in found.items() if np.isfinite(value)}
 
 
-def table_row(controller: str, command: float, table: records.Records) -> Row:
-    """Means over all robots; spreads are standard deviations over trials.
-
-    Errors are means over surviving robots, ``inf`` where none survived, as in the paper.
-    """
-    survived, trial = table["survived"], table["trial"]
-    row: Row = {"controller": controller, "source": OURS, "command_velocity": command}
-    for name, column in (("success_rate", "survived"), ("tracking_rate", "tracked")):
-        values = table[column].astype(float)
-        row[name] = float(values.mean())
-        row[f"{name}_std"] = _spread(values, trial)
-    for name, column in (("mse", "squared_error"), ("mse_steady", "squared_error_steady")):
-        values = table[column][survived]
-        row[name] = float(values.mean()) if len(values) else float("inf")
-        row[f"{name}_std"] = _spread(values, trial[survived])
-    return row
-
-
-def quality_row(controller: str, command: float, table: records.Records) -> Row:
-    """Means over surviving robots of the gait's quality; empty where none survived."""
-    names = ("mean_velocity", *records.QUALITY)
-    row: Row = {"controller": controller, "command_velocity": command}
-    for name in names:
-        values = table[name][table["survived"]]
-        row[name] = float(values.mean()) if len(values) else ""
-    return row
-
-
 def paper_rows() -> list[Row]:
     """The paper's own Table 1, labelled as the paper's; it states no spread."""
     text = (files("slider.reports") / _PAPER_TABLE).read_text()
@@ -100,24 +69,3 @@ def paper_rows() -> list[Row]:
         }
         rows.append(row)
     return rows
-
-
-def _read(folder: Path) -> tuple[str, float, records.Records]:
-    about = json.loads((folder / "command.json").read_text())
-    return about["controller"], about["command"], records.read(folder / records.FILE)
-
-
-def _spread(values: np.ndarray, trial: np.ndarray) -> float | str:
-    """Standard deviation over trials of the trial means; empty for fewer than two trials."""
-    means = [values[trial == t].mean() for t in np.unique(trial)]
-    return float(np.std(means, ddof=1)) if len(means) > 1 else ""
-
-
-def _write(rows: list[Row], columns: tuple[str, ...], path: Path) -> None:
-    lines = [",".join(columns)]
-    lines += [",".join(_text(row[name]) for name in columns) for row in rows]
-    path.write_text("\n".join(lines) + "\n")
-
-
-def _text(value: str | float) -> str:
-    return value if isinstance(value, str) else f"{value:.6g}"

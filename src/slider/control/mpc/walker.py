@@ -21,6 +21,7 @@ from slider.control.mpc.whole_body import WholeBody
 from slider.core.config.control import MpcConfig
 from slider.core.config.robot import RobotConfig
 from slider.env.metrics import CONTACT_FORCE
+from slider.env.phase import standing
 from slider.env.state import RobotState
 from slider.robot import names
 
@@ -92,7 +93,7 @@ class MpcController:
         self._command, self._tick = velocity, 0
         dynamics = self._model.evaluate(state.qpos, state.qvel)
         self.gait = Gait(
-            mode=np.where(_still(velocity), STAND, SWAY),
+            mode=np.where(standing(velocity), STAND, SWAY),
             heading=state.yaw.copy(),
             stance=np.full(n, _LEFT),
             elapsed=np.zeros(n),
@@ -182,7 +183,7 @@ class MpcController:
     def _go(self, robots: np.ndarray, dynamics: Dynamics) -> None:
         """Those that stand and are told to go begin to sway."""
         stands = self.gait.mode[robots] == STAND
-        index = np.flatnonzero(stands & ~_still(self._command[robots]))
+        index = np.flatnonzero(stands & ~standing(self._command[robots]))
         if len(index):
             self.gait.mode[robots[index]] = SWAY
             self._sway.put(robots[index], self._new_sway(robots[index], dynamics.of(index)))
@@ -196,7 +197,7 @@ class MpcController:
         ahead = np.abs(place - 0.5 * (feet[_LEFT] + feet[_RIGHT]))[:, 0]
         between = (place[:, 1] < feet[_LEFT][:, 1]) & (place[:, 1] > feet[_RIGHT][:, 1])
         beside = (apart < self._reach) & (ahead < self._reach / 2)
-        return _still(self._command[robots]) & between & beside
+        return standing(self._command[robots]) & between & beside
 
     def _stop(self, robots: np.ndarray, dynamics: Dynamics) -> None:
         if len(robots):
@@ -373,11 +374,6 @@ class MpcController:
             problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
         with self.clock.part("solution"):
             return self._whole_body.solve(problem)
-
-
-def _still(velocity: np.ndarray) -> np.ndarray:
-    """Which commands (n, 3) mean to stand (n,)."""
-    return ~velocity.any(axis=1)
 
 
 def _first_stance(sway: Sway) -> np.ndarray:

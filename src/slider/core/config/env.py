@@ -65,10 +65,14 @@ class StartNoise:
 
 @dataclass(frozen=True, config=STRICT)
 class PhaseConfig:
-    """Clock that runs through the two steps of a walk; ``mirror`` shows left stance only."""
+    """Clock that runs through the two steps of a walk.
+
+    ``mirror`` shows left stance only; with ``halt`` the clock stands still at zero command.
+    """
 
     enabled: bool
     mirror: bool
+    halt: bool
 
 
 @dataclass(frozen=True, config=STRICT)

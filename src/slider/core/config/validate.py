@@ -37,7 +37,12 @@ def validate(config: Config) -> None:
     for name in settings:
         _control(getattr(config.control, name), config.env, f"control.{name}")
     controllers = ["policy", *(f"mpc_wbc_{name}" for name in settings)]
-    _require(config.evaluation.profile is None, "evaluation.profile", "none (Table 1)", "one")
+    _require(
+        config.evaluation.profile is None,
+        "evaluation.profile",
+        "none (the commands of Table 1 are constant; see protocols)",
+        "one",
+    )
     _evaluation(config.evaluation, controllers, "evaluation")
     for name, protocol in config.protocols.items():
         _evaluation(protocol, controllers, f"protocols.{name}")
@@ -192,9 +197,9 @@ def _env(env: EnvConfig) -> None:
     _positive("env.observation.clip", env.observation.clip)
     _require(bool(env.observation.terms), "env.observation.terms", "at least one term", "none")
     _require(
-        env.phase.enabled or not env.phase.mirror,
+        env.phase.enabled or not (env.phase.mirror or env.phase.halt),
         "env.phase",
-        "mirror only with a phase",
+        "mirror and halt only with a phase",
         env.phase,
     )
 

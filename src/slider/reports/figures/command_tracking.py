@@ -31,7 +31,7 @@ def draw(traces: Sequence[Trace], profile: ProfileConfig, duration: float) -> Fi
     for axis, axes in enumerate(panels[:3]):
         command = traces[0].values[:, axis]
         axes.plot(_times(command, duration), command, color=DARK, linewidth=0.9, label="command")
-        axes.set_ylabel(_LABELS[axis])
+        axes.set(ylabel=_LABELS[axis], ylim=_limits(command))
     panels[3].set(ylabel="share up", ylim=(-0.08, 1.08), xlabel="time [s]", xlim=(0.0, duration))
     _mark_segments(panels, profile)
     handles, names = panels[0].get_legend_handles_labels()
@@ -49,6 +49,13 @@ def _curves(
         panels[axis].fill_between(time, mean - spread, mean + spread, **band)
         panels[axis].plot(time, mean, color=tint, label=name)
     panels[3].plot(time, values[:, 9], color=tint)
+
+
+def _limits(command: np.ndarray) -> tuple[float, float]:
+    """Range around the command; what a falling robot does beyond it is cut off."""
+    low, high = float(command.min()), float(command.max())
+    margin = 0.5 * max(high - low, 0.4)
+    return low - margin, high + margin
 
 
 def _times(values: np.ndarray, duration: float) -> np.ndarray:

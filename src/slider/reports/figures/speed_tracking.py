@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from slider.reports.controllers import colour, label
 from slider.reports.figures.style import DARK, new_figure
 
+_LEAST_ERROR = 1e-4  # shown [m²/s²]: a robot that stands has nearly none
 _DASHES = ("-", "--", "-.", ":")
 
 
@@ -27,6 +28,8 @@ def draw(rows: Sequence[Mapping[str, str | float]]) -> Figure:
     speeds.legend(loc="upper left")
     rates.set(ylabel="share of robots", ylim=(-0.04, 1.04))
     errors.set(ylabel="MSE [m²/s²]", yscale="log", xlabel="commanded speed [m/s]")
+    errors.set_ylim(bottom=_LEAST_ERROR)
+    errors.yaxis.set_major_formatter("{x:g}")
     return figure
 
 

@@ -174,3 +174,22 @@ def test_a_network_of_zeros_holds_the_nominal_pose():
     state = physics.read()
     controller.reset(state, np.zeros((3, 3)))
     np.testing.assert_array_equal(controller.control(state), np.tile(agent.nominal, (3, 1)))
+
+
+def test_a_new_command_counts_from_the_next_observation_on():
+    """As in training: the period that is over turned the heading by the old yaw rate."""
+    seen = []
+
+    def network(observations: torch.Tensor) -> torch.Tensor:
+        seen.append(agent.command.copy())
+        return torch.zeros(1, 12)
+
+    agent = make_agent(1)
+    controller, state = PolicyController(network, agent), make_state(1)
+    controller.reset(state, np.array([[0.4, 0.0, 0.5]]))
+    controller.control(state)
+    controller.command(np.array([[0.2, 0.1, 0.0]]))
+    for _ in range(2):
+        controller.control(state)
+    np.testing.assert_allclose([command[0, 0] for command in seen], [0.4, 0.2, 0.2])
+    np.testing.assert_allclose([command[0, 3] for command in seen], [0.0, 0.01, 0.01])

@@ -155,13 +155,13 @@ def test_same_start_same_walk(setting):
 def test_stands_still_goes_sideways_and_turning_and_stops(setting):
     """At 0.4 m/s with 0.1 m/s to the left, then with 0.3 rad/s; both ends on both feet."""
     still, sideways, turning = (0.0, 0.0, 0.0), (0.4, 0.1, 0.0), (0.4, 0.0, 0.3)
-    command = profile((1.0, still), (4.0, sideways), (3.0, turning), (2.5, still))
-    recording, controller = walk(command, setting, seconds=10.5, noise=True)
+    command = profile((1.0, still), (5.0, sideways), (3.0, turning), (2.5, still))
+    recording, controller = walk(command, setting, seconds=11.5, noise=True)
     assert recording.survived.all()
-    steps = np.cumsum([50, 200, 150, 125])
+    steps = np.cumsum([50, 250, 150, 125])
     contact = recording.foot_forces > CONTACT_FORCE
     assert contact[25:50].all(), "it stands before it is told to go"
-    leftward = recording.velocity[steps[0] + 100 : steps[1], :, 1].mean()
+    leftward = recording.velocity[steps[1] - 90 : steps[1], :, 1].mean()
     np.testing.assert_allclose(leftward, 0.1, atol=0.04)
     yaw = np.unwrap(recording.yaw, axis=0)
     turned = yaw[steps[2] - 1] - yaw[steps[1] + 50]

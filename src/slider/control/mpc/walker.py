@@ -242,7 +242,8 @@ class MpcController:
         now = np.concatenate([com, gait.walked[robots, None]], axis=1)
         gone = now - gait.starts[robots, 0]
         gait.starts[robots] = np.stack([gait.starts[robots, 1], now], axis=1)
-        known = gait.steps[robots] > 2
+        # Not in the first stride, nor while it brakes in order to stand.
+        known = (gait.steps[robots] > 2) & ~standing(self._command[robots])
         halfway = gait.heading[robots] - 0.5 * self._command[robots, 2] * gone[:, 2]
         mean = _turn(gone[:, :2], -halfway) / np.maximum(gone[:, 2:], self._period)
         error = np.where(known[:, None], self._command[robots, :2] - mean, 0.0)

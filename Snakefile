@@ -6,7 +6,7 @@ from pathlib import Path
 sys.path.insert(0, workflow.basedir)
 
 from pipeline.console import calm
-from pipeline.entry import REPORTS, open_pipeline
+from pipeline.entry import REPORTS, open_pipeline, protocol_files
 
 
 report: "pipeline/captions/workflow.rst"
@@ -31,6 +31,7 @@ include: "pipeline/rules/reports.smk"
 include: "pipeline/rules/gaits.smk"
 include: "pipeline/rules/learning.smk"
 include: "pipeline/rules/evaluation.smk"
+include: "pipeline/rules/protocols.smk"
 include: "pipeline/rules/verification.smk"
 include: "pipeline/rules/figures.smk"
 include: "pipeline/rules/ablation.smk"

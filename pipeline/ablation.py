@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.stages import POLICY, evaluation_jobs, library_job, training_jobs
+from pipeline.stages import POLICY, evaluations_of, library_job, training_jobs
 from slider.core.config.ablation import AblationConfig, VariantConfig
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -45,7 +45,7 @@ def ablation_job(config: Config, library: JobSpec, overrides: Sequence[str], con
         for seed in settings.seeds:
             own, note = _with_budget(variant, settings, seed), f" ({name}, seed {seed})"
             walking.append(training_jobs(own, gaits, note)["walking"])
-            evaluations += evaluation_jobs(own, walking[-1], note)
+            evaluations += evaluations_of(own, own.evaluation, walking[-1], note)
             runs.append({"variant": name, "seed": seed, "batch": _batch(own.train.walking)})
     section = {
         "runs": runs,

@@ -52,6 +52,12 @@ REPORTS = {
 }
 
 
+def protocol_files(name: str) -> tuple[str, ...]:
+    """What people read of a protocol beside that of Table 1."""
+    table = tuple(f"reports/{name}.{suffix}" for suffix in ("csv", "md"))
+    return table + tuple(f"reports/figures/{name}.{suffix}" for suffix in ("svg", "png"))
+
+
 @dataclass
 class Pipeline:
     """The jobs of one configuration, as files below the working directory."""
@@ -112,7 +118,7 @@ class Pipeline:
             return
         job = ablation_job(self.config, targets["library"], self.overrides, self.conf)
         self.plan = build_plan(targets | {ABLATION_TARGET: job})
-        self.plan_path = _lay_out(self.plan, self.store)
+        self.plan_path = _lay_out(self.plan, self.store, self.config)
 
     def start(self) -> None:
         """Begin this pipeline run; open a session of tracking, if the configuration wants one."""
@@ -151,15 +157,16 @@ def _open(overrides: list[str], conf: Path) -> Pipeline:
     config = with_renderer(compose(overrides, conf))
     store = Store(Path(ARTEFACTS))
     plan = build_plan(all_jobs(config))
-    return Pipeline(config, overrides, plan, _lay_out(plan, store), store, conf)
+    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
 
 
-def _lay_out(plan: Plan, store: Store) -> Path:
+def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     """Write a plan and make what is on disk agree with it."""
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
-    for target, names in REPORTS.items():
+    reports = REPORTS | {name: protocol_files(name) for name in config.protocols}
+    for target, names in reports.items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
     return path

@@ -3,6 +3,7 @@
 The stage ``baseline`` is the evaluation of the model-predictive controllers; it needs no other.
 The ablation compares several configurations and has a module of its own.
 The stage ``policy_export`` hangs off ``walking``: another exporter must not retrain the policy.
+Protocols beside that of Table 1 (``config.protocols``) have the same evaluations and a report each.
 
 Each function says which entry point a stage runs, which part of the configuration is its own and
 what its inputs are. A section holds nothing that its stage does not use: it is in the recipe.
@@ -13,6 +14,7 @@ from dataclasses import fields
 from typing import Any
 
 from slider.core.config.convert import to_dict
+from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig
 from slider.core.config.library_use import uses_library
 from slider.core.config.report import SECTION_INPUTS
@@ -29,6 +31,8 @@ POLICY_EXPORT = "slider.control.export.stage:run"
 EVALUATION = "slider.evaluation.stage:run"
 BASELINE = "slider.evaluation.baseline:run"
 TABLE1 = "slider.reports.table1:run"
+SPEEDS = "slider.reports.protocols.speeds:run"
+PROFILE = "slider.reports.protocols.profile:run"
 VERIFICATION_GAITS = "slider.verification.stage:run_gaits"
 VERIFICATION = "slider.verification.stage:run"
 FIGURES = "slider.reports.figures.stage:run"
@@ -47,6 +51,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
     targets |= {"policy_export": policy_export(targets["walking"])}
+    targets |= protocol_jobs(config, targets["walking"])
     return targets | {"report": report(config, targets)}
 
 
@@ -54,7 +59,7 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs up to Table 1 by the name of their target."""
     library = library_job(config)
     trainings = training_jobs(config, library)
-    evaluations = evaluation_jobs(config, trainings["walking"])
+    evaluations = evaluations_of(config, config.evaluation, trainings["walking"])
     return {"library": library, **trainings, "table1": table1(config, evaluations)}
 
 
@@ -79,13 +84,19 @@ def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str,
     return {"standing": standing, "walking": walking_training(config, library, standing, note)}
 
 
-def evaluation_jobs(config: Config, walking: JobSpec, note: str = "") -> list[JobSpec]:
-    """The protocol of every controller at every command."""
-    return [
-        evaluation(config, controller, command, walking, note)
-        for controller in config.evaluation.controllers
-        for command in config.evaluation.commands
-    ]
+def protocol_jobs(config: Config, walking: JobSpec) -> dict[str, JobSpec]:
+    """The report of each further protocol; nothing on the way to Table 1 needs them."""
+    return {name: protocol_report(config, name, walking) for name in config.protocols}
+
+
+def protocol_report(config: Config, name: str, walking: JobSpec) -> JobSpec:
+    """Table and figure of a protocol of constant speeds, or of one with a changing command."""
+    protocol = config.protocols[name]
+    inputs = {"evaluations": evaluations_of(config, protocol, walking)}
+    section = {"name": name, "evaluation": protocol_section(protocol)}
+    if protocol.profile is None:
+        return JobSpec("speeds", name, code_of(SPEEDS), section, inputs)
+    return JobSpec("profile", name, code_of(PROFILE), section, inputs)
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
@@ -198,20 +209,46 @@ def policy_export(walking: JobSpec) -> JobSpec:
     return JobSpec("policy_export", "policy export", code, section, {"walking": [walking]})
 
 
+def evaluations_of(
+    config: Config, protocol: EvaluationConfig, walking: JobSpec, note: str = ""
+) -> list[JobSpec]:
+    """A protocol's evaluations: each controller at each command, or with the profile.
+
+    ``note`` is added to their labels.
+    """
+    commands = protocol.commands if protocol.profile is None else [None]
+    return [
+        evaluation(config, protocol, controller, command, walking, note)
+        for controller in protocol.controllers
+        for command in commands
+    ]
+
+
 def evaluation(
-    config: Config, controller: str, command: float, walking: JobSpec, note: str = ""
+    config: Config,
+    protocol: EvaluationConfig,
+    controller: str,
+    command: float | None,
+    walking: JobSpec,
+    note: str = "",
 ) -> JobSpec:
-    """The protocol of one controller at one command."""
-    protocol = _without(to_dict(config.evaluation), "controllers", "commands")
-    section = {"evaluation": protocol} | _controlled(config, controller, command)
-    label = f"evaluation of {controller} at {command:.1f} m/s{note}"
+    """A protocol with one controller at one command."""
+    settings = _without(protocol_section(protocol), "controllers", "commands")
+    section = {"evaluation": settings} | _controlled(config, controller, command)
+    what = "changing commands" if command is None else f"{command:.1f} m/s"
+    label = f"evaluation of {controller} at {what}{note}"
     if controller == POLICY:
         inputs = {"walking": [walking]}
         return JobSpec("evaluation", label, code_of(EVALUATION), section, inputs)
     return JobSpec("baseline", label, code_of(BASELINE), section)
 
 
-def _controlled(config: Config, controller: str, command: float) -> dict[str, Any]:
+def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
+    """A protocol without the options that it does not use: new ones leave old recipes alone."""
+    return {name: value for name, value in to_dict(protocol).items() if value is not None}
+
+
+def _controlled(config: Config, controller: str, command: float | None) -> dict[str, Any]:
     """Robot, plant and controller; the policy comes as an input."""
     section = {"controller": controller, "command": command}
     if controller == POLICY:
@@ -229,7 +266,7 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     A library that the policy was trained with also gives the gaits' own sway. A table without one
     (of baselines alone, of a training without library) does not wait for it.
     """
-    section = {"evaluation": to_dict(config.evaluation)}
+    section = {"evaluation": protocol_section(config.evaluation)}
     trainings = [job for item in evaluations for job in item.inputs.get("walking", ())]
     inputs = {"evaluations": evaluations}
     if trainings and "library" in trainings[0].inputs:
@@ -255,7 +292,8 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     inputs = {name: available[name] for name in dict.fromkeys(names)}
     section = {
         "report": to_dict(config.report),
-        "configuration": _without(to_dict(config), "resources", "tracking", "ablation"),
+        "configuration": _without(to_dict(config), "resources", "tracking", "ablation", "protocols")
+        | {"evaluation": protocol_section(config.evaluation)},
         "origins": {name: [_origin(job) for job in jobs] for name, jobs in inputs.items()},
     }
     return JobSpec("report", "report", code_of(REPORT), section, inputs)

@@ -190,3 +190,22 @@ def test_the_gaits_under_the_actions_travel_with_the_policy(tmp_path):
     arguments = np.array([0.3, 1.1]), np.array([0.0, 0.05]), np.array([0.2, 0.8])
     np.testing.assert_array_equal(back.at(*arguments), reference.at(*arguments))
     assert np.abs(back.at(*arguments)).max() > 0.05
+
+
+def test_a_new_command_counts_from_the_next_observation_on():
+    """As in training: the period that is over turned the heading by the old yaw rate."""
+    seen = []
+
+    def network(observations: torch.Tensor) -> torch.Tensor:
+        seen.append(agent.command.copy())
+        return torch.zeros(1, 12)
+
+    agent = make_agent(1)
+    controller, state = PolicyController(network, agent), make_state(1)
+    controller.reset(state, np.array([[0.4, 0.0, 0.5]]))
+    controller.control(state)
+    controller.command(np.array([[0.2, 0.1, 0.0]]))
+    for _ in range(2):
+        controller.control(state)
+    np.testing.assert_allclose([command[0, 0] for command in seen], [0.4, 0.2, 0.2])
+    np.testing.assert_allclose([command[0, 3] for command in seen], [0.0, 0.01, 0.01])

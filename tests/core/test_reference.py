@@ -4,7 +4,7 @@ import dataclasses
 from pathlib import Path
 
 from slider.core.config.compose import compose
-from slider.core.config.reference import entries, read_comments, reference
+from slider.core.config.reference import group_entries, read_comments, reference
 from slider.core.config.schema import Config
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -15,7 +15,7 @@ def test_every_value_has_an_entry_and_nearly_all_a_meaning():
     found = [
         entry
         for item in dataclasses.fields(Config)
-        for entry in entries(getattr(config, item.name), item.name, comments)
+        for entry in group_entries(getattr(config, item.name), item.name, comments)
     ]
     paths = {entry.path for entry in found}
     assert {"gait.nodes", "train.walking.ppo.schedule", "report.video.quality"} <= paths

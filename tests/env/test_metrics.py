@@ -17,10 +17,11 @@ def recording(count: int = 1, **changes: np.ndarray) -> Recording:
     """Robots that stand still with both feet loaded, commanded to 0.5 m/s."""
     still = Recording(
         period=PERIOD,
-        command=np.tile([0.5, 0.0, 0.0], (count, 1)),
+        command=np.tile([0.5, 0.0, 0.0], (STEPS, count, 1)),
         alive=np.ones((STEPS, count), dtype=bool),
         velocity=np.zeros((STEPS, count, 2)),
         yaw=np.zeros((STEPS, count)),
+        position=np.zeros((STEPS, count, 2)),
         foot_forces=np.full((STEPS, count, 2), LOADED),
         foot_positions=np.zeros((STEPS, count, 2, 3)),
         power=np.zeros((STEPS, count)),
@@ -84,7 +85,7 @@ def test_an_error_of_both_signs_does_not_cancel():
     ],
 )
 def test_tracked(command, mean, tracked):
-    one = recording(1, velocity=forward(mean), command=np.array([[command, 0.0, 0.0]]))
+    one = recording(1, velocity=forward(mean), command=np.full((STEPS, 1, 3), [command, 0, 0]))
     assert tracking(one, 0.0, 0.1, 0.1).tracked[0] == tracked
 
 
@@ -228,3 +229,27 @@ def test_velocity_variance_is_about_the_mean():
     found = gait_quality(recording(velocity=forward(swing)), 0.0)
     assert found.velocity_variance == pytest.approx([np.var(swing)])
     assert np.isinf(gait_quality(recording(), 0.0).cost_of_transport).all()
+
+
+def test_heading_is_about_the_commanded_one():
+    """Turning with 0.4 rad/s as told, 0.1 rad/s too slowly, and without being told."""
+    rate = np.array([0.4, 0.3, 0.3])
+    yaw = (rate[None] * PERIOD * np.arange(1, STEPS + 1)[:, None] + 3.0 + np.pi) % (2 * np.pi)
+    command = np.zeros((STEPS, 3, 3))
+    command[:, :2, 2] = 0.4
+    turning = recording(3, yaw=yaw - np.pi, command=command)
+    span = (STEPS - 1) * PERIOD
+    np.testing.assert_allclose(
+        gait_quality(turning, 0.0).heading, [0.0, 0.1 * span, 0.3 * span], atol=1e-12
+    )
+
+
+def test_a_changing_command_is_tracked_in_the_mean():
+    command = np.zeros((STEPS, 1, 3))
+    command[50:, :, 0] = 1.0
+    follows = tracking(recording(1, velocity=command[:, :, :2], command=command), 0.0, 0.01, 0.0)
+    assert follows.tracked.all()
+    assert follows.squared_error[0] == 0.0
+    stays = tracking(recording(1, command=command), 0.0, 0.01, 0.0)
+    assert not stays.tracked.any()
+    np.testing.assert_allclose(stays.squared_error, 0.5)

@@ -52,6 +52,12 @@ def joint(name: str, number: float) -> np.ndarray:
 
 HAND = {  # term → (state, view, parameters, value)
     "alive": ({}, {}, {}, 1.0),
+    "stand_still": (
+        {"foot_forces": [100.0, 0.0], "joint_velocities": [0.5] + [0.0] * 11},
+        {"command": [[0.0, 0.0, 0.0, 0.3]]},
+        {"loaded": 20.0, "width": 2.0},
+        0.5 * np.exp(-0.25 / 2.0),
+    ),
     "forward_velocity": (
         {"heading_velocity": [0.5, 3.0]},
         {"command": [[0.2, 0, 0, 0]]},
@@ -150,7 +156,39 @@ def test_by_hand(name):
 
 
 def test_every_term_is_tested_here():
-    assert set(TERMS) == {*HAND, "guide_phase", "guide_nearest", "contact_schedule"}
+    others = {"guide_phase", "guide_phase_turning", "guide_nearest", "contact_schedule"}
+    assert set(TERMS) == {*HAND, *others}
+
+
+def test_standing_still_counts_only_at_zero_command():
+    loaded = make_state(3, foot_forces=100.0)
+    view = make_view(loaded, command=[[0, 0, 0, 0], [0.1, 0, 0, 0], [0, 0, -0.1, 0]])
+    np.testing.assert_array_equal(value("stand_still", view, loaded=20.0, width=2.0), [1, 0, 0])
+
+
+def test_a_commanded_turn_moves_the_hip_yaws_of_the_guide():
+    """Over a stance foot that stays, the base turns by ψ̇ T in a step; legs swap at its end."""
+    rate, table = 0.3, gait_table()
+    command = np.tile([0.4, 0.0, rate, 0.0], (4, 1))
+    phase = np.array([0.0, 0.4999999, 0.5, 0.9999999])
+    view = make_view(make_state(4), command=command, phase=phase)
+    half = 0.5 * rate * table.times.at(command[:, 0], command[:, 1])[0]
+    yaws = [JOINTS.index("left_hip_yaw"), JOINTS.index("right_hip_yaw")]
+    turn = make_guide().turn(view)
+    np.testing.assert_allclose(
+        turn[:, yaws], half * np.array([[1, -1], [-1, 1], [-1, 1], [1, -1]]), atol=1e-6
+    )
+    assert not np.delete(turn, yaws, axis=1).any()
+    reference = table.at(command[:, 0], command[:, 1], phase)[:, :12]
+    on_it = make_view(make_state(4, joint_positions=reference + turn), command=command, phase=phase)
+    np.testing.assert_allclose(value("guide_phase_turning", on_it, width=0.35), 1.0)
+    assert (value("guide_phase", on_it, width=0.35) < 1.0).all()
+    straight = moving_view()
+    straight.command[:, 2] = 0.0
+    np.testing.assert_array_equal(
+        value("guide_phase_turning", straight, width=0.35),
+        value("guide_phase", straight, width=0.35),
+    )
 
 
 @pytest.mark.parametrize(

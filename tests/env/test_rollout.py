@@ -28,9 +28,13 @@ class Stiff:
     def __init__(self) -> None:
         self.seen: list[RobotState] = []
         self.velocity: np.ndarray | None = None
+        self.told: list[tuple[int, np.ndarray]] = []  # control steps before, velocity
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         self.velocity = velocity
+
+    def command(self, velocity: np.ndarray) -> None:
+        self.told.append((len(self.seen), velocity))
 
     def control(self, state: RobotState) -> np.ndarray:
         self.seen.append(state)
@@ -64,7 +68,8 @@ def test_shapes_and_period():
     assert recording.alive.shape == recording.yaw.shape == (20, COUNT)
     assert recording.velocity.shape == recording.foot_forces.shape == (20, COUNT, 2)
     assert recording.foot_positions.shape == (20, COUNT, 2, 3)
-    np.testing.assert_array_equal(recording.command[:, 0], 0.3)
+    np.testing.assert_array_equal(recording.command[:, :, 0], 0.3)
+    assert recording.position.shape == (20, COUNT, 2)
 
 
 def test_the_controller_is_called_once_per_period_with_the_latest_state():
@@ -74,7 +79,8 @@ def test_the_controller_is_called_once_per_period_with_the_latest_state():
         controller, make_physics(COUNT), environment(), starts(), command, 0.4, shares.append
     )
     assert len(controller.seen) == 20
-    assert controller.velocity is command
+    np.testing.assert_array_equal(controller.velocity, command)
+    assert not controller.told, "the command is constant"
     np.testing.assert_array_equal(controller.seen[0].joint_positions, starts()[0][:, 7:])
     for k in range(19):
         np.testing.assert_array_equal(
@@ -170,3 +176,27 @@ def test_generalised_coordinates_of_a_state_are_the_plants():
     physics.reset(np.arange(COUNT), qpos, qvel)
     np.testing.assert_allclose(physics.read().qpos, qpos, atol=1e-12)
     np.testing.assert_allclose(physics.read().qvel, qvel, atol=1e-12)
+
+
+def test_the_controller_is_told_of_changes_only():
+    controller, commands = Stiff(), np.zeros((20, COUNT, 3))
+    commands[5:, :, 0] = 0.4
+    commands[12:, 1, 2] = 0.3
+    recording = roll_out(
+        controller, make_physics(COUNT), environment(), starts(), commands, 20 * 0.02
+    )
+    assert not controller.velocity.any()
+    assert [step for step, _ in controller.told] == [5, 12]
+    for step, velocity in controller.told:
+        np.testing.assert_array_equal(velocity, commands[step])
+    np.testing.assert_array_equal(recording.command, commands)
+
+
+def test_positions_are_the_integral_of_velocities():
+    recording = record()
+    turned = recording.yaw[:, 3]
+    assert np.abs(turned).max() < 0.02  # so that heading and world agree
+    way = np.cumsum(recording.velocity[:, 3, 0]) * recording.period
+    np.testing.assert_allclose(
+        recording.position[1:, 3, 0] - recording.position[0, 3, 0], way[1:] - way[0], atol=5e-3
+    )

@@ -10,7 +10,7 @@ from pipeline.stages import table1_jobs
 from slider.core.config.convert import to_dict
 from slider.core.job import Job
 from slider.evaluation import baseline, protocol, records
-from slider.reports import table1
+from slider.reports.rows import table_row
 from tests.env.synthetic import config
 
 PROTOCOL = ("experiment=test", "evaluation.duration=0.6")
@@ -45,7 +45,7 @@ def test_records_are_those_of_the_policy_and_make_a_row(tmp_path, setting):
     assert summary["controller"] == f"mpc_wbc_{setting}"
     assert {"model", "assembly", "solution"} <= set(job.volatile["tick_us"])
     about = json.loads((tmp_path / "out" / "command.json").read_text())
-    row = table1.table_row(about["controller"], about["command"], found)
+    row = table_row(about["controller"], about["command"], found)
     assert row["controller"] == f"mpc_wbc_{setting}"
     assert row["success_rate"] == 1.0
 

@@ -13,7 +13,7 @@ from slider.core.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.starts import at_rest
-from slider.evaluation import protocol, records, stage
+from slider.evaluation import protocol, records, segments, stage
 from tests.env.synthetic import config, gait_table, make_agent
 
 WHOLE = ("experiment=test", "evaluation.duration=0.6")
@@ -141,3 +141,19 @@ def test_a_policy_of_the_same_terms_in_another_order_is_refused(walking, tmp_pat
     other["env"]["observation"]["terms"] = dict(reversed(terms.items()))
     with pytest.raises(UserError, match="policy: expected the observations"):
         stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
+
+
+def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
+    whole = config("experiment=test").protocols["joystick"]
+    (tmp_path / "out").mkdir()
+    values = section() | {"evaluation": to_dict(whole), "command": None}
+    summary = stage.run(values, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    expected = {"robots.csv", "velocity.npy", "command.json", "segments.csv", "traces.npy"}
+    assert names == expected
+    assert summary["command"] is None
+    table = segments.read(tmp_path / "out" / segments.FILE)
+    assert len(table["robot"]) == 2 * whole.trials * whole.robots
+    traces = np.load(tmp_path / "out" / segments.TRACES)
+    assert traces.shape == (60, 10)
+    np.testing.assert_allclose(traces[-1, :3], [0.4, 0.1, 0.3], atol=1e-7)

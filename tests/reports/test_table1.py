@@ -16,6 +16,7 @@ from slider.evaluation import records
 from slider.library.contents import LibraryContents
 from slider.library.sway import forward_variance
 from slider.reports import table1
+from slider.reports.rows import table_row
 from tests.library.gaits import write_store
 
 # Design, section 3: success, MSE with and without the start, tracking; each with its spread.
@@ -51,7 +52,7 @@ def write_evaluation(folder: Path, command: float, table: records.Records) -> Pa
 
 def test_a_row_by_hand():
     table = make_records([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
-    row = table1.table_row("policy", 0.6, table)
+    row = table_row("policy", 0.6, table)
     assert (row["controller"], row["source"], row["command_velocity"]) == (
         "policy",
         "measured",
@@ -70,11 +71,11 @@ def test_a_row_by_hand():
 
 def test_the_spread_is_over_trials_not_robots():
     same_trials = make_records([[1, 1], [1, 1], [1, 1]], [[1, 5], [5, 1], [1, 5]])
-    assert table1.table_row("policy", 0.6, same_trials)["mse_std"] == 0.0
+    assert table_row("policy", 0.6, same_trials)["mse_std"] == 0.0
 
 
 def test_none_survives():
-    row = table1.table_row("policy", 3.0, make_records([[0, 0], [0, 0]], [[1, 1], [1, 1]]))
+    row = table_row("policy", 3.0, make_records([[0, 0], [0, 0]], [[1, 1], [1, 1]]))
     assert row["success_rate"] == 0.0
     assert row["mse"] == row["mse_steady"] == float("inf")
     assert row["mse_std"] == row["mse_steady_std"] == ""
@@ -83,14 +84,14 @@ def test_none_survives():
 
 def test_a_trial_without_survivors_has_no_part_in_the_spread_of_errors():
     table = make_records([[1, 1], [0, 0], [1, 1]], [[1, 1], [7, 7], [3, 3]])
-    row = table1.table_row("policy", 3.0, table)
+    row = table_row("policy", 3.0, table)
     assert row["mse"] == 2.0
     assert row["mse_std"] == pytest.approx(np.sqrt(2))
     assert row["success_rate_std"] == pytest.approx(np.std([1, 0, 1], ddof=1))
 
 
 def test_one_trial_has_no_spread():
-    row = table1.table_row("policy", 0.2, make_records([[1, 1]], [[1, 2]]))
+    row = table_row("policy", 0.2, make_records([[1, 1]], [[1, 2]]))
     assert [row[name] for name in COLUMNS if name.endswith("_std")] == [""] * 4
 
 

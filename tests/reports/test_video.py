@@ -31,17 +31,17 @@ run(section, {"walking": [folder]}, folder / "out", Job(folder))
 """
 
 
-def write_policy(path: Path, env) -> None:
+def write_policy(path: Path, config) -> None:
     torch.manual_seed(0)
-    layout = Observer(env.observation).layout
+    layout = Observer(config.env.observation).layout
     times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
     network = PolicyNetwork(sum(layout.values()), NUM_JOINTS, (8,), "elu")
-    save_policy(Policy(network, (8,), "elu", layout, times), path)
+    save_policy(Policy(network, (8,), "elu", layout, times, config.robot, config.env, {}), path)
 
 
 def film(folder: Path, renderer: str):
     config = compose(["experiment=test"], CONF)
-    write_policy(folder / "policy.pt", config.env)
+    write_policy(folder / "policy.pt", config)
     robot = to_dict(config.robot)
     robot.pop("provenance")
     video = to_dict(config.report.video) | {"renderer": renderer}

@@ -47,10 +47,11 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
     forces[10:20] = 0.0
     return Recording(
         period=0.02,
-        command=np.array([[v, 0.0, 0.0] for v in (0.2, 0.2, 2.0, 2.0)]),
+        command=np.tile([[v, 0.0, 0.0] for v in (0.2, 0.2, 2.0, 2.0)], (50, 1, 1)),
         alive=np.tile(alive, (50, 1)),
         velocity=velocity,
         yaw=np.zeros((50, 4)),
+        position=np.zeros((50, 4, 2)),
         foot_forces=forces,
         foot_positions=np.zeros((50, 4, 2, 3)),
         power=np.zeros((50, 4)),

@@ -46,6 +46,8 @@ def recipes(*overrides: str) -> dict[str, set[str]]:
         ("train.walking.seed=2", {"walking", "evaluation", "table1"}),
         ("evaluation.trials=3", {"evaluation", "table1"}),
         ("evaluation.commands=[0.4,0.2]", {"table1"}),
+        ("protocols.sweep.trials=3", set()),
+        ("protocols.joystick.profile.ramp=0.1", set()),
         ("resources.threads=1", set()),
         ("tracking.enabled=false", set()),
         ("robot.provenance.gains=paper", set()),
@@ -72,6 +74,44 @@ def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table
     assert (recipes[0] != recipes[1]) is changed
     way = build_plan(table1_jobs(compose([], CONF))).jobs.values()
     assert "policy_export" not in {job.stage for job in way}
+
+
+@pytest.mark.parametrize(
+    ("override", "changed"),
+    [
+        ("protocols.sweep.trials=3", {"sweep"}),
+        ("protocols.sweep.commands=[0.4]", {"sweep"}),
+        ("protocols.joystick.profile.settle=0.1", {"joystick"}),
+        ("evaluation.trials=3", set()),
+        ("train.walking.seed=2", {"sweep", "joystick"}),
+    ],
+)
+def test_a_protocol_depends_on_its_own_settings_and_on_the_policy(override, changed):
+    before, after = protocols(), protocols(override)
+    assert {name for name in before if before[name] != after[name]} == changed
+
+
+def protocols(*overrides: str) -> dict[str, str]:
+    config = compose(["experiment=test", *overrides], CONF)
+    jobs = stages.protocol_jobs(config, table1_jobs(config)["walking"])
+    return {name: job.recipe for name, job in jobs.items()}
+
+
+def test_a_protocol_has_one_job_per_controller_and_command():
+    config = compose([], CONF)
+    jobs = stages.protocol_jobs(config, table1_jobs(config)["walking"])
+    evaluations = {name: job.inputs["evaluations"] for name, job in jobs.items()}
+    assert len(evaluations["sweep"]) == 3 * 31
+    assert len(evaluations["joystick"]) == 3
+    commands = [job.section["command"] for job in evaluations["sweep"][:31]]
+    assert commands == [round(0.1 * k, 10) for k in range(31)]
+    assert {job.section["command"] for job in evaluations["joystick"]} == {None}
+
+
+def test_an_option_that_is_not_used_is_in_no_recipe():
+    config = compose(["experiment=test"], CONF)
+    section = table1_jobs(config)["table1"].inputs["evaluations"][0].section
+    assert "profile" not in section["evaluation"]
 
 
 def test_a_wider_grid_keeps_its_gaits(before):

@@ -212,6 +212,10 @@ def with_dummies(workspace: Workspace) -> Workspace:
     (source / "reports" / "figures" / "__init__.py").write_text("FILES = ('size.md',)\n")
     for name in ("stage", "verification_maps"):
         (source / "reports" / "figures" / f"{name}.py").write_text(FIGURES)
+    (source / "reports" / "protocols").mkdir()
+    (source / "reports" / "protocols" / "__init__.py").write_text("")
+    for name in ("speeds", "profile"):
+        (source / "reports" / "protocols" / f"{name}.py").write_text(PAGE)
     for name in ("report", "video"):
         (source / "reports" / f"{name}.py").write_text(PAGE)
     (source / "gait" / "tiny.py").write_text(

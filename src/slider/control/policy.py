@@ -23,19 +23,26 @@ class PolicyController:
         self._network = network
         self._agent = agent
         self._started = False
+        self._everyone = np.arange(agent.num_robots)
+        self._velocity = agent.command[:, :3].copy()
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew with clocks at zero (left stance), commanded to ``velocity`` (N, 3)."""
-        everyone = np.arange(self._agent.num_robots)
-        self._agent.set_velocity_command(everyone, velocity)
-        self._agent.reset(everyone, state)
+        self.command(velocity)
+        self._agent.set_velocity_command(self._everyone, velocity)
+        self._agent.reset(self._everyone, state)
         self._agent.refresh_heading(state)
         self._started = False
+
+    def command(self, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from the next observation on, as in training."""
+        self._velocity = velocity
 
     def control(self, state: RobotState) -> np.ndarray:
         """Desired joint positions (N, 12) [rad or m]."""
         if self._started:
-            self._agent.advance(state)
+            self._agent.advance(state)  # with the command of the period that is over
+            self._agent.set_velocity_command(self._everyone, self._velocity)
         self._started = True
         with torch.inference_mode():
             actions = self._network(torch.from_numpy(self._agent.observe(state)))

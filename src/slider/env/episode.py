@@ -52,6 +52,10 @@ class Episode:
         self._controller.reset(self._state, velocity)
         return self._frame()
 
+    def command(self, velocity: np.ndarray) -> None:
+        """Command ``velocity`` (1, 3) from the next step on."""
+        self._controller.command(velocity)
+
     def step(self) -> Frame:
         """Simulate one control period."""
         self._state, _ = run_ticks(self._controller, self._physics, self._state, self._ticks)

@@ -4,9 +4,10 @@ import numpy as np
 
 from slider.env.view import View
 from slider.library.lookup import GaitLibrary, GaitTable
-from slider.robot.names import CHANNELS, JOINTS
+from slider.robot.names import CHANNELS, JOINTS, SIDES
 
 _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
+_HIP_YAWS = [JOINTS.index(f"{side}_hip_yaw") for side in SIDES]
 NUM_POSITIONS = len(JOINTS)
 NUM_CHANNELS = len(CHANNELS)
 BASE_HEIGHT = NUM_CHANNELS + 2  # column of the base height in a reference
@@ -46,6 +47,20 @@ class Guide:
         if self._nearest:
             vx, vy = self._library.velocities[self._library.nearest(vx, vy)].T
         return self._table.at(vx, vy, view.phase)
+
+    def turn(self, view: View) -> np.ndarray:
+        """What a commanded yaw rate adds to the joints of the gait (N, 12) [rad].
+
+        The stance foot stays while the base turns over it, so that the stance hip's yaw goes from
+        +ψ̇ T/2 to −ψ̇ T/2 in a step of duration T; the swing leg goes back for the next step.
+        """
+        step_time = self._table.times.at(view.command[:, 0], view.command[:, 1])
+        progress = (2.0 * view.phase) % 1.0
+        stance = view.command[:, 2] * step_time * (0.5 - progress)
+        left = np.where(view.phase < 0.5, stance, -stance)
+        result = np.zeros((len(left), NUM_POSITIONS))
+        result[:, _HIP_YAWS] = np.stack([left, -left], axis=1)
+        return result
 
     def states(
         self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray

@@ -60,7 +60,7 @@ class AgentInterface:
         self._effort_limits = np.where(effort > 0, effort, np.inf)
         self.clock: Clock | None = None
         if config.phase.enabled and times is not None:
-            self.clock = Clock(times, config.control_period, num_robots)
+            self.clock = Clock(times, config.control_period, num_robots, config.phase.halt)
         self.command = np.zeros((num_robots, 4))
         self.action = np.zeros((num_robots, NUM_JOINTS))
         self.previous_action = np.zeros((num_robots, NUM_JOINTS))

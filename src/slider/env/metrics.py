@@ -18,7 +18,7 @@ class Tracking:
         squared_error: mean over all control steps of (forward velocity − command)² [m²/s²].
         squared_error_steady: the same from ``steady_from`` on.
         mean_velocity: mean forward velocity from ``steady_from`` on [m/s].
-        tracked: survived and the mean velocity is close enough to the command.
+        tracked: survived and the mean velocity is close enough to the mean command from then on.
     """
 
     survived: np.ndarray
@@ -31,19 +31,24 @@ class Tracking:
 def tracking(
     recording: Recording, steady_from: float, tolerance: float, relative: float
 ) -> Tracking:
-    """Velocity tracking; tracked means |mean v − command| ≤ max(tolerance, relative·|command|)."""
+    """Velocity tracking; tracked means |mean v − command| ≤ max(tolerance, relative·|command|).
+
+    The command is the forward one; where it changes, its mean from ``steady_from`` on counts.
+    """
     first = round(steady_from / recording.period)
     survived = recording.survived
     forward = recording.velocity[:, :, 0]
-    error = (forward - recording.command[:, 0]) ** 2
+    command = recording.command[:, :, 0]
+    error = (forward - command) ** 2
     mean = forward[first:].mean(axis=0)
-    allowed = np.maximum(tolerance, relative * np.abs(recording.command[:, 0]))
+    wanted = command[first] + (command[first:] - command[first]).mean(axis=0)  # exact if constant
+    allowed = np.maximum(tolerance, relative * np.abs(wanted))
     return Tracking(
         survived=survived,
         squared_error=_where(survived, error.mean(axis=0)),
         squared_error_steady=_where(survived, error[first:].mean(axis=0)),
         mean_velocity=_where(survived, mean),
-        tracked=survived & (np.abs(mean - recording.command[:, 0]) <= allowed),
+        tracked=survived & (np.abs(mean - wanted) <= allowed),
     )
 
 
@@ -59,7 +64,8 @@ class GaitQuality:
         clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
             counts as 0 while the foot is loaded.
         slip: mean horizontal speed of soles while loaded [m/s].
-        heading: largest |yaw − yaw at the start| [rad] of the whole rollout, command yaw rate 0.
+        heading: largest |yaw − commanded yaw| [rad] of the whole rollout; what is commanded is the
+            yaw at the start and the integral of the commanded yaw rate.
         asymmetry: |mean time from a left to the next right touchdown − from right to left| over
             their sum; 1 where the feet do not alternate.
         velocity_variance: of the forward velocity about its mean [m²/s²].
@@ -88,7 +94,6 @@ def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
     contact = recording.foot_forces[first:] > CONTACT_FORCE
     touchdown = contact[1:] & ~contact[:-1]
     seconds = len(touchdown) * recording.period
-    turned = np.unwrap(recording.yaw, axis=0) - recording.yaw[0]
     return GaitQuality(
         flight=_where(survived, (~contact.any(axis=2)).mean(axis=0)),
         double_support=_where(survived, contact.all(axis=2).mean(axis=0)),
@@ -96,13 +101,20 @@ def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
         alternation=_where(survived, _alternation(touchdown)),
         clearance=_where(survived, _clearance(recording.foot_positions[first:], contact)),
         slip=_where(survived, _slip(recording.foot_positions[first:], contact, recording.period)),
-        heading=_where(survived, np.abs(turned).max(axis=0)),
+        heading=_where(survived, np.abs(heading_error(recording)).max(axis=0)),
         asymmetry=_where(survived, _asymmetry(touchdown)),
         velocity_variance=_where(survived, recording.velocity[first:, :, 0].var(axis=0)),
         cost_of_transport=_where(survived, _cost_of_transport(recording, first)),
         peak_effort=_where(survived, recording.effort_share[first:].max(axis=0)),
         peak_speed=_where(survived, recording.speed_share[first:].max(axis=0)),
     )
+
+
+def heading_error(recording: Recording) -> np.ndarray:
+    """Yaw less the commanded yaw (S, N) [rad], both from the first step on."""
+    turned = np.unwrap(recording.yaw, axis=0) - recording.yaw[0]
+    commanded = np.cumsum(recording.command[:, :, 2], axis=0) * recording.period
+    return turned - (commanded - commanded[0])
 
 
 def _where(survived: np.ndarray, values: np.ndarray) -> np.ndarray:

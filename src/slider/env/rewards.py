@@ -9,6 +9,7 @@ import numpy as np
 from slider.core.config.train import RewardConfig
 from slider.core.errors import UserError
 from slider.env.guide import BASE_HEIGHT, NUM_POSITIONS, Guide
+from slider.env.phase import standing
 from slider.env.view import View
 from slider.robot.names import JOINTS
 
@@ -97,6 +98,19 @@ def guide_phase(r: RewardView, width: float) -> np.ndarray:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
     error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS]
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
+
+
+def guide_phase_turning(r: RewardView, width: float) -> np.ndarray:
+    """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
+    error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS] - r.guide.turn(r.view)
+    return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
+
+
+def stand_still(r: RewardView, loaded: float, width: float) -> np.ndarray:
+    """At zero command: share of feet with more than ``loaded`` [N], times exp(−‖q̇‖²/width)."""
+    share = (r.state.foot_forces > loaded).mean(axis=1)
+    speed = (r.state.joint_velocities**2).sum(axis=1)
+    return standing(r.view.command) * share * _kernel(speed, width)
 
 
 def guide_nearest(r: RewardView, masked: float) -> np.ndarray:
@@ -197,6 +211,8 @@ TERMS: dict[str, Callable[..., np.ndarray]] = {
         yaw_rate,
         heading,
         guide_phase,
+        guide_phase_turning,
+        stand_still,
         guide_nearest,
         contact_schedule,
         upright,

@@ -29,6 +29,9 @@ class Controller(Protocol):
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew for N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
 
+    def command(self, velocity: np.ndarray) -> None:
+        """From the next call of ``control`` on, go with ``velocity`` (N, 3)."""
+
     def control(self, state: RobotState) -> np.ndarray:
         """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
         ...
@@ -40,10 +43,11 @@ class Recording:
 
     Attributes:
         period: control period [s].
-        command: (N, 3) vx, vy [m/s], yaw rate [rad/s].
+        command: (S, N, 3) vx, vy [m/s], yaw rate [rad/s] that each step was made with.
         alive: (S, N) not failed up to and including this step.
         velocity: (S, N, 2) forward and leftward velocity of the base [m/s].
         yaw: (S, N) [rad].
+        position: (S, N, 2) of the base in the world [m].
         foot_forces: (S, N, 2) [N].
         foot_positions: (S, N, 2, 3) [m].
         power: (S, N) mechanical power of the drives, absolute values added [W].
@@ -58,6 +62,7 @@ class Recording:
     alive: np.ndarray
     velocity: np.ndarray
     yaw: np.ndarray
+    position: np.ndarray
     foot_forces: np.ndarray
     foot_positions: np.ndarray
     power: np.ndarray
@@ -88,7 +93,8 @@ def roll_out(
         physics: of N robots; its state is overwritten. Its period divides the control period.
         config: control period and terminations.
         start: positions (N, 19) and velocities (N, 18).
-        command: (N, 3) vx, vy [m/s], yaw rate [rad/s], constant from t = 0.
+        command: vx, vy [m/s], yaw rate [rad/s]: (N, 3) constant from t = 0, or (S, N, 3) of each
+            control step.
         duration: [s].
         progress: called with the share done.
     """
@@ -96,12 +102,15 @@ def roll_out(
     ticks = round(config.control_period / physics.period)
     physics.reset(np.arange(physics.num_robots), *start)
     state = physics.read()
-    controller.reset(state, command)
+    commands = np.broadcast_to(command, (steps, physics.num_robots, 3))
+    controller.reset(state, commands[0])
     alive = np.ones(physics.num_robots, dtype=bool)
     diverged = np.zeros(physics.num_robots, dtype=bool)
     limits = _Limits.of(physics.robot)
     rows: list[tuple[np.ndarray, ...]] = []
     for step in range(steps):
+        if step and (commands[step] != commands[step - 1]).any():
+            controller.command(commands[step])
         state, blown = run_ticks(controller, physics, state, ticks)
         diverged |= blown
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
@@ -109,7 +118,7 @@ def roll_out(
         progress((step + 1) / steps)
     series = [np.stack(column) for column in zip(*rows, strict=True)]
     weight = float(physics.model.body_mass.sum()) * GRAVITY
-    return Recording(config.control_period, command, *series, diverged=diverged, weight=weight)
+    return Recording(config.control_period, commands, *series, diverged=diverged, weight=weight)
 
 
 @dataclass(frozen=True)
@@ -153,6 +162,7 @@ def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:
         alive,
         state.heading_velocity,
         state.yaw,
+        state.base_position[:, :2],
         state.foot_forces.astype(np.float32),
         state.foot_positions.astype(np.float32),
     )

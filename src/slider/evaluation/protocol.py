@@ -16,24 +16,24 @@ from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.starts import at_rest
-from slider.evaluation import records
+from slider.evaluation import profile, records, segments
 
 VELOCITIES = "velocity.npy"
 
 
 @dataclass(frozen=True)
 class Protocol:
-    """One controller at one command: all trials and robots.
+    """One controller at one command or with one profile of commands: all trials and robots.
 
     Attributes:
         controller: name of the controller, a row of the table.
-        command: forward velocity [m/s].
+        command: forward velocity [m/s]; None with a profile.
         robot: the plant's robot.
         config: trials, starts and what is measured.
     """
 
     controller: str
-    command: float
+    command: float | None
     robot: RobotConfig
     config: EvaluationConfig
 
@@ -58,16 +58,20 @@ def read_protocol(section: Section) -> Protocol:
     Raises:
         UserError: a value is missing or has another type.
     """
+    command = section["command"]
     return Protocol(
         controller=section["controller"],
-        command=float(section["command"]),
+        command=None if command is None else float(command),
         robot=from_dict(RobotConfig, section["robot"]),
         config=from_dict(EvaluationConfig, section["evaluation"]),
     )
 
 
 def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> Summary:
-    """Roll a controller out and write per-robot records and mean velocity traces."""
+    """Roll a controller out and write per-robot records and mean velocity traces.
+
+    With a profile of commands also what happened in each segment.
+    """
     config = protocol.config
     recording = _simulate(protocol, simulated, job)
     tracked = tracking(
@@ -77,6 +81,9 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
     table = records.build(config.trials, config.robots, tracked, quality, recording.diverged)
     records.write(table, out / records.FILE)
     np.save(out / VELOCITIES, _traces(recording))
+    if config.profile is not None:
+        segments.write(segments.measure(recording, config), out / segments.FILE)
+        np.save(out / segments.TRACES, segments.traces(recording, config))
     about = {"controller": protocol.controller, "command": protocol.command}
     (out / "command.json").write_text(json.dumps(about) + "\n")
     summary = about | _summary(table)
@@ -85,17 +92,25 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
 
 
 def _simulate(protocol: Protocol, simulated: Simulated, job: Job) -> Recording:
-    velocity = np.zeros((protocol.count, 3))
-    velocity[:, 0] = protocol.command
     return roll_out(
         simulated.controller,
         simulated.physics,
         simulated.env,
         _starts(protocol.robot, protocol.config),
-        velocity,
+        _command(protocol, simulated.env.control_period),
         protocol.config.duration,
         lambda share: job.progress(f"{100 * share:.0f} %"),
     )
+
+
+def _command(protocol: Protocol, period: float) -> np.ndarray:
+    """Of all robots: (N, 3), or (S, N, 3) with a profile."""
+    if protocol.config.profile is not None:
+        values = profile.commands(protocol.config.profile, protocol.config.duration, period)
+        return np.repeat(values[:, None], protocol.count, axis=1)
+    velocity = np.zeros((protocol.count, 3))
+    velocity[:, 0] = protocol.command
+    return velocity
 
 
 def _starts(robot: RobotConfig, config: EvaluationConfig) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,6 @@
 """What moves: a simulated robot with an agent, or a gait replayed without physics."""
 
 from collections.abc import Callable
-from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -21,7 +20,6 @@ from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
 
 Start = Callable[[], tuple[np.ndarray, np.ndarray]]
-Steer = Callable[[np.ndarray], None]
 
 
 class Motion(Protocol):
@@ -48,12 +46,11 @@ class Simulation:
         episode: of one robot.
         period: between two frames [s].
         start: new start of the robot, positions (1, 19) and velocities (1, 18).
-        steer: tells the controller a new command (1, 3).
     """
 
-    def __init__(self, episode: Episode, period: float, start: Start, steer: Steer) -> None:
+    def __init__(self, episode: Episode, period: float, start: Start) -> None:
         self.period = period
-        self._episode, self._start, self._steer = episode, start, steer
+        self._episode, self._start = episode, start
 
     def start(self, velocity: np.ndarray) -> Frame:
         """Place the robot at rest, with new noise."""
@@ -61,7 +58,7 @@ class Simulation:
 
     def step(self, velocity: np.ndarray) -> Frame:
         """Simulate one control period."""
-        self._steer(velocity[None].copy())
+        self._episode.command(velocity[None].copy())
         return self._episode.step()
 
     def push(self, velocity: np.ndarray) -> None:
@@ -154,8 +151,7 @@ def _simulate_agent(
 ) -> Simulation:
     controller = PolicyController(network, agent)
     episode = Episode(controller, BatchedPhysics(robot, env.physics, 1), env)
-    steer = partial(agent.set_velocity_command, np.arange(1))
-    return Simulation(episode, env.control_period, starts(robot, noise, seed), steer)
+    return Simulation(episode, env.control_period, starts(robot, noise, seed))
 
 
 def starts(robot: RobotConfig, noise: StartNoise, seed: int) -> Start:

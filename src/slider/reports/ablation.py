@@ -11,13 +11,14 @@ from slider.evaluation import records
 from slider.reports import ablation_text
 from slider.reports.figures import ablation as figure
 from slider.reports.figures.style import save, style
-from slider.reports.table1 import (
+from slider.reports.rows import (
     Row,
     quality_row,
     read_evaluation,
     reference_sway,
     table_row,
-    write_table,
+    with_reference,
+    write_rows,
 )
 
 TRACKING = ("success_rate", "mse", "mse_steady", "tracking_rate")
@@ -40,9 +41,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``ablation.csv``, ``ablation_curves.csv``, ``ablation.md``, ``.svg`` and ``.png``."""
     runs = _read_runs(section, inputs)
     rows = [row for item in runs for row in item.rows]
-    write_table(rows, tuple(rows[0]), out / f"{NAME}.csv")
+    write_rows(rows, tuple(rows[0]), out / f"{NAME}.csv")
     curves = [row for item in runs for row in _curve_rows(item)]
-    write_table(curves, tuple(curves[0]), out / f"{NAME}_curves.csv")
+    write_rows(curves, tuple(curves[0]), out / f"{NAME}_curves.csv")
     labels = {name: variant["label"] for name, variant in section["variants"].items()}
     text = ablation_text.markdown(rows, curves, section["variants"])
     (out / f"{NAME}.md").write_text(text, encoding="utf-8")
@@ -61,7 +62,7 @@ def _read_runs(section: Section, inputs: Inputs) -> list[Run]:
         rows = []
         for folder in folders:
             controller, command, table = read_evaluation(folder)
-            found = quality_row(controller, command, table, sway(command))
+            found = with_reference(quality_row(controller, command, table), sway)
             rows.append(_row(about["variant"], about["seed"], command, table, found))
         runs.append(Run(about["variant"], about["seed"], curve, rows))
     return runs

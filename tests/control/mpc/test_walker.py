@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.control.mpc.walker import OFF, WALK, MpcController
+from slider.control.mpc.walker import OFF, STAND, WALK, MpcController
 from slider.core.config.env import StartNoise
 from slider.core.config.robot import RobotConfig
 from slider.env.metrics import CONTACT_FORCE
@@ -20,7 +20,7 @@ SETTLED = 6.0  # the integral action needs some strides [s]
 
 
 def walk(
-    command: tuple[float, float, float],
+    command: tuple[float, float, float] | np.ndarray,
     setting: str = "tuned",
     plant: RobotConfig | None = None,
     seconds: float = SECONDS,
@@ -33,8 +33,13 @@ def walk(
     controller = MpcController(robot_config(), control, physics.period)
     spread = whole.evaluation.start if noise else StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     start = at_rest(robot_config(), spread, np.random.default_rng(7), COUNT)
-    velocity = np.tile(command, (COUNT, 1))
+    velocity = np.tile(command, (COUNT, 1)) if np.ndim(command) == 1 else np.asarray(command)
     return roll_out(controller, physics, whole.env, start, velocity, seconds), controller
+
+
+def profile(*segments: tuple[float, tuple[float, float, float]]) -> np.ndarray:
+    """Commands (S, COUNT, 3) of segments: how long [s], and what."""
+    return np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
 
 
 def steady(recording: Recording, steps: int = 90) -> np.ndarray:
@@ -134,7 +139,7 @@ def test_torques_stay_within_the_limits():
 
 
 def test_reports_what_a_tick_costs():
-    _, controller = walk((0.0, 0.0, 0.0), seconds=1.0)
+    _, controller = walk((0.1, 0.0, 0.0), seconds=1.0)
     parts = controller.clock.microseconds()
     assert set(parts) == {"model", "footsteps", "assembly", "solution"}
     assert all(0 < value < 5000 for value in parts.values())
@@ -144,3 +149,37 @@ def test_reports_what_a_tick_costs():
 def test_same_start_same_walk(setting):
     first, second = (walk((0.3, 0.0, 0.0), setting, seconds=1.0)[0] for _ in range(2))
     np.testing.assert_array_equal(first.velocity, second.velocity)
+
+
+@pytest.mark.parametrize("setting", ["literal", "tuned"])
+def test_stands_still_goes_sideways_and_turning_and_stops(setting):
+    """At 0.4 m/s with 0.1 m/s to the left, then with 0.3 rad/s; both ends on both feet."""
+    still, sideways, turning = (0.0, 0.0, 0.0), (0.4, 0.1, 0.0), (0.4, 0.0, 0.3)
+    command = profile((1.0, still), (5.0, sideways), (3.0, turning), (2.5, still))
+    recording, controller = walk(command, setting, seconds=11.5, noise=True)
+    assert recording.survived.all()
+    steps = np.cumsum([50, 250, 150, 125])
+    contact = recording.foot_forces > CONTACT_FORCE
+    assert contact[25:50].all(), "it stands before it is told to go"
+    leftward = recording.velocity[steps[1] - 90 : steps[1], :, 1].mean()
+    np.testing.assert_allclose(leftward, 0.1, atol=0.04)
+    yaw = np.unwrap(recording.yaw, axis=0)
+    turned = yaw[steps[2] - 1] - yaw[steps[1] + 50]
+    np.testing.assert_allclose(turned / 1.98, 0.3, atol=0.02)
+    assert (controller.gait.mode == STAND).all()
+    assert contact[-50:].all(), "it stands again"
+    moved = recording.position[-1] - recording.position[-50]
+    np.testing.assert_allclose(np.linalg.norm(moved, axis=1), 0.0, atol=0.01)
+
+
+def test_the_reference_goes_from_the_old_command_to_the_new_one():
+    command = profile((1.5, (0.6, 0.0, 0.0)), (0.5, (0.0, 0.1, 0.0)))
+    _, controller = walk(command, seconds=1.6)
+    gait = controller.gait
+    np.testing.assert_allclose(gait.old[:, 0], 0.6)
+    gone = gait.walked - gait.changed
+    np.testing.assert_allclose(gone, 0.1, atol=1e-9)
+    acceleration = config().control.tuned.planner.acceleration
+    left = np.hypot(0.6, 0.1) - acceleration * 0.1
+    found = np.linalg.norm(controller._reference(np.arange(COUNT)) - [0.0, 0.1], axis=1)
+    np.testing.assert_allclose(found, left, atol=1e-9)

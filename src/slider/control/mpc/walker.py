@@ -1,5 +1,8 @@
 """The baseline as a controller: entry, footstep MPC, swing foot and whole-body QP for N robots.
 
+Told to stand it stands on both feet; told to go it sways into the sideways orbit and walks; told to
+stop it steps until it can be caught on both feet.
+
 It is given the true state, contact flags and a nominal model of the robot; ``docs/baseline.md``
 says how this compares with what the policy is given.
 """
@@ -18,10 +21,11 @@ from slider.control.mpc.whole_body import WholeBody
 from slider.core.config.control import MpcConfig
 from slider.core.config.robot import RobotConfig
 from slider.env.metrics import CONTACT_FORCE
+from slider.env.phase import standing
 from slider.env.state import RobotState
 from slider.robot import names
 
-SWAY, WALK, OFF = 0, 1, 2
+SWAY, WALK, OFF, STAND = 0, 1, 2, 3
 _GIVE_UP_TILT = 1.2  # [rad]; beyond it, or without a solution, the drives are switched off
 _LEFT, _RIGHT = 0, 1
 _FEET = np.array([_LEFT, _RIGHT])
@@ -32,7 +36,7 @@ class Gait:
     """What the controller remembers of N robots.
 
     Attributes:
-        mode: (N,) SWAY, WALK or OFF.
+        mode: (N,) SWAY, WALK, OFF or STAND.
         heading: (N,) wanted yaw [rad].
         stance: (N,) foot on the ground.
         elapsed, duration: of the step (N,) [s].
@@ -43,6 +47,8 @@ class Gait:
         starts: (N, 2, 3) place of the centre of mass (2) [m] and ``walked`` at the starts of the
             last two steps, the older one first.
         correction: (N, 2) added to the commanded velocity [m/s].
+        old: (N, 2) reference velocity when the command last changed [m/s].
+        changed: ``walked`` at that time (N,) [s].
     """
 
     mode: np.ndarray
@@ -56,6 +62,8 @@ class Gait:
     steps: np.ndarray
     starts: np.ndarray
     correction: np.ndarray
+    old: np.ndarray
+    changed: np.ndarray
 
 
 class MpcController:
@@ -72,20 +80,20 @@ class MpcController:
         self._model = NominalModel(robot)
         self.omega = lip.rate(self._model.nominal_height)
         self._planner = FootstepPlanner(config.step, config.planner, self.omega)
-        reach = min(robot.geometry.heel, robot.geometry.toe)
-        self._entry = Entry(config.step, config.entry, self.omega, reach)
+        self._reach = min(robot.geometry.heel, robot.geometry.toe)
+        self._entry = Entry(config.step, config.entry, self.omega, self._reach)
         self._motion = Motion(config.whole_body)
         self._whole_body = WholeBody(robot, config.whole_body)
         self.clock = TickClock()
         self._ticks_per_plan = max(1, round(config.planner.period / period))
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew, swaying; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
+        """Start anew on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
         n = state.num_robots
         self._command, self._tick = velocity, 0
         dynamics = self._model.evaluate(state.qpos, state.qvel)
         self.gait = Gait(
-            mode=np.full(n, SWAY),
+            mode=np.where(standing(velocity), STAND, SWAY),
             heading=state.yaw.copy(),
             stance=np.full(n, _LEFT),
             elapsed=np.zeros(n),
@@ -96,16 +104,28 @@ class MpcController:
             steps=np.zeros(n, dtype=int),
             starts=np.zeros((n, 2, 3)),
             correction=np.zeros((n, 2)),
+            old=np.zeros((n, 2)),
+            changed=np.zeros(n),
         )
-        self._sway = self._new_sway(dynamics)
+        self._sway = self._new_sway(np.arange(n), dynamics)
 
-    def _new_sway(self, dynamics: Dynamics) -> Sway:
-        middle = self._to_heading(dynamics.foot_positions.mean(axis=1)[:, :2])
-        position = self._to_heading(dynamics.com[:, :2])
+    def command(self, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from now on; the reference grows from where it is."""
+        gait, everyone = self.gait, np.arange(len(velocity))
+        changed = (velocity != self._command).any(axis=1)
+        gait.old[changed] = self._reference(everyone)[changed]
+        gait.changed[changed] = gait.walked[changed]
+        gait.correction[changed] = 0.0
+        gait.steps[changed] = np.minimum(gait.steps[changed], 1)  # no error of a stride in between
+        self._command = velocity
+
+    def _new_sway(self, robots: np.ndarray, dynamics: Dynamics) -> Sway:
+        middle = self._to_heading(dynamics.foot_positions.mean(axis=1)[:, :2], robots)
+        position = self._to_heading(dynamics.com[:, :2], robots)
         height = dynamics.foot_positions[:, :, 2]
         # The body falls towards the foot that is still in the air.
         side = np.where(height[:, _LEFT] >= height[:, _RIGHT], 1.0, -1.0)
-        return self._entry.begin(middle, position, side, self._command[:, 0])
+        return self._entry.begin(middle, position, side, self._command[robots, 0])
 
     def _to_heading(
         self, vectors: np.ndarray, robots: np.ndarray | slice = slice(None)
@@ -124,14 +144,18 @@ class MpcController:
             with self.clock.part("model"):
                 dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
             self._switch(active, dynamics, state.foot_forces[active] > CONTACT_FORCE)
-            for mode, drive in ((SWAY, self._drive_sway), (WALK, self._drive_walk)):
+            for mode, drive in (
+                (STAND, self._drive_stand),
+                (SWAY, self._drive_sway),
+                (WALK, self._drive_walk),
+            ):
                 chosen = gait.mode[active] == mode
                 robots = active[chosen]
                 if len(robots):
                     contact = state.foot_forces[robots] > CONTACT_FORCE
                     torques[robots], solved = drive(robots, dynamics.of(chosen), contact)
                     gait.mode[robots[~solved]] = OFF
-            gait.heading[active] += self._command[active, 2] * self._period
+            gait.heading[active] += self._yaw_rate(active) * self._period
         self._tick += 1
         return torques
 
@@ -139,6 +163,7 @@ class MpcController:
 
     def _switch(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
         gait = self.gait
+        self._go(robots, dynamics)
         sways = gait.mode[robots] == SWAY
         if sways.any():
             done = self._leaves_sway(robots[sways], dynamics.of(sways))
@@ -150,7 +175,37 @@ class MpcController:
         swing_foot = 1 - gait.stance[robots[walks]]
         ends = self._step_ends(robots[walks], contact[walks, swing_foot])
         index = walks[ends]
-        self._new_step(robots[index], dynamics.of(index), swing_foot[ends])
+        stops = self._can_stop(robots[index], dynamics.of(index))
+        self._stop(robots[index[stops]], dynamics.of(index[stops]))
+        index, swing_foot = index[~stops], swing_foot[ends][~stops]
+        self._new_step(robots[index], dynamics.of(index), swing_foot)
+
+    def _go(self, robots: np.ndarray, dynamics: Dynamics) -> None:
+        """Those that stand and are told to go begin to sway."""
+        stands = self.gait.mode[robots] == STAND
+        index = np.flatnonzero(stands & ~standing(self._command[robots]))
+        if len(index):
+            self.gait.mode[robots[index]] = SWAY
+            self._sway.put(robots[index], self._new_sway(robots[index], dynamics.of(index)))
+
+    def _can_stop(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
+        """Told to stand, and the capture point is between the feet and within their length."""
+        capture = dynamics.com[:, :2] + dynamics.com_velocity[:, :2] / self.omega
+        feet = [self._to_heading(dynamics.foot_positions[:, i, :2], robots) for i in _FEET]
+        place = self._to_heading(capture, robots)
+        apart = np.abs(feet[_LEFT] - feet[_RIGHT])[:, 0]
+        ahead = np.abs(place - 0.5 * (feet[_LEFT] + feet[_RIGHT]))[:, 0]
+        between = (place[:, 1] < feet[_LEFT][:, 1]) & (place[:, 1] > feet[_RIGHT][:, 1])
+        beside = (apart < self._reach) & (ahead < self._reach / 2)
+        return standing(self._command[robots]) & between & beside
+
+    def _stop(self, robots: np.ndarray, dynamics: Dynamics) -> None:
+        if len(robots):
+            gait = self.gait
+            gait.mode[robots] = STAND
+            for values in (gait.walked, gait.steps, gait.old, gait.changed, gait.correction):
+                values[robots] = 0
+            self._sway.put(robots, self._new_sway(robots, dynamics))
 
     def _leaves_sway(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
         sway = self._sway.of(robots)
@@ -187,7 +242,8 @@ class MpcController:
         now = np.concatenate([com, gait.walked[robots, None]], axis=1)
         gone = now - gait.starts[robots, 0]
         gait.starts[robots] = np.stack([gait.starts[robots, 1], now], axis=1)
-        known = gait.steps[robots] > 2
+        # Not in the first stride, nor while it brakes in order to stand.
+        known = (gait.steps[robots] > 2) & ~standing(self._command[robots])
         halfway = gait.heading[robots] - 0.5 * self._command[robots, 2] * gone[:, 2]
         mean = _turn(gone[:, :2], -halfway) / np.maximum(gone[:, 2:], self._period)
         error = np.where(known[:, None], self._command[robots, :2] - mean, 0.0)
@@ -197,13 +253,10 @@ class MpcController:
     # Where the next steps go
 
     def _plan(self, robots: np.ndarray, dynamics: Dynamics) -> None:
-        gait, planner = self.gait, self._config.planner
+        gait = self.gait
         stance = gait.stance[robots]
         foot = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
-        command = self._command[robots, :2]
-        speed = np.maximum(np.linalg.norm(command, axis=1), 1e-9)
-        share = np.minimum(1.0, planner.acceleration * gait.walked[robots] / speed)
-        command = command * share[:, None] + gait.correction[robots]
+        command = self._reference(robots) + gait.correction[robots]
         pendulum = Pendulum(
             position=self._to_heading(dynamics.com[:, :2] - foot, robots),
             velocity=self._to_heading(dynamics.com_velocity[:, :2], robots),
@@ -217,22 +270,45 @@ class MpcController:
         gait.foothold[robots] = foot + _turn(plan.step, gait.heading[robots])
         gait.duration[robots] = plan.duration
 
+    def _reference(self, robots: np.ndarray) -> np.ndarray:
+        """Velocity (n, 2) [m/s] on the way from the old command to the new one."""
+        gait, old = self.gait, self.gait.old[robots]
+        change = self._command[robots, :2] - old
+        size = np.maximum(np.linalg.norm(change, axis=1), 1e-9)
+        time = gait.walked[robots] - gait.changed[robots]
+        share = np.minimum(1.0, self._config.planner.acceleration * time / size)
+        return old + change * share[:, None]
+
+    def _yaw_rate(self, robots: np.ndarray) -> np.ndarray:
+        """Commanded yaw rate (n,) [rad/s]; on both feet the robot does not turn."""
+        return np.where(self.gait.mode[robots] == WALK, self._command[robots, 2], 0.0)
+
     # Torques
+
+    def _drive_stand(
+        self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        return self._drive_both(robots, dynamics, contact, np.zeros((len(robots), 2, 3)))
 
     def _drive_sway(
         self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
+        wanted = self._entry.reference(self._sway.of(robots))
+        self._sway.elapsed[robots] += self._period
+        return self._drive_both(robots, dynamics, contact, wanted)
+
+    def _drive_both(
+        self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray, wanted: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """On both feet, with the centre of mass as ``wanted`` (n, 2, 3) from their middle."""
         config = self._config
         position = self._to_heading(dynamics.com[:, :2], robots)
         velocity = self._to_heading(dynamics.com_velocity[:, :2], robots)
-        sway = self._sway.of(robots)
-        wanted = self._entry.reference(sway)
         task = config.whole_body.com
-        error = wanted[:, :, 0] - (position - sway.middle)
+        error = wanted[:, :, 0] - (position - self._sway.middle[robots])
         flat = wanted[:, :, 2] + task.kp * error + task.kd * (wanted[:, :, 1] - velocity)
         lift = self._lift(dynamics, dynamics.foot_positions[:, :, 2].mean(axis=1))
         world = np.concatenate([_turn(flat, self.gait.heading[robots]), lift[:, None]], axis=1)
-        self._sway.elapsed[robots] += self._period
         parts = self._shared(robots, dynamics, world, np.ones(3) * max(task.weight))
         feet = np.tile(_FEET, (len(robots), 1))
         sinking = np.where(contact, 0.0, config.swing.search_velocity)
@@ -263,7 +339,7 @@ class MpcController:
         lift = self._lift(dynamics, support[:, 2])
         world = np.concatenate([flat, lift[:, None]], axis=1)
         parts = self._shared(robots, dynamics, world, np.array(config.whole_body.com.weight))
-        foot, yaw_rate = 1 - stance, self._command[robots, 2]
+        foot, yaw_rate = 1 - stance, self._yaw_rate(robots)
         heading = gait.heading[robots] + 0.5 * yaw_rate * config.step.time
         parts += [
             self._motion.swing(dynamics, foot, gait.swing[robots]),
@@ -289,7 +365,7 @@ class MpcController:
         gait = self.gait
         return [
             self._motion.com(dynamics, com, weight),
-            self._motion.base(dynamics, gait.heading[robots], self._command[robots, 2]),
+            self._motion.base(dynamics, gait.heading[robots], self._yaw_rate(robots)),
         ]
 
     def _solve(

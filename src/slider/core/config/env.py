@@ -78,6 +78,7 @@ class PhaseConfig:
     enabled: bool
     mirror: bool
     step_time: float
+    halt: bool
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -1,4 +1,4 @@
-"""Typed settings of evaluation, tracking and resources."""
+"""Typed settings of evaluation protocols, tracking and resources."""
 
 from dataclasses import field
 
@@ -9,11 +9,40 @@ from slider.core.config.strict import STRICT
 
 
 @dataclass(frozen=True, config=STRICT)
+class Segment:
+    """From ``time`` [s] on: vx, vy [m/s] and yaw rate [rad/s], until the next segment."""
+
+    name: str
+    time: float
+    vx: float
+    vy: float
+    yaw_rate: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class ProfileConfig:
+    """A command that changes during a rollout; see ``docs/protocols.md``.
+
+    Attributes:
+        ramp: how long a command takes to get from one segment's to the next one's [s].
+        settle: start of each segment that does not count for its errors [s].
+        window: moving average over which velocities are drawn [s].
+        segments: in the order of time; the first one starts at 0.
+    """
+
+    ramp: float
+    settle: float
+    window: float
+    segments: list[Segment]
+
+
+@dataclass(frozen=True, config=STRICT)
 class EvaluationConfig:
-    """The paper's protocol: every controller, command, trial and robot; see ``docs/method.md``.
+    """A protocol: every controller, command, trial and robot; see ``docs/method.md``.
 
     ``controllers`` and ``commands`` say which evaluations there are; they are not in the section
-    of a single one, which would otherwise be redone with every new command.
+    of a single one, which would otherwise be redone with every new command. A protocol has either
+    ``commands``, constant forward velocities, or one ``profile``.
     """
 
     trials: int
@@ -26,6 +55,7 @@ class EvaluationConfig:
     start: StartNoise
     controllers: list[str] = field(default_factory=list)
     commands: list[float] = field(default_factory=list)
+    profile: ProfileConfig | None = None
 
 
 @dataclass(frozen=True, config=STRICT)

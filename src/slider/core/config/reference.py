@@ -9,6 +9,7 @@ from typing import Any
 
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
+from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.schema import Config
 
 _BASES = ("base.yaml", "default.yaml")  # their comments are about the defaults, and win
@@ -43,13 +44,23 @@ def reference(conf: Path) -> str:
     ]
     for item in dataclasses.fields(Config):
         value = getattr(config, item.name)
-        lines += [f"## {item.name}", "", _first_line(type(value)), ""]
+        kind = EvaluationConfig if item.name == "protocols" else type(value)
+        lines += [f"## {item.name}", "", _first_line(kind), ""]
         lines += ["| key | type | default | meaning |", "|---|---|---|---|"]
-        for entry in entries(value, item.name, comments):
+        for entry in group_entries(value, item.name, comments):
             cells = (f"`{entry.path}`", entry.kind, f"`{entry.default}`", entry.comment)
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         lines.append("")
     return "\n".join(lines)
+
+
+def group_entries(group: Any, path: str, comments: Mapping[str, str]) -> Iterator[Entry]:
+    """Keys of a group: a dataclass, or several of them by name."""
+    if isinstance(group, dict):
+        for name, node in group.items():
+            yield from entries(node, f"{path}.{name}", comments)
+    else:
+        yield from entries(group, path, comments)
 
 
 def entries(node: Any, path: str, comments: Mapping[str, str]) -> Iterator[Entry]:
@@ -93,6 +104,8 @@ def _comment(key: str, comments: Mapping[str, str]) -> str:
         if key.startswith(prefix) and key not in comments:
             key = other + key.removeprefix(prefix)
     parts = key.split(".")
+    if parts[0] == "protocols":  # protocols.NAME.key is explained as evaluation.key
+        parts = ["evaluation", *parts[2:]]
     for end in range(len(parts), 1, -1):
         text = comments.get(".".join(parts[:end]))
         if text:

@@ -16,7 +16,10 @@ from slider.core.config.verification import VerificationConfig
 
 @dataclass(frozen=True, config=STRICT)
 class Config:
-    """Root of the configuration; one field per group of ``conf/``."""
+    """Root of the configuration; one field per group of ``conf/``.
+
+    ``evaluation`` is the protocol of Table 1; ``protocols`` are others, each with its own report.
+    """
 
     robot: RobotConfig
     gait: GaitConfig
@@ -25,6 +28,7 @@ class Config:
     train: TrainingsConfig
     control: ControlConfig
     evaluation: EvaluationConfig
+    protocols: dict[str, EvaluationConfig]
     verification: VerificationConfig
     report: ReportConfig
     ablation: AblationConfig

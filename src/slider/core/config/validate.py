@@ -8,7 +8,7 @@ from typing import Any
 from slider.core.config.ablation import AblationConfig
 from slider.core.config.control import MpcConfig
 from slider.core.config.env import EnvConfig
-from slider.core.config.evaluation import EvaluationConfig
+from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
 from slider.core.config.gait import Axis, GaitConfig
 from slider.core.config.report import SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
@@ -38,7 +38,16 @@ def validate(config: Config) -> None:
     settings = [item.name for item in fields(config.control)]
     for name in settings:
         _control(getattr(config.control, name), config.env, f"control.{name}")
-    _evaluation(config.evaluation, ["policy", *(f"mpc_wbc_{name}" for name in settings)])
+    controllers = ["policy", *(f"mpc_wbc_{name}" for name in settings)]
+    _require(
+        config.evaluation.profile is None,
+        "evaluation.profile",
+        "none (the commands of Table 1 are constant; see protocols)",
+        "one",
+    )
+    _evaluation(config.evaluation, controllers, "evaluation")
+    for name, protocol in config.protocols.items():
+        _evaluation(protocol, controllers, f"protocols.{name}")
     _verification(config.verification)
     _report(config.report, config.env.control_period)
     _ablation(config.ablation)
@@ -200,9 +209,9 @@ def _env(env: EnvConfig) -> None:
     _positive("env.observation.clip", env.observation.clip)
     _require(bool(env.observation.terms), "env.observation.terms", "at least one term", "none")
     _require(
-        env.phase.enabled or not env.phase.mirror,
+        env.phase.enabled or not (env.phase.mirror or env.phase.halt),
         "env.phase",
-        "mirror only with a phase",
+        "mirror and halt only with a phase",
         env.phase,
     )
 
@@ -281,9 +290,14 @@ def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:
     _interval(f"{key}.planner.width_min", planner.width_min, planner.width_max)
 
 
-def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str]) -> None:
-    key = "evaluation"
-    _require(bool(evaluation.commands), f"{key}.commands", "at least one command", "none")
+def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str], key: str) -> None:
+    if evaluation.profile is None:
+        _require(bool(evaluation.commands), f"{key}.commands", "at least one command", "none")
+    else:
+        _require(
+            not evaluation.commands, f"{key}.commands", "none with a profile", evaluation.commands
+        )
+        _profile(evaluation.profile, evaluation.duration, f"{key}.profile")
     _require(bool(evaluation.controllers), f"{key}.controllers", "at least one controller", "none")
     for name in evaluation.controllers:
         _in(f"{key}.controllers", name, controllers)
@@ -296,6 +310,25 @@ def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str]) -> Non
         f"a time in [0, {evaluation.duration}) s",
         evaluation.steady_from,
     )
+
+
+def _profile(profile: ProfileConfig, duration: float, key: str) -> None:
+    for name in ("ramp", "settle"):
+        _at_least(f"{key}.{name}", getattr(profile, name), 0.0)
+    _positive(f"{key}.window", profile.window)
+    _require(bool(profile.segments), f"{key}.segments", "at least one segment", "none")
+    names = [segment.name for segment in profile.segments]
+    _require(len(set(names)) == len(names), f"{key}.segments", "each name once", names)
+    times = [segment.time for segment in profile.segments]
+    _require(times[0] == 0.0, f"{key}.segments[0].time", "0 s", times[0])
+    shortest = max(profile.ramp, profile.settle)
+    for index, (start, end) in enumerate(zip(times, [*times[1:], duration], strict=True)):
+        _require(
+            end - start > shortest,
+            f"{key}.segments[{index}]",
+            f"longer than ramp and settle ({shortest} s)",
+            f"{end - start:g} s",
+        )
 
 
 def _verification(verification: VerificationConfig) -> None:

@@ -1,0 +1,130 @@
+"""What happened in each segment of a changing command: per robot, and as traces over time."""
+
+from pathlib import Path
+
+import numpy as np
+
+from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
+from slider.core.errors import UserError
+from slider.env.metrics import CONTACT_FORCE, heading_error
+from slider.env.rollout import Recording
+from slider.evaluation import profile as profiles
+
+FILE, TRACES = "segments.csv", "traces.npy"
+AXES = ("vx", "vy", "yaw_rate")
+# Of a robot in the settled part of a segment; NaN where it fell before the segment's end.
+MEASURES = (
+    *AXES,  # means [m/s, rad/s]
+    *(f"{axis}_error" for axis in AXES),  # |mean − command| [m/s, rad/s]
+    "vx_mse",  # mean of (vx − command)² [m²/s²]
+    "heading_error",  # largest |yaw − commanded yaw| [rad]
+    "touchdown_rate",  # of both feet [1/s]
+    "displacement",  # of the base, from first to last moment [m]
+)
+COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
+
+Table = dict[str, np.ndarray]
+
+
+def measure(recording: Recording, protocol: EvaluationConfig) -> Table:
+    """Columns ``COLUMNS`` of length segments · robots, all robots of a segment together.
+
+    ``segment`` is the number of the segment; ``survived`` is true for robots that stood until its
+    end, whatever happened later.
+    """
+    profile = _profile(protocol)
+    count = protocol.trials * protocol.robots
+    parts = []
+    for index, window in enumerate(profiles.windows(profile, protocol.duration, recording.period)):
+        survived = recording.alive[window.stop - 1]
+        part = {
+            "trial": np.repeat(np.arange(protocol.trials), protocol.robots),
+            "robot": np.tile(np.arange(protocol.robots), protocol.trials),
+            "segment": np.full(count, index),
+            "survived": survived,
+        }
+        values = _measures(recording, window)
+        parts.append(part | {n: np.where(survived, values[n], np.nan) for n in MEASURES})
+    return {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
+
+
+def _measures(recording: Recording, window: slice) -> Table:
+    seconds = (window.stop - window.start) * recording.period
+    velocity, command = _velocities(recording)[window], recording.command[window]
+    position = recording.position[window]
+    contact = recording.foot_forces[window] > CONTACT_FORCE
+    touchdown = contact[1:] & ~contact[:-1]
+    means = velocity.mean(axis=0)
+    errors = np.abs(means - command.mean(axis=0))
+    return {
+        **dict(zip(AXES, means.T, strict=True)),
+        **{f"{axis}_error": errors[:, i] for i, axis in enumerate(AXES)},
+        "vx_mse": ((velocity[:, :, 0] - command[:, :, 0]) ** 2).mean(axis=0),
+        "heading_error": np.abs(heading_error(recording)[window]).max(axis=0),
+        "touchdown_rate": touchdown.sum(axis=(0, 2)) / seconds,
+        "displacement": np.linalg.norm(position[-1] - position[0], axis=1),
+    }
+
+
+def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:
+    """Over time: command, mean and spread of the robots that stand (S, 3, 3), share of these.
+
+    Returns:
+        (S, 10) float32: commanded vx, vy, yaw rate; means of the three, their standard deviations
+        between robots, both of moving averages over ``profile.window``; share of standing robots.
+    """
+    width = max(1, round(_profile(protocol).window / recording.period))
+    smooth = _moving_average(_velocities(recording), width)
+    alive = recording.alive[:, :, None]
+    count = np.maximum(alive.sum(axis=1), 1)
+    mean = np.where(alive, smooth, 0.0).sum(axis=1) / count
+    square = (np.where(alive, smooth - mean[:, None], 0.0) ** 2).sum(axis=1) / count
+    lost = ~recording.alive.any(axis=1)
+    mean[lost] = square[lost] = np.nan
+    share = recording.alive.mean(axis=1)[:, None]
+    columns = [recording.command[:, 0], mean, np.sqrt(square), share]
+    return np.concatenate(columns, axis=1).astype(np.float32)
+
+
+def _velocities(recording: Recording) -> np.ndarray:
+    """Forward and leftward velocity and yaw rate (S, N, 3)."""
+    yaw = np.unwrap(recording.yaw, axis=0)
+    rate = np.diff(yaw, axis=0, prepend=yaw[:1]) / recording.period
+    return np.concatenate([recording.velocity, rate[:, :, None]], axis=2)
+
+
+def _moving_average(values: np.ndarray, width: int) -> np.ndarray:
+    """Centred, over at most ``width`` samples of the first axis."""
+    total = np.cumsum(np.concatenate([np.zeros_like(values[:1]), values]), axis=0)
+    index = np.arange(len(values))
+    first = np.maximum(index - width // 2, 0)
+    last = np.minimum(index + (width + 1) // 2, len(values))
+    return (total[last] - total[first]) / (last - first)[:, None, None]
+
+
+def _profile(protocol: EvaluationConfig) -> ProfileConfig:
+    assert protocol.profile is not None
+    return protocol.profile
+
+
+def write(table: Table, path: Path) -> None:
+    """Write a CSV file; floating-point numbers keep 9 digits."""
+    rows = [",".join(COLUMNS)]
+    for values in zip(*(table[name] for name in COLUMNS), strict=True):
+        rows.append(",".join(f"{float(value):.9g}" for value in values))
+    path.write_text("\n".join(rows) + "\n")
+
+
+def read(path: Path) -> Table:
+    """Read a CSV file back.
+
+    Raises:
+        UserError: the file has other columns.
+    """
+    header, *rows = path.read_text().splitlines()
+    if tuple(header.split(",")) != COLUMNS:
+        raise UserError(f"{path}: expected the columns {','.join(COLUMNS)}, found {header}")
+    values = np.array([[float(x) for x in row.split(",")] for row in rows])
+    table: Table = dict(zip(COLUMNS, values.T, strict=True))
+    table["survived"] = table["survived"].astype(bool)
+    return table

@@ -1,0 +1,91 @@
+"""Measures of segments from recordings whose answers are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.core.config.evaluation import EvaluationConfig
+from slider.core.errors import UserError
+from slider.env.rollout import Recording
+from slider.evaluation import segments
+from slider.evaluation.profile import commands
+from tests.env.synthetic import config
+from tests.evaluation.test_profile import PERIOD, profile
+
+STEPS, COUNT = 150, 4
+
+
+def protocol() -> EvaluationConfig:
+    whole = config("experiment=test").evaluation
+    return replace(whole, profile=profile(), duration=3.0, trials=2, robots=2, commands=[])
+
+
+def recording() -> Recording:
+    """Robot 0 does as told; 1 is 0.1 m/s and 0.1 rad/s off; 2 falls at 1.9 s; 3 stands still."""
+    told = commands(profile(), 3.0, PERIOD)
+    command = np.repeat(told[:, None], COUNT, axis=1)
+    velocity, rate = command[:, :, :2].copy(), command[:, :, 2].copy()
+    velocity[:, 1] += 0.1
+    rate[:, 1] += 0.1
+    velocity[:, 3], rate[:, 3] = 0.0, 0.0
+    position = np.cumsum(velocity, axis=0) * PERIOD  # as if it did not turn
+    alive = np.ones((STEPS, COUNT), dtype=bool)
+    alive[95:, 2] = False
+    forces = np.full((STEPS, COUNT, 2), 50.0)
+    forces[130:140, 0, 1] = 0.0
+    return Recording(
+        period=PERIOD,
+        command=command,
+        alive=alive,
+        velocity=velocity,
+        yaw=np.cumsum(rate, axis=0) * PERIOD,
+        position=position,
+        foot_forces=forces,
+        foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
+        power=np.zeros((STEPS, COUNT)),
+        effort_share=np.zeros((STEPS, COUNT)),
+        speed_share=np.zeros((STEPS, COUNT)),
+        diverged=np.zeros(COUNT, dtype=bool),
+        weight=120.0,
+    )
+
+
+def test_measures_by_hand():
+    table = segments.measure(recording(), protocol())
+    assert tuple(table) == segments.COLUMNS
+    shaped = {name: values.reshape(3, COUNT) for name, values in table.items()}
+    np.testing.assert_array_equal(shaped["trial"][0], [0, 0, 1, 1])
+    np.testing.assert_array_equal(shaped["survived"][:, 2], [True, False, False])
+    np.testing.assert_allclose(shaped["vx_error"][1], [0.0, 0.1, np.nan, 0.4], atol=1e-12)
+    np.testing.assert_allclose(shaped["vx_mse"][1], [0.0, 0.01, np.nan, 0.16], atol=1e-12)
+    np.testing.assert_allclose(shaped["vy_error"][2], [0.0, 0.1, np.nan, 0.1], atol=1e-12)
+    np.testing.assert_allclose(shaped["yaw_rate"][1], [0.3, 0.4, np.nan, 0.0], atol=1e-12)
+    np.testing.assert_allclose(shaped["yaw_rate_error"][1], [0, 0.1, np.nan, 0.3], atol=1e-12)
+    # Robot 3 did not turn when told to for a second, and stays that far off.
+    np.testing.assert_allclose(shaped["heading_error"][2, [0, 3]], [0.0, 0.3], atol=1e-12)
+    np.testing.assert_allclose(shaped["displacement"][0], [0, 0.1 * 2**0.5 * 0.48, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(shaped["touchdown_rate"][2, [0, 1]], [1 / 0.5, 0.0])
+
+
+def test_traces_are_smooth_means_of_those_that_are_up():
+    traces = segments.traces(recording(), protocol())
+    assert traces.shape == (STEPS, 10)
+    np.testing.assert_allclose(traces[:, :3], commands(profile(), 3.0, PERIOD), atol=1e-7)
+    # Half a second into the second segment, far from its ends: 0.4, 0.5, 0.4 and 0 m/s.
+    np.testing.assert_allclose(traces[75, 3], np.mean([0.4, 0.5, 0.4, 0.0]), atol=1e-6)
+    np.testing.assert_allclose(traces[75, 6], np.std([0.4, 0.5, 0.4, 0.0]), atol=1e-6)
+    np.testing.assert_array_equal(traces[[94, 95], 9], [1.0, 0.75])
+    none = segments.traces(replace(recording(), alive=np.zeros((STEPS, COUNT), bool)), protocol())
+    assert np.isnan(none[:, 3:9]).all()
+
+
+def test_a_table_survives_its_file(tmp_path):
+    table = segments.measure(recording(), protocol())
+    segments.write(table, tmp_path / "segments.csv")
+    found = segments.read(tmp_path / "segments.csv")
+    for name in segments.COLUMNS:
+        np.testing.assert_allclose(found[name], table[name], rtol=1e-8, atol=1e-12)
+    (tmp_path / "segments.csv").write_text("a,b\n1,2\n")
+    with pytest.raises(UserError, match="expected the columns"):
+        segments.read(tmp_path / "segments.csv")

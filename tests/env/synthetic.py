@@ -175,5 +175,6 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         nominal_height=float(nominal_qpos(robot_config())[2]),
         effort_limits=np.where(np.array(limits) > 0, limits, np.inf),
         scan_points=(15, 12),
+        scan_spacing=0.1,
         **values,
     )

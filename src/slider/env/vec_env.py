@@ -14,6 +14,7 @@ from slider.env import terminations
 from slider.env.commands import CommandSampler
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
+from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, perturb
@@ -58,7 +59,13 @@ class WalkingEnv(VecEnv):
         self._robot, self._config, self._train = robot, config, train
         self._rng = rng
         self._guide = guide
-        self._physics = BatchedPhysics(robot, config.physics, self.num_envs, threads)
+        self._physics = BatchedPhysics(
+            robot,
+            config.physics,
+            self.num_envs,
+            threads,
+            disturbance=Disturbance(train.disturbance, (train.seed,)),
+        )
         self._agent = AgentInterface(robot, config, self.num_envs, times)
         self._commands = CommandSampler(train.commands, config.control_period)
         self._reward = Reward(train.reward)
@@ -79,7 +86,7 @@ class WalkingEnv(VecEnv):
         targets = self._agent.act(actions.numpy().astype(np.float64))
         self._physics.step(targets)
         state = self._physics.read()
-        self._agent.advance(state)
+        self._agent.advance(self._physics.measure(state))
         fell = terminations.failed(state, self._config.termination.terms)
         view = self._agent.view(state)
         reward, parts = self._reward(RewardView(view, self._guide), fell)
@@ -125,7 +132,7 @@ class WalkingEnv(VecEnv):
             qpos[on_gait], qvel[on_gait] = self._on_reference(chosen, phase[on_gait])
             velocity[on_gait] = self._agent.command[chosen, :2]
         self._physics.reset(index, qpos, qvel)
-        state = self._physics.read()
+        state = self._physics.measure(self._physics.read())
         self._agent.reset(index, state, phase, velocity)
         self._agent.refresh_heading(state)
 
@@ -149,5 +156,5 @@ class WalkingEnv(VecEnv):
             self._agent.set_velocity_command(index, self._commands.sample(self._rng, len(index)))
 
     def _observe(self) -> None:
-        values = torch.from_numpy(self._agent.observe(self._physics.read()))
+        values = torch.from_numpy(self._agent.observe(self._physics.measure(self._physics.read())))
         self._observations = TensorDict({"policy": values}, batch_size=[self.num_envs])

@@ -49,8 +49,10 @@ def _policy(arguments: Namespace) -> Scene:
     else:
         path, section = arguments.policy, _section(arguments)
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    noise = config.evaluation.start
-    motion = simulate_policy(load_policy(path), robot, env, noise, arguments.seed)
+    test = config.evaluation
+    motion = simulate_policy(
+        load_policy(path), robot, env, test.start, arguments.seed, test.disturbance
+    )
     return Scene(f"policy {path}", robot, motion)
 
 

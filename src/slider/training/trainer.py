@@ -61,7 +61,13 @@ class Trainer:
         self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
         self._shrink_first_actions()
         self._selector = Selector(
-            task.robot, task.env, train.selection, task.times, train.seed, job.threads
+            task.robot,
+            task.env,
+            train.selection,
+            train.disturbance,
+            task.times,
+            train.seed,
+            job.threads,
         )
         self._iteration = 0
         self._best: dict[str, Any] = {}

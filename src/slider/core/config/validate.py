@@ -6,19 +6,22 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from slider.core.config.control import MpcConfig
+from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.gait import Axis, GaitConfig
+from slider.core.config.interval import Interval
 from slider.core.config.report import RENDERERS, SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
-from slider.core.config.train import Interval, TrainConfig
+from slider.core.config.train import TrainConfig
 from slider.core.config.verification import VerificationConfig
 from slider.core.errors import UserError
 from slider.robot.names import LEG_JOINTS
 
 MAX_GRID = 5000
 MAX_NODES = 201
+MAX_CELLS = 400
 
 
 def validate(config: Config) -> None:
@@ -33,10 +36,13 @@ def validate(config: Config) -> None:
     _env(config.env)
     for name in ("standing", "walking"):
         _train(getattr(config.train, name), f"train.{name}")
+        disturbance = getattr(config.train, name).disturbance
+        _disturbance(disturbance, config.env, f"train.{name}.disturbance")
     settings = [item.name for item in fields(config.control)]
     for name in settings:
         _control(getattr(config.control, name), config.env, f"control.{name}")
     _evaluation(config.evaluation, ["policy", *(f"mpc_wbc_{name}" for name in settings)])
+    _disturbance(config.evaluation.disturbance, config.env, "evaluation.disturbance")
     _verification(config.verification)
     _report(config.report, config.env.control_period)
     _at_least("resources.threads", config.resources.threads, 1)
@@ -57,6 +63,10 @@ def _at_least(key: str, value: float, least: float) -> None:
 
 def _positive(key: str, value: float) -> None:
     _require(value > 0, key, "a positive value", value)
+
+
+def _not_negative(key: str, value: float) -> None:
+    _at_least(key, value, 0)
 
 
 def _in(key: str, value: Any, allowed: Iterable[Any]) -> None:
@@ -267,6 +277,36 @@ def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str]) -> Non
         f"a time in [0, {evaluation.duration}) s",
         evaluation.steady_from,
     )
+
+
+def _disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:
+    for item in fields(disturbance.sensing):
+        _at_least(f"{key}.sensing.{item.name}", getattr(disturbance.sensing, item.name), 0)
+    timestep = env.physics.timestep
+    for name in ("delay", "motor_gain", "mass", "friction"):
+        interval: Interval | None = getattr(disturbance, name)
+        if interval is not None:
+            _interval(f"{key}.{name}", interval.lower, interval.upper)
+            check = _positive if name != "delay" else _not_negative
+            check(f"{key}.{name}.lower", interval.lower)
+    for name in ("lower", "upper"):
+        _multiple(f"{key}.delay.{name}", getattr(disturbance.delay, name), timestep)
+    _at_least(f"{key}.centre_of_mass", disturbance.centre_of_mass, 0)
+    push, ground = disturbance.push, disturbance.ground
+    _at_least(f"{key}.push.speed", push.speed, 0)
+    _positive(f"{key}.push.interval", push.interval)
+    _multiple(f"{key}.push.interval", push.interval, env.control_period)
+    _at_least(f"{key}.ground.amplitude", ground.amplitude, 0)
+    _positive(f"{key}.ground.cell", ground.cell)
+    _positive(f"{key}.ground.period", ground.period)
+    _multiple(f"{key}.ground.period", ground.period, ground.cell)
+    cells = round(ground.period / ground.cell)
+    _require(cells <= MAX_CELLS, f"{key}.ground.period", f"at most {MAX_CELLS} cells", cells)
+
+
+def _multiple(key: str, value: float, step: float) -> None:
+    steps = value / step
+    _require(abs(steps - round(steps)) < 1e-6, key, f"a multiple of {step:g}", value)
 
 
 def _verification(verification: VerificationConfig) -> None:

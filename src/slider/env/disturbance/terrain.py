@@ -1,0 +1,97 @@
+"""Uneven ground in the simulation: a height field, and where on it each robot is.
+
+The field is one period with a margin. A robot that leaves the period is put back by one, which it
+cannot notice; the world that controllers and metrics see goes on.
+"""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+import mujoco
+import numpy as np
+
+from slider.core.config.disturbance import GroundConfig
+from slider.core.config.robot import RobotConfig
+from slider.env.ground import UnevenGround
+from slider.robot import names
+from slider.robot.kinematics import foot_ends, rotation_from_quaternion
+
+_MARGIN = 1.5  # the robot's reach and what it can run between two looks [m]
+_BASE = 0.1  # thickness of the ground below its lowest point [m]
+_POINTS = np.linspace(0.0, 1.0, 5)  # looked at along a foot
+
+
+def lay(spec: mujoco.MjSpec, config: GroundConfig) -> None:
+    """Replace the floor of a model by a height field, of which :func:`shape` writes the heights."""
+    nodes = _nodes(config)
+    half = 0.5 * (nodes - 1) * config.cell
+    field = spec.add_hfield(
+        name="ground", nrow=nodes, ncol=nodes, size=[half, half, 2 * config.amplitude, _BASE]
+    )
+    floor = spec.geom(names.FLOOR)
+    floor.type = mujoco.mjtGeom.mjGEOM_HFIELD
+    floor.hfieldname = field.name
+    floor.pos = [0.5 * config.period, 0.5 * config.period, -config.amplitude]
+
+
+def shape(model: mujoco.MjModel, config: GroundConfig, tile: np.ndarray) -> None:
+    """Write the heights of one period (n, n) [m] into a model's height field."""
+    rows = np.arange(_nodes(config)) - _margin(config)
+    heights = tile[np.ix_(rows % len(tile), rows % len(tile))]
+    model.hfield_data[:] = (heights.ravel() + config.amplitude) / (2 * config.amplitude)
+
+
+def _margin(config: GroundConfig) -> int:
+    return int(np.ceil(_MARGIN / config.cell))
+
+
+def _nodes(config: GroundConfig) -> int:
+    return round(config.period / config.cell) + 2 * _margin(config) + 1
+
+
+class Terrain:
+    """Where N robots are on the ground.
+
+    Attributes:
+        offset: (N, 2) place of a robot in the world minus its place on the height field [m].
+    """
+
+    def __init__(
+        self, config: GroundConfig, robot: RobotConfig, tile: np.ndarray, count: int
+    ) -> None:
+        self._config, self._geometry, self._tile = config, robot.geometry, tile
+        self.offset = np.zeros((count, 2))
+
+    @property
+    def ground(self) -> UnevenGround:
+        """The ground as it lies in the world of each robot."""
+        return UnevenGround(self._tile, self._config.cell, self.offset.copy())
+
+    def place(self, index: np.ndarray, qpos: np.ndarray, uniform: np.ndarray) -> np.ndarray:
+        """Put robots ``index`` somewhere on the field by numbers (N, 2) in [0, 1).
+
+        Returns:
+            Positions (n, 19) on the field: the feet are as high above the ground as they were
+            above a plane in ``qpos`` (n, 19).
+        """
+        qpos = qpos.copy()
+        self.offset[index] = qpos[:, :2] - self._config.period * uniform[index]
+        qpos[:, 2] += self._lift(index, qpos)
+        qpos[:, :2] -= self.offset[index]
+        return qpos
+
+    def _lift(self, index: np.ndarray, qpos: np.ndarray) -> np.ndarray:
+        rotation = rotation_from_quaternion(qpos[:, 3:7])
+        ends = foot_ends(self._geometry, rotation, qpos[:, 7:]) + qpos[:, None, None, :3]
+        line = (1 - _POINTS)[:, None] * ends[:, :, :1] + _POINTS[:, None] * ends[:, :, 1:]
+        points = line.reshape(len(qpos), -1, 3)
+        here = UnevenGround(self._tile, self._config.cell, self.offset[index])
+        above = points[..., 2] - here.height(points[..., :2])
+        return points[..., 2].min(axis=1) - above.min(axis=1)
+
+    def wrap(self, qpos: np.ndarray) -> None:
+        """Put robots that left the period back by one, in place in positions (N, 19)."""
+        period = self._config.period
+        gone = period * np.floor(qpos[:, :2] / period)
+        qpos[:, :2] -= gone
+        self.offset += gone

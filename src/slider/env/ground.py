@@ -55,9 +55,8 @@ class UnevenGround:
         x, y = np.moveaxis(scaled - np.floor(scaled), -1, 0)
         a, b = self._at(row, column), self._at(row, column + 1)
         c, d = self._at(row + 1, column), self._at(row + 1, column + 1)
-        lower = a + x * (b - a) + y * (c - a)
-        upper = d + (1 - x) * (c - d) + (1 - y) * (b - d)
-        return np.where(x + y <= 1.0, lower, upper)
+        # The edge between the triangles of a cell goes from a to d.
+        return np.where(x >= y, a + x * (b - a) + y * (d - b), a + y * (c - a) + x * (d - c))
 
     def _at(self, row: np.ndarray, column: np.ndarray) -> np.ndarray:
         return self.tile[row % len(self.tile), column % len(self.tile)]

@@ -27,9 +27,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return summary
 
 
-def simulate(
-    section: Section, count: int, disturbance: Disturbance, threads: int = 1
-) -> Simulated:
+def simulate(section: Section, count: int, disturbance: Disturbance, threads: int = 1) -> Simulated:
     """The baseline on ``count`` robots."""
     robot = from_dict(RobotConfig, section["robot"])
     plant = from_dict(PlantConfig, section["plant"])

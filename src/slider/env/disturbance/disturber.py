@@ -28,8 +28,14 @@ def build_plant(
     """The nominal robot on the ground of the disturbance."""
     spec = build_spec(robot, options)
     if disturbance is not None and disturbance.config.ground.amplitude > 0:
-        terrain.lay(spec, disturbance.config.ground)
+        terrain.lay(spec, disturbance.config.ground, _tile(disturbance))
     return compile_spec(spec)
+
+
+def _tile(disturbance: Disturbance) -> np.ndarray:
+    """Heights of the ground: one for all robots, of the first seed."""
+    generator = Draws(disturbance.seeds[:1], 1).generators(GROUND, 0)[0]
+    return random_tile(disturbance.config.ground, generator)
 
 
 class Disturber:
@@ -55,9 +61,7 @@ class Disturber:
         self._draws = Draws(disturbance.seeds, count)
         self._terrain: terrain.Terrain | None = None
         if config.ground.amplitude > 0:
-            tile = random_tile(config.ground, self._draws.generators(GROUND, 0)[0])
-            terrain.shape(model, config.ground, tile)
-            self._terrain = terrain.Terrain(config.ground, robot, tile, count)
+            self._terrain = terrain.Terrain(config.ground, robot, _tile(disturbance), count)
         self._machines = machines.Machines(model, config, count) if machines.vary(config) else None
         self.models = model if self._machines is None else self._machines.models
         self.masses = np.full(count, float(model.body_mass.sum()))

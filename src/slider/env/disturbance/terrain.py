@@ -21,32 +21,22 @@ _BASE = 0.1  # thickness of the ground below its lowest point [m]
 _POINTS = np.linspace(0.0, 1.0, 5)  # looked at along a foot
 
 
-def lay(spec: mujoco.MjSpec, config: GroundConfig) -> None:
-    """Replace the floor of a model by a height field, of which :func:`shape` writes the heights."""
-    nodes = _nodes(config)
+def lay(spec: mujoco.MjSpec, config: GroundConfig, tile: np.ndarray) -> None:
+    """Replace the floor of a model by a height field with the heights of one period (n, n) [m]."""
+    margin = int(np.ceil(_MARGIN / config.cell))
+    nodes = len(tile) + 2 * margin + 1
+    rows = (np.arange(nodes) - margin) % len(tile)
+    heights = tile[np.ix_(rows, rows)]
     half = 0.5 * (nodes - 1) * config.cell
+    lowest, highest = float(heights.min()), float(heights.max())
     field = spec.add_hfield(
-        name="ground", nrow=nodes, ncol=nodes, size=[half, half, 2 * config.amplitude, _BASE]
+        name="ground", nrow=nodes, ncol=nodes, size=[half, half, highest - lowest, _BASE]
     )
+    field.userdata = heights.ravel()  # MuJoCo maps the lowest to 0, the highest to 1
     floor = spec.geom(names.FLOOR)
     floor.type = mujoco.mjtGeom.mjGEOM_HFIELD
     floor.hfieldname = field.name
-    floor.pos = [0.5 * config.period, 0.5 * config.period, -config.amplitude]
-
-
-def shape(model: mujoco.MjModel, config: GroundConfig, tile: np.ndarray) -> None:
-    """Write the heights of one period (n, n) [m] into a model's height field."""
-    rows = np.arange(_nodes(config)) - _margin(config)
-    heights = tile[np.ix_(rows % len(tile), rows % len(tile))]
-    model.hfield_data[:] = (heights.ravel() + config.amplitude) / (2 * config.amplitude)
-
-
-def _margin(config: GroundConfig) -> int:
-    return int(np.ceil(_MARGIN / config.cell))
-
-
-def _nodes(config: GroundConfig) -> int:
-    return round(config.period / config.cell) + 2 * _margin(config) + 1
+    floor.pos = [0.5 * config.period, 0.5 * config.period, lowest]
 
 
 class Terrain:

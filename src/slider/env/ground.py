@@ -11,7 +11,10 @@ from slider.core.config.disturbance import GroundConfig
 class Ground(Protocol):
     """Height of the ground under each of N robots."""
 
-    flat: bool
+    @property
+    def flat(self) -> bool:
+        """Whether it is z = 0 everywhere."""
+        ...
 
     def height(self, points: np.ndarray) -> np.ndarray:
         """Heights (N, ...) [m] at points (N, ..., 2) of the world [m]."""

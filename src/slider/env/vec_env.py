@@ -12,9 +12,9 @@ from slider.core.config.robot import RobotConfig
 from slider.core.config.train import TrainConfig
 from slider.env import terminations
 from slider.env.commands import CommandSampler
+from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
-from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, perturb

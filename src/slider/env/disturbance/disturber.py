@@ -86,7 +86,7 @@ class Disturber:
         if self._delay is not None:
             self._delay.draw(index, uniform[:, _PLACE])
             joints = qpos[:, 7:][:, _ACTUATED]
-            # No torque until the first input arrives.
+            # Until the first input arrives the drives hold the pose, or are without torque.
             self._delay.fill(index, np.zeros_like(joints) if self._torque else joints)
         if self._terrain is None:
             return qpos

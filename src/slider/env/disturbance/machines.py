@@ -47,7 +47,7 @@ class Machines:
         shift = config.centre_of_mass * (2.0 * uniform[:, 2:5] - 1.0)
         for i in index:
             model = self.models[i]
-            self._set_inertia(model, mass[i], shift[i])
+            self._set_inertia(model, float(mass[i]), shift[i])
             self._set_motors(model, gain[i])
             if config.friction is not None:
                 friction = _within(config.friction, uniform[i, 1])

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from slider.env import terminations
+from slider.env.disturbance.terrain import SKIN
 from slider.env.ground import FLAT, UnevenGround
 from slider.env.observations import base_height, height_scan
 from slider.robot import names
@@ -39,7 +40,7 @@ def test_heights_are_those_of_mujocos_height_field():
         above, down = np.array([*place, 2.0]), np.array([0.0, 0.0, -1.0])
         distance = mujoco.mj_ray(model, data, above, down, group, 1, -1, found, None)
         here = ground.height((place + offset)[None])[0]
-        assert abs(2.0 - distance - here) < 1e-6
+        assert abs(2.0 - distance + SKIN - here) < 1e-6
         assert abs(here) <= AMPLITUDE
 
 
@@ -71,7 +72,7 @@ def test_a_start_touches_the_ground_and_the_feet_carry_the_robot():
     for _ in range(15):
         physics.step(np.zeros((COUNT, names.NUM_JOINTS)))
     state = physics.read()
-    assert (lowest_clearance(state) > -0.005).all(), "feet do not sink in"
+    assert (lowest_clearance(state) > -0.002).all(), "feet sink in as little as in a plane"
     force = state.foot_forces.sum(axis=1).mean()
     np.testing.assert_allclose(force, physics.masses[0] * 9.81, rtol=0.1)
 

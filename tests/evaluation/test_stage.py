@@ -154,7 +154,9 @@ def test_disturbances_are_repeatable_and_belong_to_the_trial(walking, tmp_path):
     _, first = run(walking, tmp_path / "first", disturbance=ROBUST, trials=1)
     key = "peak_effort"
     np.testing.assert_array_equal(one[key], again[key])
-    np.testing.assert_array_equal(one[key][:ROBOTS], first[key])
+    np.testing.assert_allclose(
+        one[key][:ROBOTS], first[key], rtol=1e-4
+    )  # other batch, other rounding
     assert (one[key] != calm[key]).all()
 
 

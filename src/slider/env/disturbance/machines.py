@@ -38,7 +38,8 @@ class Machines:
         self._nominal, self._config = nominal, config
         self._data = mujoco.MjData(nominal)
         self._base = nominal.body(names.BASE).id
-        self._feet = [nominal.geom(names.foot(side)).id for side in names.SIDES]
+        feet = [nominal.body(names.foot(side)).id for side in names.SIDES]
+        self._feet = np.flatnonzero(np.isin(nominal.geom_bodyid, feet))
 
     def draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
         """Make robots ``index`` anew from numbers (N, COLUMNS) in [0, 1)."""

@@ -18,7 +18,10 @@ from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 
 _MARGIN = 1.5  # the robot's reach and what it can run between two looks [m]
 _BASE = 0.1  # thickness of the ground below its lowest point [m]
-_POINTS = np.linspace(0.0, 1.0, 5)  # looked at along a foot
+# The field lies deeper by this and pushes within this of it [m]. Nothing then enters its prisms,
+# which would push a foot between two of them sideways and let it sink in.
+SKIN = 0.01
+_POINTS = np.linspace(0.0, 1.0, 5)  # along a foot, which touch the ground
 
 
 def lay(spec: mujoco.MjSpec, config: GroundConfig, tile: np.ndarray) -> None:
@@ -36,7 +39,27 @@ def lay(spec: mujoco.MjSpec, config: GroundConfig, tile: np.ndarray) -> None:
     floor = spec.geom(names.FLOOR)
     floor.type = mujoco.mjtGeom.mjGEOM_HFIELD
     floor.hfieldname = field.name
-    floor.pos = [0.5 * config.period, 0.5 * config.period, lowest]
+    floor.pos = [0.5 * config.period, 0.5 * config.period, lowest - SKIN]
+    floor.margin = SKIN
+    for side in names.SIDES:
+        _stud(spec, side)
+
+
+def _stud(spec: mujoco.MjSpec, side: str) -> None:
+    """Let a row of spheres touch the ground in place of the foot's capsule, which they fill.
+
+    MuJoCo finds one contact of a capsule with each triangle: a light foot would rock on it.
+    """
+    line, body = spec.geom(names.foot(side)), spec.body(names.foot(side))
+    start, end = np.array(line.fromto[:3]), np.array(line.fromto[3:])
+    for share in _POINTS:
+        stud = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[line.size[0], 0, 0], mass=0.0)
+        stud.pos = (1 - share) * start + share * end
+        stud.contype, stud.conaffinity = line.contype, line.conaffinity
+        stud.friction, stud.priority = line.friction, line.priority
+    line.contype, line.conaffinity = 0, 0
+    sensor = spec.sensor(f"{side}_foot_force")
+    sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_BODY, body.name
 
 
 class Terrain:

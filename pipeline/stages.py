@@ -278,6 +278,7 @@ def video(config: Config, controller: str, command: float, walking: JobSpec) -> 
     """A short film of one controller at one command."""
     section = _controlled(config, controller, command) | {
         "start": to_dict(config.evaluation.start),
+        "disturbance": to_dict(config.evaluation.disturbance),
         "video": _without(to_dict(config.report.video), "commands"),
     }
     inputs = {"walking": [walking]} if controller == POLICY else {}

@@ -30,7 +30,8 @@ class Policy:
             for key in ("nominal", "scale", "lower", "upper")
         )
         self.phase = 0.0
-        self.action = np.zeros(len(joints))
+        self.command = np.zeros(3)
+        self.action = self.earlier_action = np.zeros(len(joints))
         self.filtered = np.zeros(2)
         self.heading_target: float | None = None  # set at the start
 
@@ -39,7 +40,8 @@ class Policy:
         if self.heading_target is None:
             self.heading_target = float(state["yaw"])
         else:
-            self._advance(state, command)
+            self._advance(state, self.command)  # of the period that is over
+        self.command = command
         action_layout, layout = self.layout["action"], self.layout["observation"]
         mirrored = self._mirrored()
         values = self._terms(state, command)
@@ -54,13 +56,17 @@ class Policy:
         action = np.clip(action, -action_layout["clip"], action_layout["clip"])
         if mirrored:
             action = reflect(action, action_layout["mirror"])
+        self.earlier_action = self.action
         self.action = np.where(self.scale > 0, action, 0.0)
         return np.clip(self.nominal + self.scale * self.action, self.lower, self.upper)
 
     def _advance(self, state: dict[str, np.ndarray], command: np.ndarray) -> None:
         clock, period = self.layout["clock"], self.layout["control_period"]
         if clock is not None:
-            self.phase = (self.phase + period / (2.0 * step_time(clock, command))) % 1.0
+            phase = self.phase + period / (2.0 * step_time(clock, command))
+            if clock["halt"] and not command.any():
+                phase = min(phase, np.ceil(2.0 * self.phase) / 2.0)
+            self.phase = phase % 1.0
         self.heading_target += command[2] * period
         gain = self.layout["observation"]["velocity_filter"]["gain"]
         self.filtered += gain * (state["heading_velocity"] - self.filtered)
@@ -85,6 +91,7 @@ class Policy:
             "joint_positions": state["joint_positions"] - self.nominal,
             "joint_velocities": state["joint_velocities"],
             "previous_action": self.action,
+            "action_before_previous": self.earlier_action,
             "base_height": state["height"] - layout["nominal_height"],
             "filtered_velocity": self.filtered,
             "phase": np.array([np.sin(angle), np.cos(angle)]),

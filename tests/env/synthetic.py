@@ -10,13 +10,14 @@ from slider.core.config.compose import compose
 from slider.core.config.env import PhysicsConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
+from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
 from slider.env.view import View
 from slider.library.lookup import GaitLibrary, GaitTable
-from slider.robot.mjcf import nominal_qpos
+from slider.robot.mjcf import Actuation, nominal_qpos
 from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -99,6 +100,30 @@ def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhys
     return BatchedPhysics(robot_config(), physics, count, threads)
 
 
+def disturbed_physics(
+    count: int,
+    *settings: str,
+    actuation: Actuation = "position",
+    substeps: int = 4,
+    seeds: tuple[int, ...] = (1,),
+) -> BatchedPhysics:
+    """Physics with disturbances; ``settings`` such as ``mass={lower: 0.9, upper: 1.1}``."""
+    whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
+    disturbance = Disturbance(whole.evaluation.disturbance, seeds)
+    physics = replace(whole.env.physics, substeps=substeps)
+    return BatchedPhysics(robot_config(), physics, count, 1, actuation, disturbance)
+
+
+def stand(physics: BatchedPhysics, seconds: float = 0.0) -> BatchedPhysics:
+    """Put the robots upright and at rest in the nominal pose, and let them hold it."""
+    count = physics.num_robots
+    qpos = np.tile(nominal_qpos(robot_config()), (count, 1))
+    physics.reset(np.arange(count), qpos, np.zeros((count, 18)))
+    for _ in range(round(seconds / physics.period)):
+        physics.step(np.zeros((count, NUM_JOINTS)))
+    return physics
+
+
 def make_agent(count: int, *overrides: str) -> AgentInterface:
     """The agent of an environment; ``overrides`` are Hydra's."""
     settings = config("experiment=test", *overrides)
@@ -176,5 +201,6 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         nominal_height=float(nominal_qpos(robot_config())[2]),
         effort_limits=np.where(np.array(limits) > 0, limits, np.inf),
         scan_points=(15, 12),
+        scan_spacing=0.1,
         **values,
     )

@@ -13,6 +13,7 @@ from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import (
     config,
+    disturbed_physics,
     make_physics,
     make_state,
     random_pose,
@@ -200,3 +201,25 @@ def test_positions_are_the_integral_of_velocities():
     np.testing.assert_allclose(
         recording.position[1:, 3, 0] - recording.position[0, 3, 0], way[1:] - way[0], atol=5e-3
     )
+
+
+def test_the_controller_is_told_the_measured_state_and_the_recording_is_true():
+    controller = Stiff()
+    noisy = disturbed_physics(COUNT, "sensing.linear_velocity=0.5", "sensing.base_height=0.5")
+    command = np.zeros((COUNT, 3))
+    recording = roll_out(controller, noisy, environment(), starts(), command, 0.4)
+    plain = roll_out(Stiff(), make_physics(COUNT), environment(), starts(), command, 0.4)
+    np.testing.assert_array_equal(recording.velocity, plain.velocity)
+    np.testing.assert_array_equal(recording.alive, plain.alive)
+    told = np.stack([state.heading_velocity for state in controller.seen[1:]])
+    assert 0.3 < (told - plain.velocity[:-1]).std() < 0.7
+
+
+def test_power_is_that_of_the_efforts_that_were_achieved():
+    """Weaker motors in the recording, and heavier robots in its weight."""
+    weak = disturbed_physics(COUNT, "motor_gain={lower: 0.5, upper: 0.5}", "mass.upper=1.3")
+    start = tuple(values[[0] * COUNT] for values in starts())
+    recording = roll_out(Stiff(), weak, environment(), start, np.zeros((COUNT, 3)), 0.2)
+    assert recording.weight.shape == (COUNT,)
+    np.testing.assert_allclose(recording.weight, weak.masses * 9.81)
+    assert np.ptp(recording.weight) > 1.0

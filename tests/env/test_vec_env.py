@@ -11,7 +11,7 @@ from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
 from tests.env.synthetic import config, gait_table, make_guide
 
-EXPERIMENTS = ("default", "paper", "paper_alive", "smoke", "test")
+EXPERIMENTS = ("default", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
 FEW = (f"train.standing.num_envs={NUM_ENVS}", f"train.walking.num_envs={NUM_ENVS}")
 
@@ -220,7 +220,29 @@ def test_what_is_observed_is_the_state_after_the_resets():
         fallen += int(done.sum())
         fresh = env._physics.read()
         for name, value in vars(fresh).items():
-            np.testing.assert_array_equal(getattr(env._state, name), value, err_msg=name)
+            np.testing.assert_array_equal(getattr(env._measured, name), value, err_msg=name)
         expected = env._agent.observe(fresh)
         np.testing.assert_array_equal(env.get_observations()["policy"].numpy(), expected)
     assert fallen >= 40
+
+
+def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others():
+    """Same seed: commands, starts and phases are drawn alike with disturbances and without."""
+    calm, rough = (
+        build(settings("experiment=test", *extra))
+        for extra in ((), ("train/walking/disturbance=robust",))
+    )
+    np.testing.assert_array_equal(calm._physics.qpos, rough._physics.qpos)
+    np.testing.assert_array_equal(calm._agent.command[:, :3], rough._agent.command[:, :3])
+    error = (calm.get_observations()["policy"] - rough.get_observations()["policy"]).numpy()
+    assert 0.0 < np.abs(error).max() < 1.0
+    true = rough._physics.read()
+    told = rough._physics.measure(true)
+    assert np.abs(told.joint_positions - true.joint_positions).max() > 0.0
+
+
+def test_every_episode_meets_another_robot():
+    env = build(settings("experiment=test", "train/walking/disturbance=robust"))
+    before = env._physics.masses.copy()
+    env._reset(np.array([2]))
+    np.testing.assert_array_equal(np.flatnonzero(env._physics.masses != before), [2])

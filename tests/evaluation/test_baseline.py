@@ -94,3 +94,13 @@ def test_a_setting_reruns_only_its_own_jobs():
     before, after = jobs(), jobs("control.tuned.step.apex=0.08", "env.action.clip=3.0")
     changed = {key[0] for key, job in before.items() if job.recipe != after[key].recipe}
     assert changed == {"policy", "mpc_wbc_tuned"}  # the policy for its actions
+
+
+def test_walks_disturbed_robots(tmp_path):
+    """Noise, 5 ms of delay, another robot than the nominal model: it stands for a while."""
+    overrides = ("evaluation=robust", "evaluation.disturbance.delay={lower: 0.005, upper: 0.005}")
+    disturbance = config(*overrides).evaluation.disturbance
+    calm, _ = run(tmp_path / "calm")
+    rough, _ = run(tmp_path / "rough", disturbance=disturbance)
+    assert rough["success_rate"] == 1.0
+    assert rough["mse_steady"] != calm["mse_steady"]

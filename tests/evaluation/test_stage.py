@@ -12,9 +12,10 @@ from slider.control.policy_file import Policy, save_policy
 from slider.core.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job
+from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
-from slider.evaluation import protocol, records, segments, stage
-from tests.env.synthetic import config, gait_table, make_agent
+from slider.evaluation import baseline, protocol, records, segments, stage
+from tests.env.synthetic import config, gait_table, make_agent, stand
 
 WHOLE = ("experiment=test", "evaluation.duration=0.6")
 TRIALS, ROBOTS, STEPS = 2, 3, 30
@@ -157,3 +158,33 @@ def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
     traces = np.load(tmp_path / "out" / segments.TRACES)
     assert traces.shape == (60, 10)
     np.testing.assert_allclose(traces[-1, :3], [0.4, 0.1, 0.3], atol=1e-7)
+
+
+ROBUST = config("evaluation=robust").evaluation.disturbance
+
+
+def test_disturbances_are_repeatable_and_belong_to_the_trial(walking, tmp_path):
+    _, calm = run(walking, tmp_path / "calm")
+    _, one = run(walking, tmp_path / "one", disturbance=ROBUST)
+    _, again = run(walking, tmp_path / "again", disturbance=ROBUST)
+    _, first = run(walking, tmp_path / "first", disturbance=ROBUST, trials=1)
+    key = "peak_effort"
+    np.testing.assert_array_equal(one[key], again[key])
+    np.testing.assert_allclose(
+        one[key][:ROBOTS], first[key], rtol=1e-4
+    )  # other batch, other rounding
+    assert (one[key] != calm[key]).all()
+
+
+def test_policy_and_baseline_meet_the_same_robots():
+    """Same masses, whatever the drives and the control rate."""
+    whole = config(*WHOLE, "evaluation=robust", "evaluation.trials=2", "evaluation.robots=3")
+    test = protocol.Protocol("policy", 0.2, whole.robot, whole.evaluation)
+    count, control = test.count, whole.control.tuned
+    slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=test.disturbance)
+    fast = baseline.build_plant(
+        whole.robot, whole.env.physics, control, count, disturbance=test.disturbance
+    )
+    stand(slow), stand(fast)
+    np.testing.assert_array_equal(slow.masses, fast.masses)
+    assert len(np.unique(slow.masses)) == count

@@ -21,7 +21,8 @@ CONF = Path(__file__).parents[2] / "conf"
 def motion() -> Simulation:
     config = compose(["experiment=test"], CONF)
     plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
-    return simulate_baseline(config.robot, plant, config.control.tuned, config.evaluation.start, 0)
+    test, control = config.evaluation, config.control.tuned
+    return simulate_baseline(config.robot, plant, control, test.start, 0, test.disturbance)
 
 
 def mean_velocity(motion: Simulation, command, seconds: float) -> np.ndarray:

@@ -49,6 +49,7 @@ def film(folder: Path, renderer: str):
         "robot": robot,
         "env": to_dict(config.env),
         "start": to_dict(config.evaluation.start),
+        "disturbance": to_dict(config.evaluation.disturbance),
         "video": video,
         "controller": "policy",
         "command": 0.2,

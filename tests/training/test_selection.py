@@ -26,7 +26,8 @@ SETTINGS = SelectionConfig(
 
 def make_selector(settings: SelectionConfig = SETTINGS, seed: int = 1) -> Selector:
     whole = config("experiment=test")
-    return Selector(whole.robot, whole.env, settings, gait_table().times, seed, threads=1)
+    calm = whole.train.walking.disturbance
+    return Selector(whole.robot, whole.env, settings, calm, gait_table().times, seed, threads=1)
 
 
 def nothing(observations: torch.Tensor) -> torch.Tensor:
@@ -58,7 +59,7 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
         effort_share=np.zeros((50, 4)),
         speed_share=np.zeros((50, 4)),
         diverged=np.zeros(4, dtype=bool),
-        weight=120.0,
+        weight=np.full(4, 120.0),
     )
 
 

@@ -281,3 +281,15 @@ def test_blow_ups_are_reported_outside_the_result(tmp_path):
     trainer._env._physics.qvel[3, 6:] = 1e9
     trainer.run()
     assert trainer._job.volatile["blow_ups"] == 1
+
+
+def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
+    """Uneven ground and late drives as well; another policy than without."""
+    overrides = (
+        "train/walking/disturbance=robust",
+        "train.walking.disturbance.ground.amplitude=0.01",
+    )
+    rough = config(*TINY, *overrides).train.walking.disturbance
+    one, again = (trained(tmp_path / name, disturbance=rough) for name in ("one", "again"))
+    assert same(actor(one), actor(again))
+    assert not same(actor(one), actor(trained(tmp_path / "calm")))

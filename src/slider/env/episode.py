@@ -49,7 +49,7 @@ class Episode:
         """
         self._physics.reset(np.arange(1), qpos, qvel)
         self._state, self._steps = self._physics.read(), 0
-        self._controller.reset(self._state, velocity)
+        self._controller.reset(self._physics.measure(self._state), velocity)
         return self._frame()
 
     def command(self, velocity: np.ndarray) -> None:
@@ -70,7 +70,7 @@ class Episode:
         failed = terminations.failed(self._state, self._config.termination.terms)
         return Frame(
             time=self._steps * self._config.control_period,
-            qpos=self._physics.qpos[0].copy(),
+            qpos=self._state.qpos[0],
             velocity=self._state.heading_velocity[0].copy(),
             failed=bool(failed[0]),
         )

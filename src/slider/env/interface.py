@@ -137,6 +137,7 @@ class AgentInterface:
             nominal_height=self.nominal_height,
             effort_limits=self._effort_limits,
             scan_points=(scan.points_x, scan.points_y),
+            scan_spacing=scan.spacing,
         )
 
     def observe(self, state: RobotState) -> np.ndarray:

@@ -59,9 +59,14 @@ def previous_action(view: View) -> np.ndarray:
     return view.action
 
 
+def action_before_previous(view: View) -> np.ndarray:
+    """The action before the last (N, 12): with a delay it may still be on its way."""
+    return view.previous_action
+
+
 def base_height(view: View) -> np.ndarray:
     """Base height above the ground about the nominal height (N, 1) [m]."""
-    return view.state.base_position[:, 2:3] - view.nominal_height
+    return view.state.base_height[:, None] - view.nominal_height
 
 
 def filtered_velocity(view: View) -> np.ndarray:
@@ -78,10 +83,17 @@ def phase(view: View) -> np.ndarray:
 def height_scan(view: View) -> np.ndarray:
     """Base height above each point of a grid around the base (N, points) [m].
 
-    The ground is flat, so all points of a robot read the same.
+    The grid lies in the heading frame: from back to front, in each row from right to left.
     """
-    points = view.scan_points[0] * view.scan_points[1]
-    return np.repeat(view.state.base_position[:, 2:3], points, axis=1)
+    state, (nx, ny) = view.state, view.scan_points
+    if state.ground.flat:
+        return np.repeat(state.base_position[:, 2:3], nx * ny, axis=1)
+    grid = [view.scan_spacing * (np.arange(n) - 0.5 * (n - 1)) for n in (nx, ny)]
+    x, y = (values.ravel() for values in np.meshgrid(*grid, indexing="ij"))
+    cosine, sine = np.cos(state.yaw)[:, None], np.sin(state.yaw)[:, None]
+    points = np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+    points += state.base_position[:, None, :2]
+    return state.base_position[:, 2:3] - state.ground.height(points)
 
 
 @dataclass(frozen=True)
@@ -124,6 +136,7 @@ TERMS = {
     "joint_positions": _joints(joint_positions),
     "joint_velocities": _joints(joint_velocities),
     "previous_action": _joints(previous_action),
+    "action_before_previous": _joints(action_before_previous),
     "base_height": _vector(base_height, (1.0,)),
     "filtered_velocity": _vector(filtered_velocity, (1.0, -1.0)),
     # Half a walk later the other leg is in stance.

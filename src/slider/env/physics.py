@@ -11,10 +11,12 @@ from mujoco import rollout
 
 from slider.core.config.env import PhysicsConfig
 from slider.core.config.robot import RobotConfig
-from slider.env.state import RobotState
+from slider.env.disturbance.disturber import Disturber, build_plant
+from slider.env.disturbance.draws import Disturbance
+from slider.env.state import RobotState, turn_to_heading
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
-from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
+from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
@@ -29,7 +31,9 @@ def _ignore_warning(message: str) -> None:
 class BatchedPhysics:
     """Steps ``num_robots`` copies of the robot.
 
-    Inputs are desired joint positions, or joint torques; see :class:`SimulationOptions`.
+    Inputs are desired joint positions, or joint torques; see :class:`SimulationOptions`. A
+    ``disturbance`` makes robots differ, delays their inputs, pushes them and spoils what
+    :meth:`measure` says.
     """
 
     def __init__(
@@ -39,6 +43,7 @@ class BatchedPhysics:
         num_robots: int,
         threads: int = 1,
         actuation: Actuation = "position",
+        disturbance: Disturbance | None = None,
     ) -> None:
         options = SimulationOptions(
             config.timestep,
@@ -48,7 +53,12 @@ class BatchedPhysics:
         )
         mujoco.set_mju_user_warning(_ignore_warning)
         self.robot = robot
-        self.model = build_model(robot, options)
+        self.model = build_plant(robot, options, disturbance)
+        self._models = self.model
+        self._disturber: Disturber | None = None
+        if disturbance is not None:
+            self._disturber = Disturber(disturbance, robot, self.model, actuation, num_robots)
+            self._models = self._disturber.models
         self.num_robots = num_robots
         self.nominal = nominal_qpos(robot)
         self._substeps = config.substeps
@@ -88,6 +98,8 @@ class BatchedPhysics:
 
     def reset(self, index: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
         """Place robots ``index`` at positions (n, 19) and velocities (n, 18)."""
+        if self._disturber is not None:
+            qpos = self._disturber.begin(index, qpos)
         self.qpos[index] = qpos
         self.qvel[index] = qvel
         self._sensors[index] = 0.0
@@ -97,12 +109,17 @@ class BatchedPhysics:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
         self._state[:, 0] = _START_TIME
         control = np.repeat(inputs[:, None, _ACTUATED], self._substeps, axis=1)
-        series = self._pool.rollout(self.model, self._data, self._state, control)
+        if self._disturber is not None:
+            self._disturber.push(self.qvel)
+            control = self._disturber.drive(control)
+        series = self._pool.rollout(self._models, self._data, self._state, control)
         self._state, self._sensors = (np.asarray(values)[:, -1].copy() for values in series)
         self._diverged = self._find_diverged() | ~np.isfinite(inputs).all(axis=1)
         if self._diverged.any():
             self._state[self._diverged] = self._rest
             self._sensors[self._diverged] = 0.0
+        if self._disturber is not None:
+            self._disturber.wrap(self.qpos)
 
     def _find_diverged(self) -> np.ndarray:
         """MuJoCo resets a blown-up state silently: its clock then starts from zero."""
@@ -117,19 +134,16 @@ class BatchedPhysics:
         qpos, qvel, sensors, index = self.qpos, self.qvel, self._sensors, self._index
         rotation = rotation_from_quaternion(qpos[:, 3:7])
         yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
-        cosine, sine = np.cos(yaw), np.sin(yaw)
-        forward = cosine * qvel[:, 0] + sine * qvel[:, 1]
-        leftward = -sine * qvel[:, 0] + cosine * qvel[:, 1]
         efforts = np.zeros((self.num_robots, names.NUM_JOINTS))
         efforts[:, _ACTUATED] = sensors[:, index.efforts]
-        return RobotState(
+        state = RobotState(
             base_position=qpos[:, :3].copy(),
             quaternion=qpos[:, 3:7].copy(),
             rotation=rotation,
             yaw=yaw,
             linear_velocity=np.einsum("nij,ni->nj", rotation, qvel[:, :3]),
             angular_velocity=qvel[:, 3:6].copy(),
-            heading_velocity=np.stack([forward, leftward], axis=1),
+            heading_velocity=turn_to_heading(qvel, yaw),
             gravity=-rotation[:, 2, :],
             joint_positions=qpos[:, 7:].copy(),
             joint_velocities=qvel[:, 6:].copy(),
@@ -140,6 +154,23 @@ class BatchedPhysics:
             body_contacts=sensors[:, index.contacts].sum(axis=1),
             diverged=self._diverged.copy(),
         )
+        return state if self._disturber is None else self._disturber.in_world(state)
+
+    def measure(self, state: RobotState) -> RobotState:
+        """What a controller is told of the current state."""
+        return state if self._disturber is None else self._disturber.sense(state)
+
+    def restart_disturbances(self) -> None:
+        """Let the same disturbances follow as after construction."""
+        if self._disturber is not None:
+            self._disturber.restart()
+
+    @property
+    def masses(self) -> np.ndarray:
+        """Mass of each robot (N,) [kg]."""
+        if self._disturber is None:
+            return np.full(self.num_robots, float(self.model.body_mass.sum()))
+        return self._disturber.masses
 
 
 class _SensorIndex:

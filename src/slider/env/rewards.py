@@ -140,12 +140,12 @@ def upright(r: RewardView, width: float) -> np.ndarray:
 
 def height(r: RewardView, width: float) -> np.ndarray:
     """exp(−(z − nominal)²/width) of the base height [m²]."""
-    return _kernel((r.state.base_position[:, 2] - r.view.nominal_height) ** 2, width)
+    return _kernel((r.state.base_height - r.view.nominal_height) ** 2, width)
 
 
 def guide_height(r: RewardView, width: float) -> np.ndarray:
     """exp(−(z − gait(phase))²/width) of the base height [m²]."""
-    return _kernel((r.state.base_position[:, 2] - r.reference[:, BASE_HEIGHT]) ** 2, width)
+    return _kernel((r.state.base_height - r.reference[:, BASE_HEIGHT]) ** 2, width)
 
 
 def action_rate(r: RewardView) -> np.ndarray:
@@ -193,7 +193,7 @@ def angular_error_tanh(r: RewardView) -> np.ndarray:
 
 def height_tanh(r: RewardView) -> np.ndarray:
     """tanh(H) of the base height [m] (paper)."""
-    return np.tanh(r.state.base_position[:, 2])
+    return np.tanh(r.state.base_height)
 
 
 def action_rate_tanh(r: RewardView) -> np.ndarray:

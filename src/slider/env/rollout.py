@@ -49,12 +49,12 @@ class Recording:
         yaw: (S, N) [rad].
         position: (S, N, 2) of the base in the world [m].
         foot_forces: (S, N, 2) [N].
-        foot_positions: (S, N, 2, 3) [m].
+        foot_positions: (S, N, 2, 3) [m], z above the ground below.
         power: (S, N) mechanical power of the drives, absolute values added [W].
         effort_share: (S, N) largest effort of a drive as a share of its limit [-].
         speed_share: (S, N) largest speed of a drive as a share of its limit [-].
         diverged: (N,) the simulation blew up.
-        weight: m g of the robot [N].
+        weight: (N,) m g [N].
     """
 
     period: float
@@ -69,7 +69,7 @@ class Recording:
     effort_share: np.ndarray
     speed_share: np.ndarray
     diverged: np.ndarray
-    weight: float
+    weight: np.ndarray
 
     @property
     def survived(self) -> np.ndarray:
@@ -90,7 +90,8 @@ def roll_out(
 
     Args:
         controller: for N robots.
-        physics: of N robots; its state is overwritten. Its period divides the control period.
+        physics: of N robots; its state is overwritten. Its period divides the control period. The
+            controller is told what the physics measures; everything else is the true state.
         config: control period and terminations.
         start: positions (N, 19) and velocities (N, 18).
         command: vx, vy [m/s], yaw rate [rad/s]: (N, 3) constant from t = 0, or (S, N, 3) of each
@@ -100,10 +101,11 @@ def roll_out(
     """
     steps = round(duration / config.control_period)
     ticks = round(config.control_period / physics.period)
+    physics.restart_disturbances()
     physics.reset(np.arange(physics.num_robots), *start)
     state = physics.read()
     commands = np.broadcast_to(command, (steps, physics.num_robots, 3))
-    controller.reset(state, commands[0])
+    controller.reset(physics.measure(state), commands[0])
     alive = np.ones(physics.num_robots, dtype=bool)
     diverged = np.zeros(physics.num_robots, dtype=bool)
     limits = _Limits.of(physics.robot)
@@ -117,7 +119,7 @@ def roll_out(
         rows.append((*_row(alive, state), *_drives(state, limits)))
         progress((step + 1) / steps)
     series = [np.stack(column) for column in zip(*rows, strict=True)]
-    weight = float(physics.model.body_mass.sum()) * GRAVITY
+    weight = physics.masses * GRAVITY
     return Recording(config.control_period, commands, *series, diverged=diverged, weight=weight)
 
 
@@ -151,7 +153,7 @@ def run_ticks(
     """
     diverged = np.zeros(physics.num_robots, dtype=bool)
     for _ in range(ticks):
-        physics.step(controller.control(state))
+        physics.step(controller.control(physics.measure(state)))
         state = physics.read()
         diverged |= state.diverged
     return state, diverged
@@ -164,5 +166,11 @@ def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:
         state.yaw,
         state.base_position[:, :2],
         state.foot_forces.astype(np.float32),
-        state.foot_positions.astype(np.float32),
+        _above_ground(state).astype(np.float32),
     )
+
+
+def _above_ground(state: RobotState) -> np.ndarray:
+    positions = state.foot_positions.copy()
+    positions[..., 2] -= state.ground.height(positions[..., :2])
+    return positions

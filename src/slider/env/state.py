@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.env.ground import FLAT, Ground
+
 
 @dataclass(frozen=True)
 class RobotState:
@@ -28,6 +30,7 @@ class RobotState:
         foot_forces: (N, 2) vertical ground reaction [N].
         body_contacts: (N,) number of contacts of other bodies with the ground.
         diverged: (N,) the simulation of this robot blew up in the last control step.
+        ground: on which the robots are.
     """
 
     base_position: np.ndarray
@@ -46,11 +49,17 @@ class RobotState:
     foot_forces: np.ndarray
     body_contacts: np.ndarray
     diverged: np.ndarray
+    ground: Ground = FLAT
 
     @property
     def num_robots(self) -> int:
         """Number of robots N."""
         return len(self.yaw)
+
+    @property
+    def base_height(self) -> np.ndarray:
+        """Height of the base above the ground below it (N,) [m]."""
+        return self.base_position[:, 2] - self.ground.height(self.base_position[:, :2])
 
     @property
     def qpos(self) -> np.ndarray:
@@ -62,3 +71,11 @@ class RobotState:
         """MuJoCo's generalised velocities (N, 18): linear world, angular base frame."""
         linear = np.einsum("nij,nj->ni", self.rotation, self.linear_velocity)
         return np.concatenate([linear, self.angular_velocity, self.joint_velocities], axis=1)
+
+
+def turn_to_heading(velocity: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """Forward and leftward components (N, 2) of world vectors (N, ≥ 2) at yaws (N,) [rad]."""
+    cosine, sine = np.cos(yaw), np.sin(yaw)
+    forward = cosine * velocity[:, 0] + sine * velocity[:, 1]
+    leftward = -sine * velocity[:, 0] + cosine * velocity[:, 1]
+    return np.stack([forward, leftward], axis=1)

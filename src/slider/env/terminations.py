@@ -9,8 +9,8 @@ from slider.env.state import RobotState
 
 
 def base_height(state: RobotState, minimum: float) -> np.ndarray:
-    """Base lower than ``minimum`` [m]."""
-    return state.base_position[:, 2] < minimum
+    """Base less than ``minimum`` [m] above the ground."""
+    return state.base_height < minimum
 
 
 def tilt(state: RobotState, maximum: float) -> np.ndarray:

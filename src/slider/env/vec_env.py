@@ -13,6 +13,7 @@ from slider.core.config.train import TrainConfig
 from slider.env import terminations
 from slider.env.commands import CommandSampler
 from slider.env.curriculum import Curriculum
+from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
 from slider.env.observations import Observer
@@ -63,12 +64,18 @@ class WalkingEnv(VecEnv):
         self._robot, self._config, self._train = robot, config, train
         self._rng = rng
         self._guide = guide
-        self._physics = BatchedPhysics(robot, config.physics, self.num_envs, threads)
+        self._physics = BatchedPhysics(
+            robot,
+            config.physics,
+            self.num_envs,
+            threads,
+            disturbance=Disturbance(train.disturbance, (train.seed,)),
+        )
         self._agent = AgentInterface(robot, config, self.num_envs, times, reference)
         self._commands = CommandSampler(train.commands, config.control_period)
         self.curriculum = Curriculum(train.commands.curriculum, self.num_envs)
         self._reward = Reward(train.reward)
-        self._state = self._reset(np.arange(self.num_envs))
+        self._measured = self._reset(np.arange(self.num_envs))
         self._observe()
 
     @property
@@ -104,8 +111,9 @@ class WalkingEnv(VecEnv):
         """One control period for all robots."""
         targets = self._agent.act(actions.numpy().astype(np.float64))
         self._physics.step(targets)
-        state = self._state = self._physics.read()
-        self._agent.advance(state)
+        state = self._physics.read()
+        self._measured = self._physics.measure(state)
+        self._agent.advance(self._measured)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self._agent.view(state)
         reward, parts = self._reward(RewardView(view, self._guide), fell)
@@ -127,7 +135,7 @@ class WalkingEnv(VecEnv):
         ended = np.flatnonzero(fell | timed_out)
         if len(ended):
             self.curriculum.note(len(ended), int(fell.sum()))
-            self._state = self._reset(ended)
+            self._measured = self._reset(ended)
             self.episode_length_buf[torch.from_numpy(ended)] = 0
         return Episodes(fell, timed_out, diverged)
 
@@ -143,7 +151,7 @@ class WalkingEnv(VecEnv):
         return log
 
     def _reset(self, index: np.ndarray) -> RobotState:
-        """Start robots ``index`` anew; the state of all robots afterwards."""
+        """Start robots ``index`` anew; what is measured of all robots afterwards."""
         count, rng = len(index), self._rng
         self._agent.set_velocity_command(index, self._draw_commands(count))
         phase = rng.uniform(size=count) if self._agent.clock is not None else np.zeros(count)
@@ -155,7 +163,7 @@ class WalkingEnv(VecEnv):
             qpos[on_gait], qvel[on_gait] = self._on_reference(chosen, phase[on_gait])
             velocity[on_gait] = self._agent.command[chosen, :2]
         self._physics.reset(index, qpos, qvel)
-        state = self._physics.read()
+        state = self._physics.measure(self._physics.read())
         self._agent.reset(index, state, phase, velocity)
         self._agent.refresh_heading(state)
         return state
@@ -183,5 +191,5 @@ class WalkingEnv(VecEnv):
         return self._commands.sample(self._rng, count, self.curriculum.share)
 
     def _observe(self) -> None:
-        values = torch.from_numpy(self._agent.observe(self._state))
+        values = torch.from_numpy(self._agent.observe(self._measured))
         self._observations = TensorDict({"policy": values}, batch_size=[self.num_envs])

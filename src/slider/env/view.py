@@ -20,7 +20,8 @@ class View:
         nominal: (12,) joint positions of the nominal pose [rad or m].
         nominal_height: base height of the nominal pose [m].
         effort_limits: (12,) [N m or N]; infinite for passive joints.
-        scan_points: number of points of the height scan.
+        scan_points: number of points of the height scan, along x and y.
+        scan_spacing: of these points [m].
     """
 
     state: RobotState
@@ -33,3 +34,4 @@ class View:
     nominal_height: float
     effort_limits: np.ndarray
     scan_points: tuple[int, int]
+    scan_spacing: float

@@ -9,6 +9,7 @@ from slider.core.config.convert import from_dict
 from slider.core.config.env import PhysicsConfig, PlantConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 
@@ -16,28 +17,33 @@ from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Roll the baseline out on torque drives, at its own, higher rate.
 
-    Its nominal model is that of the section's robot, which is the plant's as well.
+    Its nominal model is that of the section's robot, from which the disturbed plants differ.
     """
     protocol = read_protocol(section)
-    simulated = simulate(section, protocol.count, job.threads)
+    simulated = simulate(section, protocol.count, protocol.disturbance, job.threads)
     summary = evaluate(protocol, simulated, out, job)
     assert isinstance(simulated.controller, MpcController)
     job.volatile["tick_us"] = simulated.controller.clock.microseconds()
     return summary
 
 
-def simulate(section: Section, count: int, threads: int = 1) -> Simulated:
+def simulate(section: Section, count: int, disturbance: Disturbance, threads: int = 1) -> Simulated:
     """The baseline on ``count`` robots."""
     robot = from_dict(RobotConfig, section["robot"])
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(MpcConfig, section["control"])
-    physics = build_plant(robot, plant.physics, config, count, threads)
+    physics = build_plant(robot, plant.physics, config, count, disturbance, threads)
     return Simulated(MpcController(robot, config, physics.period), physics, plant)
 
 
 def build_plant(
-    robot: RobotConfig, config: PhysicsConfig, control: MpcConfig, count: int, threads: int = 1
+    robot: RobotConfig,
+    config: PhysicsConfig,
+    control: MpcConfig,
+    count: int,
+    disturbance: Disturbance | None = None,
+    threads: int = 1,
 ) -> BatchedPhysics:
     """The same physics on torque drives, stepped from one control tick to the next."""
     settings = replace(config, substeps=control.substeps)
-    return BatchedPhysics(robot, settings, count, threads, "torque")
+    return BatchedPhysics(robot, settings, count, threads, "torque", disturbance)

@@ -12,6 +12,7 @@ from slider.core.config.env import EnvConfig, PlantConfig
 from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.job import Job, Section, Summary
+from slider.env.disturbance.draws import Disturbance
 from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
@@ -41,6 +42,12 @@ class Protocol:
     def count(self) -> int:
         """Number of robots of all trials."""
         return self.config.trials * self.config.robots
+
+    @property
+    def disturbance(self) -> Disturbance:
+        """Trial k draws from seed + k, whatever the controller or command."""
+        seeds = range(self.config.seed, self.config.seed + self.config.trials)
+        return Disturbance(self.config.disturbance, tuple(seeds))
 
 
 @dataclass(frozen=True)

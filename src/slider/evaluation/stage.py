@@ -11,6 +11,7 @@ from slider.core.config.env import EnvConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.evaluation.protocol import Simulated, evaluate, read_protocol
@@ -20,17 +21,20 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Roll the policy out on position drives, once per control period."""
     torch.set_num_threads(job.threads)
     protocol = read_protocol(section)
-    return evaluate(protocol, simulate(section, inputs, protocol.count, job.threads), out, job)
+    simulated = simulate(section, inputs, protocol.count, protocol.disturbance, job.threads)
+    return evaluate(protocol, simulated, out, job)
 
 
-def simulate(section: Section, inputs: Inputs, count: int, threads: int = 1) -> Simulated:
+def simulate(
+    section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int = 1
+) -> Simulated:
     """The policy of the walking stage on ``count`` robots.
 
     Raises:
         UserError: the policy is for other observations.
     """
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    physics = BatchedPhysics(robot, env.physics, count, threads)
+    physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbance)
     return Simulated(_policy(inputs, robot, env, count), physics, env)
 
 

@@ -2,18 +2,25 @@
 
 from slider.control.mpc.walker import MpcController
 from slider.core.config.control import MpcConfig
+from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import PlantConfig, StartNoise
 from slider.core.config.robot import RobotConfig
+from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode
 from slider.evaluation.baseline import build_plant
 from slider.play.motion import Simulation, starts
 
 
 def simulate_baseline(
-    robot: RobotConfig, plant: PlantConfig, config: MpcConfig, noise: StartNoise, seed: int
+    robot: RobotConfig,
+    plant: PlantConfig,
+    config: MpcConfig,
+    noise: StartNoise,
+    seed: int,
+    disturbance: DisturbanceConfig,
 ) -> Simulation:
     """The baseline on torque drives, as its evaluation has it."""
-    physics = build_plant(robot, plant.physics, config, 1)
+    physics = build_plant(robot, plant.physics, config, 1, Disturbance(disturbance, (seed,)))
     controller = MpcController(robot, config, physics.period)
     episode = Episode(controller, physics, plant)
     return Simulation(episode, plant.control_period, starts(robot, noise, seed))

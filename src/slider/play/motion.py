@@ -8,9 +8,11 @@ import torch
 
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
+from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import EnvConfig, StartNoise
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
+from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
@@ -109,9 +111,14 @@ def _sample_times(durations: np.ndarray, samples: int) -> np.ndarray:
 
 
 def simulate_policy(
-    policy: Policy, robot: RobotConfig, env: EnvConfig, noise: StartNoise, seed: int
+    policy: Policy,
+    robot: RobotConfig,
+    env: EnvConfig,
+    noise: StartNoise,
+    seed: int,
+    disturbance: DisturbanceConfig | None = None,
 ) -> Simulation:
-    """A trained policy in its environment.
+    """A trained policy in its environment, on a robot with disturbances or without.
 
     Raises:
         UserError: the policy is for other observations.
@@ -122,7 +129,7 @@ def simulate_policy(
             f"policy: expected the observations {agent.observer.layout}, "
             f"found {policy.observations}"
         )
-    return _simulate_agent(robot, env, agent, policy.network, noise, seed)
+    return _simulate_agent(robot, env, agent, policy.network, noise, seed, disturbance)
 
 
 def simulate_ignorant(
@@ -148,9 +155,12 @@ def _simulate_agent(
     network,
     noise: StartNoise,
     seed: int,
+    disturbance: DisturbanceConfig | None = None,
 ) -> Simulation:
     controller = PolicyController(network, agent)
-    episode = Episode(controller, BatchedPhysics(robot, env.physics, 1), env)
+    disturbed = None if disturbance is None else Disturbance(disturbance, (seed,))
+    physics = BatchedPhysics(robot, env.physics, 1, disturbance=disturbed)
+    episode = Episode(controller, physics, env)
     return Simulation(episode, env.control_period, starts(robot, noise, seed))
 
 

@@ -51,17 +51,21 @@ def _policy(arguments: Namespace) -> Scene:
     else:
         path, section = arguments.policy, _section(arguments)
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    noise = config.evaluation.start
-    motion = simulate_policy(load_policy(path), robot, env, noise, arguments.seed)
+    test = config.evaluation
+    motion = simulate_policy(
+        load_policy(path), robot, env, test.start, arguments.seed, test.disturbance
+    )
     return Scene(f"policy {path}", robot, motion)
 
 
 def _baseline(arguments: Namespace) -> Scene:
     config = compose(arguments.set, arguments.conf)
     control = getattr(config.control, arguments.agent.removeprefix("mpc_wbc_"))
-    noise = config.evaluation.start
+    test = config.evaluation
     plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
-    motion = simulate_baseline(config.robot, plant, control, noise, arguments.seed)
+    motion = simulate_baseline(
+        config.robot, plant, control, test.start, arguments.seed, test.disturbance
+    )
     return Scene(f"baseline {arguments.agent}", config.robot, motion)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import torch
 
 from slider.core.config.convert import from_dict
+from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import StartNoise
 from slider.core.config.robot import RobotConfig
 from slider.core.config.video import VideoConfig
@@ -28,6 +29,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     torch.set_num_threads(job.threads)
     # Before the first import of mujoco, which reads it.
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
+    from slider.env.disturbance.draws import Disturbance
     from slider.env.episode import Episode
     from slider.env.starts import at_rest
     from slider.evaluation import baseline, stage
@@ -35,8 +37,14 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     robot = from_dict(RobotConfig, section["robot"])
     video = from_dict(VideoConfig, section["video"])
     noise = from_dict(StartNoise, section["start"])
+    config = from_dict(DisturbanceConfig, section["disturbance"])
+    disturbance = Disturbance(config, (video.seed,))
     learned = "walking" in inputs
-    one = stage.simulate(section, inputs, 1) if learned else baseline.simulate(section, 1)
+    one = (
+        stage.simulate(section, inputs, 1, disturbance)
+        if learned
+        else baseline.simulate(section, 1, disturbance)
+    )
     episode = Episode(one.controller, one.physics, one.env)
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
     frames = [episode.start(*start, np.array([[section["command"], 0.0, 0.0]]))]

@@ -45,7 +45,12 @@ class SimulationOptions:
 
 def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
     """Compile the model of a robot on flat ground."""
-    model = build_spec(robot, options).compile()
+    return compile_spec(build_spec(robot, options))
+
+
+def compile_spec(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """Compile a described robot and check the order of its joints."""
+    model = spec.compile()
     order = tuple(model.joint(i).name for i in range(1, model.njnt))
     if order != names.JOINTS:
         raise RuntimeError(f"expected the joints {names.JOINTS}, found {order}")

@@ -7,9 +7,11 @@ import numpy as np
 import torch
 
 from slider.control.policy import PolicyController
+from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import EnvConfig, StartNoise
 from slider.core.config.robot import RobotConfig
 from slider.core.config.train import SelectionConfig
+from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
@@ -55,6 +57,7 @@ class Selector:
         robot: RobotConfig,
         env: EnvConfig,
         config: SelectionConfig,
+        disturbance: DisturbanceConfig,
         times: StepTimes | None,
         seed: int,
         threads: int,
@@ -62,7 +65,9 @@ class Selector:
     ) -> None:
         self._env, self._config = env, config
         count = len(config.commands) * config.robots
-        self._physics = BatchedPhysics(robot, env.physics, count, threads)
+        self._physics = BatchedPhysics(
+            robot, env.physics, count, threads, disturbance=Disturbance(disturbance, (seed,))
+        )
         self._agent = AgentInterface(robot, env, count, times, reference)
         self._start = at_rest(robot, _START, np.random.default_rng([seed, 7]), count)
         self._command = np.zeros((count, 3))

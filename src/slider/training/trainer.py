@@ -66,6 +66,7 @@ class Trainer:
             task.robot,
             task.env,
             train.selection,
+            train.disturbance,
             task.times,
             train.seed,
             job.threads,

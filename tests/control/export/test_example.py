@@ -17,7 +17,7 @@ from tests.control.export.policies import write_policy
 
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "run_policy.py"
 COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
-STEPS = 60
+STEPS, STOPPED = 60, 40  # from then on the command is zero
 
 
 def written(folder: Path, *overrides: str) -> Path:
@@ -34,7 +34,10 @@ def load_example():
     return module
 
 
-@pytest.mark.parametrize("overrides", [(), ("env=paper",), ("env.phase.mirror=false",)])
+@pytest.mark.parametrize(
+    "overrides",
+    [(), ("env=paper",), ("env=robust",), ("env.phase.mirror=false",), ("env.phase.halt=true",)],
+)
 def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
     policy = write_files(written(tmp_path, *overrides), {}, tmp_path)
     physics = BatchedPhysics(policy.robot, policy.env.physics, 1)
@@ -47,8 +50,10 @@ def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
     outside = example.Policy(tmp_path)
     actions = []
     for step in range(STEPS):
+        command = COMMAND if step < STOPPED else np.zeros(3)
+        controller.command(command[None])
         expected = controller.control(physics.read())
-        targets = outside.targets(example.observe(data), COMMAND)
+        targets = outside.targets(example.observe(data), command)
         np.testing.assert_allclose(targets, expected[0], atol=1e-4, err_msg=f"step {step}")
         physics.step(expected)
         example.simulate(model, data, outside, targets)

@@ -21,7 +21,7 @@ INPUT, OUTPUT = "observations", "actions"
 _PROCEDURE = [
     "start: clock.phase = 0, previous action = 0, filtered velocity = 0, heading target = yaw",
     "every control_period, from the second step on: advance the clock, the heading target and the "
-    "velocity filter with the present state",
+    "velocity filter with the present state and the command of the period that is over",
     "mirrored = clock.mirror and phase >= 0.5 (right stance); never without a clock",
     "o = concatenation of the observation's terms, each value times its scale",
     "if mirrored: o = o[observation.mirror.permutation] * observation.mirror.sign",
@@ -154,6 +154,9 @@ def _clock(policy: Policy) -> dict[str, Any] | None:
         return None
     return {
         "mirror": policy.env.phase.mirror,
+        "halt": policy.env.phase.halt,
+        "halting": "if halt, a command of zeros does not carry the phase past the next change of "
+        "feet (0 or 0.5), where it stays",
         "advance": "phase = (phase + control_period / (2 * step_time(vx, vy))) modulo 1; "
         "left stance below 0.5, right stance from there on; step_time[i][j] is at vx[i], vy[j], "
         "bilinear in between, the nearest border's outside",

@@ -58,6 +58,9 @@ MEANINGS = {
     "previous_action": Meaning(
         JOINTS, ("-",), NONE, "the last action: clipped, reflected back, 0 where its scale is 0"
     ),
+    "action_before_previous": Meaning(
+        JOINTS, ("-",), NONE, "the action before the last one, likewise; 0 at the start"
+    ),
     "base_height": Meaning(
         ("z",), ("m",), WORLD, "height of the base's origin above the ground minus nominal_height"
     ),

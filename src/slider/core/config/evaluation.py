@@ -4,6 +4,7 @@ from dataclasses import field
 
 from pydantic.dataclasses import dataclass
 
+from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import StartNoise
 from slider.core.config.strict import STRICT
 
@@ -53,6 +54,7 @@ class EvaluationConfig:
     tracking_relative: float
     seed: int
     start: StartNoise
+    disturbance: DisturbanceConfig
     controllers: list[str] = field(default_factory=list)
     commands: list[float] = field(default_factory=list)
     profile: ProfileConfig | None = None

@@ -4,15 +4,9 @@ from dataclasses import field
 
 from pydantic.dataclasses import dataclass
 
+from slider.core.config.disturbance import DisturbanceConfig
+from slider.core.config.interval import Interval
 from slider.core.config.strict import STRICT
-
-
-@dataclass(frozen=True, config=STRICT)
-class Interval:
-    """Closed interval."""
-
-    lower: float
-    upper: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -137,6 +131,7 @@ class TrainConfig:
     network: NetworkConfig
     ppo: PpoConfig
     selection: SelectionConfig
+    disturbance: DisturbanceConfig
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -7,13 +7,15 @@ from typing import Any
 
 from slider.core.config.ablation import AblationConfig
 from slider.core.config.control import MpcConfig
+from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
 from slider.core.config.gait import Axis, GaitConfig
+from slider.core.config.interval import Interval
 from slider.core.config.report import SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
-from slider.core.config.train import CurriculumConfig, Interval, TrainConfig
+from slider.core.config.train import CurriculumConfig, TrainConfig
 from slider.core.config.verification import VerificationConfig
 from slider.core.config.video import RENDERERS
 from slider.core.errors import UserError
@@ -21,6 +23,13 @@ from slider.robot.names import LEG_JOINTS
 
 MAX_GRID = 5000
 MAX_NODES = 201
+MAX_CELLS = 400
+
+
+def protocols(config: Config) -> dict[str, EvaluationConfig]:
+    """Table 1's and the others, by their key."""
+    others = {f"protocols.{name}": protocol for name, protocol in config.protocols.items()}
+    return {"evaluation": config.evaluation, **others}
 
 
 def validate(config: Config) -> None:
@@ -35,6 +44,8 @@ def validate(config: Config) -> None:
     _env(config.env)
     for name in ("standing", "walking"):
         _train(getattr(config.train, name), config.env, f"train.{name}")
+        disturbance = getattr(config.train, name).disturbance
+        _disturbance(disturbance, config.env, f"train.{name}.disturbance")
     settings = [item.name for item in fields(config.control)]
     for name in settings:
         _control(getattr(config.control, name), config.env, f"control.{name}")
@@ -45,9 +56,9 @@ def validate(config: Config) -> None:
         "none (the commands of Table 1 are constant; see protocols)",
         "one",
     )
-    _evaluation(config.evaluation, controllers, "evaluation")
-    for name, protocol in config.protocols.items():
-        _evaluation(protocol, controllers, f"protocols.{name}")
+    for key, protocol in protocols(config).items():
+        _evaluation(protocol, controllers, key)
+        _disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
     _verification(config.verification)
     _report(config.report, config.env.control_period)
     _ablation(config.ablation)
@@ -69,6 +80,10 @@ def _at_least(key: str, value: float, least: float) -> None:
 
 def _positive(key: str, value: float) -> None:
     _require(value > 0, key, "a positive value", value)
+
+
+def _not_negative(key: str, value: float) -> None:
+    _at_least(key, value, 0)
 
 
 def _in(key: str, value: Any, allowed: Iterable[Any]) -> None:
@@ -329,6 +344,36 @@ def _profile(profile: ProfileConfig, duration: float, key: str) -> None:
             f"longer than ramp and settle ({shortest} s)",
             f"{end - start:g} s",
         )
+
+
+def _disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:
+    for item in fields(disturbance.sensing):
+        _at_least(f"{key}.sensing.{item.name}", getattr(disturbance.sensing, item.name), 0)
+    timestep = env.physics.timestep
+    for name in ("delay", "motor_gain", "mass", "friction"):
+        interval: Interval | None = getattr(disturbance, name)
+        if interval is not None:
+            _interval(f"{key}.{name}", interval.lower, interval.upper)
+            check = _positive if name != "delay" else _not_negative
+            check(f"{key}.{name}.lower", interval.lower)
+    for name in ("lower", "upper"):
+        _multiple(f"{key}.delay.{name}", getattr(disturbance.delay, name), timestep)
+    _at_least(f"{key}.centre_of_mass", disturbance.centre_of_mass, 0)
+    push, ground = disturbance.push, disturbance.ground
+    _at_least(f"{key}.push.speed", push.speed, 0)
+    _positive(f"{key}.push.interval", push.interval)
+    _multiple(f"{key}.push.interval", push.interval, env.control_period)
+    _at_least(f"{key}.ground.amplitude", ground.amplitude, 0)
+    _positive(f"{key}.ground.cell", ground.cell)
+    _positive(f"{key}.ground.period", ground.period)
+    _multiple(f"{key}.ground.period", ground.period, ground.cell)
+    cells = round(ground.period / ground.cell)
+    _require(cells <= MAX_CELLS, f"{key}.ground.period", f"at most {MAX_CELLS} cells", cells)
+
+
+def _multiple(key: str, value: float, step: float) -> None:
+    steps = value / step
+    _require(abs(steps - round(steps)) < 1e-6, key, f"a multiple of {step:g}", value)
 
 
 def _verification(verification: VerificationConfig) -> None:

@@ -1,0 +1,1 @@
+"""Disturbances of simulated robots: one implementation for training and evaluation."""

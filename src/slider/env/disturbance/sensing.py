@@ -1,0 +1,56 @@
+"""Noise on what a controller is told; rewards, terminations and metrics use the true state."""
+
+from dataclasses import astuple, replace
+
+import numpy as np
+
+from slider.core.config.disturbance import SensingConfig
+from slider.env.starts import multiply_quaternions
+from slider.env.state import RobotState, turn_to_heading
+from slider.robot.kinematics import rotation_from_quaternion
+from slider.robot.names import JOINTS, NUM_JOINTS
+
+COLUMNS = 2 * NUM_JOINTS + 10  # standard normal numbers per robot
+_SLIDES = np.array([name.endswith("slide") for name in JOINTS])
+
+
+def noisy(config: SensingConfig) -> bool:
+    """Whether there is any noise."""
+    return any(astuple(config))
+
+
+def measure(state: RobotState, config: SensingConfig, normal: np.ndarray) -> RobotState:
+    """The state as sensed, with standard normal numbers (N, COLUMNS).
+
+    The orientation is turned about the base's axes, and everything that follows from it as well.
+    The horizontal place of the base, feet and contacts are as they are.
+    """
+    positions, velocities, base = np.split(normal, [NUM_JOINTS, 2 * NUM_JOINTS], axis=1)
+    quaternion = _turned(state.quaternion, config.orientation * base[:, :3])
+    rotation = rotation_from_quaternion(quaternion)
+    yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+    linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]
+    position = state.base_position.copy()
+    position[:, 2] += config.base_height * base[:, 9]
+    spread = np.where(_SLIDES, config.slide_position, config.joint_position)
+    rate = np.where(_SLIDES, config.slide_velocity, config.joint_velocity)
+    return replace(
+        state,
+        base_position=position,
+        quaternion=quaternion,
+        rotation=rotation,
+        yaw=yaw,
+        linear_velocity=linear,
+        angular_velocity=state.angular_velocity + config.angular_velocity * base[:, 6:9],
+        heading_velocity=turn_to_heading(np.einsum("nij,nj->ni", rotation, linear), yaw),
+        gravity=-rotation[:, 2, :],
+        joint_positions=state.joint_positions + spread * positions,
+        joint_velocities=state.joint_velocities + rate * velocities,
+    )
+
+
+def _turned(quaternion: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    """Orientations (N, 4) turned by small angles (N, 3) [rad] about the body's own axes."""
+    small = np.concatenate([np.ones((len(angles), 1)), 0.5 * angles], axis=1)
+    small /= np.linalg.norm(small, axis=1, keepdims=True)
+    return multiply_quaternions(quaternion, small)

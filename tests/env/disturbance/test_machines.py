@@ -1,0 +1,113 @@
+"""Each robot is another one, by as much as the configuration says, and the physics feels it."""
+
+# pyright: reportAttributeAccessIssue=false
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.robot import names
+from slider.robot.mjcf import Actuation
+from tests.env.synthetic import disturbed_physics, robot_config, stand
+
+COUNT = 20
+DRIVEN = np.array(names.ACTUATED)
+GRAVITY = 9.81
+
+
+def models(physics):
+    return physics._disturber.models
+
+
+def test_mass_is_weight_on_the_feet():
+    """The mean force carries the weight and changes the vertical momentum."""
+    physics = disturbed_physics(COUNT, "mass={lower: 0.9, upper: 1.1}", substeps=1)
+    stand(physics)
+    forces = []
+    for _ in range(60):
+        physics.step(np.zeros((COUNT, names.NUM_JOINTS)))
+        forces.append(physics.read().foot_forces.sum(axis=1))
+    weight = np.mean(forces, axis=0) - momentum(physics)[:, 2] / 0.3
+    nominal = physics.model.body_mass.sum()
+    share = physics.masses / nominal
+    assert 0.9 <= share.min() < 0.93 < 1.07 < share.max() <= 1.1
+    np.testing.assert_allclose(weight, physics.masses * GRAVITY, rtol=0.02)
+    inertia = np.array([model.body_inertia for model in models(physics)])
+    np.testing.assert_allclose(inertia, share[:, None, None] * physics.model.body_inertia)
+
+
+def test_the_centre_of_mass_of_the_base_moves_and_no_other():
+    physics = stand(disturbed_physics(COUNT, "centre_of_mass=0.02"))
+    places = np.array([model.body_ipos for model in models(physics)]) - physics.model.body_ipos
+    base = physics.model.body(names.BASE).id
+    shift = places[:, base]
+    assert 0.018 < np.abs(shift).max() <= 0.02
+    assert (np.abs(shift.mean(axis=0)) < 0.01).all()
+    assert not np.delete(places, base, axis=1).any()
+
+
+def test_a_forward_centre_of_mass_loads_the_ankles():
+    physics = stand(disturbed_physics(COUNT, "centre_of_mass=0.02"), 0.2)
+    base = physics.model.body(names.BASE).id
+    shift = np.array([model.body_ipos[base, 0] for model in models(physics)])
+    ankles = physics.read().efforts[:, [names.JOINTS.index(f"{s}_ankle") for s in names.SIDES]]
+    assert np.corrcoef(shift, ankles.sum(axis=1))[0, 1] > 0.9
+
+
+def test_friction_bounds_the_force_along_the_ground():
+    """Robots that slide sideways are braked by μ g."""
+    physics = disturbed_physics(COUNT, "friction={lower: 0.2, upper: 0.6}")
+    stand(physics, 0.2)
+    physics.qvel[:, 0] += 2.0
+    before = physics.qvel[:, 0].copy()
+    friction = np.array([m.geom(names.foot("left")).friction[0] for m in models(physics)])
+    assert 0.2 <= friction.min() < 0.25 < 0.5 < friction.max() <= 0.6
+    start = momentum(physics)[:, 0]
+    physics.step(np.zeros((COUNT, names.NUM_JOINTS)))
+    force = (start - momentum(physics)[:, 0]) / physics.period
+    share = force / (physics.masses * GRAVITY)
+    assert (before > 0).all()
+    assert (share < 1.15 * friction).all(), "not more than the cone allows"
+    assert np.corrcoef(share, friction)[0, 1] > 0.95
+
+
+def momentum(physics) -> np.ndarray:
+    """Momentum (N, 3) [kg m/s]."""
+    data = mujoco.MjData(physics.model)
+    result = []
+    for qpos, qvel, mass in zip(physics.qpos, physics.qvel, physics.masses, strict=True):
+        data.qpos[:], data.qvel[:] = qpos, qvel
+        mujoco.mj_forward(physics.model, data)
+        mujoco.mj_subtreeVel(physics.model, data)
+        result.append(mass * data.subtree_linvel[1])
+    return np.array(result)
+
+
+@pytest.mark.parametrize("actuation", ["position", "torque"])
+def test_motor_gain_scales_the_achieved_torque(actuation: Actuation):
+    """Also where the effort limit binds: the limit is one of current."""
+    varied = disturbed_physics(3, "motor_gain={lower: 0.9, upper: 1.1}", actuation=actuation)
+    exact = disturbed_physics(3, actuation=actuation)
+    scale = 0.02 if actuation == "position" else 5.0
+    inputs = scale * np.random.default_rng(0).uniform(0.3, 1.0, (3, names.NUM_JOINTS))
+    inputs[2] *= 1000.0
+    efforts = []
+    for physics in (varied, exact):
+        stand(physics)
+        physics._substeps, physics.period = 1, 0.005  # efforts of the start, before anything moves
+        physics.step(inputs)
+        efforts.append(physics.read().efforts[:, DRIVEN])
+    ratio = efforts[0] / efforts[1]
+    np.testing.assert_allclose(ratio, varied._disturber._machines.motor_gain, rtol=1e-6)
+    assert 0.9 <= ratio.min() < 0.93 < 1.07 < ratio.max() <= 1.1
+    limits = [robot_config().limits[names.JOINTS[i].split("_", 1)[1]].effort for i in DRIVEN]
+    np.testing.assert_allclose(np.abs(efforts[1][2]), limits, rtol=1e-9)
+
+
+def test_every_episode_has_another_robot():
+    physics = stand(disturbed_physics(COUNT, "mass={lower: 0.9, upper: 1.1}"))
+    first = physics.masses.copy()
+    index = np.array([3, 7])
+    physics.reset(index, physics.qpos[index], physics.qvel[index])
+    changed = np.flatnonzero(physics.masses != first)
+    np.testing.assert_array_equal(changed, index)

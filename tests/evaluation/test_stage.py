@@ -42,7 +42,9 @@ def walking(tmp_path):
     network = PolicyNetwork(sum(layout.values()), 12, (16,), "elu")
     with torch.no_grad():
         network.mlp[-1].weight.mul_(0.5)
-    policy = Policy(network.eval(), (16,), "elu", layout, gait_table().times)
+    whole = config("experiment=test")
+    times, facts = gait_table().times, {"seed": 1}
+    policy = Policy(network.eval(), (16,), "elu", layout, times, whole.robot, whole.env, facts)
     save_policy(policy, folder / "policy.pt")
     return folder
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from slider.reports import controllers, table1, table1_text
+from slider.reports import controllers, table1_text
 from slider.reports.comparison import METRICS, Value, compare, show
 
 SUCCESS, STEADY, WHOLE, TRACKING = METRICS
@@ -75,10 +75,6 @@ def test_nobody_is_best_where_nobody_survives():
 )
 def test_prints_three_digits(value, spread, metric, text):
     assert show(Value(value, spread, False), metric) == text
-
-
-def test_names_the_sources_as_table_1_does():
-    assert (controllers.OURS, controllers.PAPER) == (table1.OURS, table1.PAPER)
 
 
 def test_markdown_has_one_row_per_command_and_metric():

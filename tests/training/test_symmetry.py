@@ -36,6 +36,7 @@ def test_reflections_follow_the_originals(tmp_path):
     phase = np.linspace(0.1, 0.4, half)
     env._agent.reset(index, env._physics.read(), np.concatenate([phase, phase + 0.5]))
     env._agent.refresh_heading(env._physics.read())
+    env._measured = env._physics.read()
     env._observe()
     seen = env.get_observations()
     action = torch.randn(half, 12)

@@ -83,7 +83,7 @@ def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table
         ("protocols.sweep.commands=[0.4]", {"sweep"}),
         ("protocols.joystick.profile.settle=0.1", {"joystick"}),
         ("evaluation.trials=3", set()),
-        ("train.walking.seed=2", {"sweep", "joystick"}),
+        ("train.walking.seed=2", {"sweep", "robust", "joystick"}),
     ],
 )
 def test_a_protocol_depends_on_its_own_settings_and_on_the_policy(override, changed):

@@ -88,6 +88,7 @@ class WalkingEnv(VecEnv):
         """What the observations are made of."""
         return self._agent.observer
 
+    @property
     def physics(self) -> BatchedPhysics:
         """The simulated robots."""
         return self._physics

@@ -173,7 +173,7 @@ def test_stands_still_goes_sideways_and_turning_and_stops(setting):
 
 
 def test_the_reference_goes_from_the_old_command_to_the_new_one():
-    command = profile((1.5, (0.6, 0.0, 0.0)), (0.5, (0.0, 0.1, 0.0)))
+    command = profile((1.5, (0.6, 0.0, 0.0)), (0.1, (0.0, 0.1, 0.0)))
     _, controller = walk(command, seconds=1.6)
     gait = controller.gait
     np.testing.assert_allclose(gait.old[:, 0], 0.6)

@@ -12,6 +12,15 @@ from slider.robot.kinematics import (
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import JOINTS, NUM_JOINTS
 
+# Of checks on the way; that of the evaluations is configured, and by default the same.
+USUAL_NOISE = StartNoise(
+    joint_position=0.02,
+    slide_position=0.005,
+    tilt=0.03,
+    linear_velocity=0.0,
+    angular_velocity=0.0,
+    joint_velocity=0.0,
+)
 _SLIDES = np.array([name.endswith("slide") for name in JOINTS])
 
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.core.errors import UserError
 from slider.env.metrics import GaitQuality, Tracking
+from slider.evaluation import table_file
 
-Records = dict[str, np.ndarray]
+Records = table_file.Table
 FILE = "robots.csv"
 QUALITY = tuple(item.name for item in fields(GaitQuality))
 COLUMNS = (
@@ -18,6 +18,7 @@ COLUMNS = (
     *QUALITY,
     "diverged",
 )
+FLAGS = ("survived", "tracked", "diverged")
 
 
 def build(
@@ -35,10 +36,7 @@ def build(
 
 def write(records: Records, path: Path) -> None:
     """Write a CSV file; floating-point numbers keep 9 digits."""
-    rows = [",".join(COLUMNS)]
-    for values in zip(*(records[name] for name in COLUMNS), strict=True):
-        rows.append(",".join(_text(value) for value in values))
-    path.write_text("\n".join(rows) + "\n")
+    table_file.write(records, COLUMNS, path)
 
 
 def read(path: Path) -> Records:
@@ -47,17 +45,4 @@ def read(path: Path) -> Records:
     Raises:
         UserError: the file has other columns.
     """
-    header, *rows = path.read_text().splitlines()
-    if tuple(header.split(",")) != COLUMNS:
-        raise UserError(f"{path}: expected the columns {','.join(COLUMNS)}, found {header}")
-    values = np.array([[float(x) for x in row.split(",")] for row in rows])
-    records: Records = dict(zip(COLUMNS, values.T, strict=True))
-    for name in ("survived", "tracked", "diverged"):
-        records[name] = records[name].astype(bool)
-    return records
-
-
-def _text(value: np.generic) -> str:
-    if isinstance(value, (np.bool_, np.integer)):
-        return str(int(value))
-    return f"{float(value):.9g}"
+    return table_file.read(path, COLUMNS, FLAGS)

@@ -5,10 +5,11 @@ from pathlib import Path
 import numpy as np
 
 from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
-from slider.core.errors import UserError
 from slider.env.metrics import CONTACT_FORCE, heading_error
 from slider.env.rollout import Recording
 from slider.evaluation import profile as profiles
+from slider.evaluation import table_file
+from slider.evaluation.table_file import Table
 
 FILE, TRACES = "segments.csv", "traces.npy"
 AXES = ("vx", "vy", "yaw_rate")
@@ -22,8 +23,7 @@ MEASURES = (
     "displacement",  # of the base, from first to last moment [m]
 )
 COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
-
-Table = dict[str, np.ndarray]
+FLAGS = ("survived",)
 
 
 def measure(recording: Recording, protocol: EvaluationConfig) -> Table:
@@ -109,10 +109,7 @@ def _profile(protocol: EvaluationConfig) -> ProfileConfig:
 
 def write(table: Table, path: Path) -> None:
     """Write a CSV file; floating-point numbers keep 9 digits."""
-    rows = [",".join(COLUMNS)]
-    for values in zip(*(table[name] for name in COLUMNS), strict=True):
-        rows.append(",".join(f"{float(value):.9g}" for value in values))
-    path.write_text("\n".join(rows) + "\n")
+    table_file.write(table, COLUMNS, path)
 
 
 def read(path: Path) -> Table:
@@ -121,10 +118,4 @@ def read(path: Path) -> Table:
     Raises:
         UserError: the file has other columns.
     """
-    header, *rows = path.read_text().splitlines()
-    if tuple(header.split(",")) != COLUMNS:
-        raise UserError(f"{path}: expected the columns {','.join(COLUMNS)}, found {header}")
-    values = np.array([[float(x) for x in row.split(",")] for row in rows])
-    table: Table = dict(zip(COLUMNS, values.T, strict=True))
-    table["survived"] = table["survived"].astype(bool)
-    return table
+    return table_file.read(path, COLUMNS, FLAGS)

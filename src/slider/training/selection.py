@@ -8,7 +8,7 @@ import torch
 
 from slider.control.policy import PolicyController
 from slider.core.config.disturbance import DisturbanceConfig
-from slider.core.config.env import EnvConfig, StartNoise
+from slider.core.config.env import EnvConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.train import SelectionConfig
 from slider.env.disturbance.draws import Disturbance
@@ -16,19 +16,9 @@ from slider.env.interface import AgentInterface
 from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
-from slider.env.starts import at_rest
+from slider.env.starts import USUAL_NOISE, at_rest
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
-
-# The protocol's start noise of evaluations (design, readings of the paper).
-_START = StartNoise(
-    joint_position=0.02,
-    slide_position=0.005,
-    tilt=0.03,
-    linear_velocity=0.0,
-    angular_velocity=0.0,
-    joint_velocity=0.0,
-)
 
 
 @dataclass(frozen=True)
@@ -69,7 +59,7 @@ class Selector:
             robot, env.physics, count, threads, disturbance=Disturbance(disturbance, (seed,))
         )
         self._agent = AgentInterface(robot, env, count, times, reference)
-        self._start = at_rest(robot, _START, np.random.default_rng([seed, 7]), count)
+        self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng([seed, 7]), count)
         self._command = np.zeros((count, 3))
         self._command[:, 0] = np.repeat(config.commands, config.robots)
 

@@ -10,24 +10,15 @@ import torch
 from slider.control.export.layout import INPUT
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
-from slider.core.config.env import StartNoise
 from slider.core.errors import UserError
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
-from slider.env.starts import at_rest
+from slider.env.starts import USUAL_NOISE, at_rest
 
 TOLERANCE = 1e-5  # of an action
 SPEEDS = (0.0, 0.4, 0.8, 1.2, 2.2, 3.0)  # commands of the roll-out [m/s]
 _ROBOTS = 4  # per command
-_NOISE = StartNoise(
-    joint_position=0.02,
-    slide_position=0.005,
-    tilt=0.03,
-    linear_velocity=0.0,
-    angular_velocity=0.0,
-    joint_velocity=0.0,
-)
 
 
 @dataclass(frozen=True)
@@ -63,7 +54,7 @@ def record_observations(policy: Policy, duration: float, threads: int = 1) -> np
 
     agent = AgentInterface(policy.robot, policy.env, count, policy.times)
     physics = BatchedPhysics(policy.robot, policy.env.physics, count, threads)
-    start = at_rest(policy.robot, _NOISE, np.random.default_rng(0), count)
+    start = at_rest(policy.robot, USUAL_NOISE, np.random.default_rng(0), count)
     command = np.zeros((count, 3))
     command[:, 0] = np.repeat(SPEEDS, _ROBOTS)
     roll_out(PolicyController(network, agent), physics, policy.env, start, command, duration)

@@ -92,19 +92,19 @@ def _table(
     heads = " | ".join(f"{speed(command)} m/s" for command in commands)
     lines = [f"## {METRICS[name]}", "", f"| variant | {heads} |", "|---|" + "---|" * len(commands)]
     for variant, about in variants.items():
-        cells = (
-            spread_text(
-                spread(numbers(rows, name, variant=variant, command_velocity=command)), name
-            )
+        found = [
+            spread(numbers(rows, name, variant=variant, command_velocity=command))
             for command in commands
-        )
+        ]
+        cells = (spread_text(value, name) for value in found)
         lines.append(f"| {about['label']} | {' | '.join(cells)} |")
     if name == "velocity_variance":
-        lines.append(f"| the library's gait | {' | '.join(_reference(rows, commands))} |")
+        lines.append(f"| the library's gait | {' | '.join(reference(rows, commands))} |")
     return "\n".join([*lines, ""])
 
 
-def _reference(rows: Sequence[Row], commands: Sequence[float]) -> list[str]:
+def reference(rows: Sequence[Row], commands: Sequence[float]) -> list[str]:
+    """Velocity variance of the library's gait at each command; – without a gait."""
     column = "reference_velocity_variance"
     return [
         spread_text(spread(numbers(rows, column, command_velocity=command)[:1]), column)

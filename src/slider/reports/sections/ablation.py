@@ -6,7 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from slider.reports.ablation import NAME
-from slider.reports.ablation_text import LEARNED, METRICS, first_learned, learned, spread_text
+from slider.reports.ablation_text import (
+    LEARNED,
+    METRICS,
+    first_learned,
+    learned,
+    reference,
+    spread_text,
+)
 from slider.reports.controllers import speed
 from slider.reports.page import Cell, Section, Table, picture
 from slider.reports.sections.sources import Sources
@@ -65,6 +72,8 @@ def _table(rows: Sequence[Row], metric: str, variants: Mapping[str, Mapping[str,
         ]
         for variant, about in variants.items()
     ]
+    if metric == "velocity_variance":
+        body.append([Cell("the library's gait"), *map(Cell, reference(rows, commands))])
     heads = ["variant", *(f"{speed(command)} m/s" for command in commands)]
     return Table(heads, body, METRICS[metric])
 

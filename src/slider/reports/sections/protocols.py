@@ -80,7 +80,7 @@ def _speed(row: Row) -> Cell:
     if not row["mean_velocity"]:
         return Cell("–")
     mean, spread = float(row["mean_velocity"]), float(row["mean_velocity_spread"])
-    return Cell(f"{mean:.3f} ± {spread:.3f}", mean)
+    return Cell(f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}", mean)  # no -0.000
 
 
 def _segments(rows: Sequence[Row]) -> list[Table]:

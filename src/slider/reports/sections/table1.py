@@ -28,8 +28,6 @@ def comparison_table(table: Comparison) -> Table:
 
 def _cell(value: Value | None, table: Comparison) -> Cell:
     text = show(value, table.metric)
-    return (
-        Cell(text)
-        if value is None
-        else Cell(text, value.value, value.best and len(table.controllers) > 1)
-    )
+    if value is None:
+        return Cell(text)
+    return Cell(text, value.value, value.best and len(table.controllers) > 1)

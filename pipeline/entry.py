@@ -11,7 +11,7 @@ from typing import Any
 from pipeline.ablation import ablation_job
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
-from pipeline.stages import all_jobs
+from pipeline.targets import ABLATION_TARGET, all_targets
 from slider.control.export import FILES as POLICY_FILES
 from slider.core import tracking
 from slider.core.circumstances import note_start, revision
@@ -24,7 +24,6 @@ from slider.core.store import ARTEFACTS, Store
 from slider.reports.figures import FILES
 
 OPTION = "hydra"
-ABLATION_TARGET = "ablation"
 _TITLE = 80  # characters
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
 # What people read, by target: copies out of the store.
@@ -156,7 +155,7 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
 def _open(overrides: list[str], conf: Path) -> Pipeline:
     config = with_renderer(compose(overrides, conf))
     store = Store(Path(ARTEFACTS))
-    plan = build_plan(all_jobs(config))
+    plan = build_plan(all_targets(config, overrides, conf))
     return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
 
 

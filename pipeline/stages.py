@@ -46,13 +46,12 @@ Velocity = tuple[float, float]
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs of everything that can be asked for, by the name of their target."""
+    """Jobs of everything but the page and the ablation, by the name of their target."""
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
     targets |= {"policy_export": policy_export(targets["walking"])}
-    targets |= protocol_jobs(config, targets["walking"])
-    return targets | {"report": report(config, targets)}
+    return targets | protocol_jobs(config, targets["walking"])
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
@@ -293,11 +292,24 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     inputs = {name: available[name] for name in dict.fromkeys(names)}
     section = {
         "report": to_dict(config.report),
-        "configuration": _without(to_dict(config), "resources", "tracking", "ablation", "protocols")
-        | {"evaluation": protocol_section(config.evaluation)},
+        "configuration": _shown(config, inputs),
         "origins": {name: [_origin(job) for job in jobs] for name, jobs in inputs.items()},
     }
     return JobSpec("report", "report", code_of(REPORT), section, inputs)
+
+
+def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
+    """The configuration without what has no part in the page."""
+    shown = _without(to_dict(config), "resources", "tracking", "ablation", "protocols")
+    shown["evaluation"] = protocol_section(config.evaluation)
+    protocols = {
+        name: protocol_section(p) for name, p in config.protocols.items() if name in inputs
+    }
+    if protocols:
+        shown["protocols"] = protocols
+    if "ablation" in inputs:
+        shown["ablation"] = to_dict(config.ablation)
+    return shown
 
 
 def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:

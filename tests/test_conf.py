@@ -29,6 +29,11 @@ def test_every_option_composes(option):
     ("override", "message"),
     [
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
+        (
+            "report.sections=[sweeps]",
+            "robust, sweep, joystick, ablation, readings, prov",
+        ),
+        ("report.sections=[sweep,sweep]", "report.sections: expected each section once"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
         ("experiment=nope", "unknown option experiment=nope, expected one of: commands"),
@@ -101,6 +106,14 @@ def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
     assert len(lines) == 1
     assert message in lines[0]
     assert not list(tmp_path.iterdir())
+
+
+def test_a_section_needs_its_protocol(capsys):
+    overrides = ["~protocols.sweep", "report.sections=[sweep]"]
+    assert main(["config", *overrides, "--conf", str(CONF)]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "learning, robust, joystick, ablation" in line
+    assert line.endswith("found sweep")
 
 
 def test_config_prints_the_resolved_configuration(capsys):

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import rendering
-from pipeline.stages import all_jobs
+from pipeline import rendering, targets
+from pipeline.targets import all_targets
 from slider.core.config.compose import compose
 from slider.core.config.report import SECTION_INPUTS
 from slider.core.plan import build_plan
@@ -32,10 +32,10 @@ def test_leaves_a_choice_alone(monkeypatch):
 
 
 def stages(*overrides):
-    config = compose(["experiment=test", *overrides], CONF)
-    targets = all_jobs(config)
-    jobs = build_plan(targets).jobs.values()
-    return {job.stage for job in jobs}, targets["report"]
+    given = ["experiment=test", *overrides]
+    found = all_targets(compose(given, CONF), given, CONF)
+    jobs = build_plan(found).jobs.values()
+    return {job.stage for job in jobs}, found["report"]
 
 
 def test_without_a_renderer_there_is_a_page_and_no_video_job():
@@ -63,3 +63,22 @@ def test_a_section_pulls_in_what_it_declares():
     assert set(report.inputs) == {name for names in SECTION_INPUTS.values() for name in names}
     assert {job.stage for job in report.inputs["verification.gaits"]} == {"verification_gaits"}
     assert {origin["stage"] for origin in report.section["origins"]["library.gaits"]} == {"gait"}
+
+
+def test_the_ablation_is_laid_out_for_a_page_that_shows_it_only(monkeypatch):
+    found, report = stages("report.sections=[ablation]")
+    assert "ablation" in found
+    assert report.inputs.keys() == {"ablation"}
+    assert "variants" in report.section["configuration"]["ablation"]
+    monkeypatch.setattr(targets, "ablation_job", None)  # calling it would fail
+    found, report = stages()
+    assert "ablation" not in found
+    assert "ablation" not in report.section["configuration"]
+
+
+def test_a_page_shows_the_settings_of_its_protocols_only():
+    _, report = stages("report.sections=[sweep,joystick]")
+    assert report.section["configuration"]["protocols"].keys() == {"sweep", "joystick"}
+    assert {job.stage for job in report.inputs["joystick"]} == {"profile"}
+    _, report = stages()
+    assert "protocols" not in report.section["configuration"]

@@ -56,19 +56,24 @@ def _variants(curves: Sequence[Row], variants: Mapping[str, Mapping[str, Any]]) 
     ]
     for name, variant in variants.items():
         changes = " ".join(f"`{text}`" for text in variant["overrides"]) or "none"
-        lines.append(f"| {variant['label']} | {_learned(curves, name)} | {changes} |")
+        lines.append(f"| {variant['label']} | {learned(curves, name)} | {changes} |")
     return "\n".join([*lines, ""])
 
 
-def _learned(curves: Sequence[Row], variant: str) -> str:
+def learned(curves: Sequence[Row], variant: str) -> str:
     """Samples at which the seeds first pass ``LEARNED``, and how many never do."""
-    seeds = list(dict.fromkeys(row["seed"] for row in curves if row["variant"] == variant))
-    found = [_first(curves, variant, str(seed)) for seed in seeds]
+    found = first_learned(curves, variant)
     never = sum(math.isnan(value) for value in found)
-    text = _cell(spread(found), "samples")
+    text = spread_text(spread(found), "samples")
     if not never:
         return text
     return "never" if never == len(found) else f"{text}; {never} of {len(found)} never"
+
+
+def first_learned(curves: Sequence[Row], variant: str) -> list[float]:
+    """For each seed millions of samples at which it first passes ``LEARNED``; NaN for never."""
+    seeds = dict.fromkeys(str(row["seed"]) for row in curves if row["variant"] == variant)
+    return [_first(curves, variant, seed) for seed in seeds]
 
 
 def _first(curves: Sequence[Row], variant: str, seed: str) -> float:
@@ -87,25 +92,28 @@ def _table(
     heads = " | ".join(f"{speed(command)} m/s" for command in commands)
     lines = [f"## {METRICS[name]}", "", f"| variant | {heads} |", "|---|" + "---|" * len(commands)]
     for variant, about in variants.items():
-        cells = (
-            _cell(spread(numbers(rows, name, variant=variant, command_velocity=command)), name)
+        found = [
+            spread(numbers(rows, name, variant=variant, command_velocity=command))
             for command in commands
-        )
+        ]
+        cells = (spread_text(value, name) for value in found)
         lines.append(f"| {about['label']} | {' | '.join(cells)} |")
     if name == "velocity_variance":
-        lines.append(f"| the library's gait | {' | '.join(_reference(rows, commands))} |")
+        lines.append(f"| the library's gait | {' | '.join(reference(rows, commands))} |")
     return "\n".join([*lines, ""])
 
 
-def _reference(rows: Sequence[Row], commands: Sequence[float]) -> list[str]:
+def reference(rows: Sequence[Row], commands: Sequence[float]) -> list[str]:
+    """Velocity variance of the library's gait at each command; – without a gait."""
     column = "reference_velocity_variance"
     return [
-        _cell(spread(numbers(rows, column, command_velocity=command)[:1]), column)
+        spread_text(spread(numbers(rows, column, command_velocity=command)[:1]), column)
         for command in commands
     ]
 
 
-def _cell(value: Spread | None, name: str) -> str:
+def spread_text(value: Spread | None, name: str) -> str:
+    """Mean and range of a column as people read it; – without any."""
     if value is None:
         return "–"
     if value.count == 1:

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from slider.reports.controllers import PAPER, label
 
+_MOST_DECIMALS = 6  # a robot that stands still has errors of 1e-10 m²/s²
+
 
 @dataclass(frozen=True)
 class Metric:
@@ -120,5 +122,7 @@ def _same(value: float, best: float, metric: Metric) -> bool:
 
 
 def _decimals(value: float) -> int:
-    """Decimals that show three digits of a value, as the paper does."""
-    return max(0, 2 - math.floor(math.log10(value))) if value > 0 else 3
+    """Decimals that show three digits of a value, as the paper does, unless it is next to none."""
+    if value <= 0:
+        return 3
+    return min(max(0, 2 - math.floor(math.log10(value))), _MOST_DECIMALS)

@@ -1,7 +1,9 @@
 """Building blocks of the page, and the page itself."""
 
+import base64
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import plotly.graph_objects as go
@@ -60,6 +62,21 @@ class Chart:
 
 
 @dataclass(frozen=True)
+class Picture:
+    """A drawing of a stage, on a light card whatever the theme.
+
+    Attributes:
+        address: ``data:`` address.
+        text: what it shows, for those who cannot see it.
+        caption: below the picture.
+    """
+
+    address: str
+    text: str
+    caption: str
+
+
+@dataclass(frozen=True)
 class Section:
     """A section of the page: a template and what it shows."""
 
@@ -87,6 +104,16 @@ def chart(
     )
     figure.update_layout(height=height, autosize=True)
     return Chart(name, _harmless(plotly.io.to_json(figure)), caption, height, linked, details)
+
+
+def picture(path: Path, text: str, caption: str) -> Picture:
+    """The SVG file of a stage; an image of its own, so that names in several do not meet."""
+    return Picture(data_address(path, "image/svg+xml"), text, caption)
+
+
+def data_address(path: Path, kind: str) -> str:
+    """A file as a ``data:`` address of a media type."""
+    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
 def _harmless(json: str | None) -> str:

@@ -5,6 +5,9 @@ from pydantic.dataclasses import dataclass
 from slider.core.config.strict import STRICT
 from slider.core.config.video import VideoConfig
 
+PROTOCOL_SECTIONS = ("robust", "sweep", "joystick")
+"""Sections about protocols beside that of Table 1; each is called as its protocol."""
+
 SECTION_INPUTS: dict[str, tuple[str, ...]] = {
     "table1": ("table1",),
     "tracking": ("table1.evaluations",),
@@ -12,6 +15,8 @@ SECTION_INPUTS: dict[str, tuple[str, ...]] = {
     "gaits": ("library",),
     "verification": ("verification", "verification.gaits"),
     "learning": ("standing", "walking"),
+    **{name: (name,) for name in PROTOCOL_SECTIONS},
+    "ablation": ("ablation",),
     "readings": (),
     "provenance": (
         "library.gaits",
@@ -24,7 +29,7 @@ SECTION_INPUTS: dict[str, tuple[str, ...]] = {
 }
 """Section of the page → names of its inputs; the pipeline makes exactly these.
 
-A name is a target of ``pipeline/stages.py``, such as ``verification``; a group of a target's own
+A name is a target of ``pipeline/targets.py``, such as ``verification``; a group of a target's own
 inputs, such as ``verification.gaits``; or ``videos``.
 """
 

@@ -12,7 +12,7 @@ from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
 from slider.core.config.gait import Axis, GaitConfig
 from slider.core.config.interval import Interval
-from slider.core.config.report import SECTION_INPUTS, ReportConfig
+from slider.core.config.report import PROTOCOL_SECTIONS, SECTION_INPUTS, ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
 from slider.core.config.train import CurriculumConfig, TrainConfig
@@ -60,7 +60,7 @@ def validate(config: Config) -> None:
         _evaluation(protocol, controllers, key)
         _disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
     _verification(config.verification)
-    _report(config.report, config.env.control_period)
+    _report(config.report, config.protocols, config.env.control_period)
     _ablation(config.ablation)
     _at_least("resources.threads", config.resources.threads, 1)
 
@@ -401,11 +401,13 @@ def _verification(verification: VerificationConfig) -> None:
         _positive(f"{key}.replay.regulator.{name}", getattr(replay.regulator, name))
 
 
-def _report(report: ReportConfig, control_period: float) -> None:
+def _report(report: ReportConfig, protocols: Iterable[str], control_period: float) -> None:
     key, video = "report", report.video
     _require(bool(report.sections), f"{key}.sections", "at least one section", "none")
+    absent = {*PROTOCOL_SECTIONS} - {*protocols}
+    known = [name for name in SECTION_INPUTS if name not in absent]
     for name in report.sections:
-        _in(f"{key}.sections", name, SECTION_INPUTS)
+        _in(f"{key}.sections", name, known)
     unique = len(set(report.sections)) == len(report.sections)
     _require(unique, f"{key}.sections", "each section once", report.sections)
     _in(f"{key}.video.renderer", video.renderer, RENDERERS)

@@ -1,11 +1,15 @@
 """Sections of the page. A new one is a function here and its inputs in ``SECTION_INPUTS``."""
 
 from collections.abc import Callable
+from functools import partial
 
+from slider.core.config.report import PROTOCOL_SECTIONS
 from slider.reports.page import Section
 from slider.reports.sections import (
+    ablation,
     gaits,
     learning,
+    protocols,
     provenance,
     readings,
     table1,
@@ -22,6 +26,8 @@ SECTIONS: dict[str, Callable[[Sources], Section]] = {
     "gaits": gaits.section,
     "verification": verification.section,
     "learning": learning.section,
+    **{name: partial(protocols.section, name) for name in PROTOCOL_SECTIONS},
+    "ablation": ablation.section,
     "readings": readings.section,
     "provenance": provenance.section,
 }

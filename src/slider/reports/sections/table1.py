@@ -10,14 +10,15 @@ from slider.reports.sections.sources import Sources
 def section(sources: Sources) -> Section:
     """One table per metric, and one per controller about the quality of its gait."""
     rows = read_rows(sources.file("table1", "table1.csv"))
-    tables = [_table(compare(rows, metric)) for metric in METRICS]
+    tables = [comparison_table(compare(rows, metric)) for metric in METRICS]
     quality = quality_tables(sources.file("table1", "gait_quality.csv"))
     protocol = sources.configuration["evaluation"]
     values = {"tables": tables, "quality": quality, "protocol": protocol}
     return Section("Table 1", "table1.html", values)
 
 
-def _table(table: Comparison) -> Table:
+def comparison_table(table: Comparison) -> Table:
+    """Commands down, controllers across; the best of a row is marked if there are others."""
     rows = [
         [Cell(speed(command), command), *(_cell(value, table) for value in row)]
         for command, row in zip(table.commands, table.rows, strict=True)
@@ -27,4 +28,6 @@ def _table(table: Comparison) -> Table:
 
 def _cell(value: Value | None, table: Comparison) -> Cell:
     text = show(value, table.metric)
-    return Cell(text) if value is None else Cell(text, value.value, value.best)
+    if value is None:
+        return Cell(text)
+    return Cell(text, value.value, value.best and len(table.controllers) > 1)

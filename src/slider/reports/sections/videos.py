@@ -1,12 +1,11 @@
 """Videos: a row per command, a column per controller."""
 
-import base64
 import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from slider.reports.controllers import label, speed
-from slider.reports.page import Section
+from slider.reports.page import Section, data_address
 from slider.reports.sections.sources import Sources
 from slider.reports.video import ABOUT, FILM, POSTER
 
@@ -41,10 +40,6 @@ def _read(folder: Path) -> _Video:
         controller=label(about["controller"]),
         command=about["command"],
         fate=fate,
-        film=_data(folder / FILM, "video/mp4"),
-        poster=_data(folder / POSTER, "image/jpeg"),
+        film=data_address(folder / FILM, "video/mp4"),
+        poster=data_address(folder / POSTER, "image/jpeg"),
     )
-
-
-def _data(path: Path, kind: str) -> str:
-    return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"

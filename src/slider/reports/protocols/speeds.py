@@ -1,6 +1,6 @@
 """The report of a protocol of constant forward velocities, such as the sweep."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -46,7 +46,7 @@ def row(controller: str, command: float, table: records.Records) -> Row:
     return table_row(controller, command, table) | quality_row(controller, command, table) | between
 
 
-def highest_tracked(rows: Sequence[Row]) -> dict[str, float | None]:
+def highest_tracked(rows: Sequence[Mapping[str, str | float]]) -> dict[str, float | None]:
     """Highest commanded speed [m/s] that each controller tracks; None where it tracks none."""
     found: dict[str, float | None] = {}
     for controller in dict.fromkeys(str(row["controller"]) for row in rows):

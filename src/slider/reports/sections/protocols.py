@@ -1,6 +1,6 @@
 """Protocols beside that of Table 1: the figure of their report, and its table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from slider.reports.comparison import METRICS, compare, read_rows
@@ -55,7 +55,7 @@ def section(name: str, sources: Sources) -> Section:
     return Section(title, "speeds.html", values | _constant(rows))
 
 
-def _constant(rows: Sequence[Row]) -> Mapping[str, Any]:
+def _constant(rows: Sequence[Row]) -> dict[str, Any]:
     """Table 1's tables for this protocol, the speeds themselves, and the highest tracked ones."""
     highest = [
         (label(name), "none" if value is None else f"{speed(value)} m/s")

@@ -51,6 +51,8 @@ def test_every_option_composes(option):
         ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
         ("control.tuned.substeps=2", "control.tuned.substeps: expected a control rate of at least"),
         ("control.tuned.substeps=3", "control.tuned.substeps: expected a divisor of"),
+        ("control.observer.observer.delay=0.012", "observer.delay: expected a multiple of 0.005"),
+        ("control.observer.observer.velocity=0", "velocity: expected a share in (0, 1], found 0"),
         ("control.literal.step.time=0.6", "control.literal.step: expected lower ≤ upper"),
         ("control.tuned.step.switching=luck", "control.tuned.step.switching"),
         (

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from slider.control.mpc.walker import MpcController
+from slider.control.mpc.baseline import Baseline, build_controller
 from slider.core.config.control import MpcConfig
 from slider.core.config.convert import from_dict
 from slider.core.config.env import PhysicsConfig, PlantConfig
@@ -22,7 +22,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     protocol = read_protocol(section)
     simulated = simulate(section, protocol.count, protocol.disturbance, job.threads)
     summary = evaluate(protocol, simulated, out, job)
-    assert isinstance(simulated.controller, MpcController)
+    assert isinstance(simulated.controller, Baseline)
     job.volatile["tick_us"] = simulated.controller.clock.microseconds()
     return summary
 
@@ -33,7 +33,8 @@ def simulate(section: Section, count: int, disturbance: Disturbance, threads: in
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(MpcConfig, section["control"])
     physics = build_plant(robot, plant.physics, config, count, disturbance, threads)
-    return Simulated(MpcController(robot, config, physics.period), physics, plant)
+    controller = build_controller(robot, config, plant.physics, count, threads)
+    return Simulated(controller, physics, plant)
 
 
 def build_plant(

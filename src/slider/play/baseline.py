@@ -1,6 +1,6 @@
 """The model-predictive baseline."""
 
-from slider.control.mpc.walker import MpcController
+from slider.control.mpc.baseline import build_controller
 from slider.core.config.control import MpcConfig
 from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import PlantConfig, StartNoise
@@ -21,6 +21,6 @@ def simulate_baseline(
 ) -> Simulation:
     """The baseline on torque drives, as its evaluation has it."""
     physics = build_plant(robot, plant.physics, config, 1, Disturbance(disturbance, (seed,)))
-    controller = MpcController(robot, config, physics.period)
+    controller = build_controller(robot, config, plant.physics, 1)
     episode = Episode(controller, physics, plant)
     return Simulation(episode, plant.control_period, starts(robot, noise, seed))

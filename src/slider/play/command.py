@@ -5,7 +5,7 @@ from pathlib import Path
 
 from slider.core.store import ARTEFACTS
 
-BASELINES = ("mpc_wbc_literal", "mpc_wbc_tuned")
+BASELINES = ("mpc_wbc_literal", "mpc_wbc_tuned", "mpc_wbc_observer")
 AGENTS = ("policy", *BASELINES, "zero", "random")
 
 

@@ -6,6 +6,7 @@ _LABELS = {
     (OURS, "policy"): "policy (ours)",
     (OURS, "mpc_wbc_literal"): "MPC + WBC, literal",
     (OURS, "mpc_wbc_tuned"): "MPC + WBC, tuned",
+    (OURS, "mpc_wbc_observer"): "MPC + WBC, with observer",
     (PAPER, "guided_drl"): "guided RL (paper)",
     (PAPER, "mpc_wbc"): "MPC + WBC (paper)",
 }

@@ -137,10 +137,26 @@ class WholeBodyConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class ObserverConfig:
+    """State observer with the nominal robot.
+
+    Attributes:
+        delay: until the drives get the torques; it predicts over this time [s].
+        position, velocity: shares of the measured difference that the estimate takes over per tick.
+    """
+
+    delay: float
+    position: float
+    velocity: float
+
+
+@dataclass(frozen=True, config=STRICT)
 class MpcConfig:
     """The baseline: footstep planner, swing, entry and whole-body controller.
 
-    ``substeps``: simulation steps per control tick.
+    Attributes:
+        substeps: simulation steps per control tick.
+        observer: none: the controller is told what is measured.
     """
 
     substeps: int
@@ -149,11 +165,13 @@ class MpcConfig:
     swing: SwingConfig
     entry: EntryConfig
     whole_body: WholeBodyConfig
+    observer: ObserverConfig | None = None
 
 
 @dataclass(frozen=True, config=STRICT)
 class ControlConfig:
-    """Both settings of the baseline; the evaluation's controller ``mpc_wbc_NAME`` has ``NAME``."""
+    """Settings of the baseline; the evaluation's controller ``mpc_wbc_NAME`` has ``NAME``."""
 
     literal: MpcConfig
     tuned: MpcConfig
+    observer: MpcConfig

@@ -6,7 +6,7 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 from slider.core.config.ablation import AblationConfig
-from slider.core.config.control import MpcConfig
+from slider.core.config.control import MpcConfig, ObserverConfig
 from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import EnvConfig
 from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
@@ -303,6 +303,16 @@ def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:
     _at_least(f"{key}.step.time_change", step.time_change, 0.0)
     _at_least(f"{key}.planner.steps", planner.steps, 1)
     _interval(f"{key}.planner.width_min", planner.width_min, planner.width_max)
+    if control.observer is not None:
+        _observer(control.observer, physics.timestep * control.substeps, f"{key}.observer")
+
+
+def _observer(observer: ObserverConfig, period: float, key: str) -> None:
+    _not_negative(f"{key}.delay", observer.delay)
+    _multiple(f"{key}.delay", observer.delay, period)
+    for name in ("position", "velocity"):
+        value = getattr(observer, name)
+        _require(0 < value <= 1, f"{key}.{name}", "a share in (0, 1]", value)
 
 
 def _evaluation(evaluation: EvaluationConfig, controllers: Iterable[str], key: str) -> None:

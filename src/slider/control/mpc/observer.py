@@ -1,0 +1,107 @@
+"""State observer: where the robot will be when the drives get the torques.
+
+A Luenberger observer with the nominal robot in MuJoCo, contacts included: each tick it simulates
+the torques that act now, moves its estimate towards what is measured, and simulates the torques
+that are still under way. It knows the delay and the torques it sent, and neither the plant's
+masses, motors and friction nor its pushes.
+"""
+
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+
+from slider.core.config.control import ObserverConfig
+from slider.core.config.env import PhysicsConfig
+from slider.core.config.robot import RobotConfig
+from slider.env.physics import BatchedPhysics
+from slider.env.starts import multiply_quaternions
+from slider.env.state import RobotState
+from slider.robot import names
+
+
+class Observer:
+    """Estimates the states of N robots from noisy ones.
+
+    Args:
+        robot: the nominal robot, not the plant.
+        physics: of the nominal robot; its period is that of a tick.
+        config: delay and gains.
+        count: number of robots N.
+        threads: of the simulation.
+    """
+
+    def __init__(
+        self,
+        robot: RobotConfig,
+        physics: PhysicsConfig,
+        config: ObserverConfig,
+        count: int,
+        threads: int = 1,
+    ) -> None:
+        self._config = config
+        self._model = BatchedPhysics(robot, physics, count, threads, "torque")
+        self._ticks = round(config.delay / self._model.period)
+        self._everyone = np.arange(count)
+
+    def reset(self, measured: RobotState) -> None:
+        """Begin with a measured state; until the first torques arrive the drives give none."""
+        self._qpos, self._qvel = measured.qpos, measured.qvel
+        none = np.zeros((len(self._everyone), names.NUM_JOINTS))
+        self._under_way = deque([none] * self._ticks)
+        self._acting: np.ndarray | None = None
+
+    def estimate(self, measured: RobotState) -> RobotState:
+        """The state at which the next torques will act, from the one that is measured now."""
+        if self._acting is not None:
+            self._simulate([self._acting])
+            self._correct(measured)
+        if not self._under_way:
+            return self._now(measured)
+        qpos, qvel = self._qpos, self._qvel
+        self._simulate(self._under_way)
+        self._qpos, self._qvel = qpos, qvel
+        return self._model.read()
+
+    def send(self, torques: np.ndarray) -> None:
+        """Note the torques (N, 12) that were sent after the last estimate."""
+        self._under_way.append(torques)
+        self._acting = self._under_way.popleft()
+
+    def _simulate(self, inputs: "list[np.ndarray] | deque[np.ndarray]") -> None:
+        """Let the estimate go on, one tick for each of the torques (N, 12)."""
+        self._model.reset(self._everyone, self._qpos, self._qvel)
+        for torques in inputs:
+            self._model.step(torques)
+        self._qpos, self._qvel = self._model.qpos.copy(), self._model.qvel.copy()
+
+    def _correct(self, measured: RobotState) -> None:
+        position, velocity = self._config.position, self._config.velocity
+        turn = _rotation_between(self._qpos[:, 3:7], measured.quaternion)
+        qpos = self._qpos + position * (measured.qpos - self._qpos)
+        qpos[:, 3:7] = _turned(self._qpos[:, 3:7], position * turn)
+        self._qpos = qpos
+        self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
+
+    def _now(self, measured: RobotState) -> RobotState:
+        """The estimate, with the contact flags that are measured: nothing is under way."""
+        self._model.reset(self._everyone, self._qpos, self._qvel)
+        return replace(self._model.read(), foot_forces=measured.foot_forces)
+
+
+def _rotation_between(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+    """Rotation vectors (N, 3) [rad] of old's axes that turn quaternions old (N, 4) into new."""
+    inverse = old * np.array([1.0, -1.0, -1.0, -1.0])
+    difference = multiply_quaternions(inverse, new)
+    sine = np.linalg.norm(difference[:, 1:], axis=1)
+    angle = 2.0 * np.arctan2(sine, np.abs(difference[:, 0]))
+    scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
+    return difference[:, 1:] * (np.copysign(scale, difference[:, 0]))[:, None]
+
+
+def _turned(quaternion: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Quaternions (N, 4) turned by rotation vectors (N, 3) [rad] of their own axes."""
+    angle = np.linalg.norm(vectors, axis=1, keepdims=True)
+    axis = vectors / np.maximum(angle, 1e-12)
+    step = np.concatenate([np.cos(angle / 2), np.sin(angle / 2) * axis], axis=1)
+    return multiply_quaternions(quaternion, step)

@@ -1,0 +1,115 @@
+"""The observer: exact where the model is, better than the sensors where they are noisy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.control.mpc.baseline import build_controller
+from slider.control.mpc.observer import Observer, _rotation_between, _turned
+from slider.core.config.control import ObserverConfig
+from slider.core.config.disturbance import DisturbanceConfig
+from slider.core.config.interval import Interval
+from slider.env.disturbance.draws import Disturbance
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import roll_out
+from slider.env.starts import at_rest
+from slider.env.state import RobotState
+from slider.robot import names
+from tests.env.synthetic import config, robot_config
+
+COUNT, TICKS = 4, 40
+DELAY = 0.02  # [s]
+
+
+def disturbance(**changes) -> DisturbanceConfig:
+    return replace(config().evaluation.disturbance, **changes)
+
+
+def plant(settings: DisturbanceConfig) -> BatchedPhysics:
+    physics = replace(config().env.physics, substeps=1)
+    noise = Disturbance(settings, (3,))
+    return BatchedPhysics(robot_config(), physics, COUNT, 1, "torque", noise)
+
+
+def run(settings: DisturbanceConfig, gains: ObserverConfig) -> tuple[list[RobotState], ...]:
+    """True, measured and estimated states while random torques act."""
+    physics = plant(settings)
+    model = replace(config().env.physics, substeps=1)
+    observer = Observer(robot_config(), model, gains, COUNT)
+    generator = np.random.default_rng(5)
+    start = at_rest(robot_config(), config().evaluation.start, generator, COUNT)
+    physics.reset(np.arange(COUNT), *start)
+    true, measured, estimated = [physics.read()], [], []
+    observer.reset(physics.measure(true[0]))
+    for _ in range(TICKS):
+        measured.append(physics.measure(true[-1]))
+        estimated.append(observer.estimate(measured[-1]))
+        torques = np.zeros((COUNT, names.NUM_JOINTS))
+        torques[:, names.ACTUATED] = generator.normal(0.0, 5.0, (COUNT, len(names.ACTUATED)))
+        observer.send(torques)
+        physics.step(torques)
+        true.append(physics.read())
+    return true, measured, estimated
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.005, DELAY])
+def test_predicts_the_true_state_at_which_the_torques_will_act(delay):
+    settings = disturbance(delay=Interval(delay, delay))
+    true, _, estimated = run(settings, ObserverConfig(delay, 0.3, 0.2))
+    late = round(delay / 0.005)
+    for tick in range(TICKS - late):
+        np.testing.assert_allclose(estimated[tick].qpos, true[tick + late].qpos, atol=1e-9)
+        np.testing.assert_allclose(estimated[tick].qvel, true[tick + late].qvel, atol=1e-7)
+        np.testing.assert_allclose(
+            estimated[tick].foot_forces, true[tick + late].foot_forces, atol=1e-5
+        )
+
+
+def test_a_delay_that_it_does_not_know_shows():
+    settings = disturbance(delay=Interval(DELAY, DELAY))
+    true, _, estimated = run(settings, ObserverConfig(0.0, 0.3, 0.2))
+    late = round(DELAY / 0.005)
+    error = estimated[TICKS - late - 1].qvel - true[TICKS - 1].qvel
+    assert np.abs(error).max() > 0.1
+
+
+def test_is_less_noisy_than_the_sensors():
+    """Not for the light feet, which the random torques throw about on the ground."""
+    sensing = config("evaluation=robust").evaluation.disturbance.sensing
+    true, measured, estimated = run(disturbance(sensing=sensing), ObserverConfig(0.0, 0.3, 0.2))
+    legs = [i for i, name in enumerate(names.JOINTS) if not name.endswith("ankle")]
+    columns = [*range(6), *(6 + i for i in legs)]
+
+    def error(states: list[RobotState]) -> float:
+        pairs = list(zip(states, true, strict=False))[10:]
+        return float(np.sqrt(np.mean([(s.qvel - t.qvel)[:, columns] ** 2 for s, t in pairs])))
+
+    assert error(estimated) < 0.7 * error(measured)
+
+
+def test_turns_between_orientations():
+    generator = np.random.default_rng(2)
+    old, new = generator.normal(size=(2, 5, 4))
+    old /= np.linalg.norm(old, axis=1, keepdims=True)
+    new /= np.linalg.norm(new, axis=1, keepdims=True)
+    found = _turned(old, _rotation_between(old, new))
+    np.testing.assert_allclose(np.abs((found * new).sum(axis=1)), 1.0, atol=1e-12)
+    np.testing.assert_allclose(_rotation_between(old, old), 0.0, atol=1e-7)
+
+
+def test_walks_with_noise_and_delay_that_stop_the_controller_without():
+    whole = config("evaluation=robust")
+    settings = disturbance(
+        delay=Interval(DELAY, DELAY), sensing=whole.evaluation.disturbance.sensing
+    )
+    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
+    command = np.tile((0.4, 0.0, 0.0), (COUNT, 1))
+    survivors = {}
+    for setting in ("tuned", "observer"):
+        control = getattr(whole.control, setting)
+        controller = build_controller(robot_config(), control, whole.env.physics, COUNT)
+        recording = roll_out(controller, plant(settings), whole.env, start, command, 4.0)
+        survivors[setting] = int(recording.survived.sum())
+    assert survivors["observer"] == COUNT
+    assert survivors["tuned"] < COUNT

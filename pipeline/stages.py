@@ -15,11 +15,10 @@ from typing import Any
 
 from slider.core.config.convert import to_dict
 from slider.core.config.evaluation import EvaluationConfig
-from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig
+from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig, axis_size
 from slider.core.config.library_use import uses_library
 from slider.core.config.report import SECTION_INPUTS
 from slider.core.config.schema import Config
-from slider.core.config.validate import axis_size
 from slider.core.plan import JobSpec
 from slider.core.recipe import code_of
 

@@ -33,7 +33,7 @@ ALLOWED = {
 } | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 ALLOWED["reports"] |= {"verification"}
 # The checks of the configuration know the names of joints.
-EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
+EXCEPTIONS = {("core/config/validation/robot.py", "slider.robot.names")}
 STAGES = (
     GAIT,
     LIBRARY,

@@ -1,4 +1,4 @@
-# From the configuration to Table 1. The jobs come from pipeline/stages.py; see README.md.
+# From the configuration to Table 1. The jobs come from pipeline/stages/; see README.md.
 #   snakemake -j2 reports/table1.csv --config hydra='experiment=smoke'
 import sys
 from pathlib import Path

@@ -10,7 +10,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.stages import POLICY, evaluations_of, library_job, training_jobs
+from pipeline.stages.entries import job
+from pipeline.stages.evaluation import POLICY, evaluations_of
+from pipeline.stages.gaits import library_job
+from pipeline.stages.training import training_jobs
 from slider.core.config.ablation import AblationConfig, VariantConfig
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -18,9 +21,6 @@ from slider.core.config.schema import Config
 from slider.core.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.core.plan import JobSpec
-from slider.core.recipe import code_of
-
-ABLATION = "slider.reports.ablation:run"
 
 
 def ablation_job(config: Config, library: JobSpec, overrides: Sequence[str], conf: Path) -> JobSpec:
@@ -53,7 +53,7 @@ def ablation_job(config: Config, library: JobSpec, overrides: Sequence[str], con
         "variants": {name: to_dict(settings.variants[name]) for name in settings.run},
     }
     inputs = {"library": [library], "walking": walking, "evaluations": evaluations}
-    return JobSpec("ablation", "ablation", code_of(ABLATION), section, inputs)
+    return job("ablation", "ablation", section, inputs)
 
 
 def _compose(name: str, variant: VariantConfig, overrides: Sequence[str], conf: Path) -> Config:

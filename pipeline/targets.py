@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.ablation import ablation_job
-from pipeline.stages import all_jobs, report
+from pipeline.stages import all_jobs
+from pipeline.stages.page import report
 from slider.core.config.report import SECTION_INPUTS
 from slider.core.config.schema import Config
 from slider.core.plan import JobSpec

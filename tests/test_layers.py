@@ -5,23 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.ablation import ABLATION
-from pipeline.stages import (
-    BASELINE,
-    EVALUATION,
-    FIGURES,
-    GAIT,
-    LIBRARY,
-    POLICY_EXPORT,
-    REPORT,
-    STANDING,
-    TABLE1,
-    VERIFICATION,
-    VERIFICATION_GAITS,
-    VERIFICATION_MAPS,
-    VIDEO,
-    WALKING,
-)
+from pipeline.stages.entries import ENTRIES
 from slider.core.source import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -33,24 +17,7 @@ ALLOWED = {
 } | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 ALLOWED["reports"] |= {"verification"}
 # The checks of the configuration know the names of joints.
-EXCEPTIONS = {("core/config/validate.py", "slider.robot.names")}
-STAGES = (
-    GAIT,
-    LIBRARY,
-    STANDING,
-    WALKING,
-    ABLATION,
-    POLICY_EXPORT,
-    EVALUATION,
-    BASELINE,
-    TABLE1,
-    VERIFICATION,
-    VERIFICATION_GAITS,
-    VERIFICATION_MAPS,
-    FIGURES,
-    VIDEO,
-    REPORT,
-)
+EXCEPTIONS = {("core/config/validation/robot.py", "slider.robot.names")}
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 
 
@@ -95,9 +62,9 @@ def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
     assert allowed or not packages & {"hydra", "omegaconf"}
 
 
-@pytest.mark.parametrize("entry", STAGES)
-def test_stages_import_neither_hydra_nor_mlflow_nor_the_machinery(entry):
-    found = closure(entry.partition(":")[0], SOURCE)
+@pytest.mark.parametrize("stage", ENTRIES)
+def test_stages_import_neither_hydra_nor_mlflow_nor_the_machinery(stage):
+    found = closure(ENTRIES[stage].partition(":")[0], SOURCE)
     assert not {"hydra", "mlflow", "snakemake"} & set(found.third_party)
-    assert entry != GAIT or "torch" not in found.third_party
+    assert stage != "gait" or "torch" not in found.third_party
     assert not {"slider.core.runner", "slider.core.store"} & set(found.modules)

@@ -8,7 +8,8 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from pipeline.stages import gait_library, gait_section, verification_jobs
+from pipeline.stages.gaits import gait_library, gait_section
+from pipeline.stages.verification import verification_jobs
 from slider.core.config.compose import compose
 from slider.core.config.schema import Config
 from slider.core.job import Job

@@ -5,11 +5,9 @@ from pathlib import Path
 
 import pytest
 
-import pipeline.ablation
-import pipeline.stages
 from pipeline.ablation import ablation_job
 from pipeline.entry import open_pipeline
-from pipeline.stages import table1_jobs
+from pipeline.stages import entries, table1_jobs
 from slider.core.config.compose import compose
 from slider.core.errors import UserError
 from slider.core.plan import JobSpec, build_plan
@@ -21,8 +19,7 @@ CONF = Path(__file__).parents[2] / "conf"
 @pytest.fixture(scope="module", autouse=True)
 def _constant_code():
     with pytest.MonkeyPatch.context() as patch:
-        for module in (pipeline.stages, pipeline.ablation):
-            patch.setattr(module, "code_of", lambda entry: Code(entry, "source", {}))
+        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
         yield
 
 

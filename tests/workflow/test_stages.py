@@ -4,8 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import stages
-from pipeline.stages import all_jobs, table1_jobs, velocities
+from pipeline.stages import all_jobs, entries, table1_jobs
+from pipeline.stages.gaits import velocities
+from pipeline.stages.protocols import protocol_jobs
 from slider.core.config.compose import compose
 from slider.core.plan import JobSpec, build_plan
 from slider.core.recipe import Code
@@ -18,7 +19,7 @@ AFTER_STANDING = {"standing", "walking", "evaluation", "table1"}
 @pytest.fixture(scope="module", autouse=True)
 def _constant_code():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stages, "code_of", lambda entry: Code(entry, "source", {}))
+        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
         yield
 
 
@@ -93,13 +94,13 @@ def test_a_protocol_depends_on_its_own_settings_and_on_the_policy(override, chan
 
 def protocols(*overrides: str) -> dict[str, str]:
     config = compose(["experiment=test", *overrides], CONF)
-    jobs = stages.protocol_jobs(config, table1_jobs(config)["walking"])
+    jobs = protocol_jobs(config, table1_jobs(config)["walking"])
     return {name: job.recipe for name, job in jobs.items()}
 
 
 def test_a_protocol_has_one_job_per_controller_and_command():
     config = compose([], CONF)
-    jobs = stages.protocol_jobs(config, table1_jobs(config)["walking"])
+    jobs = protocol_jobs(config, table1_jobs(config)["walking"])
     evaluations = {name: job.inputs["evaluations"] for name, job in jobs.items()}
     assert len(evaluations["sweep"]) == 3 * 31
     assert len(evaluations["joystick"]) == 3

@@ -75,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Print a table, one row per number of nodes."""
     from slider.core.config.compose import compose
-    from slider.core.config.validate import validate
+    from slider.core.config.validation import validate
     from slider.core.runner import limit_threads
 
     limit_threads(1)  # as a job of the pipeline has
@@ -87,7 +87,6 @@ def run(arguments: argparse.Namespace) -> None:
         validate(config)
         print(measure(config.robot, config.gait, VELOCITIES).line(), flush=True)
     config = compose(arguments.overrides, arguments.conf)
-    validate(config)
     print(_FRESH_HEADER)
     for count in arguments.jobs:
         velocities = [VELOCITIES[index % len(VELOCITIES)] for index in range(count)]

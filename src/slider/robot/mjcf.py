@@ -39,7 +39,6 @@ class SimulationOptions:
     timestep: float = 0.005
     solver_iterations: int = 4
     line_search_iterations: int = 8
-    visual: bool = False
     actuation: Actuation = "position"
 
 
@@ -63,7 +62,7 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
     spec.modelname = robot.name
     spec.compiler.degree = False
     _set_options(spec, options)
-    _add_ground(spec, options.visual)
+    _add_ground(spec)
     base = _add_base(spec, robot)
     for sign, side in zip((1.0, -1.0), names.SIDES, strict=True):
         _add_leg(spec, base, robot, side, sign)
@@ -89,28 +88,11 @@ def _set_options(spec: mujoco.MjSpec, options: SimulationOptions) -> None:
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
 
 
-def _add_ground(spec: mujoco.MjSpec, visual: bool) -> None:
+def _add_ground(spec: mujoco.MjSpec) -> None:
     floor = spec.worldbody.add_geom(
         name=names.FLOOR, type=mujoco.mjtGeom.mjGEOM_PLANE, size=[100, 100, 0.1]
     )
     floor.contype, floor.conaffinity = _GROUND
-    if not visual:
-        return
-    spec.worldbody.add_light(
-        pos=[0, 0, 4], dir=[0.2, 0.3, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL
-    )
-    texture = spec.add_texture(
-        name="grid",
-        type=mujoco.mjtTexture.mjTEXTURE_2D,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_CHECKER,
-        rgb1=[0.82, 0.84, 0.86],
-        rgb2=[0.66, 0.72, 0.78],
-        width=256,
-        height=256,
-    )
-    material = spec.add_material(name="grid", texrepeat=[200, 200])
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = texture.name
-    floor.material = material.name
 
 
 def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:

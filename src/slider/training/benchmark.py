@@ -49,12 +49,10 @@ def run(arguments: argparse.Namespace) -> None:
     """Print a row per number of environments and precision, then where the time goes."""
     _check(arguments)
     from slider.core.config.compose import compose
-    from slider.core.config.validate import validate
     from slider.core.machine import machine
     from slider.core.runner import limit_threads
 
     config = compose(arguments.overrides, arguments.conf)
-    validate(config)
     library = library_path(arguments)
     threads = config.resources.threads if arguments.threads is None else arguments.threads
     limit_threads(threads)  # before torch, as for a job of the pipeline

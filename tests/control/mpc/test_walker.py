@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.control.mpc.walker import OFF, STAND, WALK, MpcController
+from slider.control.mpc.memory import OFF, STAND, WALK
+from slider.control.mpc.velocity import ReferenceVelocity
+from slider.control.mpc.walker import MpcController
 from slider.core.config.env import StartNoise
 from slider.core.config.robot import RobotConfig
 from slider.env.metrics import CONTACT_FORCE
@@ -179,7 +181,8 @@ def test_the_reference_goes_from_the_old_command_to_the_new_one():
     np.testing.assert_allclose(gait.old[:, 0], 0.6)
     gone = gait.walked - gait.changed
     np.testing.assert_allclose(gone, 0.1, atol=1e-9)
-    acceleration = config().control.tuned.planner.acceleration
-    left = np.hypot(0.6, 0.1) - acceleration * 0.1
-    found = np.linalg.norm(controller._reference(np.arange(COUNT)) - [0.0, 0.1], axis=1)
+    planner = config().control.tuned.planner
+    left = np.hypot(0.6, 0.1) - planner.acceleration * 0.1
+    reference = ReferenceVelocity(planner, 0.005).of(gait, np.arange(COUNT))
+    found = np.linalg.norm(reference - [0.0, 0.1], axis=1)
     np.testing.assert_allclose(found, left, atol=1e-9)

@@ -28,6 +28,11 @@ class Sway:
     centre: np.ndarray
     elapsed: np.ndarray
 
+    @classmethod
+    def zeros(cls, n: int) -> "Sway":
+        """Of n robots that have not begun."""
+        return cls(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), np.zeros(n), np.zeros(n))
+
     def of(self, robots: np.ndarray) -> "Sway":
         """A copy for some of the robots."""
         return Sway(*(getattr(self, item.name)[robots] for item in fields(self)))

@@ -15,7 +15,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from slider.core.config.convert import from_dict
 from slider.core.config.schema import Config
-from slider.core.config.validate import validate
+from slider.core.config.validation import validate
 from slider.core.errors import UserError
 
 

@@ -1,5 +1,6 @@
 """Typed settings of the gait optimisation and of the gait library."""
 
+import math
 from dataclasses import field
 
 from pydantic.dataclasses import dataclass
@@ -14,6 +15,15 @@ class Axis:
     start: float
     stop: float
     step: float
+
+
+def axis_size(axis: Axis | list[float]) -> int:
+    """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
+    if isinstance(axis, list):
+        return len(axis)
+    if axis.step <= 0 or axis.stop < axis.start:
+        return 0
+    return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -1,0 +1,36 @@
+"""The stages: gait → library → standing → walking → evaluation → table1 → report.
+
+Each function says which part of the configuration is a job's own, its section, and what its inputs
+are; the entry points are in ``entries``. A section holds nothing that its stage does not use: it is
+in the recipe.
+
+On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
+that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
+model-predictive controllers; it needs no other. The ablation compares several configurations and
+has a module of its own, ``pipeline.ablation``.
+"""
+
+from pipeline.stages.evaluation import evaluations_of, table1
+from pipeline.stages.gaits import figure_jobs, library_job
+from pipeline.stages.protocols import protocol_jobs
+from pipeline.stages.training import policy_export, training_jobs
+from pipeline.stages.verification import verification_jobs
+from slider.core.config.schema import Config
+from slider.core.plan import JobSpec
+
+
+def all_jobs(config: Config) -> dict[str, JobSpec]:
+    """Jobs of everything but the page and the ablation, by the name of their target."""
+    targets = table1_jobs(config)
+    library = targets["library"]
+    targets |= verification_jobs(config, library) | figure_jobs(library)
+    targets |= {"policy_export": policy_export(targets["walking"])}
+    return targets | protocol_jobs(config, targets["walking"])
+
+
+def table1_jobs(config: Config) -> dict[str, JobSpec]:
+    """Jobs up to Table 1 by the name of their target."""
+    library = library_job(config)
+    trainings = training_jobs(config, library)
+    evaluations = evaluations_of(config, config.evaluation, trainings["walking"])
+    return {"library": library, **trainings, "table1": table1(config, evaluations)}

@@ -1,0 +1,39 @@
+"""What the stages run, and jobs that do."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from slider.core.plan import JobSpec
+from slider.core.recipe import code_of
+
+ENTRIES = {
+    "gait": "slider.gait.stage:run",
+    "library": "slider.library.stage:run",
+    "standing": "slider.training.stage:run_standing",
+    "walking": "slider.training.stage:run_walking",
+    "evaluation": "slider.evaluation.stage:run",
+    "baseline": "slider.evaluation.baseline:run",
+    "table1": "slider.reports.table1:run",
+    "speeds": "slider.reports.protocols.speeds:run",
+    "profile": "slider.reports.protocols.profile:run",
+    "verification_gaits": "slider.verification.stage:run_gaits",
+    "verification": "slider.verification.stage:run",
+    "verification_maps": "slider.reports.figures.verification_maps:run",
+    "figures": "slider.reports.figures.stage:run",
+    "policy_export": "slider.control.export.stage:run",
+    "ablation": "slider.reports.ablation:run",
+    "video": "slider.reports.video:run",
+    "report": "slider.reports.report:run",
+}
+"""Stage → entry point ``module:function``."""
+
+
+def job(
+    stage: str,
+    label: str,
+    section: Mapping[str, Any],
+    inputs: Mapping[str, Sequence[JobSpec]] | None = None,
+    tracked: bool = True,
+) -> JobSpec:
+    """A job of a stage; the arguments are those of :class:`JobSpec`."""
+    return JobSpec(stage, label, code_of(ENTRIES[stage]), section, inputs or {}, tracked)

@@ -1,0 +1,68 @@
+"""Gaits, one per velocity of the grid, their library and its pictures."""
+
+from dataclasses import fields
+from typing import Any
+
+from pipeline.stages.entries import job
+from pipeline.stages.sections import only
+from slider.core.config.convert import to_dict
+from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig, axis_size
+from slider.core.config.schema import Config
+from slider.core.plan import JobSpec
+
+Velocity = tuple[float, float]
+
+
+def library_job(config: Config) -> JobSpec:
+    """The gait library, and with it all gaits."""
+    shared = gait_section(config)
+    gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
+    return gait_library(config, gaits)
+
+
+def velocities(grid: GridConfig) -> list[Velocity]:
+    """Commanded velocities (vx, vy) [m/s] of a grid, each once, sorted."""
+    blocks = [(grid.vx, grid.vy), *((block.vx, block.vy) for block in grid.extra)]
+    return sorted({(vx, vy) for x, y in blocks for vx in _values(x) for vy in _values(y)})
+
+
+def _values(axis: Axis | list[float]) -> list[float]:
+    """Values rounded to 1e-10, so that grids of other steps share their gaits; no −0."""
+    if isinstance(axis, Axis):
+        axis = [axis.start + index * axis.step for index in range(axis_size(axis))]
+    return [round(value, 10) + 0.0 for value in axis]
+
+
+def gait_section(config: Config) -> dict[str, Any]:
+    """What all gaits share: neither the gains of the simulated drives nor the grid."""
+    robot = ("geometry", "links", "virtual_knee", "limits", "capstan")
+    settings = to_dict(config.gait)
+    return {
+        "robot": only(to_dict(config.robot), *robot),
+        "formulation": only(settings, *(f.name for f in fields(FormulationConfig))),
+        "solve": only(settings, *(f.name for f in fields(SolveConfig))),
+    }
+
+
+def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
+    """One gait; it does not know of the other velocities."""
+    label = f"gait {velocity[0]:.2f} {velocity[1]:+.2f} m/s"
+    # 125 runs would bury the others: the library stage records the gaits as a table.
+    return job("gait", label, shared | {"velocity": list(velocity)}, tracked=False)
+
+
+def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
+    """All gaits in one store."""
+    section = {
+        "library": to_dict(config.library),
+        "velocities": [gait.section["velocity"] for gait in gaits],
+        # Written into the library, so that its gaits can be compared with the robot's limits.
+        "robot": only(to_dict(config.robot), "geometry", "virtual_knee", "limits"),
+        "kinematic_map": config.gait.kinematic_map,
+    }
+    return job("library", "gait library", section, {"gaits": gaits})
+
+
+def figure_jobs(library: JobSpec) -> dict[str, JobSpec]:
+    """Pictures of the gait library; nothing on the way to Table 1 needs them."""
+    return {"figures": job("figures", "figures", {}, {"library": [library]})}

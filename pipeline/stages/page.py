@@ -1,0 +1,71 @@
+"""The page about everything, and its films."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pipeline.stages.entries import job
+from pipeline.stages.evaluation import POLICY, controlled, protocol_section
+from pipeline.stages.sections import origin, without
+from slider.core.config.convert import to_dict
+from slider.core.config.report import SECTION_INPUTS
+from slider.core.config.schema import Config
+from slider.core.plan import JobSpec
+
+
+def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
+    """The page; its sections say what it needs."""
+    available = _available(targets) | {"videos": _videos(config, targets["walking"])}
+    names = [name for section in config.report.sections for name in SECTION_INPUTS[section]]
+    inputs = {name: available[name] for name in dict.fromkeys(names)}
+    section = {
+        "report": to_dict(config.report),
+        "configuration": _shown(config, inputs),
+        "origins": {name: [origin(made) for made in jobs] for name, jobs in inputs.items()},
+    }
+    return job("report", "report", section, inputs)
+
+
+def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:
+    """What a section can ask for: a target, or as ``target.group`` a group of its inputs."""
+    groups = {
+        f"{name}.{group}": jobs
+        for name, target in targets.items()
+        for group, jobs in target.inputs.items()
+    }
+    return {name: [target] for name, target in targets.items()} | groups
+
+
+def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
+    """The configuration without what has no part in the page."""
+    shown = without(to_dict(config), "resources", "tracking", "ablation", "protocols")
+    shown["evaluation"] = protocol_section(config.evaluation)
+    protocols = {
+        name: protocol_section(p) for name, p in config.protocols.items() if name in inputs
+    }
+    if protocols:
+        shown["protocols"] = protocols
+    if "ablation" in inputs:
+        shown["ablation"] = to_dict(config.ablation)
+    return shown
+
+
+def _videos(config: Config, walking: JobSpec) -> list[JobSpec]:
+    if config.report.video.renderer == "none":
+        return []
+    return [
+        video(config, controller, command, walking)
+        for controller in config.evaluation.controllers
+        for command in config.report.video.commands
+    ]
+
+
+def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
+    """A short film of one controller at one command."""
+    section = controlled(config, controller, command) | {
+        "start": to_dict(config.evaluation.start),
+        "disturbance": to_dict(config.evaluation.disturbance),
+        "video": without(to_dict(config.report.video), "commands"),
+    }
+    inputs = {"walking": [walking]} if controller == POLICY else {}
+    label = f"video of {controller} at {command:.1f} m/s"
+    return job("video", label, section, inputs, tracked=False)

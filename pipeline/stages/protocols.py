@@ -1,0 +1,19 @@
+"""Reports of the protocols beside that of Table 1 (``config.protocols``)."""
+
+from pipeline.stages.entries import job
+from pipeline.stages.evaluation import evaluations_of, protocol_section
+from slider.core.config.schema import Config
+from slider.core.plan import JobSpec
+
+
+def protocol_jobs(config: Config, walking: JobSpec) -> dict[str, JobSpec]:
+    """The report of each further protocol; nothing on the way to Table 1 needs them."""
+    return {name: protocol_report(config, name, walking) for name in config.protocols}
+
+
+def protocol_report(config: Config, name: str, walking: JobSpec) -> JobSpec:
+    """Table and figure of a protocol of constant speeds, or of one with a changing command."""
+    protocol = config.protocols[name]
+    stage = "speeds" if protocol.profile is None else "profile"
+    section = {"name": name, "evaluation": protocol_section(protocol)}
+    return job(stage, name, section, {"evaluations": evaluations_of(config, protocol, walking)})

@@ -1,0 +1,38 @@
+"""Parts of sections that several stages have in common."""
+
+from typing import Any
+
+from slider.core.config.convert import to_dict
+from slider.core.config.schema import Config
+from slider.core.plan import JobSpec
+
+
+def only(values: dict[str, Any], *names: str) -> dict[str, Any]:
+    """Some of the values."""
+    return {name: values[name] for name in names}
+
+
+def without(values: dict[str, Any], *names: str) -> dict[str, Any]:
+    """All values but some."""
+    return {name: value for name, value in values.items() if name not in names}
+
+
+def robot(config: Config) -> dict[str, Any]:
+    """The robot; where its values come from changes no result."""
+    return without(to_dict(config.robot), "provenance")
+
+
+def simulation(config: Config) -> dict[str, Any]:
+    """The robot and the environment of its policies."""
+    return {"robot": robot(config), "env": to_dict(config.env)}
+
+
+def origin(job: JobSpec) -> dict[str, Any]:
+    """Where a result comes from, for the stage that tells people."""
+    return {
+        "stage": job.stage,
+        "label": job.label,
+        "recipe": job.recipe,
+        "source": job.code.source,
+        "versions": job.code.versions,
+    }

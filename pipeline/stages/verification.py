@@ -1,0 +1,36 @@
+"""The independent checks of the library's gaits; nothing on the way to Table 1 needs them."""
+
+from pipeline.stages.entries import job
+from pipeline.stages.sections import only, robot, without
+from slider.core.config.convert import to_dict
+from slider.core.config.schema import Config
+from slider.core.plan import JobSpec
+
+_COLLECTED = ("on_failure", "reach", "bounds")  # settings of the collection alone
+
+
+def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
+    """Chunks of gaits, their collection, and maps of what it found."""
+    commands = library.section["velocities"]
+    size = config.verification.chunk
+    chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
+    gaits = [verification_of_gaits(config, chunk, library) for chunk in chunks]
+    section = {"verification": only(to_dict(config.verification), *_COLLECTED)}
+    inputs = {"library": [library], "gaits": gaits}
+    found = job("verification", "verification", section, inputs)
+    inputs = {"library": [library], "verification": [found]}
+    maps = job("verification_maps", "maps of the verification", {}, inputs)
+    return {"verification": found, "verification_maps": maps}
+
+
+def verification_of_gaits(config: Config, commands: list[list[float]], library: JobSpec) -> JobSpec:
+    """The checks of some gaits."""
+    section = {
+        "robot": robot(config),
+        "posture": to_dict(config.gait.posture),
+        "kinematic_map": config.gait.kinematic_map,
+        "verification": without(to_dict(config.verification), "chunk", *_COLLECTED),
+        "velocities": commands,
+    }
+    label = f"verification of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
+    return job("verification_gaits", label, section, {"library": [library]}, tracked=False)

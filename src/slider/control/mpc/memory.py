@@ -1,0 +1,106 @@
+"""What the baseline remembers of N robots from one tick to the next; its other parts have no state.
+
+Feet are numbered left, right; modes are on both feet (STAND, SWAY), stepping (WALK) and OFF.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.control.mpc.entry import Sway
+from slider.control.mpc.motion import about_z
+from slider.env.phase import standing
+
+SWAY, WALK, OFF, STAND = 0, 1, 2, 3
+LEFT, RIGHT = 0, 1
+FEET = np.array([LEFT, RIGHT])
+
+
+@dataclass
+class Gait:
+    """Memory of N robots; methods take and give the rows of some of them, ``robots`` (n,).
+
+    Attributes:
+        command: (N, 3) vx, vy [m/s], yaw rate [rad/s].
+        tick: number of ticks since the start.
+        mode: (N,) SWAY, WALK, OFF or STAND.
+        heading: (N,) wanted yaw [rad].
+        sway: on both feet before the first step.
+        stance: (N,) foot on the ground.
+        elapsed, duration: of the step (N,) [s].
+        foothold: (N, 2) of the next step [m], world.
+        swing: (N, 3, 3) reference of the swing foot.
+        walked: time since the first step (N,) [s].
+        steps: (N,) number of steps.
+        starts: (N, 2, 3) place of the centre of mass (2) [m] and ``walked`` at the starts of the
+            last two steps, the older one first.
+        correction: (N, 2) added to the commanded velocity [m/s].
+        old: (N, 2) reference velocity when the command last changed [m/s].
+        changed: ``walked`` at that time (N,) [s].
+    """
+
+    command: np.ndarray
+    tick: int
+    mode: np.ndarray
+    heading: np.ndarray
+    sway: Sway
+    stance: np.ndarray
+    elapsed: np.ndarray
+    duration: np.ndarray
+    foothold: np.ndarray
+    swing: np.ndarray
+    walked: np.ndarray
+    steps: np.ndarray
+    starts: np.ndarray
+    correction: np.ndarray
+    old: np.ndarray
+    changed: np.ndarray
+
+    @classmethod
+    def on_both_feet(cls, command: np.ndarray, heading: np.ndarray) -> "Gait":
+        """Before the first step, with ``command`` (N, 3), looking along ``heading`` (N,) [rad]."""
+        n = len(command)
+        return cls(
+            command=command,
+            tick=0,
+            mode=np.where(standing(command), STAND, SWAY),
+            heading=heading.copy(),
+            sway=Sway.zeros(n),
+            stance=np.full(n, LEFT),
+            elapsed=np.zeros(n),
+            duration=np.zeros(n),
+            foothold=np.zeros((n, 2)),
+            swing=np.zeros((n, 3, 3)),
+            walked=np.zeros(n),
+            steps=np.zeros(n, dtype=int),
+            starts=np.zeros((n, 2, 3)),
+            correction=np.zeros((n, 2)),
+            old=np.zeros((n, 2)),
+            changed=np.zeros(n),
+        )
+
+    def forget_walk(self, robots: np.ndarray) -> None:
+        """As before the first step."""
+        for values in (self.walked, self.steps, self.old, self.changed, self.correction):
+            values[robots] = 0
+
+    def told_to_stand(self, robots: np.ndarray) -> np.ndarray:
+        """Whether the command is to stand (n,)."""
+        return standing(self.command[robots])
+
+    def yaw_rate(self, robots: np.ndarray) -> np.ndarray:
+        """Commanded yaw rate (n,) [rad/s]; on both feet the robot does not turn."""
+        return np.where(self.mode[robots] == WALK, self.command[robots, 2], 0.0)
+
+    def to_heading(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
+        """World (n, 2) → forward, left."""
+        return turn(vectors, -self.heading[robots])
+
+    def to_world(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
+        """Forward, left (n, 2) → world."""
+        return turn(vectors, self.heading[robots])
+
+
+def turn(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Vectors (n, 2) turned by angles (n,) [rad]."""
+    return np.einsum("nij,nj->ni", about_z(angle)[:, :2, :2], vectors)

@@ -1,0 +1,67 @@
+"""Checks of the evaluation protocols: Table 1's and the others."""
+
+from collections.abc import Iterable
+from dataclasses import fields
+from itertools import pairwise
+
+from slider.core.config.control import ControlConfig
+from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
+from slider.core.config.schema import Config
+from slider.core.config.validation.checks import (
+    all_at_least,
+    distinct,
+    one_of,
+    positive,
+    require,
+    some,
+)
+from slider.core.config.validation.disturbance import check_disturbance
+
+
+def check_protocols(config: Config) -> None:
+    """All protocols and their disturbances; that of Table 1 has no profile."""
+    expected = "none (the commands of Table 1 are constant; see protocols)"
+    require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
+    others = {f"protocols.{name}": protocol for name, protocol in config.protocols.items()}
+    for key, protocol in {"evaluation": config.evaluation, **others}.items():
+        _protocol(protocol, _controllers(config.control), key)
+        check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
+
+
+def _controllers(control: ControlConfig) -> list[str]:
+    return ["policy", *(f"mpc_wbc_{item.name}" for item in fields(control))]
+
+
+def _protocol(protocol: EvaluationConfig, controllers: Iterable[str], key: str) -> None:
+    _commands(protocol, key)
+    some(f"{key}.controllers", protocol.controllers, "controller")
+    for name in protocol.controllers:
+        one_of(f"{key}.controllers", name, controllers)
+    all_at_least(key, protocol, ("trials", "robots"), 1)
+    positive(f"{key}.duration", protocol.duration)
+    start, end = protocol.steady_from, protocol.duration
+    require(0 <= start < end, f"{key}.steady_from", f"a time in [0, {end}) s", start)
+
+
+def _commands(protocol: EvaluationConfig, key: str) -> None:
+    """Either constant ones or a profile."""
+    commands, profile = protocol.commands, protocol.profile
+    if profile is None:
+        some(f"{key}.commands", commands, "command")
+        return
+    require(not commands, f"{key}.commands", "none with a profile", commands)
+    _profile(profile, protocol.duration, f"{key}.profile")
+
+
+def _profile(profile: ProfileConfig, duration: float, key: str) -> None:
+    all_at_least(key, profile, ("ramp", "settle"), 0.0)
+    positive(f"{key}.window", profile.window)
+    some(f"{key}.segments", profile.segments, "segment")
+    distinct(f"{key}.segments", [segment.name for segment in profile.segments], "each name once")
+    times = [segment.time for segment in profile.segments]
+    require(times[0] == 0.0, f"{key}.segments[0].time", "0 s", times[0])
+    shortest = max(profile.ramp, profile.settle)
+    expected = f"longer than ramp and settle ({shortest} s)"
+    for index, (start, end) in enumerate(pairwise([*times, duration])):
+        length = end - start
+        require(length > shortest, f"{key}.segments[{index}]", expected, f"{length:g} s")

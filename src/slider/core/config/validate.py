@@ -251,6 +251,10 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     )
     _in(f"{key}.ppo.precision", train.ppo.precision, ("auto", "float32", "bfloat16"))
     _in(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
+    anneal = train.ppo.anneal
+    _require(0 <= anneal.start <= 1, f"{key}.ppo.anneal.start", "a share in [0, 1]", anneal.start)
+    _positive(f"{key}.ppo.anneal.desired_kl", anneal.desired_kl)
+    _not_negative(f"{key}.ppo.anneal.entropy_coefficient", anneal.entropy_coefficient)
     batch = train.num_envs * train.steps_per_iteration
     _require(
         1 <= train.ppo.mini_batches <= batch,

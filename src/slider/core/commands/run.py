@@ -18,7 +18,7 @@ from slider.core.plan import JobSpec, Plan, jobs_towards, read_plan
 from slider.core.runner import Runner
 from slider.core.store import ARTEFACTS, Store
 
-_QUIET = 5.0  # between two progress lines of a job on the terminal [s]
+_QUIET, _LONG_QUIET = 5.0, 30.0  # between two progress lines of a job: at first, at most [s]
 _TAIL = 15  # lines of the log shown after a failure
 
 
@@ -89,14 +89,15 @@ def _progress_count(store: Store, plan: Plan, spec: JobSpec) -> str:
 
 
 def _progress(label: str, terminal: TextIO) -> Callable[[str], None]:
-    """All progress goes to the log, and a line now and then to the terminal."""
-    last = time.monotonic()
+    """All progress goes to the log, and a line to the terminal, of long jobs ever less often."""
+    start = last = time.monotonic()
 
     def show(message: str) -> None:
         nonlocal last
         print(message, flush=True)
-        if time.monotonic() - last >= _QUIET:
-            last = time.monotonic()
+        now = time.monotonic()
+        if now - last >= min(max(_QUIET, (now - start) / 4), _LONG_QUIET):
+            last = now
             print(f"{label}: {message}", file=terminal)
 
     return show

@@ -85,10 +85,10 @@ def test_a_killed_job_is_resumed_and_marked(workspace):
     assert workspace.manifests("walking") == before
     assert workspace.table.read_text() == table
     assert workspace.computed(LONGER) == AFTER_STANDING
-    resumed = [manifest["resumed"] for manifest in workspace.manifests("walking")]
+    resumed = [manifest.get("resumed", False) for manifest in workspace.manifests("walking")]
     assert sorted(resumed) == [False, True]
     assert workspace.slider("store", "gc", "--keep", "1").returncode == 0
-    assert [manifest["resumed"] for manifest in workspace.manifests("walking")] == [True]
+    assert [manifest.get("resumed") for manifest in workspace.manifests("walking")] == [True]
     assert not (workspace.artefacts / "tmp").exists()
     assert workspace.computed(LONGER) == []
 

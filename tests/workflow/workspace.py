@@ -153,7 +153,7 @@ class Workspace:
         """Run the pipeline, expect success, and list the stages that were really computed."""
         before = self._computations()
         done = self.snakemake(target, hydra=f"{hydra} {QUIET}", **environment)
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == 0, f"{done.returncode}: {done.stderr}"
         return self.stages(before)
 
     def stages(self, before: Mapping[Path, str] = MappingProxyType({})) -> list[str]:

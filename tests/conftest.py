@@ -11,8 +11,16 @@ limit_threads(1)  # before torch and casadi are imported: `make test` has a proc
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put files with runs of the real pipeline first: no process ends alone with such a file."""
-    items.sort(key=lambda item: item.get_closest_marker("workflow") is None)
+    """Put the longest files first, so that no process is left alone with one of them at the end.
+
+    These are the ones with runs of the real pipeline; those that look at a finished one come
+    after the one that runs it.
+    """
+    items.sort(key=lambda item: (_is_short(item), "browser" in item.path.parts))
+
+
+def _is_short(item: pytest.Item) -> bool:
+    return item.get_closest_marker("workflow") is None
 
 
 @pytest.fixture(scope="session")

@@ -12,14 +12,18 @@ from pathlib import Path
 import pytest
 
 from slider.reports.figures import FILES
-from tests.workflow.workspace import QUIET, TABLE, Workspace, copy_repository
+from tests.workflow.workspace import (
+    AFTER_STANDING,
+    EVERYTHING,
+    QUIET,
+    TABLE,
+    Workspace,
+    copy_repository,
+)
 from tests.workflow.workspace import finished as finished_pipeline
 
 pytestmark = pytest.mark.workflow
 
-ONE_COMMAND = ["evaluation", "evaluation"]  # one per command
-AFTER_LIBRARY = [*ONE_COMMAND, "standing", "table1", "walking"]
-EVERYTHING = sorted([*AFTER_LIBRARY, "gait", "gait", "library"])
 FOR_THE_PAGE = {"report", "video"}
 
 
@@ -75,20 +79,16 @@ def test_computes_nothing_after_a_comment(finished):
     assert restored(finished, relative, first_line, f"# A comment.\n{first_line}") == []
 
 
-def test_computes_walking_and_what_follows_after_one_of_its_values(finished):
-    before = finished.table.read_bytes()
-    expected = sorted([*ONE_COMMAND, "table1", "walking"])
-    assert finished.computed("train.walking.ppo.learning_rate=3e-4") == expected
-    assert finished.computed() == []
-    assert finished.table.read_bytes() == before
-
-
-def test_computes_everything_after_a_gait_value(finished):
-    assert finished.computed("gait.posture.clearance=0.045") == EVERYTHING
+def test_a_gait_value_makes_other_gaits_and_another_library(finished):
+    """All that follows is computed anew as well: see test_machinery."""
+    gaits, library = finished.objects("gait"), finished.objects("library")
+    found = finished.computed("gait.posture.clearance=0.045", target="gait_library")
+    assert found == ["gait", "gait", "library"]
+    assert len(finished.objects("gait") - gaits) == 2
+    assert len(finished.objects("library") - library) == 1
 
 
 def test_computes_only_the_new_gaits_when_the_grid_grows(finished):
-    """What follows the library is above, on any change of it."""
     found = finished.computed("gait.grid.vx.stop=0.6", target="gait_library")
     assert found == ["gait", "library"]
 
@@ -109,15 +109,18 @@ def test_a_new_version_of_a_package_reaches_what_imports_it(finished, tmp_path: 
     assert finished.computed(FIRST=str(tmp_path)) == ["gait", "gait"]
 
 
-def test_a_killed_training_leaves_nothing_half_written(finished):
+def test_a_value_of_a_training_that_is_killed_computes_it_and_what_follows(first, finished):
+    """The kill leaves nothing half-written; the way back to the earlier value computes nothing."""
     before = finished.objects("walking")
     pipeline = finished.start(TABLE, hydra=f"train.walking.seed=7 {QUIET}")
     os.kill(finished.wait_for_job("walking"), signal.SIGKILL)
     assert pipeline.wait() == 1
     assert finished.objects("walking") == before
     assert finished.slider("store", "verify").returncode == 0
-    expected = sorted([*ONE_COMMAND, "table1", "walking"])
-    assert finished.computed("train.walking.seed=7") == expected
+    assert finished.computed("train.walking.seed=7") == AFTER_STANDING
+    assert finished.table.read_bytes() != first.table.read_bytes()
+    assert finished.computed() == []
+    assert finished.table.read_bytes() == first.table.read_bytes()
 
 
 def test_same_seed_same_table(first, tmp_path: Path):

@@ -8,7 +8,15 @@ from typing import Any
 
 import pytest
 
-from tests.workflow.workspace import QUIET, TABLE, Workspace, copy_repository, with_dummies
+from tests.workflow.workspace import (
+    AFTER_STANDING,
+    EVERYTHING,
+    QUIET,
+    TABLE,
+    Workspace,
+    copy_repository,
+    with_dummies,
+)
 
 pytestmark = pytest.mark.workflow
 
@@ -25,15 +33,13 @@ for job in build_plan({"table1": target}).jobs.values():
     Runner(opened.store).run(job)
 """
 LONGER = f"{QUIET} train.walking.iterations=5"
-AFTER_STANDING = ["evaluation", "evaluation", "table1", "walking"]
 
 
 @pytest.fixture(scope="module")
 def once(tmp_path_factory) -> Workspace:
     """A pipeline of dummies that ran from nothing to its table, to be copied."""
     workspace = with_dummies(copy_repository(tmp_path_factory.mktemp("machinery")))
-    expected = sorted([*AFTER_STANDING, "gait", "gait", "library", "standing"])
-    assert workspace.computed() == expected
+    assert workspace.computed() == EVERYTHING
     return workspace
 
 
@@ -66,6 +72,10 @@ def test_the_table_follows_the_configuration_whatever_happens_to_it(workspace):
         path.unlink()
     assert workspace.computed(LONGER) == []
     assert workspace.table.read_text() == second
+
+
+def test_computes_everything_after_a_gait_value(workspace):
+    assert workspace.computed("gait.nodes=31") == EVERYTHING
 
 
 def test_a_lost_object_is_computed_again(workspace):

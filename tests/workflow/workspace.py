@@ -19,6 +19,9 @@ COPIED = ("Snakefile", "pipeline", "conf", "src")
 TABLE = "reports/table1.csv"
 PAGE = "reports/index.html"
 QUIET = "tracking.enabled=false"
+# Jobs of experiment=test: two gaits, two commands.
+AFTER_STANDING = ["evaluation", "evaluation", "table1", "walking"]
+EVERYTHING = sorted([*AFTER_STANDING, "gait", "gait", "library", "standing"])
 
 # Stages in miniature: for tests of the machinery that need many runs.
 DUMMIES = {

@@ -129,7 +129,7 @@ class Workspace:
                 words = _words(path)
                 if words[0].endswith("python") and recipes & set(words):
                     return int(path.parent.name)
-            time.sleep(0.02)
+            time.sleep(0.1)  # a look at all processes is not free
         raise AssertionError(f"no job of stage {stage} appeared")
 
     def _environment(self, extra: dict[str, str]) -> dict[str, str]:

@@ -36,8 +36,8 @@ lint: $(STAMP)
 	$(BIN)/snakefmt --check Snakefile pipeline
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/pyright
 
-test: lint
-	$(BIN)/python -m pytest
+test: lint # each process takes whole files, in the order of tests/conftest.py
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
 clean: # what is left of interrupted jobs and of forgotten configurations
 	$(BIN)/slider store gc

@@ -15,6 +15,8 @@ import pytest
 pytestmark = pytest.mark.workflow
 
 PATIENCE = 120.0  # for the server to answer [s]
+# Its workers for jobs (evaluations by language models) are seven more imports of MLflow.
+SETTINGS = {"MLFLOW_DISABLE_TELEMETRY": "true", "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
 
 
 @dataclass(frozen=True)
@@ -36,7 +38,7 @@ def server(finished):
     arguments = ["--backend-store-uri", f"sqlite:///{database}", "--host", "127.0.0.1"]
     process = subprocess.Popen(
         [sys.executable, "-m", "mlflow", "ui", *arguments, "--port", str(port), "--workers", "1"],
-        env=os.environ | {"MLFLOW_DISABLE_TELEMETRY": "true"},
+        env=os.environ | SETTINGS,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )

@@ -100,6 +100,22 @@ def test_sees_every_change_of_what_runs(root, name, text):
     assert digest(root) != before
 
 
+@pytest.mark.parametrize(
+    "block",
+    [
+        "if True:\n pass\nelse:\n import casadi",
+        "try:\n pass\nexcept OSError:\n import casadi",
+        "try:\n pass\nfinally:\n import casadi",
+        "for _ in ():\n while True:\n  with open(''):\n   import casadi",
+        "match 1:\n case 2:\n  import casadi",
+        "class A:\n async def f(self):\n  import casadi",
+    ],
+)
+def test_finds_imports_in_every_kind_of_block(root, block):
+    (root / "slider/robot/names.py").write_text(f"{block}\n")
+    assert closure("slider.gait.stage", root).third_party == ("casadi", "numpy")
+
+
 def test_names_the_missing_module_and_the_line_that_does_not_parse(root):
     with pytest.raises(UserError, match=r"slider\.gait\.nothing"):
         closure("slider.gait.nothing", root)

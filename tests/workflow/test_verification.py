@@ -1,35 +1,40 @@
 """The checks of gaits in the real pipeline: beside the way to Table 1, and ended by a bound."""
 
 import json
+from typing import Any
 
 import pytest
 
-from tests.workflow.workspace import copy_repository
+from tests.workflow.workspace import QUIET, Workspace
+from tests.workflow.workspace import finished as finished_pipeline
 
 pytestmark = pytest.mark.workflow
 
 TARGET = "reports/verification.csv"
-SHORT = "tracking.enabled=false verification.replay.steps=2 verification.points=21"
+SHORT = "verification.replay.steps=2 verification.points=21"
 STRICT = f"{SHORT} verification.bounds.return_map=2.0"
 
 
-def test_verification_is_a_target_of_its_own(tmp_path):
-    workspace = copy_repository(tmp_path)
-    plan = workspace.snakemake("-n", "reports/table1.csv", hydra=SHORT)
-    assert "verification" not in plan.stdout + plan.stderr
-    done = workspace.snakemake(TARGET, hydra=SHORT)
-    assert done.returncode == 0, done.stderr
-    assert not (tmp_path / "artefacts" / "walking").exists()
-    summary = json.loads((tmp_path / "reports" / "verification.json").read_text())
-    assert summary["passed"]
-    assert summary["gaits"] == 2
+def verdict(workspace: Workspace) -> dict[str, Any]:
+    return json.loads((workspace.folder / "reports" / "verification.json").read_text())
 
-    failing = workspace.snakemake(TARGET, hydra=f"{STRICT} verification.on_failure=error")
+
+def test_verification_is_a_target_of_its_own(session_folder, tmp_path):
+    first = finished_pipeline(session_folder)
+    assert not [stage for stage in first.stages() if "verification" in stage]
+    workspace = first.copy(tmp_path / "copy")
+    found = workspace.computed(SHORT, target=TARGET)
+    assert found == ["verification", "verification_gaits"]
+    (manifest,) = workspace.manifests("verification_gaits")
+    assert set(manifest["inputs"]) == {"library"}, "it waits for no training"
+    assert verdict(workspace)["passed"]
+    assert verdict(workspace)["gaits"] == 2
+
+    hydra = f"{STRICT} {QUIET}"
+    failing = workspace.snakemake(TARGET, hydra=f"{hydra} verification.on_failure=error")
     assert failing.returncode == 1
     assert "gait (0.2, 0) m/s, return_map: expected ≤ 2 -" in failing.stderr
     assert len(workspace.manifests("verification_gaits")) == 1  # only the verdict was redone
 
-    reported = workspace.snakemake(TARGET, hydra=STRICT)
-    assert reported.returncode == 0, reported.stderr
-    summary = json.loads((tmp_path / "reports" / "verification.json").read_text())
-    assert not summary["passed"]
+    assert workspace.computed(STRICT, target=TARGET) == ["verification"]
+    assert not verdict(workspace)["passed"]

@@ -6,12 +6,22 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
+
+from slider.core.locks import exclusive
 
 REPOSITORY = Path(__file__).parents[2]
 COPIED = ("Snakefile", "pipeline", "conf", "src")
+TABLE = "reports/table1.csv"
+PAGE = "reports/index.html"
+QUIET = "tracking.enabled=false"
+# Jobs of experiment=test: two gaits, two commands.
+AFTER_STANDING = ["evaluation", "evaluation", "table1", "walking"]
+EVERYTHING = sorted([*AFTER_STANDING, "gait", "gait", "library", "standing"])
 
 # Stages in miniature: for tests of the machinery that need many runs.
 DUMMIES = {
@@ -75,7 +85,7 @@ def run(section, inputs, out, job):
     return {}
 """,
 }
-PAGE = """
+OTHER = """
 def run(section, inputs, out, job):
     (out / "index.html").write_text(" ".join(sorted(inputs)))
     return {}
@@ -119,7 +129,7 @@ class Workspace:
                 words = _words(path)
                 if words[0].endswith("python") and recipes & set(words):
                     return int(path.parent.name)
-            time.sleep(0.02)
+            time.sleep(0.1)  # a look at all processes is not free
         raise AssertionError(f"no job of stage {stage} appeared")
 
     def _environment(self, extra: dict[str, str]) -> dict[str, str]:
@@ -142,16 +152,17 @@ class Workspace:
         """Run the command ``slider``."""
         return self.command(["-m", "slider.cli", *arguments])
 
-    def computed(self, hydra: str = "", tracked: bool = False, **environment: str) -> list[str]:
+    def computed(self, hydra: str = "", target: str = TABLE, **environment: str) -> list[str]:
         """Run the pipeline, expect success, and list the stages that were really computed."""
-        hydra = f"{hydra} tracking.enabled={str(tracked).lower()}"
         before = self._computations()
-        done = self.snakemake("reports/table1.csv", hydra=hydra, **environment)
-        assert done.returncode == 0, done.stderr
-        after = self._computations()
-        return sorted(
-            path.parent.name for path, start in after.items() if before.get(path) != start
-        )
+        done = self.snakemake(target, hydra=f"{hydra} {QUIET}", **environment)
+        assert done.returncode == 0, f"{done.returncode}: {done.stderr}"
+        return self.stages(before)
+
+    def stages(self, before: Mapping[Path, str] = MappingProxyType({})) -> list[str]:
+        """Stages of all jobs that were computed since certain ones; without these, of all jobs."""
+        jobs = self._computations().items()
+        return sorted(path.parent.name for path, start in jobs if before.get(path) != start)
 
     def _computations(self) -> dict[Path, str]:
         facts = {path: json.loads(path.read_text()) for path in self.artefacts.glob("*/*.run.json")}
@@ -163,7 +174,7 @@ class Workspace:
 
     @property
     def table(self) -> Path:
-        return self.folder / "reports" / "table1.csv"
+        return self.folder / TABLE
 
     def manifests(self, stage: str) -> list[dict[str, Any]]:
         """Manifests of a stage."""
@@ -173,6 +184,11 @@ class Workspace:
     def objects(self, stage: str) -> set[str]:
         """Objects that the manifests of a stage name."""
         return {manifest["object"] for manifest in self.manifests(stage)}
+
+    def copy(self, folder: Path) -> "Workspace":
+        """The same with all that it computed, in another folder."""
+        shutil.copytree(self.folder, folder, symlinks=True)
+        return Workspace(folder)
 
     def edit(self, path: str, old: str, new: str) -> None:
         """Replace text that must be there in a file."""
@@ -191,12 +207,29 @@ def _words(path: Path) -> list[str]:
 
 def copy_repository(folder: Path) -> Workspace:
     """Copy what the pipeline consists of, not what it produced."""
+    folder.mkdir(exist_ok=True)
     for name in COPIED:
         source = REPOSITORY / name
         copy = shutil.copytree if source.is_dir() else shutil.copy
         copy(source, folder / name)
     (folder / "profiles").symlink_to("pipeline/profiles")
     return Workspace(folder)
+
+
+def finished(folder: Path) -> Workspace:
+    """A tracked pipeline that ran from nothing to its table and its page.
+
+    All who ask for it with the same folder share it, in whatever process they are: the first one
+    runs it while the others wait. Copy it before you change it.
+    """
+    done, workspace = folder / "finished.done", Workspace(folder / "finished")
+    with exclusive(folder / "finished.lock", "finished"):
+        if not done.exists():
+            shutil.rmtree(workspace.folder, ignore_errors=True)
+            run = copy_repository(workspace.folder).snakemake(TABLE, PAGE)
+            assert run.returncode == 0, run.stderr
+            done.touch()
+    return workspace
 
 
 def with_dummies(workspace: Workspace) -> Workspace:
@@ -215,9 +248,9 @@ def with_dummies(workspace: Workspace) -> Workspace:
     (source / "reports" / "protocols").mkdir()
     (source / "reports" / "protocols" / "__init__.py").write_text("")
     for name in ("speeds", "profile"):
-        (source / "reports" / "protocols" / f"{name}.py").write_text(PAGE)
+        (source / "reports" / "protocols" / f"{name}.py").write_text(OTHER)
     for name in ("report", "video"):
-        (source / "reports" / f"{name}.py").write_text(PAGE)
+        (source / "reports" / f"{name}.py").write_text(OTHER)
     (source / "gait" / "tiny.py").write_text(
         "def speed(section):\n    return sum(section['velocity'])\n"
     )

@@ -13,6 +13,8 @@ from pathlib import Path
 
 from slider.core.errors import UserError
 
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
+
 
 @dataclass(frozen=True)
 class Closure:
@@ -43,15 +45,18 @@ def closure(entry: str, root: Path) -> Closure:
         raise UserError(f"expected the stage's module {entry} below {root}, found none")
     found: dict[str, str] = {}
     third_party: set[str] = set()
-    waiting = [entry]
+    waiting, seen = [entry], set[str]()
     while waiting:
         name = waiting.pop()
+        if name in seen:
+            continue
+        seen.add(name)
         path = _find(root, name)
-        if name in found or path is None:  # None: a function or class, not a module
+        if path is None:  # a function or class, not a module
             continue
         module = _read(path, name)
         found[name] = module.digest
-        waiting += [parent for parent in _parents(name) if parent not in found]
+        waiting += _parents(name)
         for target in module.imports:
             if target.partition(".")[0] == package:
                 waiting.append(target)
@@ -122,8 +127,18 @@ def _analyse(content: bytes, name: str, is_package: bool) -> _Module:
     return _Module(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports)
 
 
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """The module and all its statements. Expressions, most of a tree, hold none."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        for field in _BLOCKS:
+            waiting += getattr(node, field, ())
+
+
 def _imports(tree: ast.Module, name: str, is_package: bool) -> Iterator[str]:
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -144,6 +159,6 @@ def _base(node: ast.ImportFrom, name: str, is_package: bool) -> str:
 
 def _strip_docstrings(tree: ast.Module) -> None:
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
             del node.body[0]

@@ -5,7 +5,6 @@ import os
 from pathlib import Path
 
 import numpy as np
-import torch
 
 from slider.core.config.convert import from_dict
 from slider.core.config.disturbance import DisturbanceConfig
@@ -26,14 +25,17 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     Raises:
         UserError: nothing can be rendered on this machine.
     """
-    torch.set_num_threads(job.threads)
-    # Before the first import of mujoco, which reads it.
+    # Before the first import of mujoco, which reads it. The page reads names of this module: it
+    # does not wait for what simulates.
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
+    import torch
+
     from slider.env.disturbance.draws import Disturbance
     from slider.env.episode import Episode
     from slider.env.starts import at_rest
     from slider.evaluation import baseline, stage
 
+    torch.set_num_threads(job.threads)
     robot = from_dict(RobotConfig, section["robot"])
     video = from_dict(VideoConfig, section["video"])
     noise = from_dict(StartNoise, section["start"])

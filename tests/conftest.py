@@ -1,0 +1,30 @@
+"""For all tests: one thread per process, long files first, results that all processes share."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from slider.core.runner import limit_threads
+
+limit_threads(1)  # before torch and casadi are imported: `make test` has a process per core
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the longest files first, so that no process is left alone with one of them at the end.
+
+    These are the ones with runs of the real pipeline; those that look at a finished one come
+    after the one that runs it.
+    """
+    items.sort(key=lambda item: (_is_short(item), "browser" in item.path.parts))
+
+
+def _is_short(item: pytest.Item) -> bool:
+    return item.get_closest_marker("workflow") is None
+
+
+@pytest.fixture(scope="session")
+def session_folder(tmp_path_factory) -> Path:
+    """A folder of this test session, the same one in all processes of pytest-xdist."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base

@@ -6,6 +6,7 @@ import pytest
 
 from pipeline.stages import all_jobs, entries, table1_jobs
 from pipeline.stages.gaits import velocities
+from pipeline.stages.page import report
 from pipeline.stages.protocols import protocol_jobs
 from slider.core.config.compose import compose
 from slider.core.plan import JobSpec, build_plan
@@ -157,3 +158,13 @@ def test_only_a_table_of_a_guided_policy_waits_for_the_library():
     assert set(baseline.inputs) == {"evaluations"}
     assert not any(job.inputs for job in baseline.inputs["evaluations"])
     assert set(jobs_of(*ALONE)["table1"].inputs) == {"evaluations"}
+
+
+def test_without_pretraining_the_page_does_without_it():
+    overrides = ["experiment=test", "train.pretraining=false", "report.video.renderer=none"]
+    config = compose(overrides, CONF)
+    inputs = report(config, all_jobs(config)).inputs
+    assert "standing" not in inputs
+    assert {"walking", "table1", "library"} <= set(inputs)
+    config = compose([*overrides, "train.pretraining=true"], CONF)
+    assert "standing" in report(config, all_jobs(config)).inputs

@@ -4,16 +4,14 @@ import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import torch
 
 from slider.control.policy_file import load_policy
-from slider.core.config.train import AnnealConfig, RewardConfig, RewardTerm, TrainConfig
+from slider.core.config.train import RewardConfig, RewardTerm, TrainConfig
 from slider.core.job import Job, NoTracker
-from slider.training.ppo import anneal
 from slider.training.trainer import CHECKPOINT, CURVE, POLICY, SELECTION, WEIGHTS, Task, Trainer
 from tests.env.synthetic import config, gait_table, make_guide
 
@@ -295,25 +293,3 @@ def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
     one, again = (trained(tmp_path / name, disturbance=rough) for name in ("one", "again"))
     assert same(actor(one), actor(again))
     assert not same(actor(one), actor(trained(tmp_path / "calm")))
-
-
-def test_updates_become_smaller_and_less_random_towards_the_end():
-    ppo = config().train.walking.ppo
-    ppo = replace(ppo, desired_kl=0.02, entropy_coefficient=0.004)
-    ppo = replace(ppo, anneal=AnnealConfig(0.5, 0.01, 0.0))
-    algorithm = SimpleNamespace()
-    found = []
-    for progress in (0.0, 0.5, 0.75, 1.0):
-        anneal(algorithm, ppo, progress)  # type: ignore
-        found.append((algorithm.desired_kl, algorithm.entropy_coef))
-    expected = [(0.02, 0.004), (0.02, 0.004), (0.015, 0.002), (0.01, 0.0)]
-    np.testing.assert_allclose(found, expected, atol=1e-12)
-
-
-def test_annealing_reaches_the_algorithm_and_changes_the_training(tmp_path):
-    ppo = replace(config(*TINY).train.walking.ppo, anneal=AnnealConfig(0.3, 0.002, 0.5))
-    changed, usual = trained(tmp_path / "changed", ppo=ppo), trained(tmp_path / "usual")
-    assert usual._runner.alg.entropy_coef == config().train.walking.ppo.entropy_coefficient
-    assert 0.003 < changed._runner.alg.entropy_coef < 0.5
-    assert 0.002 < changed._runner.alg.desired_kl < ppo.desired_kl
-    assert not same(actor(changed), actor(usual))

@@ -3,9 +3,8 @@
 from typing import Any
 
 import torch
-from rsl_rl.algorithms import PPO
 
-from slider.core.config.train import NetworkConfig, PpoConfig, TrainConfig
+from slider.core.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
 from slider.training.log_writer import TrackerLogWriter
 from slider.training.symmetry import symmetry_config
@@ -74,15 +73,6 @@ def _algorithm(train: TrainConfig) -> dict[str, Any]:
         "use_mixed_precision": use_bfloat16(ppo.precision),
         "symmetry_cfg": symmetry_config(ppo),
     }
-
-
-def anneal(algorithm: PPO, ppo: PpoConfig, progress: float) -> None:
-    """Set what changes towards the end, at a share ``progress`` of the iterations."""
-    end = ppo.anneal
-    share = max(0.0, (progress - end.start) / max(1.0 - end.start, 1e-9))
-    algorithm.desired_kl = ppo.desired_kl + share * (end.desired_kl - ppo.desired_kl)
-    change = end.entropy_coefficient - ppo.entropy_coefficient
-    algorithm.entropy_coef = ppo.entropy_coefficient + share * change
 
 
 def use_bfloat16(precision: str) -> bool:

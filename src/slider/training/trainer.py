@@ -20,7 +20,7 @@ from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
-from slider.training.ppo import NORMALISER_EPSILON, anneal, runner_config
+from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.selection import Score, Selector
 
 CHECKPOINT = "checkpoint.pt"
@@ -97,7 +97,6 @@ class Trainer:
         while self._iteration < total:
             chunk = min(self._task.train.selection.interval, total - self._iteration)
             self._runner.current_learning_iteration = self._iteration
-            anneal(self._runner.alg, self._task.train.ppo, self._iteration / total)
             self._runner.learn(chunk)
             self._iteration += chunk
             score = self._check()

@@ -83,19 +83,6 @@ class NetworkConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
-class AnnealConfig:
-    """Smaller and less random updates towards the end of a training.
-
-    After ``start`` (share of the iterations; 1: never) both values go linearly to these; they
-    change when the policy is checked (``selection.interval``).
-    """
-
-    start: float
-    desired_kl: float
-    entropy_coefficient: float
-
-
-@dataclass(frozen=True, config=STRICT)
 class PpoConfig:
     """Proximal policy optimisation with generalised advantage estimation."""
 
@@ -109,7 +96,6 @@ class PpoConfig:
     lam: float
     value_coefficient: float
     entropy_coefficient: float
-    anneal: AnnealConfig
     max_grad_norm: float
     precision: str
     symmetry: str

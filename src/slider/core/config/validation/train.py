@@ -2,7 +2,6 @@
 
 from slider.core.config.env import EnvConfig
 from slider.core.config.train import (
-    AnnealConfig,
     CommandConfig,
     CurriculumConfig,
     TrainConfig,
@@ -38,7 +37,6 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     _symmetry(train, env, f"{key}.ppo")
     one_of(f"{key}.ppo.precision", train.ppo.precision, ("auto", "float32", "bfloat16"))
     one_of(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
-    _anneal(train.ppo.anneal, f"{key}.ppo.anneal")
     _mini_batches(train, f"{key}.ppo.mini_batches")
     some(f"{key}.network.hidden", train.network.hidden, "layer")
     some(f"{key}.reward.terms", train.reward.terms, "term")
@@ -64,12 +62,6 @@ def _symmetry(train: TrainConfig, env: EnvConfig, key: str) -> None:
     possible = symmetry == "none" or not env.phase.mirror
     expected = "none where env.phase.mirror shows the network left stance only"
     require(possible, f"{key}.symmetry", expected, symmetry)
-
-
-def _anneal(anneal: AnnealConfig, key: str) -> None:
-    share(f"{key}.start", anneal.start)
-    positive(f"{key}.desired_kl", anneal.desired_kl)
-    at_least(f"{key}.entropy_coefficient", anneal.entropy_coefficient, 0)
 
 
 def _mini_batches(train: TrainConfig, key: str) -> None:

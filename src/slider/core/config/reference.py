@@ -15,6 +15,7 @@ from slider.core.config.schema import Config
 _BASES = ("base.yaml", "default.yaml")  # their comments are about the defaults, and win
 _LIKE = {  # keys that are explained once
     "train.standing.": "train.walking.",
+    "control.observer.": "control.tuned.",
     "control.literal.": "control.",
     "control.tuned.": "control.",
 }

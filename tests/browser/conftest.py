@@ -12,7 +12,7 @@ from tests.workflow.workspace import Workspace
 from tests.workflow.workspace import finished as finished_pipeline
 
 CANDIDATES = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE = 120.0  # for anything to happen on a busy machine [s]
+PATIENCE = 300.0  # for anything to happen on a busy machine [s]
 FINISHED = "SLIDER_FINISHED"  # folder of a finished pipeline, to look at instead of a tiny one
 
 

@@ -12,6 +12,7 @@ from tests.workflow.workspace import Workspace
 from tests.workflow.workspace import finished as finished_pipeline
 
 CANDIDATES = ("chromium", "chromium-browser", "google-chrome")
+PATIENCE = 300.0  # for anything to happen on a busy machine [s]
 FINISHED = "SLIDER_FINISHED"  # folder of a finished pipeline, to look at instead of a tiny one
 
 
@@ -57,6 +58,7 @@ def visit(browser):
         contexts.append(context)
         visit = Visit(context.new_page())
         page = visit.page
+        page.set_default_timeout(1000 * PATIENCE)
         page.on("console", lambda m: m.type == "error" and visit.complaints.append(m.text))
         page.on("pageerror", lambda error: visit.complaints.append(str(error)))
         page.on("request", lambda request: visit.requests.append(request.url))

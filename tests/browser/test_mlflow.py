@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import pytest
 
+from tests.browser.conftest import PATIENCE
+
 pytestmark = pytest.mark.workflow
 
-PATIENCE = 120.0  # for the server to answer [s]
 # Its workers for jobs (evaluations by language models) are seven more imports of MLflow.
 SETTINGS = {"MLFLOW_DISABLE_TELEMETRY": "true", "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
 
@@ -48,7 +49,7 @@ def server(finished):
         yield Server(address, {name: run for name, run, _ in rows}, str(rows[-1][2]))
     finally:
         process.terminate()
-        assert process.wait(30) == 0
+        assert process.wait(PATIENCE) == 0
 
 
 def _free_port() -> int:
@@ -71,7 +72,7 @@ def _wait_for(address: str) -> None:
 def test_lists_the_pipeline_run_with_its_children(server, visit):
     found = visit(f"{server.address}/#/experiments/{server.experiment}/runs")
     page = found.page
-    page.get_by_role("link", name="pipeline").first.wait_for(timeout=60_000)
+    page.get_by_role("link", name="pipeline").first.wait_for()
     rows = page.get_by_role("row")
     before = rows.count()
     # The latest pipeline run stands first; a click on its plus shows its children.
@@ -84,14 +85,14 @@ def test_lists_the_pipeline_run_with_its_children(server, visit):
 def test_opens_a_learning_curve(server, visit):
     run = f"{server.address}/#/experiments/{server.experiment}/runs/{server.runs['walking']}"
     page = visit(f"{run}/model-metrics").page
-    page.locator(".js-plotly-plot .main-svg").first.wait_for(timeout=60_000)
+    page.locator(".js-plotly-plot .main-svg").first.wait_for()
     assert page.locator(".js-plotly-plot").count() >= 2
 
 
 def test_links_a_run_to_its_result_by_a_path_that_survives_a_move(server, visit, finished):
     run = f"{server.address}/#/experiments/{server.experiment}/runs/{server.runs['table 1']}"
     page = visit(run).page
-    page.get_by_text("table1.csv").first.wait_for(timeout=60_000)
+    page.get_by_text("table1.csv").first.wait_for()
     with closing(sqlite3.connect(finished.artefacts / "mlflow.db")) as connection:
         (path,) = connection.execute(
             "SELECT value FROM tags WHERE key = 'object.path' AND run_uuid = ?",

@@ -1,8 +1,12 @@
 """The page as its reader meets it, in a browser."""
 
 import csv
+import time
+from itertools import cycle
 
 import pytest
+
+from tests.browser.conftest import PATIENCE
 
 pytestmark = pytest.mark.workflow
 
@@ -11,7 +15,7 @@ pytestmark = pytest.mark.workflow
 def opened(finished, visit):
     def open_report(scheme="light"):
         found = visit((finished.folder / "reports" / "index.html").as_uri(), scheme)
-        found.page.wait_for_selector("html[data-ready=true]", timeout=60_000)
+        found.page.wait_for_selector("html[data-ready=true]")
         return found
 
     return open_report
@@ -69,14 +73,13 @@ def test_hovering_a_gait_draws_its_limit_cycle(opened):
     points = page.locator("#gait-map .scatterlayer .point")
     points.first.scroll_into_view_if_needed()
     # The gait drawn at first may be the first or the last one, not both.
-    for index in (0, points.count() - 1):
-        box = points.nth(index).bounding_box()
+    ends, deadline = cycle((0, points.count() - 1)), time.monotonic() + PATIENCE
+    while page.locator("#gait-map-shown").inner_text() == shown:
+        assert time.monotonic() < deadline
+        box = points.nth(next(ends)).bounding_box()
         page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, steps=4)
         page.wait_for_timeout(500)
-        if page.locator("#gait-map-shown").inner_text() != shown:
-            break
-    assert page.locator("#gait-map-shown").inner_text() != shown
-    assert page.evaluate(curve) != before
+    page.wait_for_function(f"before => {curve} !== before", arg=before)
 
 
 def test_a_video_plays(opened):
@@ -99,16 +102,20 @@ def test_follows_the_theme_of_the_reader(opened, scheme):
         )
         return sum(colour) / (3 * 255)
 
-    def is_dark():
-        ground = brightness("body", "backgroundColor")
-        text = brightness(".chart .xtick text", "fill")
-        assert abs(ground - text) > 0.5  # legible
-        return ground < 0.5
+    def becomes(dark):
+        """Whether the page and the text of a chart take these colours, so that it is legible."""
+        deadline = time.monotonic() + PATIENCE
+        while time.monotonic() < deadline:
+            ground = brightness("body", "backgroundColor")
+            text = brightness(".chart .xtick text", "fill")
+            if (ground < 0.5) == dark and abs(ground - text) > 0.5:
+                return True
+            page.wait_for_timeout(200)
+        return False
 
-    assert is_dark() == (scheme == "dark")
+    assert becomes(dark=scheme == "dark")
     page.locator("#theme").click()
-    page.wait_for_timeout(1000)
-    assert is_dark() == (scheme == "light")
+    assert becomes(dark=scheme == "light")
 
 
 def test_fits_a_laptop(opened):

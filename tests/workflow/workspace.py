@@ -144,7 +144,6 @@ class Workspace:
             env=self._environment(environment),
             capture_output=True,
             text=True,
-            timeout=300,
             check=False,
         )
 

@@ -11,6 +11,7 @@ from slider.reports.figures.style import DARK, new_figure
 
 _LEAST_ERROR = 1e-4  # shown [m²/s²]: a robot that stands has nearly none
 _DASHES = ("-", "--", "-.", ":")
+_MARGIN = 0.15  # [inch]; the layout does not see the labels of the logarithmic axis
 
 
 def draw(rows: Sequence[Mapping[str, str | float]]) -> Figure:
@@ -28,6 +29,8 @@ def draw(rows: Sequence[Mapping[str, str | float]]) -> Figure:
     speeds.legend(loc="upper left")
     rates.set(ylabel="share of robots", ylim=(-0.04, 1.04))
     errors.set(ylabel="MSE [m²/s²]", yscale="log", xlabel="commanded speed [m/s]")
+    figure.align_ylabels()
+    figure.set_layout_engine("constrained", w_pad=_MARGIN)
     errors.set_ylim(bottom=_LEAST_ERROR)
     errors.yaxis.set_major_formatter("{x:g}")
     return figure

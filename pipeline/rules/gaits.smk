@@ -1,13 +1,4 @@
-# The functions that all gaits share, one eHZD gait per commanded velocity, and the library.
-
-
-rule problem:
-    output:
-        "artefacts/problem/{recipe}.json",
-    log:
-        "artefacts/logs/problem/{recipe}.log",
-    shell:
-        "{PIPELINE.run} {wildcards.recipe}"
+# One eHZD gait per commanded velocity, and the library.
 
 
 rule gait:

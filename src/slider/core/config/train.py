@@ -65,9 +65,15 @@ class RewardConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ResetConfig:
-    """Share of episodes that start on the reference gait instead of at rest."""
+    """How episodes start.
+
+    Attributes:
+        reference_fraction: share that starts on the reference gait; the others start at rest.
+        rest_phase: clock of those at rest, ``any``: uniformly drawn, ``start``: env.phase.start.
+    """
 
     reference_fraction: float
+    rest_phase: str
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -71,7 +71,7 @@ class AgentInterface:
         self,
         index: np.ndarray,
         state: RobotState,
-        phase: np.ndarray | None = None,
+        phase: np.ndarray | float | None = None,
         velocity: np.ndarray | float = 0.0,
     ) -> None:
         """Forget the past of robots ``index``; they head where they look.
@@ -79,7 +79,7 @@ class AgentInterface:
         Args:
             index: robots to reset.
             state: of all robots, after their reset.
-            phase: start of the clock (n,); none: ``env.phase.start``.
+            phase: start of the clock, (n,) or one for all; none: ``env.phase.start``.
             velocity: start of the velocity filter (n, 2) [m/s], or one value for all.
         """
         self.action[index] = 0.0

@@ -48,14 +48,13 @@ def test_every_option_composes(option):
         ("gait.grid.vx.stop=-1.0", "gait.grid.vx: expected start ≤ stop"),
         ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
         ("env.physics.timestep=-0.005", "env.physics.timestep: expected a positive value"),
-        ("env.phase.start=1.0", "env.phase.start: expected a phase in [0, 1), found 1.0"),
         (
             "train.walking.reset.reference_fraction=1.1",
             "train.walking.reset.reference_fraction: expected a share in [0, 1], found 1.1",
         ),
         (
-            "train.walking.reset.rest_phase=later",
-            "train.walking.reset.rest_phase: expected one of any, start, found later",
+            "train.walking.ppo.averaging=1.0",
+            "train.walking.ppo.averaging: expected a share in [0, 1), found 1.0",
         ),
         ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
         ("control.tuned.substeps=2", "control.tuned.substeps: expected a control rate of at least"),

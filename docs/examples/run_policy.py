@@ -29,8 +29,7 @@ class Policy:
             np.array([joint[key] for joint in joints])
             for key in ("nominal", "scale", "lower", "upper")
         )
-        clock = self.layout["clock"]
-        self.phase = 0.0 if clock is None else clock["start"]
+        self.phase = 0.0
         self.command = np.zeros(3)
         self.action = self.earlier_action = np.zeros(len(joints))
         self.filtered = np.zeros(2)

@@ -47,15 +47,6 @@ def test_the_same_action_in_right_stance_gives_mirrored_targets():
     assert np.abs(expected - left.act(action.copy())).max() > 0.05
 
 
-def test_the_clock_starts_where_it_is_told():
-    agent = make_agent(2, "env.phase.start=0.3")
-    assert agent.clock is not None
-    agent.reset(np.arange(2), make_state(2))
-    np.testing.assert_array_equal(agent.clock.phase, 0.3)
-    agent.reset(np.array([1]), make_state(2), phase=0.0)
-    np.testing.assert_array_equal(agent.clock.phase, [0.3, 0.0])
-
-
 def test_without_a_mirror_phase_does_not_matter():
     action = np.random.default_rng(0).uniform(-1, 1, (3, NUM_JOINTS))
     agent = make_agent(3, "env.phase.mirror=false")

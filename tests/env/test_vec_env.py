@@ -176,23 +176,6 @@ def test_starts_on_the_reference(share, spread):
     assert not state.base_position[:, :2].any()
 
 
-@pytest.mark.parametrize(("choice", "phases"), [("start", 1), ("any", NUM_ENVS)])
-def test_clock_of_starts_at_rest(choice, phases):
-    overrides = ("reference_fraction=0.0", f"rest_phase={choice}")
-    whole = settings("experiment=test", *(f"train.walking.reset.{o}" for o in overrides))
-    clock = build(whole)._agent.clock
-    assert clock is not None
-    assert len(np.unique(clock.phase)) == phases
-    if choice == "start":
-        assert clock.phase[0] == whole.env.phase.start
-
-
-def test_starts_on_the_gait_have_any_phase():
-    env = build(settings("experiment=test", "train.walking.reset.reference_fraction=1.0"))
-    assert env._agent.clock is not None
-    assert len(np.unique(env._agent.clock.phase)) == NUM_ENVS
-
-
 def test_same_seed_same_episodes():
     runs = []
     for seed in (0, 0, 1):

@@ -58,7 +58,7 @@ def trained(work: Path, **changes) -> Trainer:
 
 
 def actor(trainer: Trainer) -> dict[str, torch.Tensor]:
-    return {k: v.clone() for k, v in trainer._runner.alg.get_policy().state_dict().items()}
+    return {k: v.clone() for k, v in trainer._algorithm.get_policy().state_dict().items()}
 
 
 def same(one: Mapping[str, torch.Tensor], other: Mapping[str, torch.Tensor]) -> bool:
@@ -130,7 +130,7 @@ def test_the_checkpoint_restores_networks_and_optimiser(tmp_path):
     assert not same(actor(first), actor(second))
     second._resume()
     assert same(actor(first), actor(second))
-    one, other = (t._runner.alg.save() for t in (first, second))
+    one, other = (t._algorithm.save() for t in (first, second))
     assert same(one["critic_state_dict"], other["critic_state_dict"])
     moments = [content["optimizer_state_dict"]["state"][0]["exp_avg"] for content in (one, other)]
     assert moments[0].abs().max() > 0
@@ -221,7 +221,7 @@ def test_start_from_copies_weights_but_not_the_noise(tmp_path):
         expected = initial[name] if name in noise else saved["actor_state_dict"][name]
         assert torch.equal(value, expected), name
     assert any("obs_normalizer" in name for name in after)
-    assert same(walking._runner.alg.save()["critic_state_dict"], saved["critic_state_dict"])
+    assert same(walking._algorithm.save()["critic_state_dict"], saved["critic_state_dict"])
 
 
 def test_the_best_policy_is_exported_not_the_last(tmp_path):
@@ -232,7 +232,7 @@ def test_the_best_policy_is_exported_not_the_last(tmp_path):
     weights = []
     for _ in range(3):
         with torch.no_grad():
-            for parameter in trainer._runner.alg.get_policy().mlp.parameters():
+            for parameter in trainer._algorithm.get_policy().mlp.parameters():
                 parameter.add_(0.01)
         trainer._check()
         weights.append(actor(trainer))
@@ -241,6 +241,50 @@ def test_the_best_policy_is_exported_not_the_last(tmp_path):
     exported = load_policy(tmp_path / POLICY).network
     assert torch.equal(exported.mlp[0].weight, weights[1]["mlp.0.weight"])
     assert not torch.equal(exported.mlp[0].weight, weights[2]["mlp.0.weight"])
+
+
+@pytest.mark.parametrize("averaging", [0.0, 0.9])
+def test_the_average_of_the_actor_is_exported(tmp_path, averaging):
+    """Weights after each update enter an average, which is what is judged, kept and resumed."""
+    ppo = replace(config(*TINY).train.walking.ppo, averaging=averaging)
+    trainer = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
+    seen, update = [], trainer._algorithm.update
+
+    def watched():
+        losses = update()
+        seen.append(actor(trainer))
+        return losses
+
+    trainer._algorithm.update = watched  # type: ignore
+    trainer.run()
+    expected = seen[0]
+    for later in seen[1:]:
+        expected = {k: averaging * v + (1 - averaging) * later[k] for k, v in expected.items()}
+    found = trainer._algorithm.averaged_actor.state_dict()
+    for name in ("mlp.0.weight", "mlp.4.bias", "obs_normalizer._mean"):
+        torch.testing.assert_close(found[name], expected[name])
+    assert same(found, actor(trainer)) == (averaging == 0.0)
+    resumed = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
+    resumed._resume()
+    assert same(resumed._algorithm.averaged_actor.state_dict(), found)
+
+
+def test_the_average_does_not_change_the_learning(tmp_path):
+    settings = config(*TINY).train.walking.ppo
+    runs = [
+        trained(tmp_path / str(share), iterations=2, ppo=replace(settings, averaging=share))
+        for share in (0.0, 0.9)
+    ]
+    assert same(actor(runs[0]), actor(runs[1]))
+
+
+def test_checks_do_not_change_the_learning(tmp_path):
+    selection = config(*TINY).train.walking.selection
+    runs = [
+        trained(tmp_path / str(k), iterations=4, selection=replace(selection, interval=k))
+        for k in (1, 2)
+    ]
+    assert same(actor(runs[0]), actor(runs[1]))
 
 
 def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):

@@ -27,7 +27,7 @@ class PolicyController:
         self._velocity = agent.command[:, :3].copy()
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew with the clocks at ``env.phase.start``, commanded to ``velocity`` (N, 3)."""
+        """Start anew with clocks at zero (left stance), commanded to ``velocity`` (N, 3)."""
         self.command(velocity)
         self._agent.set_velocity_command(self._everyone, velocity)
         self._agent.reset(self._everyone, state)

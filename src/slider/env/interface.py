@@ -71,7 +71,7 @@ class AgentInterface:
         self,
         index: np.ndarray,
         state: RobotState,
-        phase: np.ndarray | float | None = None,
+        phase: np.ndarray | float = 0.0,
         velocity: np.ndarray | float = 0.0,
     ) -> None:
         """Forget the past of robots ``index``; they head where they look.
@@ -79,7 +79,7 @@ class AgentInterface:
         Args:
             index: robots to reset.
             state: of all robots, after their reset.
-            phase: start of the clock, (n,) or one for all; none: ``env.phase.start``.
+            phase: start of the clock, (n,) or one for all.
             velocity: start of the velocity filter (n, 2) [m/s], or one value for all.
         """
         self.action[index] = 0.0
@@ -87,7 +87,7 @@ class AgentInterface:
         self.filtered_velocity[index] = velocity
         self.heading_target[index] = state.yaw[index]
         if self.clock is not None:
-            self.clock.phase[index] = self._config.phase.start if phase is None else phase
+            self.clock.phase[index] = phase
 
     def set_velocity_command(self, index: np.ndarray, velocity: np.ndarray) -> None:
         """Command vx, vy [m/s] and yaw rate [rad/s], (n, 3), to robots ``index``."""

@@ -157,8 +157,6 @@ class WalkingEnv(VecEnv):
         self._agent.set_velocity_command(index, self._draw_commands(count))
         phase = rng.uniform(size=count) if self._agent.clock is not None else np.zeros(count)
         on_gait = self._choose_reference_starts(count)
-        if self._train.reset.rest_phase == "start":
-            phase[~on_gait] = self._config.phase.start
         qpos, qvel = at_rest(self._robot, self._config.start, rng, count)
         velocity = np.zeros((count, 2))
         if on_gait.any():

@@ -6,6 +6,7 @@ import torch
 
 from slider.core.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
+from slider.training.averaging import AveragingPPO
 from slider.training.log_writer import TrackerLogWriter
 from slider.training.symmetry import symmetry_config
 
@@ -58,7 +59,8 @@ def _distribution(network: NetworkConfig) -> dict[str, Any]:
 def _algorithm(train: TrainConfig) -> dict[str, Any]:
     ppo = train.ppo
     return {
-        "class_name": "PPO",
+        "class_name": AveragingPPO,
+        "averaging": ppo.averaging,
         "num_learning_epochs": ppo.epochs,
         "num_mini_batches": ppo.mini_batches,
         "clip_param": ppo.clip,

@@ -4,7 +4,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -20,6 +20,7 @@ from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
+from slider.training.averaging import AveragingPPO
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.selection import Score, Selector
 
@@ -29,6 +30,7 @@ POLICY = "policy.pt"
 WEIGHTS = "weights.pt"
 SELECTION = "selection.csv"
 CURVE = "learning_curve.csv"
+_RESUMED = ("actor", "critic", "optimizer", "average")
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,7 @@ class Trainer:
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
+        self._algorithm = cast(AveragingPPO, self._runner.alg)
         self._shrink_first_actions()
         self._selector = Selector(
             task.robot,
@@ -78,16 +81,16 @@ class Trainer:
 
     def _shrink_first_actions(self) -> None:
         with torch.no_grad():
-            last = list(self._runner.alg.get_policy().mlp.parameters())[-2]  # weight, then bias
+            last = list(self._algorithm.get_policy().mlp.parameters())[-2]  # weight, then bias
             last.mul_(self._task.train.network.output_scale)
 
     def start_from(self, weights: Path) -> None:
         """Initialise actor, critic and normalisers; the action noise starts anew."""
         content = torch.load(weights, weights_only=True)
-        own = self._runner.alg.get_policy().state_dict()
+        own = self._algorithm.get_policy().state_dict()
         noise = {k: v for k, v in own.items() if k.startswith("distribution.")}
         content["actor_state_dict"] = {**content["actor_state_dict"], **noise}
-        self._runner.alg.load(content, {"actor": True, "critic": True}, strict=True)
+        self._algorithm.load(content, {"actor": True, "critic": True}, strict=True)
 
     def run(self) -> None:
         """Train up to the configured number of iterations, resuming where a killed job was."""
@@ -109,13 +112,13 @@ class Trainer:
 
     def _check(self) -> Score:
         """Judge the current policy; remember it if it is the best so far."""
-        actor = self._runner.alg.get_policy()
-        network = self._network(actor.state_dict())
+        actor = self._algorithm.averaged_actor.state_dict()
+        network = self._network(actor)
         score = self._selector.score(network)
         self._history.append({"iteration": self._iteration, **asdict(score)})
         if not self._best or score.value <= self._best["score"]["value"]:
-            state = self._runner.alg.save()
-            weights = {k: _copy(state[k]) for k in ("actor_state_dict", "critic_state_dict")}
+            critic = self._algorithm.save()["critic_state_dict"]
+            weights = {"actor_state_dict": _copy(actor), "critic_state_dict": _copy(critic)}
             self._best = {"score": asdict(score), "iteration": self._iteration, "weights": weights}
         metrics = {f"selection/{name}": value for name, value in asdict(score).items()}
         self._job.tracker.log_metrics(metrics, self._iteration)
@@ -137,7 +140,7 @@ class Trainer:
 
     def _save_checkpoint(self) -> None:
         content = {
-            **self._runner.alg.save(),
+            **self._algorithm.save(),
             "iteration": self._iteration,
             "best": self._best,
             "history": self._history,
@@ -155,7 +158,7 @@ class Trainer:
         if not path.exists():
             return
         content = torch.load(path, weights_only=True)
-        self._runner.alg.load(content, {"actor": True, "critic": True, "optimizer": True}, True)
+        self._algorithm.load(content, dict.fromkeys(_RESUMED, True), True)
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]

@@ -15,11 +15,11 @@ from slider.env.interface import AgentInterface
 from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN
 
 FORMAT = "slider-policy-layout"
-VERSION = 2
+VERSION = 1
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
-    "start: phase = clock.start, previous action = 0, filtered velocity = 0, heading target = yaw",
+    "start: clock.phase = 0, previous action = 0, filtered velocity = 0, heading target = yaw",
     "every control_period, from the second step on: advance the clock, the heading target and the "
     "velocity filter with the present state and the command of the period that is over",
     "mirrored = clock.mirror and phase >= 0.5 (right stance); never without a clock",
@@ -154,7 +154,6 @@ def _clock(policy: Policy) -> dict[str, Any] | None:
         return None
     return {
         "mirror": policy.env.phase.mirror,
-        "start": policy.env.phase.start,
         "halt": policy.env.phase.halt,
         "halting": "if halt, a command of zeros does not carry the phase past the next change of "
         "feet (0 or 0.5), where it stays",

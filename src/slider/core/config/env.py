@@ -72,14 +72,12 @@ class StartNoise:
 class PhaseConfig:
     """Clock that runs through the two steps of a walk; ``mirror`` shows left stance only.
 
-    ``step_time`` [s] fixes its pace; at 0 it has the step times of the gait library. ``start`` in
-    [0, 1) is its phase when a controller takes over.
+    ``step_time`` [s] fixes its pace; at 0 it has the step times of the gait library.
     """
 
     enabled: bool
     mirror: bool
     step_time: float
-    start: float
     halt: bool
 
 

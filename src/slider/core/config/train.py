@@ -65,15 +65,9 @@ class RewardConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ResetConfig:
-    """How episodes start.
-
-    Attributes:
-        reference_fraction: share that starts on the reference gait; the others start at rest.
-        rest_phase: clock of those at rest, ``any``: uniformly drawn, ``start``: env.phase.start.
-    """
+    """Share of episodes that start on the reference gait instead of at rest."""
 
     reference_fraction: float
-    rest_phase: str
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -90,7 +84,11 @@ class NetworkConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class PpoConfig:
-    """Proximal policy optimisation with generalised advantage estimation."""
+    """Proximal policy optimisation with generalised advantage estimation.
+
+    ``averaging`` is the share of the old average of the actor that an update leaves; the average
+    is what is exported.
+    """
 
     learning_rate: float
     schedule: str
@@ -106,6 +104,7 @@ class PpoConfig:
     precision: str
     symmetry: str
     symmetry_weight: float
+    averaging: float
 
 
 @dataclass(frozen=True, config=STRICT)

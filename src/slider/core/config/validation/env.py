@@ -10,7 +10,6 @@ def check_env(env: EnvConfig) -> None:
     _physics(env)
     _action(env)
     at_least("env.phase.step_time", env.phase.step_time, 0.0)
-    require(0 <= env.phase.start < 1, "env.phase.start", "a phase in [0, 1)", env.phase.start)
     positive("env.observation.clip", env.observation.clip)
     some("env.observation.terms", env.observation.terms, "term")
     possible = env.phase.enabled or not (env.phase.mirror or env.phase.halt)

@@ -37,11 +37,12 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     _symmetry(train, env, f"{key}.ppo")
     one_of(f"{key}.ppo.precision", train.ppo.precision, ("auto", "float32", "bfloat16"))
     one_of(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
+    averaging = train.ppo.averaging
+    require(0 <= averaging < 1, f"{key}.ppo.averaging", "a share in [0, 1)", averaging)
     _mini_batches(train, f"{key}.ppo.mini_batches")
     fraction = train.reset.reference_fraction
     expected = "a share in [0, 1]"
     require(0 <= fraction <= 1, f"{key}.reset.reference_fraction", expected, fraction)
-    one_of(f"{key}.reset.rest_phase", train.reset.rest_phase, ("any", "start"))
     some(f"{key}.network.hidden", train.network.hidden, "layer")
     some(f"{key}.reward.terms", train.reward.terms, "term")
     all_at_least(key, train, ("selection.robots", "selection.interval"), 1)

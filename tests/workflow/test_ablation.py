@@ -75,6 +75,19 @@ def test_a_run_that_is_the_pipeline_s_own_is_not_repeated():
     assert ablation(*settings).inputs["walking"][0].recipe == own
 
 
+def test_the_seeds_are_those_of_table_1():
+    """Seed 1 is the pipeline's own policy, with its own evaluations."""
+    given = ["ablation=seeds"]
+    config = compose(given, CONF)
+    own = table1_jobs(config)
+    seeds = ablation_job(config, own["library"], given, CONF)
+    assert seeds.inputs["walking"][0].recipe == own["walking"].recipe
+    rows = {job.recipe for job in own["table1"].inputs["evaluations"]}
+    found = [job.recipe for job in seeds.inputs["evaluations"]]
+    assert set(found[:7]) <= rows
+    assert len(set(found)) == 3 * 7
+
+
 def test_all_variants_train_on_as_many_samples():
     """Whatever the batch of an iteration; the paper's has another size."""
     job = ablation(

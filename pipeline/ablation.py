@@ -64,7 +64,7 @@ def _compose(name: str, variant: VariantConfig, overrides: Sequence[str], conf: 
 
 
 def _with_budget(config: Config, settings: AblationConfig, seed: int) -> Config:
-    """One seed of a variant with the samples and the protocol of the ablation."""
+    """One seed of a variant with the samples and the protocol of the ablation, not fine-tuned."""
     train = replace(
         config.train,
         standing=_trained(config.train.standing, settings.pretraining_samples, settings, seed),
@@ -77,7 +77,7 @@ def _with_budget(config: Config, settings: AblationConfig, seed: int) -> Config:
         trials=settings.trials,
         robots=settings.robots,
     )
-    return replace(config, train=train, evaluation=evaluation)
+    return replace(config, train=train, finetuning=None, evaluation=evaluation)
 
 
 def _trained(train: TrainConfig, samples: int, settings: AblationConfig, seed: int) -> TrainConfig:

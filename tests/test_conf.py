@@ -36,6 +36,8 @@ def test_every_option_composes(option):
         ("report.sections=[sweep,sweep]", "report.sections: expected each section once"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
+        ("finetuning=nope", "unknown option finetuning=nope, expected one of: robust"),
+        ("env.action.clip=${nothing}", "Interpolation key 'nothing' not found"),
         ("experiment=nope", "unknown option experiment=nope, expected one of: commands"),
         ("+gait.extra=3", "gait.extra"),
         ("gait.nodes=many", "'gait.nodes': Input should be a valid integer, found 'many'"),

@@ -15,7 +15,7 @@ from slider.core.plan import JobSpec
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     """The page; its sections say what it needs."""
     available = _available(targets) | {"videos": _videos(config, targets["walking"])}
-    absent = () if config.train.pretraining else ("standing",)
+    absent = {"standing", "untuned"} - targets.keys()
     names = [name for section in config.report.sections for name in SECTION_INPUTS[section]]
     inputs = {name: available[name] for name in dict.fromkeys(names) if name not in absent}
     section = {

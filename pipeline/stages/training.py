@@ -5,41 +5,52 @@ from pipeline.stages.sections import origin, simulation
 from slider.core.config.convert import to_dict
 from slider.core.config.library_use import uses_library
 from slider.core.config.schema import Config
+from slider.core.config.train import TrainConfig
 from slider.core.plan import JobSpec
 
 
 def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str, JobSpec]:
-    """``standing``, where the configuration wants it, and ``walking``.
+    """``standing``, where the configuration wants it, and ``walking``, the policy.
+
+    With a fine-tuning ``walking`` is that, and the training before it is ``untuned``.
 
     Args:
         config: of the trainings.
         library: for those that need it.
         note: added to the labels.
     """
-    if not config.train.pretraining:
-        return {"walking": walking_training(config, library, None, note)}
-    standing = standing_training(config, library, note)
-    return {"standing": standing, "walking": walking_training(config, library, standing, note)}
+    train, jobs = config.train, {}
+    if train.pretraining:
+        jobs["standing"] = _job(config, "standing", f"standing{note}", train.standing, library)
+    jobs["walking"] = _job(
+        config, "walking", f"walking{note}", train.walking, library, jobs.get("standing")
+    )
+    if config.finetuning is not None:
+        jobs["untuned"] = jobs["walking"]
+        jobs["walking"] = _job(
+            config, "walking", f"fine-tuning{note}", config.finetuning, library, jobs["untuned"]
+        )
+    return jobs
 
 
-def standing_training(config: Config, library: JobSpec, note: str = "") -> JobSpec:
-    """Pre-training; of the library it needs the step times of the clock at most."""
-    train = config.train.standing
-    section = simulation(config) | {"train": to_dict(train)}
-    inputs = {"library": [library]} if uses_library(config.env, train) else {}
-    return job("standing", f"standing{note}", section, inputs)
-
-
-def walking_training(
-    config: Config, library: JobSpec, standing: JobSpec | None, note: str = ""
+def _job(
+    config: Config,
+    stage: str,
+    label: str,
+    train: TrainConfig,
+    library: JobSpec,
+    start: JobSpec | None = None,
 ) -> JobSpec:
-    """Training from the standing policy and guided by the library, where there are these."""
-    train = config.train.walking
+    """A training from the weights of another, with the library where it uses any of it.
+
+    Of the library the pre-training takes the step times of the clock at most. A fine-tuning is the
+    stage ``walking`` again: its ``standing``, the weights to start from, are those of a walk.
+    """
     section = simulation(config) | {"train": to_dict(train)}
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
-    if standing is not None:
-        inputs["standing"] = [standing]
-    return job("walking", f"walking{note}", section, inputs)
+    if start is not None:
+        inputs["standing"] = [start]
+    return job(stage, label, section, inputs)
 
 
 def policy_export(walking: JobSpec) -> JobSpec:

@@ -14,7 +14,7 @@ from slider.training.stage import _task, run_walking
 from slider.training.trainer import POLICY
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
-from tests.training.test_trainer import TINY
+from tests.training.test_trainer import TINY, same
 
 ALONE = (
     "env/phase=fixed",
@@ -64,6 +64,37 @@ def test_trains_with_neither_library_nor_standing_policy(tmp_path):
     assert policy.times is not None
     pace = config(*ALONE).env.phase.step_time
     np.testing.assert_array_equal(policy.times.at(np.array([0.0, 2.0]), np.zeros(2)), pace)
+
+
+def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
+    """Without an iteration of its own it hands the policy on; with one it learns."""
+    folders = {name: tmp_path / name for name in ("walking", "same", "tuned")}
+    for folder in folders.values():
+        folder.mkdir()
+    inputs = {"library": [library]}
+    run_walking(section("train.walking.iterations=1"), inputs, folders["walking"], Job(tmp_path))
+    inputs["standing"] = [folders["walking"]]
+    for name, iterations in {"same": 0, "tuned": 1}.items():
+        whole = config(*TINY, "finetuning=robust", *_tiny_finetuning(iterations))
+        assert whole.finetuning is not None
+        assert whole.finetuning.disturbance.push.speed > 0
+        tuning = {**section(), "train": to_dict(whole.finetuning)}
+        run_walking(tuning, inputs, folders[name], Job(tmp_path / f"work_{name}"))
+    weights = {n: load_policy(f / POLICY).network.state_dict() for n, f in folders.items()}
+    assert same(weights["walking"], weights["same"])
+    assert not same(weights["walking"], weights["tuned"])
+
+
+def _tiny_finetuning(iterations: int) -> list[str]:
+    values = {
+        "iterations": iterations,
+        "num_envs": 8,
+        "steps_per_iteration": 8,
+        "selection.robots": 1,
+        "selection.duration": 0.2,
+        "selection.skip": 0.1,
+    }
+    return [f"finetuning.{name}={value}" for name, value in values.items()]
 
 
 def test_a_guide_without_a_library_is_refused(tmp_path):

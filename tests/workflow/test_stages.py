@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.ablation import ablation_job
 from pipeline.stages import all_jobs, entries, table1_jobs
 from pipeline.stages.gaits import velocities
 from pipeline.stages.page import report
@@ -158,6 +159,32 @@ def test_only_a_table_of_a_guided_policy_waits_for_the_library():
     assert set(baseline.inputs) == {"evaluations"}
     assert not any(job.inputs for job in baseline.inputs["evaluations"])
     assert set(jobs_of(*ALONE)["table1"].inputs) == {"evaluations"}
+
+
+def test_a_fine_tuning_follows_the_walking_training():
+    """Its policy is what everything after it uses; the training before it is the shared one."""
+    plain, tuned = jobs_of(), jobs_of("finetuning=robust")
+    assert "untuned" not in plain
+    assert tuned["untuned"].recipe == plain["walking"].recipe
+    assert tuned["walking"].inputs["standing"] == [tuned["untuned"]]
+    assert tuned["walking"].recipe != plain["walking"].recipe
+    for evaluation in tuned["table1"].inputs["evaluations"]:
+        assert evaluation.inputs.get("walking", [tuned["walking"]]) == [tuned["walking"]]
+    config = compose(["experiment=test", "finetuning=robust", "report.video.renderer=none"], CONF)
+    inputs = report(config, all_jobs(config)).inputs
+    assert [job.label for job in (*inputs["untuned"], *inputs["walking"])] == [
+        "walking",
+        "fine-tuning",
+    ]
+
+
+def test_the_ablation_is_not_fine_tuned():
+    overrides = ["experiment=test", "finetuning=robust"]
+    config = compose(overrides, CONF)
+    compared = ablation_job(config, jobs_of()["library"], overrides, CONF)
+    for walking in compared.inputs["walking"]:
+        assert walking.inputs.get("standing", []) != [jobs_of()["walking"]]
+        assert walking.section["train"]["disturbance"]["push"]["speed"] == 0
 
 
 def test_without_pretraining_the_page_does_without_it():

@@ -1,5 +1,6 @@
 """The stage ``report``: one self-contained page about everything."""
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -36,11 +37,17 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def _facts(configuration: Mapping[str, Any]) -> dict[str, str]:
     """What a reader wants to know before anything else."""
-    evaluation, walking = configuration["evaluation"], configuration["train"]["walking"]
-    samples = walking["iterations"] * walking["num_envs"] * walking["steps_per_iteration"]
+    evaluation = configuration["evaluation"]
+    trainings = (configuration["train"]["walking"], configuration["finetuning"] or {})
+    samples = sum(map(_samples, trainings))
     return {
         "controllers": " · ".join(map(label, evaluation["controllers"])),
         "commands": ", ".join(map(speed, evaluation["commands"])) + " m/s",
         "robots per command": f"{evaluation['trials']} trials × {evaluation['robots']}",
         "training": f"{samples / 1e6:.1f} million control steps",
     }
+
+
+def _samples(train: Mapping[str, Any]) -> int:
+    """Control steps of a training, or of none."""
+    return math.prod(train.get(n, 0) for n in ("iterations", "num_envs", "steps_per_iteration"))

@@ -4,13 +4,13 @@ import difflib
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from hydra import compose as hydra_compose
 from hydra import initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import HydraException
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from slider.core.config.convert import from_dict
@@ -25,18 +25,19 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     Raises:
         UserError: an unknown key or group, a wrong type or an impossible value.
     """
-    config = from_dict(Config, OmegaConf.to_container(_compose_untyped(overrides, conf)))
+    config = from_dict(Config, _compose_untyped(overrides, conf))
     validate(config)
     return config
 
 
-def _compose_untyped(overrides: Sequence[str], conf: Path) -> DictConfig:
+def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
         try:
-            return hydra_compose("config", overrides=list(overrides))
+            config = hydra_compose("config", overrides=list(overrides))
+            return cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
         except HydraException as error:
             raise UserError(_explain(error, overrides, conf)) from None
         except OmegaConfBaseException as error:
@@ -73,7 +74,7 @@ def _did_you_mean(key: str, known: Sequence[str]) -> str:
 
 
 def _known_keys(conf: Path) -> list[str]:
-    return _flatten(OmegaConf.to_container(_compose_untyped([], conf)))
+    return _flatten(_compose_untyped([], conf))
 
 
 def _flatten(node: Any, prefix: str = "") -> list[str]:

@@ -10,7 +10,7 @@ from slider.core.config.gait import GaitConfig, LibraryConfig
 from slider.core.config.report import ReportConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.strict import STRICT
-from slider.core.config.train import TrainingsConfig
+from slider.core.config.train import TrainConfig, TrainingsConfig
 from slider.core.config.verification import VerificationConfig
 
 
@@ -19,6 +19,7 @@ class Config:
     """Root of the configuration; one field per group of ``conf/``.
 
     ``evaluation`` is the protocol of Table 1; ``protocols`` are others, each with its own report.
+    ``finetuning`` goes on from the walking policy; its result is then the policy.
     """
 
     robot: RobotConfig
@@ -34,3 +35,4 @@ class Config:
     ablation: AblationConfig
     tracking: TrackingConfig
     resources: ResourcesConfig
+    finetuning: TrainConfig | None = None

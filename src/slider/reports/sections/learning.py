@@ -19,14 +19,18 @@ _CHECKS = {
 }
 _PANELS = 4  # in a row
 _LOG_TICKS = [m * 10.0**e for e in range(-6, 7) for m in (1, 3)]
-_TRAININGS = {"standing": "Standing", "walking": "Walking"}
+_TRAININGS = {
+    "standing": "Standing",
+    "untuned": "Walking, before fine-tuning",
+    "walking": "Walking",
+}
 
 
 def section(sources: Sources) -> Section:
     """For each training its periodic evaluation and, where recorded, every curve by group."""
     trainings = []
     for name, title in _TRAININGS.items():
-        if name not in sources.inputs:  # train.pretraining=false
+        if name not in sources.inputs:  # no pre-training, no fine-tuning
             continue
         folder = sources.inputs[name][0]
         charts = [_checks_chart(name, _read(folder / "selection.csv"))]

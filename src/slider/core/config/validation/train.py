@@ -20,12 +20,21 @@ from slider.core.config.validation.checks import (
 from slider.core.config.validation.disturbance import check_disturbance
 
 
-def check_trainings(trainings: TrainingsConfig, env: EnvConfig) -> None:
-    """The two trainings and their disturbances."""
-    for name in ("standing", "walking"):
-        train: TrainConfig = getattr(trainings, name)
-        _train(train, env, f"train.{name}")
-        check_disturbance(train.disturbance, env, f"train.{name}.disturbance")
+def check_trainings(
+    trainings: TrainingsConfig, finetuning: TrainConfig | None, env: EnvConfig
+) -> None:
+    """All trainings and their disturbances."""
+    keyed = {"train.standing": trainings.standing, "train.walking": trainings.walking}
+    if finetuning is not None:
+        keyed["finetuning"] = finetuning
+        for name in ("hidden", "activation"):
+            own = getattr(trainings.walking.network, name)
+            found = getattr(finetuning.network, name)
+            expected = f"{own}, as train.walking.network has it"
+            require(found == own, f"finetuning.network.{name}", expected, found)
+    for key, train in keyed.items():
+        _train(train, env, key)
+        check_disturbance(train.disturbance, env, f"{key}.disturbance")
 
 
 def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:

@@ -3,8 +3,9 @@
     pip install mujoco onnxruntime
     python run_policy.py reports/policy --command 0.6 0 0 --seconds 10
 
-Everything comes from three files of the export: policy.onnx, policy.json, robot.xml. On a robot,
-replace ``observe`` by the state estimate and ``simulate`` by the drives.
+Everything comes from four files of the export: policy.onnx, policy.json, reference.npy and
+robot.xml. On a robot, replace ``observe`` by the state estimate and ``simulate`` by the
+drives.
 """
 
 import argparse
@@ -29,6 +30,7 @@ class Policy:
             np.array([joint[key] for joint in joints])
             for key in ("nominal", "scale", "lower", "upper")
         )
+        self.reference = np.load(folder / self.layout["reference"]["file"])
         self.phase = 0.0
         self.command = np.zeros(3)
         self.action = self.earlier_action = np.zeros(len(joints))
@@ -58,7 +60,18 @@ class Policy:
             action = reflect(action, action_layout["mirror"])
         self.earlier_action = self.action
         self.action = np.where(self.scale > 0, action, 0.0)
-        return np.clip(self.nominal + self.scale * self.action, self.lower, self.upper)
+        origin = self._reference(command)
+        return np.clip(origin + self.scale * self.action, self.lower, self.upper)
+
+    def _reference(self, command: np.ndarray) -> np.ndarray:
+        """Joint positions of a zero action at the present phase."""
+        half = self.reference.shape[2] // 2
+        step = int(self.phase >= 0.5)
+        sample = (2.0 * self.phase - step) * (half - 1)
+        before = min(int(sample), half - 2)
+        rows = self.reference[:, :, step * half + before : step * half + before + 2]
+        between = rows[:, :, 0] + (sample - before) * (rows[:, :, 1] - rows[:, :, 0])
+        return bilinear(self.layout["reference"], between, command)
 
     def _advance(self, state: dict[str, np.ndarray], command: np.ndarray) -> None:
         clock, period = self.layout["clock"], self.layout["control_period"]
@@ -105,9 +118,18 @@ def reflect(values: np.ndarray, mirror: dict) -> np.ndarray:
 
 
 def step_time(clock: dict, command: np.ndarray) -> float:
-    """Bilinear in vx and vy; the border's value outside the grid."""
-    along_vx = [np.interp(command[1], clock["vy"], row) for row in clock["step_time"]]
-    return float(np.interp(command[0], clock["vx"], along_vx))
+    """Duration of a step at a command."""
+    return float(bilinear(clock, np.array(clock["step_time"])[..., None], command)[0])
+
+
+def bilinear(grid: dict, values: np.ndarray, command: np.ndarray) -> np.ndarray:
+    """Values (nx, ny, k) at vx, vy: (k,); the border's outside the grid."""
+    for axis, speed in ((grid["vx"], command[0]), (grid["vy"], command[1])):
+        place = np.interp(speed, axis, np.arange(len(axis)))
+        low = min(int(place), max(len(axis) - 2, 0))
+        high = min(low + 1, len(axis) - 1)
+        values = values[low] + (place - low) * (values[high] - values[low])
+    return values
 
 
 def observe(data: mujoco.MjData) -> dict[str, np.ndarray]:

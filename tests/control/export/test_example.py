@@ -36,13 +36,20 @@ def load_example():
 
 @pytest.mark.parametrize(
     "overrides",
-    [(), ("env=paper",), ("env=robust",), ("env.phase.mirror=false",), ("env.phase.halt=true",)],
+    [
+        (),
+        ("env=paper",),
+        ("env=robust",),
+        ("env.phase.mirror=false",),
+        ("env.phase.halt=true",),
+        ("env.action.about=gait",),
+    ],
 )
 def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
     policy = write_files(written(tmp_path, *overrides), {}, tmp_path)
     physics = BatchedPhysics(policy.robot, policy.env.physics, 1)
     physics.reset(np.arange(1), nominal_qpos(policy.robot)[None], np.zeros((1, 18)))
-    agent = AgentInterface(policy.robot, policy.env, 1, policy.times)
+    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
     controller = PolicyController(policy.network, agent)
     controller.reset(physics.read(), COMMAND[None])
     example = load_example()

@@ -1,14 +1,12 @@
 """The layout says everything, and says it right."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from slider.control.export.layout import describe
+from slider.control.export.layout import describe, reference_table
 from slider.control.export.terms import MEANINGS
-from slider.core.errors import UserError
 from slider.env.observations import TERMS
 from tests.control.export.policies import make_policy
 from tests.env.synthetic import gait_table
@@ -61,7 +59,16 @@ def test_a_policy_without_a_clock_says_so():
     assert np.shape(clock["step_time"]) == (len(clock["vx"]), len(clock["vy"]))
 
 
-def test_actions_about_the_gait_are_refused():
-    policy = replace(make_policy(), reference=gait_table().joints)
-    with pytest.raises(UserError, match=r"expected env\.action\.about=nominal"):
-        describe(policy, {})
+def test_a_zero_action_is_the_nominal_pose_or_the_gait():
+    plain, about = make_policy(), make_policy("env.action.about=gait")
+    gaits = gait_table().joints
+    assert about.reference is not None
+    np.testing.assert_array_equal(reference_table(about).positions, gaits.positions)
+    found = describe(about, {})["reference"]
+    assert found["shape"] == list(gaits.positions.shape)
+    assert found["vx"] == gaits.times.vx.tolist()
+    zero = np.zeros(1)
+    nominal = [joint["nominal"] for joint in describe(plain, {})["action"]["joints"]]
+    for phase in (0.0, 0.4, 0.9):
+        pose = reference_table(plain).at(zero, zero, np.array([phase]))
+        np.testing.assert_array_equal(pose[0], nominal)

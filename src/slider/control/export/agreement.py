@@ -52,7 +52,7 @@ def record_observations(policy: Policy, duration: float, threads: int = 1) -> np
         seen.append(observations)
         return policy.network(observations)
 
-    agent = AgentInterface(policy.robot, policy.env, count, policy.times)
+    agent = AgentInterface(policy.robot, policy.env, count, policy.times, policy.reference)
     physics = BatchedPhysics(policy.robot, policy.env.physics, count, threads)
     start = at_rest(policy.robot, USUAL_NOISE, np.random.default_rng(0), count)
     command = np.zeros((count, 3))

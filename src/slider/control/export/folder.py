@@ -5,10 +5,12 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from slider.control.export import LAYOUT, MODEL, ONNX, POLICY, TORCH_EXPORT
+import numpy as np
+
+from slider.control.export import LAYOUT, MODEL, ONNX, POLICY, REFERENCE, TORCH_EXPORT
 from slider.control.export.agreement import Agreement, compare, record_observations
 from slider.control.export.graph import save_onnx, save_torch, trace
-from slider.control.export.layout import describe
+from slider.control.export.layout import describe, reference_table
 from slider.control.policy_file import Policy, load_policy
 from slider.core.files import digest_file
 from slider.robot.mjcf import SimulationOptions, build_spec
@@ -43,6 +45,7 @@ def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
     save_onnx(program, layout, out / ONNX)
     save_torch(program, layout, out / TORCH_EXPORT)
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")
+    np.save(out / REFERENCE, reference_table(policy).positions)
     (out / MODEL).write_text(_model_xml(policy))
     if policy_file.resolve() != (out / POLICY).resolve():
         shutil.copyfile(policy_file, out / POLICY)

@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from slider.control.export import REFERENCE
 from slider.control.export.terms import MEANINGS
 from slider.control.policy_file import Policy
-from slider.core.errors import UserError
 from slider.env.interface import AgentInterface
+from slider.library.joint_table import JointTable
+from slider.library.step_times import StepTimes
 from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN
 
 FORMAT = "slider-policy-layout"
-VERSION = 1
+VERSION = 2
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
@@ -29,7 +31,7 @@ _PROCEDURE = [
     "a = clip(a, -action.clip, action.clip)",
     "if mirrored: a = a[action.mirror.permutation] * action.mirror.sign",
     "a[i] = 0 where action.joints[i].scale is 0; a is the next step's previous action",
-    "target[i] = clip(nominal[i] + scale[i] * a[i], lower[i], upper[i]), held for one control "
+    "target[i] = clip(reference[i] + scale[i] * a[i], lower[i], upper[i]), held for one control "
     "period by a drive with effort kp * (target - q) - kd * dq, at most effort_limit in size",
 ]
 
@@ -41,12 +43,8 @@ def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
         policy: with the robot and the environment of its training.
         provenance: where it comes from, copied as it is.
 
-    Raises:
-        UserError: the actions are about the gait; the layout does not hold gaits.
     """
-    if policy.reference is not None:
-        raise UserError("policy export: expected env.action.about=nominal, found gait")
-    agent = AgentInterface(policy.robot, policy.env, 1, policy.times)
+    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -57,6 +55,7 @@ def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
         "observation": _observation(policy, agent),
         "action": _action(policy, agent),
         "clock": _clock(policy),
+        "reference": _reference(policy),
         "simulation": {
             "timestep": policy.env.physics.timestep,
             "substeps": policy.env.physics.substeps,
@@ -124,6 +123,30 @@ def _action(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
         "clip": policy.env.action.clip,
         "joints": [_joint(policy, agent, index) for index in range(len(JOINTS))],
         "mirror": {"permutation": list(MIRROR_PERMUTATION), "sign": list(MIRROR_SIGN)},
+    }
+
+
+def reference_table(policy: Policy) -> JointTable:
+    """Joint positions of a zero action: those of the gaits, or the nominal pose."""
+    if policy.reference is not None:
+        return policy.reference
+    nominal = AgentInterface(policy.robot, policy.env, 1, policy.times).nominal
+    return JointTable(StepTimes.constant(1.0), np.tile(nominal, (1, 1, 4, 1)))
+
+
+def _reference(policy: Policy) -> dict[str, Any]:
+    """Where a zero action leads, by command and phase."""
+    table = reference_table(policy)
+    return {
+        "file": REFERENCE,
+        "axes": ["vx", "vy", "sample", "joint"],
+        "shape": list(table.positions.shape),
+        "vx": table.times.vx.tolist(),
+        "vy": table.times.vy.tolist(),
+        "meaning": "joint positions of a zero action at the command and the clock's phase (0 "
+        "without a clock): bilinear in vx and vy, the nearest border's outside; the first half of "
+        "the samples is left stance, the second right stance, evenly spaced over the step with "
+        "both of its ends, linear in between",
     }
 
 

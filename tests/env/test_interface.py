@@ -25,7 +25,7 @@ PAPER = ("env=paper", "train/standing=paper", "train/walking=paper")
 
 
 def at_phase(phase: float, count: int = 3) -> AgentInterface:
-    agent = make_agent(count)
+    agent = make_agent(count, "env.action.about=nominal")
     agent.reset(np.arange(count), make_state(count), phase=phase)
     return agent
 
@@ -49,7 +49,7 @@ def test_the_same_action_in_right_stance_gives_mirrored_targets():
 
 def test_without_a_mirror_phase_does_not_matter():
     action = np.random.default_rng(0).uniform(-1, 1, (3, NUM_JOINTS))
-    agent = make_agent(3, "env.phase.mirror=false")
+    agent = make_agent(3, "env.phase.mirror=false", "env.action.about=nominal")
     agent.reset(np.arange(3), make_state(3), phase=np.array([0.1, 0.6, 0.9]))
     targets = agent.act(np.tile(action[0], (3, 1)))
     np.testing.assert_array_equal(targets[0], targets[1])

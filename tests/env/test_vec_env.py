@@ -26,7 +26,10 @@ def build(
     train = train or whole.train.walking
     rng = np.random.default_rng(seed)
     times = gait_table().times if whole.env.phase.enabled else None
-    return WalkingEnv(whole.robot, whole.env, train, rng, times, guide or make_guide())
+    joints = gait_table().joints
+    return WalkingEnv(
+        whole.robot, whole.env, train, rng, times, guide or make_guide(), reference=joints
+    )
 
 
 def actions(agent: str, generator: torch.Generator) -> torch.Tensor:

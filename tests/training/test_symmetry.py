@@ -15,7 +15,8 @@ UNMIRRORED = (*TINY, "env.phase.mirror=false")
 def make_trainer(folder, *overrides: str) -> Trainer:
     whole = config(*UNMIRRORED, *overrides)
     times = gait_table().times
-    task = Task(whole.robot, whole.env, whole.train.walking, times, make_guide())
+    joints = gait_table().joints
+    task = Task(whole.robot, whole.env, whole.train.walking, times, make_guide(), joints)
     return Trainer(task, job(folder))
 
 

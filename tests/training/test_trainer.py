@@ -44,7 +44,8 @@ def task(training: str = "walking", **changes) -> Task:
     whole = config(*TINY)
     train: TrainConfig = replace(getattr(whole.train, training), **changes)
     guide = make_guide() if training == "walking" else None
-    return Task(whole.robot, whole.env, train, gait_table().times, guide)
+    table = gait_table()
+    return Task(whole.robot, whole.env, train, table.times, guide, table.joints)
 
 
 def job(work: Path) -> Job:

@@ -4,14 +4,14 @@ import dataclasses
 from pathlib import Path
 
 from slider.core.config.compose import compose
-from slider.core.config.reference import group_entries, read_comments, reference
+from slider.core.config.reference import OPTIONAL, group_entries, read_comments, reference
 from slider.core.config.schema import Config
 
 CONF = Path(__file__).parents[2] / "conf"
 
 
 def test_every_value_has_an_entry_and_nearly_all_a_meaning():
-    config, comments = compose([], CONF), read_comments(CONF)
+    config, comments = compose(OPTIONAL, CONF), read_comments(CONF)
     found = [
         entry
         for item in dataclasses.fields(Config)
@@ -34,3 +34,4 @@ def test_is_a_page_with_a_table_per_group():
     page = reference(CONF)
     assert page.count("| key | type | default | meaning |") == len(dataclasses.fields(Config))
     assert "| `gait.nodes` | int | `21` |" in page
+    assert "| `finetuning.disturbance.push.interval` | float | `2.0` |" in page

@@ -13,8 +13,10 @@ from slider.core.config.evaluation import EvaluationConfig
 from slider.core.config.schema import Config
 
 _BASES = ("base.yaml", "default.yaml")  # their comments are about the defaults, and win
+OPTIONAL = ("finetuning=robust",)  # groups that the default configuration does not have
 _LIKE = {  # keys that are explained once
     "train.standing.": "train.walking.",
+    "finetuning.": "train.walking.",
     "control.observer.": "control.tuned.",
     "control.literal.": "control.",
     "control.tuned.": "control.",
@@ -33,13 +35,13 @@ class Entry:
 
 def reference(conf: Path) -> str:
     """Markdown page with one table per group of the configuration."""
-    config = compose([], conf)
+    config = compose(OPTIONAL, conf)
     comments = read_comments(conf)
     lines = [
         "# Configuration reference",
         "",
         "Generated from the typed schema and the comments of `conf/`. Defaults are those of "
-        "`experiment=default`; override any of them with "
+        f"`experiment=default`, and of `{' '.join(OPTIONAL)}`; override any of them with "
         "`--config hydra='key=value key=value'`.",
         "",
     ]
@@ -107,6 +109,8 @@ def _comment(key: str, comments: Mapping[str, str]) -> str:
     parts = key.split(".")
     if parts[0] == "protocols":  # protocols.NAME.key is explained as evaluation.key
         parts = ["evaluation", *parts[2:]]
+    elif "disturbance" in parts and key not in comments:  # a training's are an evaluation's
+        parts = ["evaluation", *parts[parts.index("disturbance") :]]
     for end in range(len(parts), 1, -1):
         text = comments.get(".".join(parts[:end]))
         if text:

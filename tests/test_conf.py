@@ -36,6 +36,7 @@ def test_every_option_composes(option):
         ("report.sections=[sweep,sweep]", "report.sections: expected each section once"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
+        ("env.action.reach=0", "env.action.reach: expected a positive value, found 0"),
         ("finetuning=nope", "unknown option finetuning=nope, expected one of: robust"),
         ("env.action.clip=${nothing}", "Interpolation key 'nothing' not found"),
         ("experiment=nope", "unknown option experiment=nope, expected one of: commands"),

@@ -71,7 +71,9 @@ class Policy:
         before = min(int(sample), half - 2)
         rows = self.reference[:, :, step * half + before : step * half + before + 2]
         between = rows[:, :, 0] + (sample - before) * (rows[:, :, 1] - rows[:, :, 0])
-        return bilinear(self.layout["reference"], between, command)
+        reach = self.layout["reference"]["reach"]
+        velocity = np.clip(command[:2], self.filtered - reach, self.filtered + reach)
+        return bilinear(self.layout["reference"], between, velocity)
 
     def _advance(self, state: dict[str, np.ndarray], command: np.ndarray) -> None:
         clock, period = self.layout["clock"], self.layout["control_period"]

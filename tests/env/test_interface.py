@@ -198,7 +198,7 @@ def test_a_residual_action_is_about_the_gait(phase):
     command = np.array([[0.2, 0.0, 0.0], [0.5, 0.05, 0.0], [1.7, 0.0, 0.0]])
     for agent in agents:
         agent.set_velocity_command(np.arange(3), command)
-        agent.reset(np.arange(3), make_state(3), phase=phase)
+        agent.reset(np.arange(3), make_state(3), phase=phase, velocity=command[:, :2])
     residual, nominal = agents
     expected = gait_table().at(command[:, 0], command[:, 1], np.full(3, phase))[:, :NUM_JOINTS]
     assert np.abs(expected - nominal.nominal).max() > 0.05
@@ -206,6 +206,18 @@ def test_a_residual_action_is_about_the_gait(phase):
     action = np.random.default_rng(0).uniform(-0.2, 0.2, (3, NUM_JOINTS))
     moved = residual.act(action.copy()) - expected
     np.testing.assert_allclose(moved, nominal.act(action.copy()) - nominal.nominal, atol=1e-12)
+
+
+def test_the_gait_under_an_action_is_within_reach_of_the_robots_velocity():
+    agent = make_agent(4, "env.action.about=gait", "env.action.reach=0.2")
+    command = np.array([[0.6, 0.0, 0.0], [0.6, 0.0, 0.0], [0.1, 0.05, 0.0], [0.3, 0.0, 0.0]])
+    own = np.array([[0.0, 0.0], [0.5, 0.0], [0.5, -0.3], [0.3, 0.0]])
+    agent.set_velocity_command(np.arange(4), command)
+    agent.reset(np.arange(4), make_state(4), phase=0.3, velocity=own)
+    gait = np.array([[0.2, 0.0], [0.6, 0.0], [0.3, -0.1], [0.3, 0.0]])
+    expected = gait_table().at(gait[:, 0], gait[:, 1], np.full(4, 0.3))[:, :NUM_JOINTS]
+    np.testing.assert_allclose(agent.act(np.zeros((4, NUM_JOINTS))), expected, atol=1e-12)
+    assert np.abs(expected[0] - expected[1]).max() > 0.01
 
 
 def test_a_residual_action_needs_the_gaits():

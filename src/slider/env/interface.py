@@ -103,10 +103,12 @@ class AgentInterface:
         return np.clip(self._origin() + self._scale * self.action, self._lower, self._upper)
 
     def _origin(self) -> np.ndarray:
-        """Joint positions of a zero action: (12,), or (N, 12) on the gaits of the commands."""
+        """Joint positions of a zero action: (12,), or (N, 12) on gaits within reach."""
         if self._reference is None or self.clock is None:
             return self.nominal
-        return self._reference.at(self.command[:, 0], self.command[:, 1], self.clock.phase)
+        reach, own = self._config.action.reach, self.filtered_velocity
+        velocity = np.clip(self.command[:, :2], own - reach, own + reach)
+        return self._reference.at(velocity[:, 0], velocity[:, 1], self.clock.phase)
 
     def advance(self, state: RobotState) -> None:
         """Move clock, heading target and velocity filter on by one control period."""

@@ -140,13 +140,15 @@ def _reference(policy: Policy) -> dict[str, Any]:
     return {
         "file": REFERENCE,
         "axes": ["vx", "vy", "sample", "joint"],
+        "reach": policy.env.action.reach,
         "shape": list(table.positions.shape),
         "vx": table.times.vx.tolist(),
         "vy": table.times.vy.tolist(),
-        "meaning": "joint positions of a zero action at the command and the clock's phase (0 "
-        "without a clock): bilinear in vx and vy, the nearest border's outside; the first half of "
-        "the samples is left stance, the second right stance, evenly spaced over the step with "
-        "both of its ends, linear in between",
+        "meaning": "joint positions of a zero action at the commanded vx and vy, but each at most "
+        "reach from the filtered velocity, and at the clock's phase (0 without one): bilinear in "
+        "vx and vy, the nearest border's outside; the first half of the samples is left stance, "
+        "the second right stance, evenly spaced over the step with both of its ends, linear in "
+        "between",
     }
 
 

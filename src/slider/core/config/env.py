@@ -21,11 +21,13 @@ class PhysicsConfig:
 class ActionConfig:
     """Desired joint position = origin + scale · clip(action); scale [rad or m] per leg joint.
 
-    ``about`` says what the origin is: the ``nominal`` pose, or the ``gait`` of the commanded
-    velocity at the clock's phase, so that the action is a residual.
+    ``about`` says what the origin is: the ``nominal`` pose, or a ``gait`` at the clock's phase, so
+    that the action is a residual. The gait is that of the command, or of the velocity next to it
+    that is at most ``reach`` [m/s] from the robot's own, low-passed.
     """
 
     about: str
+    reach: float
     clip: float
     scale: dict[str, float]
 

@@ -28,6 +28,7 @@ def _physics(env: EnvConfig) -> None:
 def _action(env: EnvConfig) -> None:
     check_joints("env.action.scale", env.action.scale)
     positive("env.action.clip", env.action.clip)
+    positive("env.action.reach", env.action.reach)
     one_of("env.action.about", env.action.about, ("nominal", "gait"))
     possible = env.phase.enabled or env.action.about == "nominal"
     require(possible, "env.action.about", "nominal where there is no phase", env.action.about)

@@ -270,22 +270,18 @@ def test_the_average_of_the_actor_is_exported(tmp_path, averaging):
     assert same(resumed._algorithm.averaged_actor.state_dict(), found)
 
 
-def test_the_average_does_not_change_the_learning(tmp_path):
-    settings = config(*TINY).train.walking.ppo
-    runs = [
-        trained(tmp_path / str(share), iterations=2, ppo=replace(settings, averaging=share))
-        for share in (0.0, 0.9)
-    ]
-    assert same(actor(runs[0]), actor(runs[1]))
-
-
-def test_checks_do_not_change_the_learning(tmp_path):
-    selection = config(*TINY).train.walking.selection
-    runs = [
-        trained(tmp_path / str(k), iterations=4, selection=replace(selection, interval=k))
-        for k in (1, 2)
-    ]
-    assert same(actor(runs[0]), actor(runs[1]))
+@pytest.mark.parametrize("part", ["averaging", "checks"])
+def test_neither_the_average_nor_the_checks_change_the_learning(tmp_path, part):
+    walking = config(*TINY).train.walking
+    choices = {
+        "averaging": [{"ppo": replace(walking.ppo, averaging=share)} for share in (0.0, 0.9)],
+        "checks": [{"selection": replace(walking.selection, interval=k)} for k in (1, 2)],
+    }
+    one, other = (
+        trained(tmp_path / str(k), iterations=4, **changes)
+        for k, changes in enumerate(choices[part])
+    )
+    assert same(actor(one), actor(other))
 
 
 def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):

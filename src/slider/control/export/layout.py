@@ -42,7 +42,6 @@ def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
     Args:
         policy: with the robot and the environment of its training.
         provenance: where it comes from, copied as it is.
-
     """
     agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
     return {

@@ -183,7 +183,7 @@ def test_the_ablation_is_not_fine_tuned():
     config = compose(overrides, CONF)
     compared = ablation_job(config, jobs_of()["library"], overrides, CONF)
     for walking in compared.inputs["walking"]:
-        assert walking.inputs.get("standing", []) != [jobs_of()["walking"]]
+        assert walking.label.startswith("walking")
         assert walking.section["train"]["disturbance"]["push"]["speed"] == 0
 
 

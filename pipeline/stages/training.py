@@ -44,12 +44,12 @@ def _job(
     """A training from the weights of another, with the library where it uses any of it.
 
     Of the library the pre-training takes the step times of the clock at most. A fine-tuning is the
-    stage ``walking`` again: its ``standing``, the weights to start from, are those of a walk.
+    stage ``walking`` again, from the weights of a walk.
     """
     section = simulation(config) | {"train": to_dict(train)}
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:
-        inputs["standing"] = [start]
+        inputs["start"] = [start]
     return job(stage, label, section, inputs)
 
 

@@ -73,7 +73,7 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
         folder.mkdir()
     inputs = {"library": [library]}
     run_walking(section("train.walking.iterations=1"), inputs, folders["walking"], Job(tmp_path))
-    inputs["standing"] = [folders["walking"]]
+    inputs["start"] = [folders["walking"]]
     for name, iterations in {"same": 0, "tuned": 1}.items():
         whole = config(*TINY, "finetuning=robust", *_tiny_finetuning(iterations))
         assert whole.finetuning is not None

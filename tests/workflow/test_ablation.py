@@ -53,7 +53,7 @@ def test_every_run_has_a_training_and_an_evaluation_per_command(two):
         assert job.section["command"] == two.section["commands"][index % 2]
         assert job.inputs["walking"] == [walking[index // 2]]
         assert job.section["evaluation"]["robots"] == 3
-    assert [set(job.inputs) for job in walking] == [{"library", "standing"}] * 2 + [{"library"}] * 2
+    assert [set(job.inputs) for job in walking] == [{"library", "start"}] * 2 + [{"library"}] * 2
     assert set(samples(two)) == {384}
 
 

@@ -145,10 +145,10 @@ ALONE = (
 
 
 def test_a_training_without_library_or_pretraining_does_not_wait_for_them():
-    assert set(jobs_of()["walking"].inputs) == {"library", "standing"}
+    assert set(jobs_of()["walking"].inputs) == {"library", "start"}
     assert set(jobs_of("train.pretraining=false")["walking"].inputs) == {"library"}
     assert "standing" not in jobs_of("train.pretraining=false")
-    assert set(jobs_of(*ALONE)["walking"].inputs) == {"standing"}
+    assert set(jobs_of(*ALONE)["walking"].inputs) == {"start"}
     assert set(jobs_of(*ALONE)["standing"].inputs) == set()
     assert set(jobs_of(*ALONE, "train.pretraining=false")["walking"].inputs) == set()
 
@@ -166,7 +166,7 @@ def test_a_fine_tuning_follows_the_walking_training():
     plain, tuned = jobs_of(), jobs_of("finetuning=robust")
     assert "untuned" not in plain
     assert tuned["untuned"].recipe == plain["walking"].recipe
-    assert tuned["walking"].inputs["standing"] == [tuned["untuned"]]
+    assert tuned["walking"].inputs["start"] == [tuned["untuned"]]
     assert tuned["walking"].recipe != plain["walking"].recipe
     for evaluation in tuned["table1"].inputs["evaluations"]:
         assert evaluation.inputs.get("walking", [tuned["walking"]]) == [tuned["walking"]]

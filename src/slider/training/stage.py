@@ -19,14 +19,14 @@ def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
 
 
 def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Train walking, from the standing weights and guided by the library where they are given."""
+    """Train walking, from the weights of another training and guided by the library where they are given."""
     return _train(_task(section, inputs, guided=True), inputs, out, job)
 
 
 def _train(task: Task, inputs: Inputs, out: Path, job: Job) -> Summary:
     trainer = Trainer(task, job)
-    if "standing" in inputs:
-        trainer.start_from(inputs["standing"][0] / WEIGHTS)
+    if "start" in inputs:
+        trainer.start_from(inputs["start"][0] / WEIGHTS)
     trainer.run()
     return trainer.export(out)
 

@@ -18,6 +18,7 @@ from tests.training.test_trainer import TINY, same
 
 ALONE = (
     "env/phase=fixed",
+    "env.action.about=nominal",
     "train/walking/reward=unguided",
     "train.walking.reset.reference_fraction=0",
 )
@@ -104,7 +105,7 @@ def test_a_guide_without_a_library_is_refused(tmp_path):
 
 def test_actions_about_the_gait_get_the_gaits(library, tmp_path):
     inputs = {"library": [library]}
-    assert _task(section(), inputs, guided=True).reference is None
+    assert _task(section("env.action.about=nominal"), inputs, guided=True).reference is None
     task = _task(section("env.action.about=gait"), inputs, guided=True)
     assert task.reference is not None
     assert task.reference.positions.shape == (3, 1, 42, 12)

@@ -139,6 +139,7 @@ def jobs_of(*overrides: str) -> dict[str, JobSpec]:
 
 ALONE = (
     "env/phase=fixed",
+    "env.action.about=nominal",
     "train/walking/reward=unguided",
     "train.walking.reset.reference_fraction=0",
 )

@@ -19,7 +19,7 @@ def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
 
 
 def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Train walking, from the weights of another training and guided by the library where they are given."""
+    """Train walking, from the weights of another training and with the library, where given."""
     return _train(_task(section, inputs, guided=True), inputs, out, job)
 
 

@@ -42,7 +42,7 @@ def load_example():
         ("env=robust",),
         ("env.phase.mirror=false",),
         ("env.phase.halt=true",),
-        ("env.action.about=gait",),
+        ("env.action.about=nominal",),
     ],
 )
 def test_it_acts_and_moves_like_the_package(tmp_path, overrides):

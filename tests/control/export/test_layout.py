@@ -60,7 +60,7 @@ def test_a_policy_without_a_clock_says_so():
 
 
 def test_a_zero_action_is_the_nominal_pose_or_the_gait():
-    plain, about = make_policy(), make_policy("env.action.about=gait")
+    plain, about = make_policy("env.action.about=nominal"), make_policy("env.action.about=gait")
     gaits = gait_table().joints
     assert about.reference is not None
     np.testing.assert_array_equal(reference_table(about).positions, gaits.positions)

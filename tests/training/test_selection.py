@@ -26,8 +26,10 @@ SETTINGS = SelectionConfig(
 
 def make_selector(settings: SelectionConfig = SETTINGS, seed: int = 1) -> Selector:
     whole = config("experiment=test")
-    calm = whole.train.walking.disturbance
-    return Selector(whole.robot, whole.env, settings, calm, gait_table().times, seed, threads=1)
+    calm, table = whole.train.walking.disturbance, gait_table()
+    return Selector(
+        whole.robot, whole.env, settings, calm, table.times, seed, threads=1, reference=table.joints
+    )
 
 
 def nothing(observations: torch.Tensor) -> torch.Tensor:

@@ -1,6 +1,7 @@
 """What moves: a simulated robot with an agent, or a gait replayed without physics."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -137,6 +138,7 @@ def simulate_ignorant(
 ) -> Simulation:
     """An agent that holds the nominal pose, or one whose actions are uniform in ±1."""
     times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
+    env = replace(env, action=replace(env.action, about="nominal"))
     agent = AgentInterface(robot, env, 1, times)
     generator = torch.Generator().manual_seed(seed)
 

@@ -71,7 +71,14 @@ class Bench:
         rng = np.random.default_rng(task.train.seed)
         self._task, self._work = task, work
         self._env = WalkingEnv(
-            task.robot, task.env, task.train, rng, task.times, task.guide, threads
+            task.robot,
+            task.env,
+            task.train,
+            rng,
+            task.times,
+            task.guide,
+            threads,
+            task.reference,
         )
         self._actions = task.train.network.initial_std * torch.randn(
             _RECORDED, task.train.num_envs, NUM_JOINTS

@@ -43,8 +43,18 @@ def walking(tmp_path):
     with torch.no_grad():
         network.mlp[-1].weight.mul_(0.5)
     whole = config("experiment=test")
-    times, facts = gait_table().times, {"seed": 1}
-    policy = Policy(network.eval(), (16,), "elu", layout, times, whole.robot, whole.env, facts)
+    table, facts = gait_table(), {"seed": 1}
+    policy = Policy(
+        network.eval(),
+        (16,),
+        "elu",
+        layout,
+        table.times,
+        whole.robot,
+        whole.env,
+        facts,
+        table.joints,
+    )
     save_policy(policy, folder / "policy.pt")
     return folder
 
@@ -143,6 +153,14 @@ def test_a_policy_of_the_same_terms_in_another_order_is_refused(walking, tmp_pat
     terms = other["env"]["observation"]["terms"]
     other["env"]["observation"]["terms"] = dict(reversed(terms.items()))
     with pytest.raises(UserError, match="policy: expected the observations"):
+        stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
+
+
+def test_a_policy_about_another_origin_is_refused(walking, tmp_path):
+    (tmp_path / "out").mkdir()
+    other = section()
+    other["env"]["action"]["about"] = "nominal"
+    with pytest.raises(UserError, match=r"policy: expected env\.action\.about=gait.*found nominal"):
         stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
 
 

@@ -16,8 +16,8 @@ from slider.control.policy_file import Policy, save_policy
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
 from slider.env.observations import Observer
-from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
+from tests.env.synthetic import gait_table
 
 CONF = Path(__file__).parents[2] / "conf"
 RUN = """
@@ -34,9 +34,11 @@ run(section, {"walking": [folder]}, folder / "out", Job(folder))
 def write_policy(path: Path, config) -> None:
     torch.manual_seed(0)
     layout = Observer(config.env.observation).layout
-    times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
+    table = gait_table()
     network = PolicyNetwork(sum(layout.values()), NUM_JOINTS, (8,), "elu")
-    save_policy(Policy(network, (8,), "elu", layout, times, config.robot, config.env, {}), path)
+    robot, env, facts = config.robot, config.env, {"seed": 1}
+    policy = Policy(network, (8,), "elu", layout, table.times, robot, env, facts, table.joints)
+    save_policy(policy, path)
 
 
 def film(folder: Path, renderer: str):

@@ -4,15 +4,14 @@ from pathlib import Path
 
 import torch
 
+from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
 from slider.control.policy_file import load_policy
 from slider.core.config.convert import from_dict
 from slider.core.config.env import EnvConfig
 from slider.core.config.robot import RobotConfig
-from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
-from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 
@@ -31,19 +30,10 @@ def simulate(
     """The policy of the walking stage on ``count`` robots.
 
     Raises:
-        UserError: the policy is for other observations.
+        UserError: the policy is for other observations or actions.
     """
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbance)
-    return Simulated(_policy(inputs, robot, env, count), physics, env)
-
-
-def _policy(inputs: Inputs, robot: RobotConfig, env: EnvConfig, count: int) -> PolicyController:
     policy = load_policy(inputs["walking"][0] / "policy.pt")
-    agent = AgentInterface(robot, env, count, policy.times, policy.reference)
-    if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts
-        raise UserError(
-            f"policy: expected the observations {agent.observer.layout}, "
-            f"found {policy.observations}"
-        )
-    return PolicyController(policy.network, agent)
+    controller = PolicyController(policy.network, agent_of(policy, robot, env, count))
+    return Simulated(controller, physics, env)

@@ -7,12 +7,12 @@ from typing import Protocol
 import numpy as np
 import torch
 
+from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
 from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.env import EnvConfig, StartNoise
 from slider.core.config.robot import RobotConfig
-from slider.core.errors import UserError
 from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface
@@ -122,14 +122,9 @@ def simulate_policy(
     """A trained policy in its environment, on a robot with disturbances or without.
 
     Raises:
-        UserError: the policy is for other observations.
+        UserError: the policy is for other observations or actions.
     """
-    agent = AgentInterface(robot, env, 1, policy.times, policy.reference)
-    if list(agent.observer.layout.items()) != list(policy.observations.items()):
-        raise UserError(
-            f"policy: expected the observations {agent.observer.layout}, "
-            f"found {policy.observations}"
-        )
+    agent = agent_of(policy, robot, env, 1)
     return _simulate_agent(robot, env, agent, policy.network, noise, seed, disturbance)
 
 

@@ -110,6 +110,7 @@ def test_the_command_exports_and_shows(folder, tmp_path, capsys):
     assert main(["policy", "show", str(folder / "policy.pt")]) == 0
     shown = capsys.readouterr().out
     assert "54 × 24 × 16 × 12, elu" in shown
+    assert "actions about   the gait of the command, at most 0.5 m/s from" in shown
     assert "left_slide" in shown
     assert main(["policy", "show", "--json", str(folder / "policy.pt")]) == 0
     assert json.loads(capsys.readouterr().out)["observation"]["size"] == 54

@@ -65,6 +65,7 @@ def test_a_zero_action_is_the_nominal_pose_or_the_gait():
     assert about.reference is not None
     np.testing.assert_array_equal(reference_table(about).positions, gaits.positions)
     found = describe(about, {})["reference"]
+    assert [describe(p, {})["action"]["about"] for p in (plain, about)] == ["nominal", "gait"]
     assert found["shape"] == list(gaits.positions.shape)
     assert found["vx"] == gaits.times.vx.tolist()
     zero = np.zeros(1)

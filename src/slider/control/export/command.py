@@ -85,6 +85,7 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
         f"network         {' × '.join(map(str, widths))}, {network['activation']}",
         "training        " + ", ".join(f"{k} {v:g}" for k, v in layout["training"].items()),
         "clock           " + ("none" if clock is None else _clock_line(clock)),
+        f"actions about   {_origin(layout)}",
         "",
         f"{'observation':<26}{'at':>4}{'width':>7}{'scale':>7}  frame    unit",
     ]
@@ -103,6 +104,13 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
         for j in action["joints"]
     ]
     return lines
+
+
+def _origin(layout: dict[str, Any]) -> str:
+    if layout["action"]["about"] == "nominal":
+        return "the nominal pose"
+    reach = layout["reference"]["reach"]
+    return f"the gait of the command, at most {reach:g} m/s from the robot's velocity"
 
 
 def _clock_line(clock: dict[str, Any]) -> str:

@@ -119,6 +119,7 @@ def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
 def _action(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
     return {
         "size": len(JOINTS),
+        "about": policy.env.action.about,
         "clip": policy.env.action.clip,
         "joints": [_joint(policy, agent, index) for index in range(len(JOINTS))],
         "mirror": {"permutation": list(MIRROR_PERMUTATION), "sign": list(MIRROR_SIGN)},

@@ -14,7 +14,7 @@ from slider.training.trainer import WEIGHTS, Task, Trainer
 
 
 def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Pre-train a policy that stands; of the library it takes the clock's pace at most."""
+    """Pre-train a policy that stands; it is not guided by the library."""
     return _train(_task(section, inputs, guided=False), inputs, out, job)
 
 

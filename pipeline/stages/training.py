@@ -43,8 +43,8 @@ def _job(
 ) -> JobSpec:
     """A training from the weights of another, with the library where it uses any of it.
 
-    Of the library the pre-training takes the clock's step times and the gaits that actions are about. A fine-tuning is the
-    stage ``walking`` again, from the weights of a walk.
+    Of the library the pre-training takes the clock's step times and the gaits that actions are
+    about. A fine-tuning is the stage ``walking`` again, from the weights of a walk.
     """
     section = simulation(config) | {"train": to_dict(train)}
     inputs = {"library": [library]} if uses_library(config.env, train) else {}

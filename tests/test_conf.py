@@ -121,6 +121,19 @@ def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_fine_tuning_wants_what_the_walking_training_wanted():
+    overrides = ["train.walking.seed=3", "train.walking.commands.vx.upper=1.2"]
+    config = compose(["experiment=commands", "finetuning=robust", *overrides], CONF)
+    walking, tuning = config.train.walking, config.finetuning
+    assert tuning is not None
+    assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.commands, walking.reward)
+    assert tuning.commands.yaw_rate.upper > 0
+    assert tuning.reward.terms["stand_still"].weight > 0
+    own = compose(["finetuning=robust", "finetuning.reward.terms.heading.weight=0.7"], CONF)
+    assert own.finetuning is not None
+    assert own.finetuning.reward.terms["heading"].weight == 0.7
+
+
 def test_a_section_needs_its_protocol(capsys):
     overrides = ["~protocols.sweep", "report.sections=[sweep]"]
     assert main(["config", *overrides, "--conf", str(CONF)]) == 1

@@ -81,12 +81,14 @@ def test_a_robot_that_leaves_the_field_goes_on_in_its_world():
     physics = stand(disturbed_physics(COUNT, SETTING))
     physics.qvel[:, 0] = 3.0
     xs = [physics.read().base_position[:, 0]]
-    heights = []
+    heights, feet = [], []
     for _ in range(15):
         physics.step(np.zeros((COUNT, names.NUM_JOINTS)))
         state = physics.read()
         xs.append(state.base_position[:, 0])
         heights.append(lowest_clearance(state))
+        feet.append(state.foot_positions[:, :, 0])
+    assert (np.abs(np.diff(feet, axis=0)) < 0.2).all(), "no jumps"
     moved = np.diff(xs, axis=0)
     assert (np.abs(moved) < 0.1).all(), "no jumps"
     assert (physics._disturber._terrain.offset[:, 0] > -4.0).all()

@@ -143,6 +143,8 @@ def test_hopping_and_limping():
     assert quality.flight[0] == pytest.approx(70 / 100)
     assert quality.double_support[0] == 0.0
     assert quality.alternation[0] == pytest.approx(0.5)
+    both = contact(pattern((10, 20), (30, 40), (50, 60)), pattern((10, 20), (30, 40), (50, 60)))
+    assert gait_quality(recording(1, foot_forces=both), 0.0).alternation[0] == 0.0
     only_left = gait_quality(recording(1, foot_forces=contact(left, 0 * left)), 0.0)
     assert only_left.alternation[0] == 0.0
 
@@ -200,6 +202,15 @@ def test_asymmetry_of_step_times():
     found = [gait_quality(recording(foot_forces=contact(left, r)), 0.0) for r in (limping, even)]
     assert found[0].asymmetry == pytest.approx([(24 - 16) / 40])
     assert found[1].asymmetry == pytest.approx([0.0])
+
+
+def test_a_foot_that_bounces_does_not_limp():
+    """Even steps of 20 periods; the left foot leaves the ground again 6 periods after landing."""
+    left = pattern((10, 16), (18, 28), (50, 56), (58, 68), (90, 96))
+    right = pattern((30, 48), (70, 88))
+    found = gait_quality(recording(foot_forces=contact(left, right)), 0.0)
+    assert found.asymmetry == pytest.approx([0.0])
+    assert found.alternation == pytest.approx([4 / 6])
 
 
 def test_feet_that_do_not_alternate_are_as_asymmetric_as_can_be():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from slider.env.starts import at_rest, joint_range
-from slider.robot.names import ACTUATED, NUM_JOINTS
+from slider.robot.names import ACTUATED, JOINTS, NUM_JOINTS
 from tests.env.synthetic import config, make_physics, random_pose, robot_config
 
 
@@ -45,6 +45,36 @@ def test_equals_mujoco_stepped_by_itself():
     assert state.foot_forces[4].max() > 5.0, "no contact: the comparison would prove little"
     effort = alone.actuator_force
     np.testing.assert_allclose(state.efforts[4, ACTUATED], effort, rtol=0, atol=1e-9)
+
+
+def test_loads_are_those_of_every_simulation_step():
+    """Against the same simulation, looked at after each of its steps."""
+    rng = np.random.default_rng(4)
+    held, single = make_physics(3), make_physics(3, substeps=1)
+    start = at_rest(robot_config(), config("experiment=test").env.start, rng, 3)
+    for physics in (held, single):
+        physics.reset(np.arange(3), *start)
+    limits = [robot_config().limits[JOINTS[i].split("_", 1)[1]] for i in ACTUATED]
+    effort_limits = np.array([limit.effort for limit in limits])
+    speed_limits = np.array([limit.speed for limit in limits])
+    last = []
+    for targets in random_targets(rng, 5, 3):
+        single.reset(np.arange(3), held.qpos, held.qvel)
+        held.step(targets)
+        efforts, speeds = [], []
+        for _ in range(4):
+            single.step(targets)
+            state = single.read()
+            efforts.append(np.abs(state.efforts[:, ACTUATED]))
+            speeds.append(np.abs(state.joint_velocities[:, ACTUATED]))
+        found = held.loads()
+        power = np.sum(np.array(efforts) * speeds, axis=2).mean(axis=0)
+        shares = np.array(efforts) / effort_limits, np.array(speeds) / speed_limits
+        np.testing.assert_allclose(found.power, power, rtol=1e-3)
+        np.testing.assert_allclose(found.effort_share, shares[0].max(axis=(0, 2)), rtol=1e-3)
+        np.testing.assert_allclose(found.speed_share, shares[1].max(axis=(0, 2)), rtol=1e-3)
+        last.append(shares[0][-1].max() / shares[0].max())
+    assert min(last) < 0.8, "the peak is not in the last step"
 
 
 def test_threads_do_not_change_the_result():

@@ -1,5 +1,7 @@
 """The benchmark of the training measures what it says."""
 
+import re
+
 import mujoco
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from slider.cli import main
 from slider.robot.names import ACTUATED
 from slider.training.benchmark import line
 from slider.training.throughput import Bench
+from tests.library.gaits import write_store
 from tests.training.test_trainer import task
 
 
@@ -40,6 +43,15 @@ def test_rates_and_shares_are_of_the_same_run(bench):
     assert {"physics", "state", "observation", "reward", "policy", "update"} <= row.parts.keys()
     assert min(row.parts.values()) > 0
     assert line(row).split()[:2] == ["8", "float32"]
+
+
+def test_it_runs_with_the_default_configuration(tmp_path, capsys):
+    library = write_store(tmp_path, [(0.0, 0.0), (1.0, 0.0), (3.0, 0.0)])
+    arguments = ["--envs", "4", "--seconds", "0.01", "--rounds", "1", "--threads", "1"]
+    arguments += ["--precision", "float32", "--library", str(library)]
+    assert main(["benchmark-training", *arguments]) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"^ +4  float32 ", shown, re.MULTILINE)
 
 
 def test_the_environment_is_left_as_it_was(bench):

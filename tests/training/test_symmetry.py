@@ -5,7 +5,8 @@ import pytest
 import torch
 
 from slider.training.symmetry import symmetry_config, with_reflections
-from slider.training.trainer import Task, Trainer
+from slider.training.task import Task
+from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
 from tests.training.test_trainer import TINY, actor, job, same
 

@@ -12,7 +12,8 @@ import torch
 from slider.control.policy_file import load_policy
 from slider.core.config.train import RewardConfig, RewardTerm, TrainConfig
 from slider.core.job import Job, NoTracker
-from slider.training.trainer import CHECKPOINT, CURVE, POLICY, SELECTION, WEIGHTS, Task, Trainer
+from slider.training.task import Task
+from slider.training.trainer import CHECKPOINT, CURVE, POLICY, SELECTION, WEIGHTS, Trainer
 from tests.env.synthetic import config, gait_table, make_guide
 
 TINY = (
@@ -123,6 +124,18 @@ def test_a_killed_training_goes_on_where_it_was(tmp_path):
     third = trained(tmp_path, iterations=5)
     assert iterations(third) == []
     assert same(actor(third), actor(second))
+
+
+def test_a_resumed_training_meets_other_commands_and_disturbances(tmp_path):
+    fresh = Trainer(task(), job(tmp_path))
+    commands = [fresh._env._agent.command[:, 0].copy()]
+    trained(tmp_path, iterations=1)
+    for _ in range(2):
+        resumed = Trainer(task(), job(tmp_path))
+        commands.append(resumed._env._agent.command[:, 0].copy())
+        assert resumed._env._train.seed != fresh._env._train.seed
+    assert not np.isin(commands[1], commands[0]).any()
+    np.testing.assert_array_equal(commands[1], commands[2])
 
 
 def test_the_checkpoint_restores_networks_and_optimiser(tmp_path):

@@ -58,7 +58,7 @@ class Episode:
 
     def step(self) -> Frame:
         """Simulate one control period."""
-        self._state, _ = run_ticks(self._controller, self._physics, self._state, self._ticks)
+        self._state, *_ = run_ticks(self._controller, self._physics, self._state, self._ticks)
         self._steps += 1
         return self._frame()
 

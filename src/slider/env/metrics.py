@@ -60,14 +60,16 @@ class GaitQuality:
         flight: share of time with no foot on the ground.
         double_support: share of time with both feet on the ground.
         touchdown_rate: touchdowns per second, both feet.
-        alternation: share of touchdowns that follow one of the other foot.
+        alternation: share of touchdowns that follow one of the other foot; two feet that touch down
+            together follow none.
         clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
             counts as 0 while the foot is loaded.
         slip: mean horizontal speed of soles while loaded [m/s].
         heading: largest |yaw − commanded yaw| [rad] of the whole rollout; what is commanded is the
             yaw at the start and the integral of the commanded yaw rate.
         asymmetry: |mean time from a left to the next right touchdown − from right to left| over
-            their sum; 1 where the feet do not alternate.
+            their sum, where a foot that touches down several times in a row counts with the first;
+            1 where the feet do not alternate.
         velocity_variance: of the forward velocity about its mean [m²/s²].
         cost_of_transport: mean absolute power of the drives over m g and the mean speed [-].
         peak_effort, peak_speed: largest share of a drive's limit [-].
@@ -125,19 +127,21 @@ def _alternation(touchdown: np.ndarray) -> np.ndarray:
     """Share of touchdowns (S, N, 2) that follow one of the other foot (N,)."""
     share = np.zeros(touchdown.shape[1])
     for robot in range(touchdown.shape[1]):
-        _, feet = np.nonzero(touchdown[:, robot])
+        steps, feet = np.nonzero(touchdown[:, robot])
         if len(feet) > 1:
-            share[robot] = np.mean(feet[1:] != feet[:-1])
+            together = touchdown[steps[1:], robot].all(axis=1)
+            share[robot] = np.mean((feet[1:] != feet[:-1]) & ~together)
     return share
 
 
 def _asymmetry(touchdown: np.ndarray) -> np.ndarray:
-    """Of the step times, from touchdowns (S, N, 2) that follow one of the other foot (N,)."""
+    """Of the step times (N,), from the first of touchdowns (S, N, 2) of a foot in a row."""
     result = np.ones(touchdown.shape[1])
     for robot in range(touchdown.shape[1]):
         steps, feet = np.nonzero(touchdown[:, robot])
-        times, changed = np.diff(steps), np.diff(feet) != 0
-        left, right = (times[changed & (feet[1:] == foot)] for foot in range(2))
+        first = np.diff(feet, prepend=-1) != 0
+        times, feet = np.diff(steps[first]), feet[first]
+        left, right = (times[feet[1:] == foot] for foot in range(2))
         if len(left) and len(right):
             one, other = left.mean(), right.mean()
             result[robot] = abs(one - other) / (one + other)

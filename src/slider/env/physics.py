@@ -13,6 +13,7 @@ from slider.core.config.env import PhysicsConfig
 from slider.core.config.robot import RobotConfig
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
+from slider.env.drive_loads import DriveLimits, DriveLoads
 from slider.env.state import RobotState, turn_to_heading
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
@@ -68,8 +69,10 @@ class BatchedPhysics:
         self._rest = self._rest_state()
         self._state = np.tile(self._rest, (num_robots, 1))
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
+        self._series = self._state[:, None], self._sensors[:, None]
         self._diverged = np.zeros(num_robots, dtype=bool)
         self._index = _SensorIndex(self.model)
+        self._limits = DriveLimits(robot)
 
     def _rest_state(self) -> np.ndarray:
         data = mujoco.MjData(self.model)
@@ -113,21 +116,29 @@ class BatchedPhysics:
             self._disturber.push(self.qvel)
             control = self._disturber.drive(control)
         series = self._pool.rollout(self._models, self._data, self._state, control)
-        self._state, self._sensors = (np.asarray(values)[:, -1].copy() for values in series)
-        self._diverged = self._find_diverged() | ~np.isfinite(inputs).all(axis=1)
+        states, sensors = (np.asarray(values) for values in series)
+        self._diverged = self._find_diverged(states[:, -1]) | ~np.isfinite(inputs).all(axis=1)
         if self._diverged.any():
-            self._state[self._diverged] = self._rest
-            self._sensors[self._diverged] = 0.0
+            states[self._diverged] = self._rest
+            sensors[self._diverged] = 0.0
+        self._state, self._sensors = states[:, -1].copy(), sensors[:, -1].copy()
+        self._series = states, sensors
         if self._disturber is not None:
             self._disturber.wrap(self.qpos)
 
-    def _find_diverged(self) -> np.ndarray:
+    def _find_diverged(self, state: np.ndarray) -> np.ndarray:
         """MuJoCo resets a blown-up state silently: its clock then starts from zero."""
-        late = np.abs(self._state[:, 0] - _START_TIME - self.period) > 1e-9
-        wild = ~np.isfinite(self._state).all(axis=1)
+        late = np.abs(state[:, 0] - _START_TIME - self.period) > 1e-9
+        wild = ~np.isfinite(state).all(axis=1)
         with np.errstate(invalid="ignore"):
-            fast = np.abs(self.qvel).max(axis=1) > _SPEED_LIMIT
+            fast = np.abs(state[:, 1 + self.model.nq :]).max(axis=1) > _SPEED_LIMIT
         return late | wild | fast
+
+    def loads(self) -> DriveLoads:
+        """What the drives did in the last :meth:`step`, at each of its simulation steps."""
+        states, sensors = self._series
+        joints = states[:, :, -names.NUM_JOINTS :]
+        return self._limits.loads(sensors[:, :, self._index.efforts], joints[:, :, _ACTUATED])
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""

@@ -3,7 +3,8 @@
 The rollout owns plant, starts, commands and terminations; a controller only maps state to the
 plant's inputs. It is the same for every controller and for the checks during training. A plant
 that is stepped in less than a control period asks its controller more often; what is recorded
-and what counts as a failure is looked at once per control period all the same.
+and what counts as a failure is looked at once per control period all the same, but for the loads
+of the drives, which are looked at in every simulation step.
 """
 
 from collections.abc import Callable
@@ -13,14 +14,12 @@ from typing import Protocol
 import numpy as np
 
 from slider.core.config.env import EnvConfig, PlantConfig
-from slider.core.config.robot import RobotConfig
 from slider.env import terminations
+from slider.env.drive_loads import DriveLoads, over
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
-from slider.robot.names import ACTUATED, JOINTS
 
 GRAVITY = 9.81  # [m/s²]
-_DRIVEN = np.array(ACTUATED)
 
 
 class Controller(Protocol):
@@ -50,9 +49,7 @@ class Recording:
         position: (S, N, 2) of the base in the world [m].
         foot_forces: (S, N, 2) [N].
         foot_positions: (S, N, 2, 3) [m], z above the ground below.
-        power: (S, N) mechanical power of the drives, absolute values added [W].
-        effort_share: (S, N) largest effort of a drive as a share of its limit [-].
-        speed_share: (S, N) largest speed of a drive as a share of its limit [-].
+        power, effort_share, speed_share: (S, N) see :class:`DriveLoads`, over each control step.
         diverged: (N,) the simulation blew up.
         weight: (N,) m g [N].
     """
@@ -108,55 +105,36 @@ def roll_out(
     controller.reset(physics.measure(state), commands[0])
     alive = np.ones(physics.num_robots, dtype=bool)
     diverged = np.zeros(physics.num_robots, dtype=bool)
-    limits = _Limits.of(physics.robot)
     rows: list[tuple[np.ndarray, ...]] = []
     for step in range(steps):
         if step and (commands[step] != commands[step - 1]).any():
             controller.command(commands[step])
-        state, blown = run_ticks(controller, physics, state, ticks)
+        state, blown, loads = run_ticks(controller, physics, state, ticks)
         diverged |= blown
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
-        rows.append((*_row(alive, state), *_drives(state, limits)))
+        rows.append((*_row(alive, state), *loads))
         progress((step + 1) / steps)
     series = [np.stack(column) for column in zip(*rows, strict=True)]
     weight = physics.masses * GRAVITY
     return Recording(config.control_period, commands, *series, diverged=diverged, weight=weight)
 
 
-@dataclass(frozen=True)
-class _Limits:
-    """Effort and speed limits (A,) of the joints with a drive."""
-
-    effort: np.ndarray
-    speed: np.ndarray
-
-    @classmethod
-    def of(cls, robot: RobotConfig) -> "_Limits":
-        driven = [robot.limits[JOINTS[i].split("_", 1)[1]] for i in ACTUATED]
-        return cls(np.array([d.effort for d in driven]), np.array([d.speed for d in driven]))
-
-
-def _drives(state: RobotState, limits: _Limits) -> tuple[np.ndarray, ...]:
-    effort = np.abs(state.efforts[:, _DRIVEN])
-    speed = np.abs(state.joint_velocities[:, _DRIVEN])
-    shares = (effort / limits.effort).max(axis=1), (speed / limits.speed).max(axis=1)
-    return ((effort * speed).sum(axis=1), *shares)
-
-
 def run_ticks(
     controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
-) -> tuple[RobotState, np.ndarray]:
+) -> tuple[RobotState, np.ndarray, DriveLoads]:
     """Ask the controller and step the plant ``ticks`` times.
 
     Returns:
-        The state afterwards, and which robots (N,) blew up in one of the steps.
+        The state afterwards, which robots (N,) blew up in one of the steps, the drives' loads.
     """
     diverged = np.zeros(physics.num_robots, dtype=bool)
+    loads: list[DriveLoads] = []
     for _ in range(ticks):
         physics.step(controller.control(physics.measure(state)))
         state = physics.read()
+        loads.append(physics.loads())
         diverged |= state.diverged
-    return state, diverged
+    return state, diverged, over(loads)
 
 
 def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:

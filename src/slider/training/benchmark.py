@@ -83,17 +83,12 @@ def _check(arguments: argparse.Namespace) -> None:
 def _measure(
     arguments: argparse.Namespace, config: "Config", path: Path, threads: int, num_envs: int
 ) -> list["Throughput"]:
-    from slider.env.guide import Guide
-    from slider.library.lookup import GaitLibrary, GaitTable
     from slider.training.ppo import use_bfloat16
+    from slider.training.task import task_of
     from slider.training.throughput import Bench
-    from slider.training.trainer import Task
 
-    library = GaitLibrary.load(path)
-    table = GaitTable.from_library(library)
-    times = table.times if config.env.phase.enabled else None
     train = replace(config.train.walking, num_envs=num_envs)
-    task = Task(config.robot, config.env, train, times, Guide(library, table))
+    task = task_of(config.robot, config.env, train, path)
     precisions = arguments.precision or PRECISIONS[: 2 if use_bfloat16("auto") else 1]
     with tempfile.TemporaryDirectory() as work:
         bench = Bench(task, threads, Path(work))

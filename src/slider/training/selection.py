@@ -26,8 +26,8 @@ class Score:
     """Result of one check; lower ``value`` is better.
 
     Attributes:
-        value: fall_weight · share of falls + mean over commands of the mean squared velocity
-            error / (0.01 + 0.01 v²) + flight_weight · mean flight share below the run speed.
+        value: fall_weight · share of falls + mean over survivors of the mean squared velocity
+            error / (0.01 + 0.01 v²) + flight_weight · flight.
         success: share of robots that survived.
         speed_error: mean over survivors of |mean forward velocity − command| [m/s].
         flight: mean share of time with no foot on the ground.

@@ -7,10 +7,8 @@ from slider.core.config.env import EnvConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.train import TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.guide import Guide
-from slider.library.lookup import GaitLibrary, GaitTable
-from slider.library.step_times import StepTimes
-from slider.training.trainer import WEIGHTS, Task, Trainer
+from slider.training.task import Task, task_of
+from slider.training.trainer import WEIGHTS, Trainer
 
 
 def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -34,19 +32,5 @@ def _train(task: Task, inputs: Inputs, out: Path, job: Job) -> Summary:
 def _task(section: Section, inputs: Inputs, guided: bool) -> Task:
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     train = from_dict(TrainConfig, section["train"])
-    if "library" not in inputs:
-        return Task(robot, env, train, _times(env, None), None)
-    library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
-    table = GaitTable.from_library(library)
-    guide = Guide(library, table, train.guide.gait) if guided else None
-    reference = table.joints if env.action.about == "gait" else None
-    return Task(robot, env, train, _times(env, table), guide, reference)
-
-
-def _times(env: EnvConfig, table: GaitTable | None) -> StepTimes | None:
-    """Step times of the clock, if there is one: fixed, or those of the gaits."""
-    if not env.phase.enabled:
-        return None
-    if env.phase.step_time > 0:
-        return StepTimes.constant(env.phase.step_time)
-    return None if table is None else table.times
+    library = inputs["library"][0] / "library.zarr" if "library" in inputs else None
+    return task_of(robot, env, train, library, guided)

@@ -26,7 +26,7 @@ from slider.env.vec_env import WalkingEnv
 from slider.robot.names import ACTUATED, NUM_JOINTS
 from slider.training.ppo import runner_config
 from slider.training.stopwatch import Stopwatch
-from slider.training.trainer import Task
+from slider.training.task import Task
 
 _RECORDED = 24  # control steps
 

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,17 +12,12 @@ from rsl_rl.runners import OnPolicyRunner
 
 from slider.control.network import from_actor
 from slider.control.policy_file import Policy, save_policy
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
-from slider.core.config.train import TrainConfig
 from slider.core.job import Job
-from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
-from slider.library.joint_table import JointTable
-from slider.library.step_times import StepTimes
 from slider.training.averaging import AveragingPPO
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.selection import Score, Selector
+from slider.training.task import Task
 
 CHECKPOINT = "checkpoint.pt"
 BEST = "best.pt"
@@ -33,18 +28,6 @@ CURVE = "learning_curve.csv"
 _RESUMED = ("actor", "critic", "optimizer", "average")
 
 
-@dataclass(frozen=True)
-class Task:
-    """What is trained, in which environment, towards which guide, with actions about what."""
-
-    robot: RobotConfig
-    env: EnvConfig
-    train: TrainConfig
-    times: StepTimes | None
-    guide: Guide | None
-    reference: JointTable | None = None
-
-
 class Trainer:
     """One training run that survives being killed."""
 
@@ -52,14 +35,21 @@ class Trainer:
         train = task.train
         torch.set_num_threads(job.threads)
         torch.set_flush_denormal(True)
-        torch.manual_seed(train.seed)
-        rng = np.random.default_rng(train.seed)
         self._task, self._job = task, job
-        self._rng = rng
-        self._env = WalkingEnv(
-            task.robot, task.env, train, rng, task.times, task.guide, job.threads, task.reference
-        )
         job.work.mkdir(parents=True, exist_ok=True)
+        self._checkpoint = _read_checkpoint(job.work / CHECKPOINT)
+        seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0))
+        torch.manual_seed(seed)
+        self._env = WalkingEnv(
+            task.robot,
+            task.env,
+            replace(train, seed=seed),
+            np.random.default_rng(seed),
+            task.times,
+            task.guide,
+            job.threads,
+            task.reference,
+        )
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
@@ -154,17 +144,14 @@ class Trainer:
             leftover.unlink()
 
     def _resume(self) -> None:
-        path = self._job.work / CHECKPOINT
-        if not path.exists():
+        content = self._checkpoint
+        if not content:
             return
-        content = torch.load(path, weights_only=True)
         self._algorithm.load(content, dict.fromkeys(_RESUMED, True), True)
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]
         self._env.curriculum.share = content["command_share"]
-        # The states of environments and generators are gone: go on with fresh, distinct noise.
-        torch.manual_seed(self._task.train.seed + self._iteration)
         self._job.volatile["resumed"] = True
 
     def export(self, out: Path) -> dict[str, Any]:
@@ -189,6 +176,22 @@ class Trainer:
         _write_rows(self._curve, out / CURVE)
         self._job.tracker.log_file(out / POLICY)
         return facts
+
+
+def _read_checkpoint(path: Path) -> dict[str, Any]:
+    """What a killed job left; nothing where there is none."""
+    return torch.load(path, weights_only=True) if path.exists() else {}
+
+
+def _noise_seed(seed: int, iteration: int) -> int:
+    """Of networks, environments and noise from an iteration on.
+
+    The states of environments and generators are not in a checkpoint: a resumed training goes on
+    with other noise, rather than with that of its first iterations once more.
+    """
+    if iteration == 0:
+        return seed
+    return int(np.random.SeedSequence([seed, iteration]).generate_state(1)[0])
 
 
 def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:

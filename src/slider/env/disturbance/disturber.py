@@ -129,6 +129,6 @@ class Disturber:
             return state
         base, feet = state.base_position.copy(), state.foot_positions.copy()
         base[:, :2] += self._terrain.offset
-        feet[:, :, :2] += self._terrain.offset[:, None]
+        feet[:, :, :2] += self._terrain.sensor_offset[:, None]
         ground = self._terrain.ground
         return replace(state, base_position=base, foot_positions=feet, ground=ground)

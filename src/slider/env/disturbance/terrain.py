@@ -67,13 +67,14 @@ class Terrain:
 
     Attributes:
         offset: (N, 2) place of a robot in the world minus its place on the height field [m].
+        sensor_offset: (N, 2) the same for positions that sensors told before the last wrap [m].
     """
 
     def __init__(
         self, config: GroundConfig, robot: RobotConfig, tile: np.ndarray, count: int
     ) -> None:
         self._config, self._geometry, self._tile = config, robot.geometry, tile
-        self.offset = np.zeros((count, 2))
+        self.offset, self.sensor_offset = np.zeros((2, count, 2))
 
     @property
     def ground(self) -> UnevenGround:
@@ -89,6 +90,7 @@ class Terrain:
         """
         qpos = qpos.copy()
         self.offset[index] = qpos[:, :2] - self._config.period * uniform[index]
+        self.sensor_offset[index] = self.offset[index]
         qpos[:, 2] += self._lift(index, qpos)
         qpos[:, :2] -= self.offset[index]
         return qpos
@@ -107,4 +109,5 @@ class Terrain:
         period = self._config.period
         gone = period * np.floor(qpos[:, :2] / period)
         qpos[:, :2] -= gone
+        self.sensor_offset[:] = self.offset
         self.offset += gone

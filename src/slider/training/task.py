@@ -1,0 +1,56 @@
+"""What a training is about, put together from configuration and gait library."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from slider.core.config.env import EnvConfig
+from slider.core.config.robot import RobotConfig
+from slider.core.config.train import TrainConfig
+from slider.env.guide import Guide
+from slider.library.joint_table import JointTable
+from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.step_times import StepTimes
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is trained, in which environment, towards which guide, with actions about what."""
+
+    robot: RobotConfig
+    env: EnvConfig
+    train: TrainConfig
+    times: StepTimes | None
+    guide: Guide | None
+    reference: JointTable | None = None
+
+
+def task_of(
+    robot: RobotConfig,
+    env: EnvConfig,
+    train: TrainConfig,
+    library: Path | None,
+    guided: bool = True,
+) -> Task:
+    """The task that a configuration describes.
+
+    Args:
+        robot, env, train: the configuration.
+        library: Zarr gait library, if the training has one.
+        guided: whether rewards may ask for its gaits.
+    """
+    if library is None:
+        return Task(robot, env, train, _times(env, None), None)
+    gaits = GaitLibrary.load(library)
+    table = GaitTable.from_library(gaits)
+    guide = Guide(gaits, table, train.guide.gait) if guided else None
+    reference = table.joints if env.action.about == "gait" else None
+    return Task(robot, env, train, _times(env, table), guide, reference)
+
+
+def _times(env: EnvConfig, table: GaitTable | None) -> StepTimes | None:
+    """Step times of the clock, if there is one: fixed, or those of the gaits."""
+    if not env.phase.enabled:
+        return None
+    if env.phase.step_time > 0:
+        return StepTimes.constant(env.phase.step_time)
+    return None if table is None else table.times

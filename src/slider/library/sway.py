@@ -11,8 +11,8 @@ _OUTSIDE = 1e-6  # [m/s]
 def forward_variance(library: LibraryContents, vx: float) -> float | None:
     """Variance over time of the forward velocity in the gait at (vx, 0) [m²/s²].
 
-    A walking base sways, so that no walk has a smaller squared velocity error than this. Between
-    the velocities of the library it is that of the blended gait; outside them there is none.
+    For comparison, not a bound: the gaits are not optimised for an even speed. Between the
+    velocities of the library it is that of the blended gait; outside them there is none.
     """
     axis = library.mesh.vx
     if not axis[0] - _OUTSIDE <= vx <= axis[-1] + _OUTSIDE:

@@ -44,7 +44,7 @@ def _caption(rows: Sequence[Row]) -> str:
     over = f"mean of {len(seeds)} seeds (least to greatest)" if len(seeds) > 1 else "one seed"
     return (
         f"Every number: {over}; errors and gait quality are those of surviving robots, – where "
-        "none survived. `reports/ablation.csv` has all of them."
+        "none survived, without the seeds of which none did. `reports/ablation.csv` has them all."
     )
 
 

@@ -186,4 +186,7 @@ def _overrides(settings: Mapping[str, Any]) -> list[str]:
     try:
         return shlex.split(text)
     except ValueError as error:
-        raise UserError(f"--config {OPTION}: {error} in {text!r}") from None
+        raise UserError(
+            f"--config {OPTION}: {error} in {text!r} (Snakemake takes quotes off both ends of the "
+            "value: a space before or after them keeps them)"
+        ) from None

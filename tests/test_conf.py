@@ -106,7 +106,8 @@ def test_every_mistake_is_one_line(override, message, capsys):
         ({"hydar": "gait.nodes=5"}, "unknown --config name 'hydar'"),
         ({"hydra": 3}, "expected text of the form key=value, found 3"),
         ({"hydra": ["gait.nodes=5"]}, "expected text of the form key=value"),
-        ({"hydra": "gait.cost='paper"}, "No closing quotation"),
+        ({"hydra": "gait.cost='paper"}, "No closing quotation in"),
+        ({"hydra": "gait.cost='paper"}, "a space before or after them keeps them"),
         ({"hydra": "gait.nods=3"}, "did you mean 'gait.nodes'?"),
     ],
 )

@@ -32,6 +32,7 @@ class Policy:
         )
         self.reference = np.load(folder / self.layout["reference"]["file"])
         self.phase = 0.0
+        self.halted = False
         self.command = np.zeros(3)
         self.action = self.earlier_action = np.zeros(len(joints))
         self.filtered = np.zeros(2)
@@ -41,6 +42,7 @@ class Policy:
         """Desired joint positions, once per control period; command: vx, vy, yaw rate."""
         if self.heading_target is None:
             self.heading_target = float(state["yaw"])
+            self.halted = self._told_to_stand(command)  # a robot starts at rest
         else:
             self._advance(state, self.command)  # of the period that is over
         self.command = command
@@ -65,6 +67,8 @@ class Policy:
 
     def _reference(self, command: np.ndarray) -> np.ndarray:
         """Joint positions of a zero action at the present phase."""
+        if self.halted:
+            return np.array(self.layout["reference"]["standing"])
         half = self.reference.shape[2] // 2
         step = int(self.phase >= 0.5)
         sample = (2.0 * self.phase - step) * (half - 1)
@@ -79,12 +83,19 @@ class Policy:
         clock, period = self.layout["clock"], self.layout["control_period"]
         if clock is not None:
             phase = self.phase + period / (2.0 * step_time(clock, command))
-            if clock["halt"] and not command.any():
-                phase = min(phase, np.ceil(2.0 * self.phase) / 2.0)
-            self.phase = phase % 1.0
+            change = np.ceil(2.0 * self.phase) / 2.0
+            halt = clock["halt"]
+            slow = self.halted or np.hypot(*self.filtered) < halt["below"]
+            slow = slow and np.hypot(*state["heading_velocity"]) < halt["above"]
+            self.halted = self._told_to_stand(command) and slow and phase >= change
+            self.phase = (change if self.halted else phase) % 1.0
         self.heading_target += command[2] * period
         gain = self.layout["observation"]["velocity_filter"]["gain"]
         self.filtered += gain * (state["heading_velocity"] - self.filtered)
+
+    def _told_to_stand(self, command: np.ndarray) -> bool:
+        clock = self.layout["clock"]
+        return clock is not None and clock["halt"]["below"] > 0 and not command.any()
 
     def _mirrored(self) -> bool:
         clock = self.layout["clock"]
@@ -109,7 +120,7 @@ class Policy:
             "action_before_previous": self.earlier_action,
             "base_height": state["height"] - layout["nominal_height"],
             "filtered_velocity": self.filtered,
-            "phase": np.array([np.sin(angle), np.cos(angle)]),
+            "phase": np.array([np.sin(angle), np.cos(angle)]) * (not self.halted),
             "height_scan": np.full(scan, state["height"]),  # flat ground
         }
 

@@ -195,6 +195,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         "phase": np.zeros(count),
     }
     values |= {name: np.asarray(value, dtype=float) for name, value in changes.items()}
+    values["halted"] = np.asarray(changes.get("halted", np.zeros(count)), dtype=bool)
     return View(
         state=state,
         nominal=np.zeros(NUM_JOINTS),

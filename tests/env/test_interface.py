@@ -21,6 +21,7 @@ from tests.env.synthetic import (
 )
 
 UPPER_FEET = [i for i, name in enumerate(JOINTS) if name.endswith("upper_foot")]
+HALT = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
 PAPER = ("env=paper", "train/standing=paper", "train/walking=paper")
 
 
@@ -206,6 +207,32 @@ def test_a_residual_action_is_about_the_gait(phase):
     action = np.random.default_rng(0).uniform(-0.2, 0.2, (3, NUM_JOINTS))
     moved = residual.act(action.copy()) - expected
     np.testing.assert_allclose(moved, nominal.act(action.copy()) - nominal.nominal, atol=1e-12)
+
+
+def test_a_halted_robot_acts_about_standing_on_both_feet():
+    """Between the two changes of feet: its own mirror image, wherever the clock has halted."""
+    agent = make_agent(3, *HALT, "env.action.about=gait")
+    agent.reset(np.arange(3), make_state(3), phase=np.array([0.0, 0.5, 0.3]))
+    targets = agent.act(np.zeros((3, NUM_JOINTS)))
+    np.testing.assert_array_equal(agent.view(make_state(3)).halted, [True, True, False])
+    np.testing.assert_array_equal(targets[0], targets[1])
+    np.testing.assert_allclose(targets[0], targets[0][PERMUTATION] * SIGN, atol=1e-12)
+    zero = np.zeros(3)
+    gait = gait_table().at(zero, zero, np.array([0.0, 0.5, 0.3]))[:, :NUM_JOINTS]
+    np.testing.assert_allclose(targets[0], (gait[0] + gait[1]) / 2, atol=1e-12)
+    np.testing.assert_allclose(targets[2], gait[2], atol=1e-12)
+    agent.set_velocity_command(np.arange(3), np.array([[0.1, 0.0, 0.0]] * 3))
+    agent.advance(make_state(3))
+    assert not agent.view(make_state(3)).halted.any()
+
+
+def test_the_clock_halts_by_the_filtered_velocity_of_the_robot():
+    agent = make_agent(2, *HALT)
+    fast = make_state(2, heading_velocity=[[0.0, 0.5], [0.1, 0.0]])
+    agent.reset(np.arange(2), fast, phase=0.3, velocity=np.array([[0.0, 0.5], [0.1, 0.0]]))
+    for _ in range(30):
+        agent.advance(fast)
+    np.testing.assert_array_equal(agent.view(fast).halted, [False, True])
 
 
 def test_the_gait_under_an_action_is_within_reach_of_the_robots_velocity():

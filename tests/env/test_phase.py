@@ -1,41 +1,90 @@
 """The clock: at the pace of the library, and at rest where it is told to stand."""
 
 import numpy as np
+import pytest
 
+from slider.core.config.env import HaltConfig
 from slider.env.phase import Clock, standing
 from tests.env.synthetic import STEP_TIME, gait_table
 
 PERIOD = 0.02
+NEVER, HALT = HaltConfig(0.0, 0.0), HaltConfig(0.2, 0.4)
+STAND, GO = [0.0, 0.0, 0.0, 0.3], [0.1, 0.0, 0.0, 0.0]  # a heading error is no command
 
 
-def run(halt: bool, command: list[float], start: float, steps: int) -> np.ndarray:
+def make_clock(halt: HaltConfig, start: float = 0.0, speed: float = 1.0) -> Clock:
     clock = Clock(gait_table().times, PERIOD, 1, halt)
-    clock.phase[:] = start
+    clock.reset(np.arange(1), start, np.array([STAND]), np.array([speed]))
+    return clock
+
+
+def run(
+    clock: Clock, command: list[float], steps: int, mean_speed: float = 0.0, speed: float = 0.0
+) -> np.ndarray:
     phases = []
     for _ in range(steps):
-        clock.advance(np.array([command]))
+        clock.advance(np.array([command]), np.array([mean_speed]), np.array([speed]))
         phases.append(clock.phase[0])
     return np.array(phases)
 
 
 def test_a_walk_takes_two_steps():
     steps = round(2 * STEP_TIME / PERIOD)
-    phases = run(False, [0.0, 0.0, 0.0, 0.0], 0.0, steps + 1)
+    phases = run(make_clock(NEVER), STAND, steps + 1)
     np.testing.assert_allclose(phases[0], 1 / steps)
     np.testing.assert_allclose(phases[-1], phases[0], atol=1e-12)
 
 
-def test_stays_at_the_next_change_of_feet_at_zero_command():
-    for start, end in ((0.0, 0.0), (0.2, 0.5), (0.5, 0.5), (0.51, 0.0)):
-        phases = run(True, [0.0, 0.0, 0.0, 0.3], start, 60)  # a heading error is no command
-        assert phases[-1] == phases[-2] == end
+@pytest.mark.parametrize(("start", "end"), [(0.0, 0.0), (0.2, 0.5), (0.5, 0.5), (0.51, 0.0)])
+def test_stays_at_the_next_change_of_feet_at_zero_command(start, end):
+    clock = make_clock(HALT, start)
+    assert not clock.halted[0], "too fast at its start"
+    run(clock, STAND, 1)
+    assert clock.halted[0] == (start in (0.0, 0.5))
+    phases = run(clock, STAND, 60)
+    assert clock.halted[0]
+    assert phases[-1] == phases[-2] == end
 
 
 def test_goes_on_with_any_command():
     for command in ([0.1, 0.0, 0.0, 0.0], [0.0, 0.1, 0.0, 0.0], [0.0, 0.0, -0.2, 0.0]):
-        halting = run(True, command, 0.3, 60)
-        np.testing.assert_array_equal(halting, run(False, command, 0.3, 60))
+        halting = run(make_clock(HALT, 0.3), command, 60)
+        np.testing.assert_array_equal(halting, run(make_clock(NEVER, 0.3), command, 60))
         assert np.ptp(halting) > 0.5
+
+
+def test_steps_until_it_is_slow_and_again_when_it_is_pushed():
+    clock = make_clock(HALT, 0.3)
+    free = run(make_clock(NEVER, 0.3), STAND, 60)
+    np.testing.assert_array_equal(run(clock, STAND, 60, mean_speed=0.3), free)
+    swaying = run(make_clock(HALT, 0.3), STAND, 60, mean_speed=0.1, speed=0.5)
+    np.testing.assert_array_equal(swaying, free)
+    run(clock, STAND, 30, mean_speed=0.1, speed=0.3)
+    assert clock.halted[0]
+    run(clock, STAND, 5, mean_speed=0.3, speed=0.3)
+    assert clock.halted[0], "slower than the speed at which it has to step"
+    run(clock, STAND, 1, mean_speed=0.1, speed=0.5)
+    assert not clock.halted[0]
+    assert np.ptp(run(clock, STAND, 30, mean_speed=0.3)) > 0.5, "still too fast to stand"
+
+
+def test_a_command_ends_the_halt_at_once():
+    clock = make_clock(HALT, 0.0, speed=0.0)
+    assert clock.halted[0]
+    phases = run(clock, GO, 2)
+    assert not clock.halted[0]
+    assert 0.0 < phases[0] < phases[1]
+
+
+def test_a_start_at_a_change_of_feet_may_stand_at_once():
+    assert make_clock(HALT, 0.0, speed=0.1).halted[0]
+    assert make_clock(HALT, 0.5, speed=0.1).halted[0]
+    assert not make_clock(HALT, 0.1, speed=0.1).halted[0]
+    assert not make_clock(HALT, 0.0, speed=0.3).halted[0]
+    assert not make_clock(NEVER, 0.0, speed=0.0).halted[0]
+    walking = make_clock(HALT, 0.0, speed=0.0)
+    walking.reset(np.arange(1), 0.0, np.array([GO]), np.zeros(1))
+    assert not walking.halted[0]
 
 
 def test_standing_is_an_exact_zero():

@@ -223,6 +223,15 @@ def test_guide_at_the_samples_and_between_them():
     np.testing.assert_allclose(between[0, :NUM_CHANNELS], middle, atol=1e-9)
 
 
+def test_the_guide_of_a_halted_robot_is_standing():
+    command = np.zeros((2, 4))
+    view = make_view(make_state(2), phase=[0.5, 0.5], command=command, halted=[True, False])
+    stands, steps = make_guide().at_phase(view)
+    np.testing.assert_array_equal(stands, gait_table().standing)
+    np.testing.assert_array_equal(steps, gait_table().at(*np.zeros((2, 1)), np.array([0.5]))[0])
+    assert (stands != steps).any()
+
+
 def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
     view = moving_view()
     reference = gait_table().at(view.command[:, 0], view.command[:, 1], view.phase)[:, :12]

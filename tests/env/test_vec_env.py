@@ -11,7 +11,7 @@ from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
 from tests.env.synthetic import config, gait_table, make_guide
 
-EXPERIMENTS = ("default", "robust", "paper", "paper_alive", "smoke", "test")
+EXPERIMENTS = ("default", "commands", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
 FEW = (f"train.standing.num_envs={NUM_ENVS}", f"train.walking.num_envs={NUM_ENVS}")
 
@@ -177,6 +177,17 @@ def test_starts_on_the_reference(share, spread):
     np.testing.assert_allclose(state.heading_velocity, reference[:, 24:26], atol=1e-9)
     np.testing.assert_allclose(env._agent.filtered_velocity, command[:, :2])
     assert not state.base_position[:, :2].any()
+
+
+def test_told_to_stand_robots_at_rest_are_halted_and_those_on_the_gait_step_on():
+    halt = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
+    stand = "train.walking.commands.standing_fraction=1.0"
+    for share, expected in ((0.0, True), (1.0, False)):
+        start = f"train.walking.reset.reference_fraction={share}"
+        clock = build(settings("experiment=test", *halt, stand, start))._agent.clock
+        assert clock is not None
+        np.testing.assert_array_equal(clock.halted, expected)
+        assert (clock.phase == 0).all() == expected
 
 
 def test_same_seed_same_episodes():

@@ -127,6 +127,18 @@ def test_joints_and_channels_are_parts_of_the_reference(table):
     np.testing.assert_allclose(channels[0], value("samples", 0.0, 0.05), atol=1e-9)
 
 
+def test_standing_is_between_the_two_changes_of_feet_and_at_rest(table):
+    found, zero = table.standing, np.zeros(2)
+    changes = table.at(zero, zero, np.array([0.0, 0.5]))
+    np.testing.assert_allclose(found[:12], changes[:, :12].mean(axis=0), atol=1e-12)
+    np.testing.assert_allclose(found[26:29], changes[:, 26:29].mean(axis=0), atol=1e-12)
+    np.testing.assert_array_equal(found[12:26], 0.0)
+    np.testing.assert_array_equal(found[33:], 0.0)
+    np.testing.assert_allclose(np.linalg.norm(found[29:33]), 1.0)
+    np.testing.assert_array_equal(table.joints.standing, found[:12])
+    assert table.at(zero, zero, np.zeros(2))[0, 12:26].any(), "a gait moves"
+
+
 def test_a_constant_step_time_is_that_everywhere():
     times = StepTimes.constant(0.42).at(np.array([-1.0, 0.0, 3.0]), np.array([0.0, 0.1, -0.1]))
     np.testing.assert_array_equal(times, 0.42)

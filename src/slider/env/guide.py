@@ -42,11 +42,17 @@ class Guide:
         }
 
     def at_phase(self, view: View) -> np.ndarray:
-        """Reference at the clock's phase: channels and base motion (N, 26 + 13)."""
+        """Reference at the clock's phase: channels and base motion (N, 26 + 13).
+
+        Where the clock is halted: standing on both feet, at rest.
+        """
         vx, vy = view.command[:, 0], view.command[:, 1]
         if self._nearest:
             vx, vy = self._library.velocities[self._library.nearest(vx, vy)].T
-        return self._table.at(vx, vy, view.phase)
+        reference = self._table.at(vx, vy, view.phase)
+        if view.halted.any():
+            reference[view.halted] = self._table.standing
+        return reference
 
     def turn(self, view: View) -> np.ndarray:
         """What a commanded yaw rate adds to the joints of the gait (N, 12) [rad].

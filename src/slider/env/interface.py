@@ -87,7 +87,8 @@ class AgentInterface:
         self.filtered_velocity[index] = velocity
         self.heading_target[index] = state.yaw[index]
         if self.clock is not None:
-            self.clock.phase[index] = phase
+            speed = np.hypot(*self.filtered_velocity[index].T)
+            self.clock.reset(index, phase, self.command[index], speed)
 
     def set_velocity_command(self, index: np.ndarray, velocity: np.ndarray) -> None:
         """Command vx, vy [m/s] and yaw rate [rad/s], (n, 3), to robots ``index``."""
@@ -103,18 +104,22 @@ class AgentInterface:
         return np.clip(self._origin() + self._scale * self.action, self._lower, self._upper)
 
     def _origin(self) -> np.ndarray:
-        """Joint positions of a zero action: (12,), or (N, 12) on gaits within reach."""
+        """Joint positions of a zero action: (12,), or (N, 12) on gaits within reach or standing."""
         if self._reference is None or self.clock is None:
             return self.nominal
         reach, own = self._config.action.reach, self.filtered_velocity
         velocity = np.clip(self.command[:, :2], own - reach, own + reach)
-        return self._reference.at(velocity[:, 0], velocity[:, 1], self.clock.phase)
+        origin = self._reference.at(velocity[:, 0], velocity[:, 1], self.clock.phase)
+        if self.clock.halted.any():
+            origin[self.clock.halted] = self._reference.standing
+        return origin
 
     def advance(self, state: RobotState) -> None:
         """Move clock, heading target and velocity filter on by one control period."""
         period = self._config.control_period
         if self.clock is not None:
-            self.clock.advance(self.command)
+            speeds = (np.hypot(*v.T) for v in (self.filtered_velocity, state.heading_velocity))
+            self.clock.advance(self.command, *speeds)
         self.heading_target += self.command[:, 2] * period
         gain = min(1.0, period / self._config.observation.velocity_filter)
         self.filtered_velocity += gain * (state.heading_velocity - self.filtered_velocity)
@@ -135,6 +140,7 @@ class AgentInterface:
             previous_action=self.previous_action,
             filtered_velocity=self.filtered_velocity,
             phase=np.zeros(self.num_robots) if self.clock is None else self.clock.phase,
+            halted=self._halted(),
             nominal=self.nominal,
             nominal_height=self.nominal_height,
             effort_limits=self._effort_limits,
@@ -145,6 +151,11 @@ class AgentInterface:
     def observe(self, state: RobotState) -> np.ndarray:
         """Observations (N, size) float32."""
         return self.observer(self.view(state), self._mirrored())
+
+    def _halted(self) -> np.ndarray:
+        if self.clock is None:
+            return np.zeros(self.num_robots, dtype=bool)
+        return self.clock.halted
 
     def _mirrored(self) -> np.ndarray:
         """Robots that the agent sees reflected: those in right stance."""

@@ -75,9 +75,9 @@ def filtered_velocity(view: View) -> np.ndarray:
 
 
 def phase(view: View) -> np.ndarray:
-    """Sine and cosine of the clock (N, 2)."""
+    """Sine and cosine of the clock (N, 2); zeros while it is halted."""
     angle = 2.0 * np.pi * view.phase
-    return np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    return np.stack([np.sin(angle), np.cos(angle)], axis=1) * ~view.halted[:, None]
 
 
 def height_scan(view: View) -> np.ndarray:

@@ -2,36 +2,71 @@
 
 import numpy as np
 
+from slider.core.config.env import HaltConfig
 from slider.library.step_times import StepTimes
 
 
 class Clock:
     """Phase in [0, 1) of N walks: left stance below 0.5, right stance from there on.
 
+    At zero command a robot steps in place, or, with halting, stands: once its low-passed velocity
+    is less than ``halt.below``, its clock stays at the next change of feet, where the gait is in
+    double support, until there is a command, or the velocity reaches ``halt.above``: the robot
+    tips over and has to step.
+
     Args:
         times: durations of the steps.
         period: of a control step [s].
         num_robots: N.
-        halt: at zero command the clock runs on to the next change of feet and stays there, where
-            the gait is in double support; without it the robot steps in place.
+        halt: of the clock at zero command.
+
+    Attributes:
+        phase: (N,).
+        halted: clocks that stay (N,).
     """
 
-    def __init__(
-        self, times: StepTimes, period: float, num_robots: int, halt: bool = False
-    ) -> None:
+    def __init__(self, times: StepTimes, period: float, num_robots: int, halt: HaltConfig) -> None:
         self._times = times
         self._period = period
         self._halt = halt
         self.phase = np.zeros(num_robots)
+        self.halted = np.zeros(num_robots, dtype=bool)
 
-    def advance(self, command: np.ndarray) -> None:
-        """Move on by one control period at the step times of the commands (N, ≥ 3)."""
+    def reset(
+        self,
+        index: np.ndarray,
+        phase: np.ndarray | float,
+        command: np.ndarray,
+        speed: np.ndarray,
+    ) -> None:
+        """Set the phases (n,) of robots ``index``, with commands (n, ≥ 3) and speeds (n,) [m/s].
+
+        Those told to stand are halted at once where the phase is a change of feet.
+        """
+        self.phase[index] = phase
+        change = (2.0 * self.phase[index]) % 1.0 == 0.0
+        self.halted[index] = change & standing(command) & (speed < self._halt.below)
+
+    def advance(self, command: np.ndarray, mean_speed: np.ndarray, speed: np.ndarray) -> None:
+        """Move on by one control period at the step times of the commands.
+
+        Args:
+            command: (N, ≥ 3) vx, vy [m/s], yaw rate [rad/s].
+            mean_speed, speed: of the base, low-passed and now (N,) [m/s].
+        """
         step_time = self._times.at(command[:, 0], command[:, 1])
         phase = self.phase + self._period / (2.0 * step_time)
-        if self._halt:
+        if self.halts:
             change = np.ceil(2.0 * self.phase) / 2.0
-            phase = np.where(standing(command), np.minimum(phase, change), phase)
+            slow = (speed < self._halt.above) & (self.halted | (mean_speed < self._halt.below))
+            self.halted = standing(command) & slow & (phase >= change)
+            phase = np.where(self.halted, change, phase)
         self.phase = phase % 1.0
+
+    @property
+    def halts(self) -> bool:
+        """Whether robots stand at zero command, instead of stepping in place."""
+        return self._halt.below > 0
 
     @property
     def left_stance(self) -> np.ndarray:

@@ -17,6 +17,7 @@ from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
 from slider.env.observations import Observer
+from slider.env.phase import standing
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import at_rest, perturb
@@ -163,6 +164,9 @@ class WalkingEnv(VecEnv):
             chosen = index[on_gait]
             qpos[on_gait], qvel[on_gait] = self._on_reference(chosen, phase[on_gait])
             velocity[on_gait] = self._agent.command[chosen, :2]
+        if self._agent.clock is not None and self._agent.clock.halts:
+            resting = standing(self._agent.command[index]) & ~on_gait
+            phase = np.where(resting, 0.0, phase)  # they stand from the start
         self._physics.reset(index, qpos, qvel)
         state = self._physics.measure(self._physics.read())
         self._agent.reset(index, state, phase, velocity)

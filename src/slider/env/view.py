@@ -17,6 +17,7 @@ class View:
         action, previous_action: (N, 12) unscaled, unmirrored.
         filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
         phase: (N,) clock in [0, 1); zero without a clock.
+        halted: (N,) whether the clock stays at a change of feet: stand.
         nominal: (12,) joint positions of the nominal pose [rad or m].
         nominal_height: base height of the nominal pose [m].
         effort_limits: (12,) [N m or N]; infinite for passive joints.
@@ -30,6 +31,7 @@ class View:
     previous_action: np.ndarray
     filtered_velocity: np.ndarray
     phase: np.ndarray
+    halted: np.ndarray
     nominal: np.ndarray
     nominal_height: float
     effort_limits: np.ndarray

@@ -1,6 +1,7 @@
 """Joint positions of gaits by command and phase: what an action about the gait needs to know."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -23,6 +24,20 @@ class JointTable:
     def at(self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray) -> np.ndarray:
         """Joint positions (N, 12) of commands (N,), (N,) [m/s] at phases (N,) in [0, 1)."""
         return at_phase(self.times, self.positions, vx, vy, phase)
+
+    @cached_property
+    def standing(self) -> np.ndarray:
+        """Joint positions (12,) on both feet at rest: see :func:`standing`."""
+        return standing(self.times, self.positions)
+
+
+def standing(times: StepTimes, table: np.ndarray) -> np.ndarray:
+    """Row (channels,) of a table (nx, ny, S, channels) for standing on both feet.
+
+    The mean of the two changes of feet of the gait in place, which are reflections of each other.
+    """
+    zero = np.zeros(2)
+    return at_phase(times, table, zero, zero, np.array([0.0, 0.5])).mean(axis=0)
 
 
 def at_phase(

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from slider.core.errors import UserError
 from slider.library.base_motion import aligned, normalise
-from slider.library.joint_table import JointTable, at_phase
+from slider.library.joint_table import JointTable, at_phase, standing
 from slider.library.mesh import VelocityMesh, corners
 from slider.library.schema import SCHEMA, VERSION
 from slider.library.step_times import StepTimes
@@ -106,6 +106,15 @@ class GaitTable:
         """
         result = at_phase(self.times, self.reference, vx, vy, phase)
         normalise(result[:, _NUM_CHANNELS:])
+        return result
+
+    @cached_property
+    def standing(self) -> np.ndarray:
+        """Channels and base motion (39,) of a robot that stands on both feet, at rest."""
+        result = standing(self.times, self.reference)
+        result[NUM_JOINTS:_NUM_CHANNELS] = 0.0
+        result[_NUM_CHANNELS + 7 :] = 0.0
+        normalise(result[None, _NUM_CHANNELS:])
         return result
 
     def channels(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:

@@ -34,7 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         default=[],
         metavar="KEY=VALUE",
-        help="overrides of the configuration, such as experiment=paper",
+        help="overrides of the configuration, such as evaluation=robust; a policy walks on its "
+        "own robot and environment, unless they change these",
     )
     parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
     parser.add_argument(

@@ -6,11 +6,9 @@ from pathlib import Path
 
 from slider.control.policy_file import load_policy
 from slider.core.config.compose import compose
-from slider.core.config.convert import from_dict, to_dict
-from slider.core.config.env import EnvConfig, PlantConfig
+from slider.core.config.env import PlantConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
-from slider.core.job import Section
 from slider.core.plan import JobSpec, read_plan
 from slider.core.store import Store
 from slider.library.lookup import GaitLibrary
@@ -44,17 +42,15 @@ def build(arguments: Namespace) -> Scene:
 
 
 def _policy(arguments: Namespace) -> Scene:
-    config = compose(arguments.set, arguments.conf)
-    if arguments.policy is None:
-        path, section = _current(arguments.artefacts, "walking", "policy.pt")
-        section = _overridden(section, arguments)
-    else:
-        path, section = arguments.policy, _section(arguments)
-    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
+    config, plain = compose(arguments.set, arguments.conf), compose([], arguments.conf)
+    path = arguments.policy
+    if path is None:
+        path = _current(arguments.artefacts, "walking", "policy.pt")
+    policy = load_policy(path)
+    robot = policy.robot if config.robot == plain.robot else config.robot
+    env = policy.env if config.env == plain.env else config.env
     test = config.evaluation
-    motion = simulate_policy(
-        load_policy(path), robot, env, test.start, arguments.seed, test.disturbance
-    )
+    motion = simulate_policy(policy, robot, env, test.start, arguments.seed, test.disturbance)
     return Scene(f"policy {path}", robot, motion)
 
 
@@ -81,7 +77,7 @@ def _replay(arguments: Namespace) -> Scene:
     config = compose(arguments.set, arguments.conf)
     path = arguments.library
     if path is None:
-        path, _ = _current(arguments.artefacts, "library", "library.zarr")
+        path = _current(arguments.artefacts, "library", "library.zarr")
     library = GaitLibrary.load(path)
     wanted_vx, wanted_vy = arguments.gait
     motion = Replay(library, wanted_vx, wanted_vy, config.env.control_period)
@@ -89,20 +85,8 @@ def _replay(arguments: Namespace) -> Scene:
     return Scene(f"gait {vx:.2f} {vy:+.2f} m/s", config.robot, motion)
 
 
-def _overridden(section: Section, arguments: Namespace) -> Section:
-    """Section of the plan, unless the person asks for another configuration."""
-    return _section(arguments) if arguments.set else section
-
-
-def _section(arguments: Namespace) -> Section:
-    config = compose(arguments.set, arguments.conf)
-    robot = to_dict(config.robot)
-    robot.pop("provenance")
-    return {"robot": robot, "env": to_dict(config.env)}
-
-
-def _current(artefacts: Path, target: str, name: str) -> tuple[Path, Section]:
-    """File of a target's result in the latest plan, and the section that it was made with."""
+def _current(artefacts: Path, target: str, name: str) -> Path:
+    """File of a target's result in the latest plan."""
     plans = sorted((artefacts / "plans").glob("*.json"), key=lambda path: path.stat().st_mtime)
     if not plans:
         raise UserError(f"expected a pipeline run in {artefacts}, found no plan there")
@@ -115,4 +99,4 @@ def _current(artefacts: Path, target: str, name: str) -> tuple[Path, Section]:
             "run the pipeline, or name a file"
         )
     result = store.read_manifest(job.stage, job.recipe).result
-    return store.object_folder(result.object) / name, dict(job.section)
+    return store.object_folder(result.object) / name

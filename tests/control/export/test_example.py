@@ -17,7 +17,7 @@ from tests.control.export.policies import write_policy
 
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "run_policy.py"
 COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
-STEPS, STOPPED = 60, 40  # from then on the command is zero
+STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards
 
 
 def written(folder: Path, *overrides: str) -> Path:
@@ -41,7 +41,7 @@ def load_example():
         ("env=paper",),
         ("env=robust",),
         ("env.phase.mirror=false",),
-        ("env.phase.halt=true",),
+        ("env.phase.halt.below=5.0", "env.phase.halt.above=5.0"),
         ("env.action.about=nominal",),
     ],
 )
@@ -51,13 +51,13 @@ def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
     physics.reset(np.arange(1), nominal_qpos(policy.robot)[None], np.zeros((1, 18)))
     agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
     controller = PolicyController(policy.network, agent)
-    controller.reset(physics.read(), COMMAND[None])
+    controller.reset(physics.read(), np.zeros((1, 3)))
     example = load_example()
     model, data = example.start(tmp_path)
     outside = example.Policy(tmp_path)
-    actions = []
+    actions, halted = [], []
     for step in range(STEPS):
-        command = COMMAND if step < STOPPED else np.zeros(3)
+        command = COMMAND if STARTED <= step < STOPPED else np.zeros(3)
         controller.command(command[None])
         expected = controller.control(physics.read())
         targets = outside.targets(example.observe(data), command)
@@ -65,10 +65,15 @@ def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
         physics.step(expected)
         example.simulate(model, data, outside, targets)
         actions.append(outside.action)
+        halted.append(outside.halted)
         np.testing.assert_allclose(data.qpos, physics.qpos[0], atol=1e-3)
         # A foot may touch down a step of the simulation sooner in one of the two: go on as one.
         data.qpos[:], data.qvel[:] = physics.qpos[0], physics.qvel[0]
     assert np.std(actions, axis=0)[agent._scale > 0].min() > 1e-3, "the policy must do something"
+    if policy.env.phase.halt.below > 0:
+        assert halted[0]
+        assert not any(halted[STARTED + 1 : STOPPED])
+        assert halted[-1]
     if policy.env.phase.mirror:
         assert agent.clock is not None
         assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()

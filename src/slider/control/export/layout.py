@@ -17,11 +17,12 @@ from slider.library.step_times import StepTimes
 from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN
 
 FORMAT = "slider-policy-layout"
-VERSION = 2
+VERSION = 3
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
-    "start: clock.phase = 0, previous action = 0, filtered velocity = 0, heading target = yaw",
+    "start: clock.phase = 0, previous action = 0, filtered velocity = 0, heading target = yaw; "
+    "the clock is halted, if it halts at a command of zeros and this is one",
     "every control_period, from the second step on: advance the clock, the heading target and the "
     "velocity filter with the present state and the command of the period that is over",
     "mirrored = clock.mirror and phase >= 0.5 (right stance); never without a clock",
@@ -144,11 +145,12 @@ def _reference(policy: Policy) -> dict[str, Any]:
         "shape": list(table.positions.shape),
         "vx": table.times.vx.tolist(),
         "vy": table.times.vy.tolist(),
+        "standing": table.standing.tolist(),
         "meaning": "joint positions of a zero action at the commanded vx and vy, but each at most "
         "reach from the filtered velocity, and at the clock's phase (0 without one): bilinear in "
         "vx and vy, the nearest border's outside; the first half of the samples is left stance, "
         "the second right stance, evenly spaced over the step with both of its ends, linear in "
-        "between",
+        "between; standing: while the clock is halted",
     }
 
 
@@ -179,9 +181,11 @@ def _clock(policy: Policy) -> dict[str, Any] | None:
         return None
     return {
         "mirror": policy.env.phase.mirror,
-        "halt": policy.env.phase.halt,
-        "halting": "if halt, a command of zeros does not carry the phase past the next change of "
-        "feet (0 or 0.5), where it stays",
+        "halt": {"below": policy.env.phase.halt.below, "above": policy.env.phase.halt.above},
+        "halting": "where halt.below is above 0: at a command of zeros, with the filtered velocity "
+        "(of the step before) less than halt.below in size and the velocity itself less than "
+        "halt.above, the phase does not pass the next change of feet (0 or 0.5); there the clock "
+        "is halted until there is a command, or the velocity itself reaches halt.above",
         "advance": "phase = (phase + control_period / (2 * step_time(vx, vy))) modulo 1; "
         "left stance below 0.5, right stance from there on; step_time[i][j] is at vx[i], vy[j], "
         "bilinear in between, the nearest border's outside",

@@ -71,7 +71,9 @@ MEANINGS = {
         "f += velocity_filter.gain * (v - f) each control step but the first, f = 0 at the start; "
         "v is the base's velocity turned by minus the yaw",
     ),
-    "phase": Meaning(("sin", "cos"), ("-",), NONE, "sine and cosine of 2 pi times the clock"),
+    "phase": Meaning(
+        ("sin", "cos"), ("-",), NONE, "sine and cosine of 2 pi times the clock; 0, 0 when halted"
+    ),
     "height_scan": Meaning(
         (), ("m",), HEADING, "height of the base's origin above points of a grid around it"
     ),

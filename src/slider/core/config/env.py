@@ -71,6 +71,16 @@ class StartNoise:
 
 
 @dataclass(frozen=True, config=STRICT)
+class HaltConfig:
+    """At zero command the clock stays at the next change of feet once the low-passed velocity is
+    less than ``below``, and runs on when the velocity is more than ``above`` [m/s]; 0: never stays.
+    """
+
+    below: float
+    above: float
+
+
+@dataclass(frozen=True, config=STRICT)
 class PhaseConfig:
     """Clock that runs through the two steps of a walk; ``mirror`` shows left stance only.
 
@@ -80,7 +90,7 @@ class PhaseConfig:
     enabled: bool
     mirror: bool
     step_time: float
-    halt: bool
+    halt: HaltConfig
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -12,7 +12,14 @@ def check_env(env: EnvConfig) -> None:
     at_least("env.phase.step_time", env.phase.step_time, 0.0)
     positive("env.observation.clip", env.observation.clip)
     some("env.observation.terms", env.observation.terms, "term")
-    possible = env.phase.enabled or not (env.phase.mirror or env.phase.halt)
+    _phase(env)
+
+
+def _phase(env: EnvConfig) -> None:
+    halt = env.phase.halt
+    at_least("env.phase.halt.below", halt.below, 0.0)
+    at_least("env.phase.halt.above", halt.above, halt.below)
+    possible = env.phase.enabled or not (env.phase.mirror or halt.below > 0)
     require(possible, "env.phase", "mirror and halt only with a phase", env.phase)
 
 

@@ -61,6 +61,11 @@ def test_every_option_composes(option):
             "train.walking.ppo.averaging=1.0",
             "train.walking.ppo.averaging: expected a share in [0, 1), found 1.0",
         ),
+        (
+            "train.walking.network.std_max_final=0.01",
+            "train.walking.network.std_max_final: expected at least 0.05 (std_min), found 0.01",
+        ),
+        ("train.walking.network.calm_from=1.5", "network.calm_from: expected a share"),
         ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
         ("control.tuned.substeps=2", "control.tuned.substeps: expected a control rate of at least"),
         ("control.tuned.substeps=3", "control.tuned.substeps: expected a divisor of"),

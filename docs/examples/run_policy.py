@@ -120,6 +120,7 @@ class Policy:
             "action_before_previous": self.earlier_action,
             "base_height": state["height"] - layout["nominal_height"],
             "filtered_velocity": self.filtered,
+            "velocity_error": np.tanh((self.filtered - command[:2]) / 0.2),  # [m/s]
             "phase": np.array([np.sin(angle), np.cos(angle)]) * (not self.halted),
             "height_scan": np.full(scan, state["height"]),  # flat ground
         }

@@ -135,6 +135,7 @@ def test_values_by_hand():
     np.testing.assert_allclose(seen("base_height"), [0.7 - 0.685], atol=1e-7)
     np.testing.assert_allclose(seen("height_scan"), np.full(180, 0.7), atol=1e-7)
     np.testing.assert_allclose(seen("phase"), [1.0, 0.0], atol=1e-7)
+    assert seen("velocity_error") == pytest.approx(np.tanh([-2.5, 0.5]))  # at rest
     halted = observer("phase")(replace(view, halted=np.ones(1, dtype=bool)), nobody)
     np.testing.assert_array_equal(halted, [[0.0, 0.0]])
     np.testing.assert_allclose(seen("projected_gravity"), [0.0, 0.0, -1.0])

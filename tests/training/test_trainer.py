@@ -283,6 +283,33 @@ def test_the_average_of_the_actor_is_exported(tmp_path, averaging):
     assert same(resumed._algorithm.averaged_actor.state_dict(), found)
 
 
+def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
+    network = replace(
+        config(*TINY).train.walking.network,
+        initial_std=0.5,
+        std_max=0.4,
+        std_max_final=0.1,
+        calm_from=0.5,
+    )
+    train = {"iterations": 4, "network": network}
+    trainer = Trainer(task(**train), job(tmp_path))
+    seen, update = [], trainer._algorithm.update
+
+    def watched():
+        losses = update()
+        seen.append(actor(trainer)["distribution.log_std_param"].exp().max().item())
+        return losses
+
+    trainer._algorithm.update = watched  # type: ignore
+    trainer.run()
+    assert seen == pytest.approx([0.4, 0.4, 0.2, 0.1], rel=1e-5)
+    resumed = Trainer(task(**{**train, "iterations": 8}), job(tmp_path))
+    resumed.run()  # the share of the iterations counts what was done before
+    noise = actor(resumed)["distribution.log_std_param"].exp()
+    assert noise.max().item() == pytest.approx(0.1)
+    assert len(iterations(resumed)) == 4
+
+
 @pytest.mark.parametrize("part", ["averaging", "checks"])
 def test_neither_the_average_nor_the_checks_change_the_learning(tmp_path, part):
     walking = config(*TINY).train.walking

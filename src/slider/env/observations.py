@@ -10,6 +10,7 @@ from slider.core.errors import UserError
 from slider.env.view import View
 from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
 
+VELOCITY_ERROR_RANGE = 0.2  # [m/s]
 _POLAR = (1.0, -1.0, 1.0)  # vectors: y flips
 _AXIAL = (-1.0, 1.0, -1.0)  # angular velocities: x and z flip
 
@@ -72,6 +73,14 @@ def base_height(view: View) -> np.ndarray:
 def filtered_velocity(view: View) -> np.ndarray:
     """Low-passed forward and leftward velocity (N, 2) [m/s]."""
     return view.filtered_velocity
+
+
+def velocity_error(view: View) -> np.ndarray:
+    """tanh((low-passed − commanded velocity)/0.2 m/s), forward and leftward (N, 2).
+
+    Says little new, but in one number: networks find small differences of large inputs late.
+    """
+    return np.tanh((view.filtered_velocity - view.command[:, :2]) / VELOCITY_ERROR_RANGE)
 
 
 def phase(view: View) -> np.ndarray:
@@ -139,6 +148,7 @@ TERMS = {
     "action_before_previous": _joints(action_before_previous),
     "base_height": _vector(base_height, (1.0,)),
     "filtered_velocity": _vector(filtered_velocity, (1.0, -1.0)),
+    "velocity_error": _vector(velocity_error, (1.0, -1.0)),
     # Half a walk later the other leg is in stance.
     "phase": _vector(phase, (-1.0, -1.0)),
 }

@@ -6,8 +6,9 @@ import torch
 
 from slider.core.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
-from slider.training.averaging import AveragingPPO
 from slider.training.log_writer import TrackerLogWriter
+from slider.training.noise import NoiseBound
+from slider.training.settling import SettlingPPO
 from slider.training.symmetry import symmetry_config
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
@@ -59,8 +60,14 @@ def _distribution(network: NetworkConfig) -> dict[str, Any]:
 def _algorithm(train: TrainConfig) -> dict[str, Any]:
     ppo = train.ppo
     return {
-        "class_name": AveragingPPO,
+        "class_name": SettlingPPO,
         "averaging": ppo.averaging,
+        "noise": NoiseBound(
+            train.network.std_max,
+            train.network.std_max_final,
+            train.network.calm_from,
+            train.iterations,
+        ),
         "num_learning_epochs": ppo.epochs,
         "num_mini_batches": ppo.mini_batches,
         "clip_param": ppo.clip,

@@ -14,9 +14,9 @@ from slider.control.network import from_actor
 from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
 from slider.env.vec_env import WalkingEnv
-from slider.training.averaging import AveragingPPO
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.selection import Score, Selector
+from slider.training.settling import SettlingPPO
 from slider.training.task import Task
 
 CHECKPOINT = "checkpoint.pt"
@@ -53,7 +53,7 @@ class Trainer:
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
-        self._algorithm = cast(AveragingPPO, self._runner.alg)
+        self._algorithm = cast(SettlingPPO, self._runner.alg)
         self._shrink_first_actions()
         self._selector = Selector(
             task.robot,

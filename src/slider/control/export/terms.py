@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from slider.env.observations import VELOCITY_ERROR_RANGE
 from slider.robot.names import CHANNEL_UNITS, JOINTS, NUM_JOINTS
 
 BASE, HEADING, WORLD, NONE = "base", "heading", "world", "none"
@@ -70,6 +71,12 @@ MEANINGS = {
         HEADING,
         "f += velocity_filter.gain * (v - f) each control step but the first, f = 0 at the start; "
         "v is the base's velocity turned by minus the yaw",
+    ),
+    "velocity_error": Meaning(
+        ("forward", "leftward"),
+        ("-",),
+        HEADING,
+        f"tanh((filtered_velocity - commanded velocity) / {VELOCITY_ERROR_RANGE} m/s)",
     ),
     "phase": Meaning(
         ("sin", "cos"), ("-",), NONE, "sine and cosine of 2 pi times the clock; 0, 0 when halted"

@@ -72,13 +72,20 @@ class ResetConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class NetworkConfig:
-    """Actor and critic: multilayer perceptrons of the same shape."""
+    """Actor and critic: multilayer perceptrons of the same shape.
+
+    The standard deviation of the action noise is learned between ``std_min`` and a bound:
+    ``std_max`` until the share ``calm_from`` of the iterations, then falling geometrically to
+    ``std_max_final``.
+    """
 
     hidden: list[int]
     activation: str
     initial_std: float
     std_min: float
     std_max: float
+    std_max_final: float
+    calm_from: float
     output_scale: float
 
 

@@ -4,6 +4,7 @@ from slider.core.config.env import EnvConfig
 from slider.core.config.train import (
     CommandConfig,
     CurriculumConfig,
+    NetworkConfig,
     TrainConfig,
     TrainingsConfig,
 )
@@ -52,9 +53,19 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     fraction = train.reset.reference_fraction
     expected = "a share in [0, 1]"
     require(0 <= fraction <= 1, f"{key}.reset.reference_fraction", expected, fraction)
-    some(f"{key}.network.hidden", train.network.hidden, "layer")
+    _network(train.network, f"{key}.network")
     some(f"{key}.reward.terms", train.reward.terms, "term")
     all_at_least(key, train, ("selection.robots", "selection.interval"), 1)
+
+
+def _network(network: NetworkConfig, key: str) -> None:
+    some(f"{key}.hidden", network.hidden, "layer")
+    positive(f"{key}.std_min", network.std_min)
+    expected = f"at least {network.std_min} (std_min)"
+    for name in ("std_max", "std_max_final"):
+        bound = getattr(network, name)
+        require(bound >= network.std_min, f"{key}.{name}", expected, bound)
+    share(f"{key}.calm_from", network.calm_from)
 
 
 def _commands(commands: CommandConfig, key: str) -> None:

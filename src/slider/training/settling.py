@@ -1,30 +1,45 @@
-"""PPO that also keeps a moving average of the actor: what is judged, kept and exported.
+"""PPO that settles: its action noise calms, and a moving average of the actor is what is kept.
 
-Single updates push the mean speed at a command to and fro by a few per cent; their average is
-steadier than each of them (Polyak and Juditsky, 1992).
+A policy that keeps a speed with noise keeps another one without: noise moves the mean. Single
+updates push the mean speed at a command to and fro by a few per cent; their average is steadier
+than each of them (Polyak and Juditsky, 1992).
 """
 
-from typing import Any
+import math
+from typing import Any, cast
 
+import torch
 from rsl_rl.algorithms import PPO
 from rsl_rl.models import MLPModel
 from torch.nn import Module
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
+from slider.training.noise import NoiseBound
+
 AVERAGE = "average_state_dict"
 
 
-class AveragingPPO(PPO):
-    """PPO with an exponential moving average of the actor over its updates.
+class SettlingPPO(PPO):
+    """PPO with bounded action noise and an exponential moving average of the actor.
 
     Args:
         averaging: share of the old average that an update leaves; at 0 the average is the actor.
+        noise: bound of the noise over the updates.
 
-    Other arguments are those of rsl-rl's ``PPO``. The learning itself does not see the average.
+    Other arguments are those of rsl-rl's ``PPO``, with a ``log`` standard deviation. The learning
+    itself does not see the average.
     """
 
-    def __init__(self, actor: MLPModel, *arguments: Any, averaging: float, **settings: Any) -> None:
+    def __init__(
+        self,
+        actor: MLPModel,
+        *arguments: Any,
+        averaging: float,
+        noise: NoiseBound,
+        **settings: Any,
+    ) -> None:
         super().__init__(actor, *arguments, **settings)
+        self._noise = noise
         self._average = AveragedModel(
             actor, multi_avg_fn=get_ema_multi_avg_fn(averaging), use_buffers=True
         )
@@ -35,9 +50,13 @@ class AveragingPPO(PPO):
         return self._average.module if self._average.n_averaged else self.get_policy()
 
     def update(self) -> dict[str, float]:
-        """Update actor and critic, then the average."""
+        """Update actor and critic, bound the noise, then update the average."""
         losses = super().update()
-        self._average.update_parameters(self.get_policy())
+        actor = self.get_policy()
+        bound = self._noise.after(int(self._average.n_averaged) + 1)
+        with torch.no_grad():
+            cast(Any, actor).distribution.log_std_param.clamp_(max=math.log(bound))
+        self._average.update_parameters(actor)
         return losses
 
     def save(self) -> dict:

@@ -37,6 +37,10 @@ def test_every_option_composes(option):
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
         ("env.action.reach=0", "env.action.reach: expected a positive value, found 0"),
+        (
+            "env.observation.command_filter=-0.1",
+            "env.observation.command_filter: expected a value ≥ 0.0, found -0.1",
+        ),
         ("env.phase.halt.below=0.1", "env.phase.halt.above: expected a value ≥ 0.1, found 0.0"),
         ("env.phase.halt=true", "configuration key 'env.phase.halt': Input should be an object"),
         ("finetuning=nope", "unknown option finetuning=nope, expected one of: robust"),

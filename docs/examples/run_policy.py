@@ -36,6 +36,7 @@ class Policy:
         self.command = np.zeros(3)
         self.action = self.earlier_action = np.zeros(len(joints))
         self.filtered = np.zeros(2)
+        self.gradual_command = np.zeros(2)
         self.heading_target: float | None = None  # set at the start
 
     def targets(self, state: dict[str, np.ndarray], command: np.ndarray) -> np.ndarray:
@@ -90,8 +91,11 @@ class Policy:
             self.halted = self._told_to_stand(command) and slow and phase >= change
             self.phase = (change if self.halted else phase) % 1.0
         self.heading_target += command[2] * period
-        gain = self.layout["observation"]["velocity_filter"]["gain"]
-        self.filtered += gain * (state["heading_velocity"] - self.filtered)
+        layout = self.layout["observation"]
+        change = state["heading_velocity"] - self.filtered
+        self.filtered += layout["velocity_filter"]["gain"] * change
+        change = command[:2] - self.gradual_command
+        self.gradual_command += layout["command_filter"]["gain"] * change
 
     def _told_to_stand(self, command: np.ndarray) -> bool:
         clock = self.layout["clock"]
@@ -106,6 +110,8 @@ class Policy:
         error = (self.heading_target - state["yaw"] + np.pi) % (2.0 * np.pi) - np.pi
         angle = 2.0 * np.pi * self.phase
         layout = self.layout["observation"]
+        gradual = layout["command_filter"]["time_constant"] > 0
+        expected = self.gradual_command if gradual else command[:2]
         scan = sum(t["width"] for t in layout["terms"] if t["name"] == "height_scan")
         return {
             "base_linear_velocity": state["linear_velocity"],
@@ -120,7 +126,7 @@ class Policy:
             "action_before_previous": self.earlier_action,
             "base_height": state["height"] - layout["nominal_height"],
             "filtered_velocity": self.filtered,
-            "velocity_error": np.tanh((self.filtered - command[:2]) / 0.2),  # [m/s]
+            "velocity_error": np.tanh((self.filtered - expected) / 0.2),  # [m/s]
             "phase": np.array([np.sin(angle), np.cos(angle)]) * (not self.halted),
             "height_scan": np.full(scan, state["height"]),  # flat ground
         }

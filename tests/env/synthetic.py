@@ -192,6 +192,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         "action": np.zeros((count, NUM_JOINTS)),
         "previous_action": np.zeros((count, NUM_JOINTS)),
         "filtered_velocity": np.zeros((count, 2)),
+        "expected_velocity": np.zeros((count, 2)),
         "phase": np.zeros(count),
     }
     values |= {name: np.asarray(value, dtype=float) for name, value in changes.items()}

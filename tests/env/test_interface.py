@@ -162,8 +162,31 @@ def test_step_response_of_the_velocity_filter():
     assert share == pytest.approx(1 - np.exp(-39 * 0.02 / constant), abs=0.02)
 
 
+def test_the_expected_velocity_follows_a_command_gradually():
+    agent = make_agent(2, "env.observation.command_filter=0.5")
+    agent.reset(np.arange(2), make_state(2), velocity=np.array([[0.0, 0.0], [1.0, 0.1]]))
+    agent.set_velocity_command(np.arange(2), np.array([[1.0, 0.1, 0.0]] * 2))
+    steps, rise = np.arange(1, 101), []
+    for _ in steps:
+        agent.advance(make_state(2))
+        rise.append(agent.expected_velocity[0].copy())
+        np.testing.assert_allclose(agent.expected_velocity[1], [1.0, 0.1])  # started there
+    closed = 1 - (1 - 0.02 / 0.5) ** steps
+    np.testing.assert_allclose(rise, closed[:, None] * [1.0, 0.1], atol=1e-12)
+
+
+def test_filters_of_no_duration_pass_everything_at_once():
+    agent = make_agent(1, "env.observation.velocity_filter=0", "env.observation.command_filter=0")
+    agent.reset(np.array([0]), make_state(1))
+    agent.set_velocity_command(np.array([0]), np.array([[0.7, 0.0, 0.0]]))
+    np.testing.assert_array_equal(agent.expected_velocity, [[0.7, 0.0]])
+    agent.advance(make_state(1, heading_velocity=[[0.4, 0.2]]))
+    np.testing.assert_allclose(agent.filtered_velocity, [[0.4, 0.2]])
+    np.testing.assert_array_equal(agent.expected_velocity, [[0.7, 0.0]])
+
+
 def test_resetting_one_robot_leaves_the_others():
-    agent = make_agent(2)
+    agent = make_agent(2, "env.observation.command_filter=0.5")
     moving = make_state(2, heading_velocity=[1.0, 0.0], yaw=0.7)
     agent.reset(np.arange(2), moving, phase=0.1)
     agent.act(np.ones((2, NUM_JOINTS)))
@@ -175,6 +198,7 @@ def test_resetting_one_robot_leaves_the_others():
     assert agent.clock.phase[0] == before[2]
     assert agent.clock.phase[1] == 0.4
     np.testing.assert_array_equal(agent.filtered_velocity[1], [0.3, 0.1])
+    np.testing.assert_array_equal(agent.expected_velocity[1], [0.3, 0.1])
     assert agent.heading_target[1] == pytest.approx(0.7)
 
 

@@ -38,7 +38,7 @@ PAPER = {
 
 
 def observer(*names: str, scale: float = 1.0, clip: float = 1e6) -> Observer:
-    return Observer(ObservationConfig(dict.fromkeys(names, scale), clip, SCAN, 0.3))
+    return Observer(ObservationConfig(dict.fromkeys(names, scale), clip, SCAN, 0.3, 0.3))
 
 
 def physical_view(mirrored: bool) -> View:
@@ -47,13 +47,13 @@ def physical_view(mirrored: bool) -> View:
     pose = random_pose(rng, COUNT)
     command = rng.standard_normal((COUNT, 4))
     actions = rng.standard_normal((2, COUNT, 12))
-    filtered = rng.standard_normal((COUNT, 2))
+    filtered, expected = rng.standard_normal((2, COUNT, 2))
     phase = rng.uniform(size=COUNT)
     if mirrored:
         pose = mirror_pose(*pose)
         command = command * [1.0, -1.0, -1.0, -1.0]
         actions = actions[..., PERMUTATION] * SIGN
-        filtered = filtered * [1.0, -1.0]
+        filtered, expected = filtered * [1.0, -1.0], expected * [1.0, -1.0]
         phase = (phase + 0.5) % 1.0
     physics = make_physics(COUNT)
     physics.reset(np.arange(COUNT), *pose)
@@ -63,6 +63,7 @@ def physical_view(mirrored: bool) -> View:
         action=actions[0],
         previous_action=actions[1],
         filtered_velocity=filtered,
+        expected_velocity=expected,
         phase=phase,
     )
 
@@ -119,7 +120,11 @@ def test_only_the_asked_robots_are_reflected():
 def test_values_by_hand():
     state = make_state(1, joint_positions=np.arange(12) / 10, base_position=[[1.0, 2.0, 0.7]])
     view = make_view(
-        state, command=[[0.5, -0.1, 0.2, 0.3]], action=np.full((1, 12), 2.0), phase=[0.25]
+        state,
+        command=[[0.5, -0.1, 0.2, 0.3]],
+        action=np.full((1, 12), 2.0),
+        expected_velocity=[[0.4, -0.1]],
+        phase=[0.25],
     )
     view = replace(view, nominal=np.full(12, 0.1))
     nobody = np.zeros(1, dtype=bool)
@@ -135,7 +140,7 @@ def test_values_by_hand():
     np.testing.assert_allclose(seen("base_height"), [0.7 - 0.685], atol=1e-7)
     np.testing.assert_allclose(seen("height_scan"), np.full(180, 0.7), atol=1e-7)
     np.testing.assert_allclose(seen("phase"), [1.0, 0.0], atol=1e-7)
-    assert seen("velocity_error") == pytest.approx(np.tanh([-2.5, 0.5]))  # at rest
+    assert seen("velocity_error") == pytest.approx(np.tanh([-2.0, 0.5]))  # at rest
     halted = observer("phase")(replace(view, halted=np.ones(1, dtype=bool)), nobody)
     np.testing.assert_array_equal(halted, [[0.0, 0.0]])
     np.testing.assert_allclose(seen("projected_gravity"), [0.0, 0.0, -1.0])

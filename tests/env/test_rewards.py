@@ -40,6 +40,7 @@ def moving_view(count: int = 40) -> View:
         action=rng.standard_normal((count, 12)),
         previous_action=rng.standard_normal((count, 12)),
         filtered_velocity=rng.standard_normal((count, 2)),
+        expected_velocity=rng.standard_normal((count, 2)),
         phase=rng.uniform(size=count),
     )
 
@@ -66,13 +67,17 @@ HAND = {  # term → (state, view, parameters, value)
     ),
     "forward_velocity_filtered": (
         {},
-        {"command": [[2.0, 0, 0, 0]], "filtered_velocity": [[1.7, 9.0]]},
+        {
+            "command": [[2.0, 0, 0, 0]],
+            "filtered_velocity": [[1.2, 9.0]],
+            "expected_velocity": [[1.5, 3.0]],
+        },
         {"width": 0.01, "relative": 0.02},
         np.exp(-(0.3**2) / (0.01 + 0.02 * 4.0)),
     ),
     "lateral_velocity_filtered": (
         {},
-        {"command": [[0, 0.1, 0, 0]], "filtered_velocity": [[9.0, -0.1]]},
+        {"filtered_velocity": [[9.0, -0.1]], "expected_velocity": [[2.0, 0.1]]},
         {"width": 0.05},
         np.exp(-0.04 / 0.05),
     ),

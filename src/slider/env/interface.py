@@ -65,6 +65,7 @@ class AgentInterface:
         self.action = np.zeros((num_robots, NUM_JOINTS))
         self.previous_action = np.zeros((num_robots, NUM_JOINTS))
         self.filtered_velocity = np.zeros((num_robots, 2))
+        self._gradual_command = np.zeros((num_robots, 2))
         self.heading_target = np.zeros(num_robots)
 
     def reset(
@@ -80,11 +81,12 @@ class AgentInterface:
             index: robots to reset.
             state: of all robots, after their reset.
             phase: start of the clock, (n,) or one for all.
-            velocity: start of the velocity filter (n, 2) [m/s], or one value for all.
+            velocity: start of the velocity filters (n, 2) [m/s], or one value for all.
         """
         self.action[index] = 0.0
         self.previous_action[index] = 0.0
         self.filtered_velocity[index] = velocity
+        self._gradual_command[index] = velocity
         self.heading_target[index] = state.yaw[index]
         if self.clock is not None:
             speed = np.hypot(*self.filtered_velocity[index].T)
@@ -115,15 +117,22 @@ class AgentInterface:
         return origin
 
     def advance(self, state: RobotState) -> None:
-        """Move clock, heading target and velocity filter on by one control period."""
+        """Move clock, heading target and velocity filters on by one control period."""
         period = self._config.control_period
         if self.clock is not None:
             speeds = (np.hypot(*v.T) for v in (self.filtered_velocity, state.heading_velocity))
             self.clock.advance(self.command, *speeds)
         self.heading_target += self.command[:, 2] * period
-        gain = min(1.0, period / self._config.observation.velocity_filter)
+        gain, command_gain = self._config.observation.filter_gains(period)
         self.filtered_velocity += gain * (state.heading_velocity - self.filtered_velocity)
+        self._gradual_command += command_gain * (self.command[:, :2] - self._gradual_command)
         self.refresh_heading(state)
+
+    @property
+    def expected_velocity(self) -> np.ndarray:
+        """The command, low-passed where that is configured (N, 2) [m/s]."""
+        gradual = self._config.observation.command_filter > 0
+        return self._gradual_command if gradual else self.command[:, :2]
 
     def refresh_heading(self, state: RobotState) -> None:
         """Write the wrapped heading error into the command."""
@@ -139,6 +148,7 @@ class AgentInterface:
             action=self.action,
             previous_action=self.previous_action,
             filtered_velocity=self.filtered_velocity,
+            expected_velocity=self.expected_velocity,
             phase=np.zeros(self.num_robots) if self.clock is None else self.clock.phase,
             halted=self._halted(),
             nominal=self.nominal,

@@ -76,11 +76,11 @@ def filtered_velocity(view: View) -> np.ndarray:
 
 
 def velocity_error(view: View) -> np.ndarray:
-    """tanh((low-passed − commanded velocity)/0.2 m/s), forward and leftward (N, 2).
+    """tanh((low-passed − expected velocity)/0.2 m/s), forward and leftward (N, 2).
 
     Says little new, but in one number: networks find small differences of large inputs late.
     """
-    return np.tanh((view.filtered_velocity - view.command[:, :2]) / VELOCITY_ERROR_RANGE)
+    return np.tanh((view.filtered_velocity - view.expected_velocity) / VELOCITY_ERROR_RANGE)
 
 
 def phase(view: View) -> np.ndarray:

@@ -73,15 +73,20 @@ def forward_velocity(r: RewardView) -> np.ndarray:
     return 1.0 - np.tanh(np.abs(_velocity_error(r.view)[:, 0]))
 
 
+def _filtered_error(view: View) -> np.ndarray:
+    """Of what may be expected: that of a new command itself pays for overshooting it."""
+    return view.filtered_velocity - view.expected_velocity
+
+
 def forward_velocity_filtered(r: RewardView, width: float, relative: float) -> np.ndarray:
-    """exp(−e²/(width + relative·vx²)) of the low-passed forward velocity [m²/s²]."""
-    error = r.view.filtered_velocity[:, 0] - r.view.command[:, 0]
+    """exp(−e²/(width + relative·vx²)), low-passed minus expected forward velocity [m²/s²]."""
+    error = _filtered_error(r.view)[:, 0]
     return _kernel(error**2, width + relative * r.view.command[:, 0] ** 2)
 
 
 def lateral_velocity_filtered(r: RewardView, width: float) -> np.ndarray:
-    """exp(−e²/width) of the low-passed leftward velocity [m²/s²]."""
-    return _kernel((r.view.filtered_velocity[:, 1] - r.view.command[:, 1]) ** 2, width)
+    """exp(−e²/width), low-passed minus expected leftward velocity [m²/s²]."""
+    return _kernel(_filtered_error(r.view)[:, 1] ** 2, width)
 
 
 def yaw_rate(r: RewardView, width: float) -> np.ndarray:

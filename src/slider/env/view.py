@@ -16,6 +16,7 @@ class View:
         command: (N, 4) vx, vy [m/s], yaw rate [rad/s], heading error [rad].
         action, previous_action: (N, 12) unscaled, unmirrored.
         filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
+        expected_velocity: (N, 2) what filtered_velocity should be by now [m/s].
         phase: (N,) clock in [0, 1); zero without a clock.
         halted: (N,) whether the clock stays at a change of feet: stand.
         nominal: (12,) joint positions of the nominal pose [rad or m].
@@ -30,6 +31,7 @@ class View:
     action: np.ndarray
     previous_action: np.ndarray
     filtered_velocity: np.ndarray
+    expected_velocity: np.ndarray
     phase: np.ndarray
     halted: np.ndarray
     nominal: np.ndarray

@@ -17,14 +17,14 @@ from slider.library.step_times import StepTimes
 from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN
 
 FORMAT = "slider-policy-layout"
-VERSION = 3
+VERSION = 4
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
-    "start: clock.phase = 0, previous action = 0, filtered velocity = 0, heading target = yaw; "
-    "the clock is halted, if it halts at a command of zeros and this is one",
+    "start: clock.phase = 0, previous action = 0, filtered velocity and command = 0, "
+    "heading target = yaw; the clock is halted, if it halts at a command of zeros and this is one",
     "every control_period, from the second step on: advance the clock, the heading target and the "
-    "velocity filter with the present state and the command of the period that is over",
+    "velocity filters with the present state and the command of the period that is over",
     "mirrored = clock.mirror and phase >= 0.5 (right stance); never without a clock",
     "o = concatenation of the observation's terms, each value times its scale",
     "if mirrored: o = o[observation.mirror.permutation] * observation.mirror.sign",
@@ -83,7 +83,7 @@ def _network(policy: Policy) -> dict[str, Any]:
 
 def _observation(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
     config, observer = policy.env.observation, agent.observer
-    gain = min(1.0, policy.env.control_period / config.velocity_filter)
+    gain, command_gain = config.filter_gains(policy.env.control_period)
     return {
         "size": observer.size,
         "clip": config.clip,
@@ -91,6 +91,7 @@ def _observation(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
         "mirror": {"permutation": observer.permutation.tolist(), "sign": observer.sign.tolist()},
         "nominal_height": agent.nominal_height,
         "velocity_filter": {"time_constant": config.velocity_filter, "gain": gain},
+        "command_filter": {"time_constant": config.command_filter, "gain": command_gain},
     }
 
 

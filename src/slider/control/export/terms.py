@@ -76,7 +76,9 @@ MEANINGS = {
         ("forward", "leftward"),
         ("-",),
         HEADING,
-        f"tanh((filtered_velocity - commanded velocity) / {VELOCITY_ERROR_RANGE} m/s)",
+        f"tanh((filtered_velocity - expected) / {VELOCITY_ERROR_RANGE} m/s): each control step but "
+        "the first, expected += command_filter.gain * (command of the period that is over - "
+        "expected), expected = 0 at the start; with a time constant of 0 it is the present command",
     ),
     "phase": Meaning(
         ("sin", "cos"), ("-",), NONE, "sine and cosine of 2 pi times the clock; 0, 0 when halted"

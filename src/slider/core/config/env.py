@@ -43,12 +43,21 @@ class HeightScan:
 
 @dataclass(frozen=True, config=STRICT)
 class ObservationConfig:
-    """Observation terms in order, each with its scale, and the clip after scaling."""
+    """Observation terms in order, each with its scale, and the clip after scaling.
+
+    Time constants [s]: ``velocity_filter`` low-passes the velocity, ``command_filter`` the command
+    that it is compared with.
+    """
 
     terms: dict[str, float]
     clip: float
     height_scan: HeightScan
     velocity_filter: float
+    command_filter: float
+
+    def filter_gains(self, period: float) -> tuple[float, float]:
+        """Share of the way per control period [s]: the velocity's filter, the command's."""
+        return period / max(period, self.velocity_filter), period / max(period, self.command_filter)
 
 
 @dataclass(frozen=True, config=STRICT)

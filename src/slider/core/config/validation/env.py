@@ -12,6 +12,8 @@ def check_env(env: EnvConfig) -> None:
     at_least("env.phase.step_time", env.phase.step_time, 0.0)
     positive("env.observation.clip", env.observation.clip)
     some("env.observation.terms", env.observation.terms, "term")
+    at_least("env.observation.velocity_filter", env.observation.velocity_filter, 0.0)
+    at_least("env.observation.command_filter", env.observation.command_filter, 0.0)
     _phase(env)
 
 

@@ -37,6 +37,7 @@ class Policy:
         self.action = self.earlier_action = np.zeros(len(joints))
         self.filtered = np.zeros(2)
         self.gradual_command = np.zeros(2)
+        self.gradual_velocity = np.zeros(2)
         self.heading_target: float | None = None  # set at the start
 
     def targets(self, state: dict[str, np.ndarray], command: np.ndarray) -> np.ndarray:
@@ -92,10 +93,11 @@ class Policy:
             self.phase = (change if self.halted else phase) % 1.0
         self.heading_target += command[2] * period
         layout = self.layout["observation"]
-        change = state["heading_velocity"] - self.filtered
-        self.filtered += layout["velocity_filter"]["gain"] * change
+        gain = layout["velocity_filter"]["gain"]
+        self.filtered += gain * (state["heading_velocity"] - self.filtered)
         change = command[:2] - self.gradual_command
         self.gradual_command += layout["command_filter"]["gain"] * change
+        self.gradual_velocity += gain * (self.gradual_command - self.gradual_velocity)
 
     def _told_to_stand(self, command: np.ndarray) -> bool:
         clock = self.layout["clock"]
@@ -111,7 +113,7 @@ class Policy:
         angle = 2.0 * np.pi * self.phase
         layout = self.layout["observation"]
         gradual = layout["command_filter"]["time_constant"] > 0
-        expected = self.gradual_command if gradual else command[:2]
+        expected = self.gradual_velocity if gradual else command[:2]
         scan = sum(t["width"] for t in layout["terms"] if t["name"] == "height_scan")
         return {
             "base_linear_velocity": state["linear_velocity"],

@@ -163,7 +163,9 @@ def test_step_response_of_the_velocity_filter():
 
 
 def test_the_expected_velocity_follows_a_command_gradually():
-    agent = make_agent(2, "env.observation.command_filter=0.5")
+    agent = make_agent(
+        2, "env.observation.command_filter=0.5", "env.observation.velocity_filter=0.5"
+    )
     agent.reset(np.arange(2), make_state(2), velocity=np.array([[0.0, 0.0], [1.0, 0.1]]))
     agent.set_velocity_command(np.arange(2), np.array([[1.0, 0.1, 0.0]] * 2))
     steps, rise = np.arange(1, 101), []
@@ -171,7 +173,8 @@ def test_the_expected_velocity_follows_a_command_gradually():
         agent.advance(make_state(2))
         rise.append(agent.expected_velocity[0].copy())
         np.testing.assert_allclose(agent.expected_velocity[1], [1.0, 0.1])  # started there
-    closed = 1 - (1 - 0.02 / 0.5) ** steps
+    gain = 0.02 / 0.5
+    closed = 1 - (1 + gain * steps) * (1 - gain) ** steps  # of two equal filters in series
     np.testing.assert_allclose(rise, closed[:, None] * [1.0, 0.1], atol=1e-12)
 
 

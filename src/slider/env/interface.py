@@ -66,6 +66,7 @@ class AgentInterface:
         self.previous_action = np.zeros((num_robots, NUM_JOINTS))
         self.filtered_velocity = np.zeros((num_robots, 2))
         self._gradual_command = np.zeros((num_robots, 2))
+        self._gradual_velocity = np.zeros((num_robots, 2))
         self.heading_target = np.zeros(num_robots)
 
     def reset(
@@ -85,8 +86,8 @@ class AgentInterface:
         """
         self.action[index] = 0.0
         self.previous_action[index] = 0.0
-        self.filtered_velocity[index] = velocity
-        self._gradual_command[index] = velocity
+        for filtered in (self.filtered_velocity, self._gradual_command, self._gradual_velocity):
+            filtered[index] = velocity
         self.heading_target[index] = state.yaw[index]
         if self.clock is not None:
             speed = np.hypot(*self.filtered_velocity[index].T)
@@ -126,13 +127,17 @@ class AgentInterface:
         gain, command_gain = self._config.observation.filter_gains(period)
         self.filtered_velocity += gain * (state.heading_velocity - self.filtered_velocity)
         self._gradual_command += command_gain * (self.command[:, :2] - self._gradual_command)
+        self._gradual_velocity += gain * (self._gradual_command - self._gradual_velocity)
         self.refresh_heading(state)
 
     @property
     def expected_velocity(self) -> np.ndarray:
-        """The command, low-passed where that is configured (N, 2) [m/s]."""
+        """What ``filtered_velocity`` is compared with (N, 2) [m/s].
+
+        The command, or what a robot's would be that follows its command with ``command_filter``.
+        """
         gradual = self._config.observation.command_filter > 0
-        return self._gradual_command if gradual else self.command[:, :2]
+        return self._gradual_velocity if gradual else self.command[:, :2]
 
     def refresh_heading(self, state: RobotState) -> None:
         """Write the wrapped heading error into the command."""

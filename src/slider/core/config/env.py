@@ -45,8 +45,9 @@ class HeightScan:
 class ObservationConfig:
     """Observation terms in order, each with its scale, and the clip after scaling.
 
-    Time constants [s]: ``velocity_filter`` low-passes the velocity; the command that it is compared
-    with is low-passed by ``command_filter`` and then by ``velocity_filter``, unless the former is 0.
+    Time constants [s]: ``velocity_filter`` low-passes the velocity. The command that it is compared
+    with is low-passed by ``command_filter`` and then by ``velocity_filter``, by neither
+    where ``command_filter`` is 0.
     """
 
     terms: dict[str, float]

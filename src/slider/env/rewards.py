@@ -74,7 +74,7 @@ def forward_velocity(r: RewardView) -> np.ndarray:
 
 
 def _filtered_error(view: View) -> np.ndarray:
-    """Of what may be expected: that of a new command itself pays for overshooting it."""
+    """Low-passed minus expected velocity (N, 2) [m/s]."""
     return view.filtered_velocity - view.expected_velocity
 
 

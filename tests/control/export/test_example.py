@@ -18,7 +18,6 @@ from tests.control.export.policies import write_policy
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "run_policy.py"
 COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
 STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards
-FALLEN = 0.4  # [m]
 
 
 def written(folder: Path, *overrides: str) -> Path:
@@ -57,7 +56,7 @@ def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
     example = load_example()
     model, data = example.start(tmp_path)
     outside = example.Policy(tmp_path)
-    actions, halted, upright = [], [], 0
+    actions, halted = [], []
     for step in range(STEPS):
         command = COMMAND if STARTED <= step < STOPPED else np.zeros(3)
         controller.command(command[None])
@@ -68,13 +67,10 @@ def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
         example.simulate(model, data, outside, targets)
         actions.append(outside.action)
         halted.append(outside.halted)
-        if physics.qpos[0, 2] > FALLEN:  # later its body hits the ground: impacts within a step
-            np.testing.assert_allclose(data.qpos, physics.qpos[0], atol=1e-3)
-            upright += 1
+        np.testing.assert_allclose(data.qpos, physics.qpos[0], atol=1e-3)
         # A foot may touch down a step of the simulation sooner in one of the two: go on as one.
         data.qpos[:], data.qvel[:] = physics.qpos[0], physics.qvel[0]
     assert np.std(actions, axis=0)[agent._scale > 0].min() > 1e-3, "the policy must do something"
-    assert upright >= STEPS // 2
     if policy.env.phase.halt.below > 0:
         assert halted[0]
         assert not any(halted[STARTED + 1 : STOPPED])

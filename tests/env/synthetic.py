@@ -191,6 +191,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         "command": np.zeros((count, 4)),
         "action": np.zeros((count, NUM_JOINTS)),
         "previous_action": np.zeros((count, NUM_JOINTS)),
+        "action_scale": np.full(NUM_JOINTS, 0.3),
         "filtered_velocity": np.zeros((count, 2)),
         "expected_velocity": np.zeros((count, 2)),
         "phase": np.zeros(count),

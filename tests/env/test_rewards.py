@@ -350,7 +350,7 @@ def test_the_printed_reward():
         - 1.0 * np.tanh(size(state.linear_velocity - v_des))
         - 1.0 * np.tanh(size(state.angular_velocity - w_des))
         + 2.0 * np.tanh(state.base_position[:, 2])
-        - 1.0 * np.tanh(size(view.action - view.previous_action))
+        - 1.0 * np.tanh(size(0.3 * (view.action - view.previous_action)))  # position commands
     )
     np.testing.assert_allclose(reward, expected, rtol=1e-5, atol=1e-4)
     assert len(parts) == 7

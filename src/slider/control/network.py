@@ -6,6 +6,7 @@ from itertools import pairwise
 import torch
 from torch import nn
 
+UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
 ACTIVATIONS: dict[str, type[nn.Module]] = {
     "elu": nn.ELU,
     "relu": nn.ReLU,
@@ -46,6 +47,9 @@ def from_actor(
         hidden: widths of its hidden layers.
         activation: name of its activation.
         epsilon: what its normaliser adds to the standard deviation.
+
+    An observation that did not vary in training is not scaled: else a command that is new to the
+    policy would reach its first layer a hundred times as large as it is.
     """
     weights = {k.removeprefix("mlp."): v for k, v in state.items() if k.startswith("mlp.")}
     num_observations = weights["0.weight"].shape[1]
@@ -54,5 +58,6 @@ def from_actor(
         network = PolicyNetwork(num_observations, num_actions, hidden, activation)
     network.mlp.load_state_dict({k: v.clone() for k, v in weights.items()})
     network.mean.copy_(state["obs_normalizer._mean"].squeeze(0))
-    network.std.copy_(state["obs_normalizer._std"].squeeze(0) + epsilon)
+    std = state["obs_normalizer._std"].squeeze(0)
+    network.std.copy_(torch.where(std < UNVARIED, 1.0, std + epsilon))
     return network.eval()

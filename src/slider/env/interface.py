@@ -75,20 +75,22 @@ class AgentInterface:
         state: RobotState,
         phase: np.ndarray | float = 0.0,
         velocity: np.ndarray | float = 0.0,
+        heading: np.ndarray | None = None,
     ) -> None:
-        """Forget the past of robots ``index``; they head where they look.
+        """Forget the past of robots ``index``.
 
         Args:
             index: robots to reset.
             state: of all robots, after their reset.
             phase: start of the clock, (n,) or one for all.
             velocity: start of the velocity filters (n, 2) [m/s], or one value for all.
+            heading: where they are to head (n,) [rad]; where they look if not given.
         """
         self.action[index] = 0.0
         self.previous_action[index] = 0.0
         for filtered in (self.filtered_velocity, self._gradual_command, self._gradual_velocity):
             filtered[index] = velocity
-        self.heading_target[index] = state.yaw[index]
+        self.heading_target[index] = state.yaw[index] if heading is None else heading
         if self.clock is not None:
             speed = np.hypot(*self.filtered_velocity[index].T)
             self.clock.reset(index, phase, self.command[index], speed)
@@ -152,6 +154,7 @@ class AgentInterface:
             command=self.command,
             action=self.action,
             previous_action=self.previous_action,
+            action_scale=self._scale,
             filtered_velocity=self.filtered_velocity,
             expected_velocity=self.expected_velocity,
             phase=np.zeros(self.num_robots) if self.clock is None else self.clock.phase,

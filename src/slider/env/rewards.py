@@ -202,8 +202,9 @@ def height_tanh(r: RewardView) -> np.ndarray:
 
 
 def action_rate_tanh(r: RewardView) -> np.ndarray:
-    """tanh‖A − A_previous‖ (paper)."""
-    return np.tanh(_norm(r.view.action - r.view.previous_action))
+    """tanh‖A − A_previous‖, A the position commands [rad or m] (paper)."""
+    change = r.view.action - r.view.previous_action
+    return np.tanh(_norm(r.view.action_scale * change))
 
 
 TERMS: dict[str, Callable[..., np.ndarray]] = {

@@ -169,7 +169,8 @@ class WalkingEnv(VecEnv):
             phase = np.where(resting, 0.0, phase)  # they stand from the start
         self._physics.reset(index, qpos, qvel)
         state = self._physics.measure(self._physics.read())
-        self._agent.reset(index, state, phase, velocity)
+        heading = np.where(on_gait, 0.0, state.yaw[index])  # a gait's yaw swings about its course
+        self._agent.reset(index, state, phase, velocity, heading)
         self._agent.refresh_heading(state)
         return state
 

@@ -15,6 +15,7 @@ class View:
         state: the robots.
         command: (N, 4) vx, vy [m/s], yaw rate [rad/s], heading error [rad].
         action, previous_action: (N, 12) unscaled, unmirrored.
+        action_scale: (12,) joint motion of an action of 1 [rad or m].
         filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
         expected_velocity: (N, 2) what filtered_velocity should be by now [m/s].
         phase: (N,) clock in [0, 1); zero without a clock.
@@ -30,6 +31,7 @@ class View:
     command: np.ndarray
     action: np.ndarray
     previous_action: np.ndarray
+    action_scale: np.ndarray
     filtered_velocity: np.ndarray
     expected_velocity: np.ndarray
     phase: np.ndarray

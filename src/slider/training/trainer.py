@@ -10,11 +10,11 @@ import numpy as np
 import torch
 from rsl_rl.runners import OnPolicyRunner
 
-from slider.control.network import from_actor
+from slider.control.network import UNVARIED, from_actor
 from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
 from slider.env.vec_env import WalkingEnv
-from slider.training.ppo import NORMALISER_EPSILON, runner_config
+from slider.training.ppo import NORMALISER_EPSILON, runner_config, use_bfloat16
 from slider.training.selection import Score, Selector
 from slider.training.settling import SettlingPPO
 from slider.training.task import Task
@@ -75,11 +75,17 @@ class Trainer:
             last.mul_(self._task.train.network.output_scale)
 
     def start_from(self, weights: Path) -> None:
-        """Initialise actor, critic and normalisers; the action noise starts anew."""
+        """Initialise actor, critic and normalisers; the action noise starts anew.
+
+        Observations that did not vary in the other training, such as the commands of one that
+        stands, start with a standard deviation of 1.
+        """
         content = torch.load(weights, weights_only=True)
         own = self._algorithm.get_policy().state_dict()
         noise = {k: v for k, v in own.items() if k.startswith("distribution.")}
         content["actor_state_dict"] = {**content["actor_state_dict"], **noise}
+        for name in ("actor_state_dict", "critic_state_dict"):
+            content[name] = _with_unit_scales(content[name])
         self._algorithm.load(content, {"actor": True, "critic": True}, strict=True)
 
     def run(self) -> None:
@@ -99,6 +105,8 @@ class Trainer:
         if not self._best:
             self._check()
         self._job.volatile["blow_ups"] = self._env.total_diverged
+        bfloat16 = use_bfloat16(self._task.train.ppo.precision)
+        self._job.volatile["update"] = "bfloat16" if bfloat16 else "float32"
 
     def _check(self) -> Score:
         """Judge the current policy; remember it if it is the best so far."""
@@ -176,6 +184,13 @@ class Trainer:
         _write_rows(self._curve, out / CURVE)
         self._job.tracker.log_file(out / POLICY)
         return facts
+
+
+def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    """A network's state with standard deviation 1 of the observations that did not vary."""
+    unvaried = state["obs_normalizer._std"] < UNVARIED
+    names = ("obs_normalizer._std", "obs_normalizer._var")
+    return {**state, **{name: torch.where(unvaried, 1.0, state[name]) for name in names}}
 
 
 def _read_checkpoint(path: Path) -> dict[str, Any]:

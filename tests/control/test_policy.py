@@ -102,9 +102,13 @@ def refused(path, message: str) -> None:
     assert "\n" not in str(error.value)
 
 
-def make_actor(hidden: list[int], activation: str) -> MLPModel:
+def make_actor(
+    hidden: list[int], activation: str, statistics: list[torch.Tensor] | None = None
+) -> MLPModel:
     """An rsl-rl actor as in training, with a normaliser that has seen something."""
     torch.manual_seed(0)
+    if statistics is None:
+        statistics = [3.0 + 2.0 * torch.randn(200, SIZE) for _ in range(5)]
     distribution = {"class_name": "GaussianDistribution", "init_std": 0.5, "std_type": "log"}
     actor = MLPModel(
         TensorDict({"policy": torch.zeros(1, SIZE)}, batch_size=[1]),
@@ -116,8 +120,8 @@ def make_actor(hidden: list[int], activation: str) -> MLPModel:
         obs_normalization=True,
         distribution_cfg=distribution,
     )
-    for _ in range(5):
-        actor.update_normalization(seen(3.0 + 2.0 * torch.randn(200, SIZE)))
+    for observations in statistics:
+        actor.update_normalization(seen(observations))
     return actor
 
 
@@ -138,6 +142,18 @@ def test_equals_the_actor_of_training(hidden, activation):
             torch.testing.assert_close(network(observations), expected, rtol=0, atol=1e-6)
         actor.train()
         actor.update_normalization(seen(torch.randn(500, SIZE)))
+
+
+def test_an_observation_that_never_varied_is_not_scaled():
+    observations = torch.randn(100, SIZE)
+    observations[:, 2] = 0.25
+    actor = make_actor([16], "elu", statistics=[observations])
+    network = from_actor(actor.state_dict(), [16], "elu", NORMALISER_EPSILON)
+    std = actor.obs_normalizer.std + NORMALISER_EPSILON
+    std[2] = 1.0
+    torch.testing.assert_close(network.std, std)
+    with torch.inference_mode():
+        torch.testing.assert_close(network(observations), actor.eval()(seen(observations)))
 
 
 def test_a_copy_does_not_change_with_the_actor():

@@ -203,6 +203,8 @@ def test_resetting_one_robot_leaves_the_others():
     np.testing.assert_array_equal(agent.filtered_velocity[1], [0.3, 0.1])
     np.testing.assert_array_equal(agent.expected_velocity[1], [0.3, 0.1])
     assert agent.heading_target[1] == pytest.approx(0.7)
+    agent.reset(np.array([1]), moving, heading=np.array([0.1]))
+    np.testing.assert_allclose(agent.heading_target, [0.7, 0.1])
 
 
 def test_the_papers_agent_has_no_clock():

@@ -147,7 +147,7 @@ HAND = {  # term → (state, view, parameters, value)
         {},
         {"action": [joint("left_slide", 0.3)], "previous_action": [joint("right_slide", 0.4)]},
         {},
-        np.tanh(0.5),
+        np.tanh(0.3 * 0.5),
     ),
 }
 

@@ -179,6 +179,22 @@ def test_starts_on_the_reference(share, spread):
     assert not state.base_position[:, :2].any()
 
 
+@pytest.mark.parametrize(("share", "error"), [(1.0, -0.08), (0.0, 0.0)])
+def test_on_the_gait_robots_head_along_its_course_and_at_rest_where_they_look(share, error):
+    guide = make_guide()
+    straight = guide.states
+
+    def turned(*arguments):
+        qpos, qvel = straight(*arguments)
+        qpos[:, 3:7] = [np.cos(0.04), 0.0, 0.0, np.sin(0.04)]
+        return qpos, qvel
+
+    guide.states = turned  # type: ignore[method-assign]
+    start = (f"train.walking.reset.reference_fraction={share}", "env.start.tilt=0.0")
+    env = build(settings("experiment=test", *start), guide=guide)
+    np.testing.assert_allclose(env._agent.command[:, 3], error, atol=1e-9)
+
+
 def test_told_to_stand_robots_at_rest_are_halted_and_those_on_the_gait_step_on():
     halt = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
     stand = "train.walking.commands.standing_fraction=1.0"

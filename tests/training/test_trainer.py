@@ -231,11 +231,34 @@ def test_start_from_copies_weights_but_not_the_noise(tmp_path):
     after = actor(walking)
     noise = [name for name in after if name.startswith("distribution.")]
     assert noise
+    critic = walking._algorithm.save()["critic_state_dict"]
+    scales = [f"obs_normalizer.{name}" for name in ("_std", "_var")]
     for name, value in after.items():
-        expected = initial[name] if name in noise else saved["actor_state_dict"][name]
-        assert torch.equal(value, expected), name
-    assert any("obs_normalizer" in name for name in after)
-    assert same(walking._algorithm.save()["critic_state_dict"], saved["critic_state_dict"])
+        if name not in scales:
+            expected = initial[name] if name in noise else saved["actor_state_dict"][name]
+            assert torch.equal(value, expected), name
+    rest = {name: value for name, value in critic.items() if name not in scales}
+    assert same(rest, {name: saved["critic_state_dict"][name] for name in rest})
+    for new, old in ((after, saved["actor_state_dict"]), (critic, saved["critic_state_dict"])):
+        unvaried = old[scales[0]] == 0.0
+        assert unvaried.any() and not unvaried.all()
+        for name in scales:
+            assert torch.equal(new[name], torch.where(unvaried, 1.0, old[name]))
+
+
+def test_walking_begins_as_standing_ends(tmp_path):
+    """A command, which standing never saw, enters the network as it is."""
+    standing = trained(tmp_path / "standing", training="standing", iterations=2)
+    standing.export(tmp_path)
+    walking = Trainer(task(), job(tmp_path / "walking"))
+    walking.start_from(tmp_path / WEIGHTS)
+    seen = walking._env.get_observations()
+    layout = walking._env.observation_layout
+    first = sum(list(layout.values())[: list(layout).index("command")])
+    command = seen["policy"][:, first : first + 3]
+    assert command[:, 0].max() > 0.5  # m/s
+    normalised = walking._algorithm.get_policy().obs_normalizer(seen["policy"])
+    torch.testing.assert_close(normalised[:, first : first + 3], command, rtol=0.02, atol=0)
 
 
 def test_the_best_policy_is_exported_not_the_last(tmp_path):

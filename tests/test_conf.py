@@ -20,7 +20,11 @@ def options() -> list[str]:
     return sorted(f"{path.parent}={path.stem}" for path in paths if path.parent != Path("."))
 
 
-@pytest.mark.parametrize("option", sorted({*options()} - {"evaluation=joystick"}))
+# Of no use alone: see test_every_mistake_is_one_line.
+PARTS = {"evaluation=joystick", "env=paper", "env/phase=none"}
+
+
+@pytest.mark.parametrize("option", sorted({*options()} - PARTS))
 def test_every_option_composes(option):
     compose([option], CONF)
 
@@ -70,6 +74,30 @@ def test_every_option_composes(option):
             "train.walking.network.std_max_final: expected at least 0.05 (std_min), found 0.01",
         ),
         ("train.walking.network.calm_from=1.5", "network.calm_from: expected a share"),
+        ("train.walking.network.activation=gelu", "expected one of elu, relu, tanh, found gelu"),
+        ("train.walking.network.hidden=[256,0]", "network.hidden[1]: expected a value ≥ 1"),
+        ("train.standing.network.initial_std=0", "network.initial_std: expected a positive"),
+        ("train.walking.selection.commands=[]", "selection.commands: expected at least one"),
+        ("train.walking.selection.skip=6", "selection.skip: expected a time in [0, 5.98] s"),
+        ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
+        ("train.walking.commands.standing_fraction=3", "standing_fraction: expected a share in"),
+        ("train.walking.commands.period=-5", "commands.period: expected a value ≥ 0"),
+        ("train.walking.seed=-1", "train.walking.seed: expected a value ≥ 0, found -1"),
+        ("train.walking.ppo.epochs=0", "train.walking.ppo.epochs: expected a value ≥ 1"),
+        ("train.walking.ppo.gamma=1.5", "ppo.gamma: expected a share in (0, 1], found 1.5"),
+        ("train.walking.ppo.max_grad_norm=0", "ppo.max_grad_norm: expected a positive value"),
+        ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
+        ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms: expected"),
+        ("+train.walking.reward.terms.upright.params.x=1", "terms.upright.params: expected ['w"),
+        ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
+        ("+env.termination.terms.boredom=1.0", "env.termination.terms: expected some of"),
+        ("env=paper", "reward.terms: expected env.phase.enabled for guide_phase, found no clock"),
+        ("env/phase=none", "env.observation.terms: expected env.phase.enabled for phase, found no"),
+        ("ablation.seeds=[1,-2]", "ablation.seeds[1]: expected a value ≥ 0, found -2"),
+        ("evaluation.seed=-5", "evaluation.seed: expected a value ≥ 0, found -5"),
+        ("evaluation.steady_from=9.999", "evaluation.steady_from: expected a time in [0, 9.98] s"),
+        ("evaluation.commands=[0.2,0.2]", "evaluation.commands: expected each once"),
+        ("evaluation.controllers=[policy,policy]", "evaluation.controllers: expected each once"),
         ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
         ("control.tuned.substeps=2", "control.tuned.substeps: expected a control rate of at least"),
         ("control.tuned.substeps=3", "control.tuned.substeps: expected a divisor of"),
@@ -140,6 +168,12 @@ def test_a_fine_tuning_wants_what_the_walking_training_wanted():
     assert tuning is not None
     assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.commands, walking.reward)
     assert tuning.commands.yaw_rate.upper > 0
+    assert tuning.selection.commands == walking.selection.commands
+    assert 0.0 in tuning.selection.commands
+    paper = compose(["experiment=paper", "finetuning=robust"], CONF)
+    assert paper.finetuning is not None
+    assert paper.finetuning.guide == paper.train.walking.guide
+    assert paper.finetuning.reset == paper.train.walking.reset
     assert tuning.reward.terms["stand_still"].weight > 0
     own = compose(["finetuning=robust", "finetuning.reward.terms.heading.weight=0.7"], CONF)
     assert own.finetuning is not None
@@ -177,3 +211,13 @@ def test_every_robot_parameter_has_a_source():
         assert any(prefix in provenance for prefix in prefixes), f"{path} has no source"
     for name in provenance:
         assert any(f"{path}.".startswith(f"{name}.") for path in paths), f"{name} is no parameter"
+
+
+def test_without_the_library_the_other_rewards_stay():
+    walking = compose([], CONF).train.walking.reward
+    unguided = compose(["train/walking/reward=unguided"], CONF).train.walking.reward
+    guides = {name for name in walking.terms if name.startswith("guide_")}
+    assert set(walking.terms) - guides == set(unguided.terms) - {"height"}
+    for name in set(walking.terms) - guides:
+        assert unguided.terms[name] == walking.terms[name], name
+    assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)

@@ -45,6 +45,13 @@ def test_the_paper_can_win():
     assert best == [False, False, True, False]
 
 
+def test_an_error_of_few_survivors_is_not_the_best():
+    for success, wins in ((0.001, False), (0.995, True)):
+        rows = [*ROWS, row("other", 1.0, success_rate=success, mse=1e-6)]
+        best = [value.best for value in compare(rows, WHOLE).rows[1]]
+        assert best == [False, False, not wins, False, wins]
+
+
 def test_the_papers_error_stands_beside_both_of_ours():
     steady, whole = compare(ROWS, STEADY).rows[1], compare(ROWS, WHOLE).rows[1]
     assert steady[2].value == whole[2].value == 0.0221

@@ -104,4 +104,3 @@ def test_our_settings_in_rsl_rls_words():
 def test_precision():
     assert ppo.use_bfloat16("bfloat16")
     assert not ppo.use_bfloat16("float32")
-    assert isinstance(ppo.use_bfloat16("auto"), bool)

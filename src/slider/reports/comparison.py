@@ -8,6 +8,7 @@ from pathlib import Path
 
 from slider.reports.controllers import PAPER, label
 
+_COMPARABLE = 0.01  # an error is best only where as many survive as in the best, up to this share
 _MOST_DECIMALS = 6  # a robot that stands still has errors of 1e-10 m²/s²
 
 
@@ -73,8 +74,7 @@ def compare(rows: Sequence[dict[str, str]], metric: Metric) -> Comparison:
         columns = [column for column in columns if column[0] != PAPER]
     ours = {float(row["command_velocity"]) for row in rows if row["source"] != PAPER}
     cells = {
-        (row["source"], row["controller"], float(row["command_velocity"])): _value(row, metric)
-        for row in rows
+        (row["source"], row["controller"], float(row["command_velocity"])): row for row in rows
     }
     commands = tuple(sorted(ours))
     table = tuple(_marked([cells.get((*c, v)) for c in columns], metric) for v in commands)
@@ -96,7 +96,9 @@ def show(value: Value | None, metric: Metric) -> str:
     return text if math.isnan(value.spread) else f"{text} ± {spread}"
 
 
-def _value(row: dict[str, str], metric: Metric) -> tuple[float, float] | None:
+def _value(row: dict[str, str] | None, metric: Metric) -> tuple[float, float] | None:
+    if row is None:
+        return None
     paper = row["source"] == PAPER
     text = row[metric.paper_column] if paper and metric.paper_column else row[metric.name]
     if not text:
@@ -105,12 +107,21 @@ def _value(row: dict[str, str], metric: Metric) -> tuple[float, float] | None:
     return float(text), float(spread) if spread else math.nan
 
 
-def _marked(row: list[tuple[float, float] | None], metric: Metric) -> tuple[Value | None, ...]:
-    """Mark the best of a row, and all that look the same when printed."""
-    known = [cell[0] for cell in row if cell is not None]
+def _marked(cells: list[dict[str, str] | None], metric: Metric) -> tuple[Value | None, ...]:
+    """Mark the best of a row, and all that look the same when printed.
+
+    Errors are those of robots that survived: one is best only among controllers that hardly
+    lose more robots than any.
+    """
+    success = [float(cell["success_rate"] or 0) if cell else 0.0 for cell in cells]
+    enough = 0.0 if metric.higher_is_better else max(success) - _COMPARABLE
+    values = [_value(cell, metric) for cell in cells]
+    fair = [v is not None and share >= enough for v, share in zip(values, success, strict=True)]
+    known = [value[0] for value, one in zip(values, fair, strict=True) if value and one]
     best = (max if metric.higher_is_better else min)(known, default=math.nan)
     return tuple(
-        None if cell is None else Value(*cell, best=_same(cell[0], best, metric)) for cell in row
+        None if value is None else Value(*value, best=one and _same(value[0], best, metric))
+        for value, one in zip(values, fair, strict=True)
     )
 
 

@@ -7,8 +7,9 @@ from slider.reports.comparison import METRICS, Comparison, Metric, Value, compar
 from slider.reports.controllers import speed
 
 _CAPTION = (
-    "Best values are bold; ± is the standard deviation over trials. The paper states one MSE and "
-    "not whether the start counts: it stands beside both of ours."
+    "Best values are bold, errors among controllers whose success is within 1 % of the best; "
+    "± is the standard deviation over trials. Errors are those of robots that survive. The paper "
+    "states one MSE and not whether the start counts: it stands beside both of ours."
 )
 
 

@@ -118,6 +118,11 @@ def test_a_block_of_robots_depends_on_its_own_seed_only():
     stand(masses), stand(alone)
     np.testing.assert_array_equal(masses.masses[COUNT // 2 :], alone.masses)
     assert both.shape[1] == 2 * second.shape[1]
+    for draw in ("normal", "uniform"):
+        pair, single = Draws((1, 2), 6), Draws((2,), 3)
+        numbers = getattr(pair, draw)(1, 7, 4)
+        np.testing.assert_array_equal(numbers[3:], getattr(single, draw)(1, 7, 4))
+        assert (numbers[:3] != numbers[3:]).all()
     with pytest.raises(ValueError, match="5 robots in 2 blocks"):
         Draws((1, 2), 5)
 

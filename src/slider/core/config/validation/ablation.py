@@ -1,7 +1,7 @@
 """Checks of the ablation's settings."""
 
 from slider.core.config.ablation import AblationConfig
-from slider.core.config.validation.checks import all_at_least, distinct, one_of, require
+from slider.core.config.validation.checks import all_at_least, at_least, distinct, one_of, require
 
 
 def check_ablation(ablation: AblationConfig) -> None:
@@ -13,5 +13,7 @@ def check_ablation(ablation: AblationConfig) -> None:
         values = getattr(ablation, name)
         require(len(values) > 0, f"{key}.{name}", expected, values)
         distinct(f"{key}.{name}", values, expected)
+    for index, seed in enumerate(ablation.seeds):
+        at_least(f"{key}.seeds[{index}]", seed, 0)
     counts = ("samples", "pretraining_samples", "check_every", "trials", "robots")
     all_at_least(key, ablation, counts, 1)

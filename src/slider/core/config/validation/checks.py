@@ -26,6 +26,16 @@ def positive(key: str, value: float) -> None:
     require(value > 0, key, "a positive value", value)
 
 
+def fraction(key: str, value: float) -> None:
+    """0 ≤ value ≤ 1."""
+    require(0 <= value <= 1, key, "a share in [0, 1]", value)
+
+
+def period(key: str, start: float, end: float, step: float) -> None:
+    """From ``start`` there is at least a ``step`` before ``end`` [s]."""
+    require(0 <= start <= end - step + 1e-9, key, f"a time in [0, {end - step:g}] s", start)
+
+
 def share(key: str, value: float) -> None:
     """0 < value ≤ 1."""
     require(0 < value <= 1, key, "a share in (0, 1]", value)

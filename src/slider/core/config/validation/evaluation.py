@@ -9,8 +9,10 @@ from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
 from slider.core.config.schema import Config
 from slider.core.config.validation.checks import (
     all_at_least,
+    at_least,
     distinct,
     one_of,
+    period,
     positive,
     require,
     some,
@@ -24,7 +26,7 @@ def check_protocols(config: Config) -> None:
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     others = {f"protocols.{name}": protocol for name, protocol in config.protocols.items()}
     for key, protocol in {"evaluation": config.evaluation, **others}.items():
-        _protocol(protocol, _controllers(config.control), key)
+        _protocol(protocol, _controllers(config.control), key, config.env.control_period)
         check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
 
 
@@ -32,15 +34,17 @@ def _controllers(control: ControlConfig) -> list[str]:
     return ["policy", *(f"mpc_wbc_{item.name}" for item in fields(control))]
 
 
-def _protocol(protocol: EvaluationConfig, controllers: Iterable[str], key: str) -> None:
+def _protocol(
+    protocol: EvaluationConfig, controllers: Iterable[str], key: str, control_period: float
+) -> None:
     _commands(protocol, key)
     some(f"{key}.controllers", protocol.controllers, "controller")
     for name in protocol.controllers:
         one_of(f"{key}.controllers", name, controllers)
+    distinct(f"{key}.controllers", protocol.controllers, "each once")
     all_at_least(key, protocol, ("trials", "robots"), 1)
-    positive(f"{key}.duration", protocol.duration)
-    start, end = protocol.steady_from, protocol.duration
-    require(0 <= start < end, f"{key}.steady_from", f"a time in [0, {end}) s", start)
+    at_least(f"{key}.seed", protocol.seed, 0)
+    period(f"{key}.steady_from", protocol.steady_from, protocol.duration, control_period)
 
 
 def _commands(protocol: EvaluationConfig, key: str) -> None:
@@ -48,6 +52,7 @@ def _commands(protocol: EvaluationConfig, key: str) -> None:
     commands, profile = protocol.commands, protocol.profile
     if profile is None:
         some(f"{key}.commands", commands, "command")
+        distinct(f"{key}.commands", commands, "each once")
         return
     require(not commands, f"{key}.commands", "none with a profile", commands)
     _profile(profile, protocol.duration, f"{key}.profile")

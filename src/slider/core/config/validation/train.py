@@ -5,20 +5,26 @@ from slider.core.config.train import (
     CommandConfig,
     CurriculumConfig,
     NetworkConfig,
+    PpoConfig,
+    SelectionConfig,
     TrainConfig,
     TrainingsConfig,
 )
 from slider.core.config.validation.checks import (
     all_at_least,
+    all_positive,
     at_least,
+    fraction,
     interval,
     one_of,
+    period,
     positive,
     require,
     share,
     some,
 )
 from slider.core.config.validation.disturbance import check_disturbance
+from slider.core.config.validation.terms import check_terms
 
 
 def check_trainings(
@@ -26,6 +32,9 @@ def check_trainings(
 ) -> None:
     """All trainings and their disturbances."""
     keyed = {"train.standing": trainings.standing, "train.walking": trainings.walking}
+    starts = trainings.standing.reset.reference_fraction
+    expected = "0 (pre-training has no guide to start on)"
+    require(starts == 0, "train.standing.reset.reference_fraction", expected, starts)
     if finetuning is not None:
         keyed["finetuning"] = finetuning
         for name in ("hidden", "activation"):
@@ -36,31 +45,47 @@ def check_trainings(
     for key, train in keyed.items():
         _train(train, env, key)
         check_disturbance(train.disturbance, env, f"{key}.disturbance")
+    check_terms(env, keyed)
 
 
 def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
-    at_least(f"{key}.iterations", train.iterations, 0)
+    all_at_least(key, train, ("iterations", "seed"), 0)
     all_at_least(key, train, ("num_envs", "steps_per_iteration"), 1)
-    positive(f"{key}.episode_length", train.episode_length)
+    at_least(f"{key}.episode_length", train.episode_length, env.control_period)
     _commands(train.commands, f"{key}.commands")
     one_of(f"{key}.guide.gait", train.guide.gait, ("interpolated", "nearest"))
+    _ppo(train.ppo, f"{key}.ppo")
     _symmetry(train, env, f"{key}.ppo")
-    one_of(f"{key}.ppo.precision", train.ppo.precision, ("auto", "float32", "bfloat16"))
-    one_of(f"{key}.ppo.schedule", train.ppo.schedule, ("adaptive", "fixed"))
-    averaging = train.ppo.averaging
-    require(0 <= averaging < 1, f"{key}.ppo.averaging", "a share in [0, 1)", averaging)
     _mini_batches(train, f"{key}.ppo.mini_batches")
-    fraction = train.reset.reference_fraction
-    expected = "a share in [0, 1]"
-    require(0 <= fraction <= 1, f"{key}.reset.reference_fraction", expected, fraction)
+    fraction(f"{key}.reset.reference_fraction", train.reset.reference_fraction)
     _network(train.network, f"{key}.network")
     some(f"{key}.reward.terms", train.reward.terms, "term")
-    all_at_least(key, train, ("selection.robots", "selection.interval"), 1)
+    _selection(train.selection, env, f"{key}.selection")
+
+
+def _ppo(ppo: PpoConfig, key: str) -> None:
+    one_of(f"{key}.precision", ppo.precision, ("auto", "float32", "bfloat16"))
+    one_of(f"{key}.schedule", ppo.schedule, ("adaptive", "fixed"))
+    at_least(f"{key}.epochs", ppo.epochs, 1)
+    all_positive(key, ppo, ("learning_rate", "desired_kl", "clip", "max_grad_norm"))
+    all_at_least(key, ppo, ("value_coefficient", "entropy_coefficient"), 0)
+    share(f"{key}.gamma", ppo.gamma)
+    fraction(f"{key}.lam", ppo.lam)
+    require(0 <= ppo.averaging < 1, f"{key}.averaging", "a share in [0, 1)", ppo.averaging)
+
+
+def _selection(selection: SelectionConfig, env: EnvConfig, key: str) -> None:
+    some(f"{key}.commands", selection.commands, "command")
+    all_at_least(key, selection, ("robots", "interval"), 1)
+    period(f"{key}.skip", selection.skip, selection.duration, env.control_period)
 
 
 def _network(network: NetworkConfig, key: str) -> None:
     some(f"{key}.hidden", network.hidden, "layer")
-    positive(f"{key}.std_min", network.std_min)
+    for index, width in enumerate(network.hidden):
+        at_least(f"{key}.hidden[{index}]", width, 1)
+    one_of(f"{key}.activation", network.activation, ("elu", "relu", "tanh"))
+    all_positive(key, network, ("initial_std", "std_min", "output_scale"))
     expected = f"at least {network.std_min} (std_min)"
     for name in ("std_max", "std_max_final"):
         bound = getattr(network, name)
@@ -71,6 +96,8 @@ def _network(network: NetworkConfig, key: str) -> None:
 def _commands(commands: CommandConfig, key: str) -> None:
     for name in ("vx", "vy", "yaw_rate"):
         interval(f"{key}.{name}", getattr(commands, name))
+    at_least(f"{key}.period", commands.period, 0)
+    fraction(f"{key}.standing_fraction", commands.standing_fraction)
     _curriculum(commands.curriculum, f"{key}.curriculum")
 
 

@@ -241,7 +241,8 @@ def test_start_from_copies_weights_but_not_the_noise(tmp_path):
     assert same(rest, {name: saved["critic_state_dict"][name] for name in rest})
     for new, old in ((after, saved["actor_state_dict"]), (critic, saved["critic_state_dict"])):
         unvaried = old[scales[0]] == 0.0
-        assert unvaried.any() and not unvaried.all()
+        assert unvaried.any()
+        assert not unvaried.all()
         for name in scales:
             assert torch.equal(new[name], torch.where(unvaried, 1.0, old[name]))
 

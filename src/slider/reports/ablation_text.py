@@ -43,9 +43,9 @@ def _caption(rows: Sequence[Row]) -> str:
     seeds = distinct(rows, "seed")
     over = f"mean of {len(seeds)} seeds (least to greatest)" if len(seeds) > 1 else "one seed"
     return (
-        f"Every number: {over}; errors and gait quality are those of surviving robots. Where none of "
-        "a seed survived, its error is ∞ and its gait quality is left out. `reports/ablation.csv` "
-        "has them all."
+        f"Every number: {over}; errors and gait quality are those of surviving robots. Where none "
+        "of a seed survived, its error is ∞ and its gait quality is left out. "
+        "`reports/ablation.csv` has them all."
     )
 
 

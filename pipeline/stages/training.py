@@ -6,6 +6,7 @@ from slider.core.config.convert import to_dict
 from slider.core.config.library_use import uses_library
 from slider.core.config.schema import Config
 from slider.core.config.train import TrainConfig
+from slider.core.config.validation.terms import check_clock
 from slider.core.plan import JobSpec
 
 
@@ -46,6 +47,7 @@ def _job(
     Of the library the pre-training takes the clock's step times and the gaits that actions are
     about. A fine-tuning is the stage ``walking`` again, from the weights of a walk.
     """
+    check_clock(config.env, train, label)
     section = simulation(config) | {"train": to_dict(train)}
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:

@@ -5,7 +5,8 @@ import pytest
 
 from slider.core.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
-from slider.env.guide import NUM_CHANNELS, observed_channels
+from slider.env.columns import NUM_CHANNELS
+from slider.env.guide import observed_channels
 from slider.env.rewards import TERMS, Reward, RewardView
 from slider.env.view import View
 from slider.robot.names import CHANNELS, JOINTS

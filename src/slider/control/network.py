@@ -59,5 +59,5 @@ def from_actor(
     network.mlp.load_state_dict({k: v.clone() for k, v in weights.items()})
     network.mean.copy_(state["obs_normalizer._mean"].squeeze(0))
     std = state["obs_normalizer._std"].squeeze(0)
-    network.std.copy_(torch.where(std < UNVARIED, 1.0, std + epsilon))
+    network.std.copy_(torch.where(std < UNVARIED, 1.0, std) + epsilon)
     return network.eval()

@@ -2,15 +2,13 @@
 
 import numpy as np
 
+from slider.env.columns import NUM_CHANNELS, NUM_POSITIONS
 from slider.env.view import View
 from slider.library.lookup import GaitLibrary, GaitTable
 from slider.robot.names import CHANNELS, JOINTS, SIDES
 
 _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
 _HIP_YAWS = [JOINTS.index(f"{side}_hip_yaw") for side in SIDES]
-NUM_POSITIONS = len(JOINTS)
-NUM_CHANNELS = len(CHANNELS)
-BASE_HEIGHT = NUM_CHANNELS + 2  # column of the base height in a reference
 
 
 def observed_channels(view: View) -> np.ndarray:

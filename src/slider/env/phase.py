@@ -1,9 +1,13 @@
 """Clock that runs through the two steps of a walk at the pace of the gait library."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from slider.core.config.env import HaltConfig
-from slider.library.step_times import StepTimes
+
+if TYPE_CHECKING:
+    from slider.library.step_times import StepTimes
 
 
 class Clock:
@@ -25,7 +29,7 @@ class Clock:
         halted: clocks that stay (N,).
     """
 
-    def __init__(self, times: StepTimes, period: float, num_robots: int, halt: HaltConfig) -> None:
+    def __init__(self, times: "StepTimes", period: float, num_robots: int, halt: HaltConfig) -> None:
         self._times = times
         self._period = period
         self._halt = halt

@@ -3,15 +3,19 @@
 import inspect
 from collections.abc import Callable
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slider.core.config.train import RewardConfig
 from slider.core.errors import UserError
-from slider.env.guide import BASE_HEIGHT, NUM_POSITIONS, Guide
+from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
 from slider.env.phase import standing
 from slider.env.view import View
 from slider.robot.names import JOINTS
+
+if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
+    from slider.env.guide import Guide
 
 # Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
 # like several radians.
@@ -33,13 +37,13 @@ _GUIDE_WEIGHT = np.array(
 class RewardView:
     """A view together with the guide; the reference is looked up once per step."""
 
-    def __init__(self, view: View, guide: Guide | None) -> None:
+    def __init__(self, view: View, guide: "Guide | None") -> None:
         self.view = view
         self.state = view.state
         self._guide = guide
 
     @property
-    def guide(self) -> Guide:
+    def guide(self) -> "Guide":
         """The gait library's guide; an error where the training has none."""
         if self._guide is None:
             raise UserError("reward: expected a gait library for its guide terms, found none")

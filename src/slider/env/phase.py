@@ -29,7 +29,9 @@ class Clock:
         halted: clocks that stay (N,).
     """
 
-    def __init__(self, times: "StepTimes", period: float, num_robots: int, halt: HaltConfig) -> None:
+    def __init__(
+        self, times: "StepTimes", period: float, num_robots: int, halt: HaltConfig
+    ) -> None:
         self._times = times
         self._period = period
         self._halt = halt

@@ -130,10 +130,11 @@ class Trainer:
         train = self._task.train
         left = pace * (train.iterations - self._iteration)
         rate = train.num_envs * train.steps_per_iteration / pace
+        error = f"speed error {score.speed_error:.3f} m/s, score {score.value:.3f}"
         self._job.progress(
             f"iteration {self._iteration}/{train.iterations}, {rate / 1e3:.1f} k steps/s, "
-            f"{left / 60:.1f} min left, success {100 * score.success:.0f} %, "
-            f"speed error {score.speed_error:.3f} m/s, score {score.value:.3f}"
+            f"{left / 60:.1f} min left, success {100 * score.success:.0f} %"
+            + (f", {error}" if score.success > 0 else "")
         )
 
     def _save_checkpoint(self) -> None:

@@ -163,6 +163,7 @@ def test_a_fine_tuning_wants_what_the_walking_training_wanted():
     walking, tuning = config.train.walking, config.finetuning
     assert tuning is not None
     assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.commands, walking.reward)
+    assert tuning.episode_length == walking.episode_length == 10.0
     assert tuning.commands.yaw_rate.upper > 0
     assert tuning.selection.commands == walking.selection.commands
     assert 0.0 in tuning.selection.commands

@@ -75,6 +75,8 @@ def test_every_option_composes(option):
         ("train.standing.network.initial_std=0", "network.initial_std: expected a positive"),
         ("train.walking.selection.commands=[]", "selection.commands: expected at least one"),
         ("train.walking.selection.skip=6", "selection.skip: expected a time in [0, 5.98] s"),
+        ("train.walking.selection.fall_weight=0", "selection.fall_weight: expected a positive"),
+        ("train.walking.selection.flight_weight=-1", "flight_weight: expected a value ≥ 0"),
         ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
         ("train.walking.commands.standing_fraction=3", "standing_fraction: expected a share in"),
         ("train.walking.commands.period=-5", "commands.period: expected a value ≥ 0"),

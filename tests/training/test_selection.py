@@ -68,16 +68,26 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
 def test_score_by_hand(monkeypatch):
     score = score_of(monkeypatch, recorded([0.3, 0.2, 1.8, 5.0], [True, True, True, False]))
     relative = np.mean([0.01 / (0.01 + 0.0004), 0.0, 0.04 / (0.01 + 0.04)])
-    assert score.value == pytest.approx(10.0 / 4 + relative + 3.0 * 0.25)
+    survivor = relative * 5.0 / (relative + 5.0) + 3.0 * 0.25
+    assert score.value == pytest.approx(10.0 / 4 + survivor * 3 / 4)
     assert score.success == 0.75
     assert score.speed_error == pytest.approx(0.1)
     assert score.flight == pytest.approx(0.25)
 
 
-def test_where_all_fall_the_score_is_bad_but_finite(monkeypatch):
+def test_where_all_fall_the_score_is_that_of_falls(monkeypatch):
     score = score_of(monkeypatch, recorded([0.2, 0.2, 2.0, 2.0], [False] * 4))
     assert score.success == 0.0
-    assert 100.0 < score.value < np.inf
+    assert score.value == SETTINGS.fall_weight
+
+
+def test_staying_up_at_the_wrong_speed_beats_falling(monkeypatch):
+    def value(speed: float, survivors: int) -> float:
+        alive = [index < survivors for index in range(4)]
+        return score_of(monkeypatch, recorded([speed] * 4, alive)).value
+
+    assert value(9.0, 4) < value(0.4, 1) < value(9.0, 1) < SETTINGS.fall_weight
+    assert value(1.0, 4) < value(9.0, 4)
 
 
 def test_the_same_network_has_the_same_score():

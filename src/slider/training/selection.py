@@ -26,8 +26,10 @@ class Score:
     """Result of one check; lower ``value`` is better.
 
     Attributes:
-        value: fall_weight · share of falls + mean over survivors of the mean squared velocity
-            error / (0.01 + 0.01 v²) + flight_weight · flight.
+        value: mean over the robots of what each costs: fall_weight for one that fell, and
+            b·e / (b + e) + flight_weight · flight for one that survived, b being fall_weight / 2
+            and e the survivors' mean of the mean squared velocity error / (0.01 + 0.01 v²).
+            However badly a robot tracks, that costs less than half of a fall.
         success: share of robots that survived.
         speed_error: mean over survivors of |mean forward velocity − command| [m/s].
         flight: mean share of time with no foot on the ground.
@@ -73,14 +75,14 @@ class Selector:
         tracked = tracking(recording, config.skip, 0.1, 0.1)
         quality = gait_quality(recording, config.skip)
         command = self._command[:, 0]
-        fallen = 1.0 - tracked.survived.mean()
-        relative = tracked.squared_error_steady / (0.01 + 0.01 * command**2)
+        success = float(tracked.survived.mean())
+        error = _mean(tracked.squared_error_steady / (0.01 + 0.01 * command**2))
         flight = _mean(quality.flight)
+        bound = config.fall_weight / 2
+        survivor = bound * error / (bound + error) + config.flight_weight * flight
         return Score(
-            value=float(
-                config.fall_weight * fallen + _mean(relative) + config.flight_weight * flight
-            ),
-            success=float(tracked.survived.mean()),
+            value=config.fall_weight * (1.0 - success) + survivor * success,
+            success=success,
             speed_error=_mean(np.abs(tracked.mean_velocity - command)),
             flight=flight,
         )

@@ -14,3 +14,8 @@ def test_checks_without_survivors_have_no_speed_error():
     }
     assert_array_equal(learning._known(table, "speed_error"), [np.nan, 0.1])
     assert_array_equal(learning._known(table, "value"), table["value"])
+
+
+def test_of_equal_checks_the_last_was_kept():
+    table = {"iteration": np.array([10.0, 20.0, 30.0]), "value": np.array([10.0, 10.0, 11.0])}
+    assert learning._kept(table) == 20

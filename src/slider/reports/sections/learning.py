@@ -70,9 +70,15 @@ def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
             figure.update_yaxes(type="log", **ticks, row=1, col=index + 1)
     figure.update_xaxes(title_text="iteration")
     figure.update_annotations(font_size=12)
-    best = int(table["iteration"][np.argmin(table["value"])])
-    caption = f"Periodic evaluation on a few robots; the policy of iteration {best} was kept."
+    kept = _kept(table)
+    caption = f"Periodic evaluation on a few robots; the policy of iteration {kept} was kept."
     return chart(f"checks-{name}", figure, caption, 280)
+
+
+def _kept(table: dict[str, np.ndarray]) -> int:
+    """The iteration with the least score; of equals the last, as in training."""
+    least = np.flatnonzero(table["value"] == table["value"].min())
+    return int(table["iteration"][least[-1]])
 
 
 def _known(table: dict[str, np.ndarray], column: str) -> np.ndarray:

@@ -77,6 +77,8 @@ def _ppo(ppo: PpoConfig, key: str) -> None:
 def _selection(selection: SelectionConfig, env: EnvConfig, key: str) -> None:
     some(f"{key}.commands", selection.commands, "command")
     all_at_least(key, selection, ("robots", "interval"), 1)
+    positive(f"{key}.fall_weight", selection.fall_weight)
+    at_least(f"{key}.flight_weight", selection.flight_weight, 0)
     period(f"{key}.skip", selection.skip, selection.duration, env.control_period)
 
 

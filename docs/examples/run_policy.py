@@ -197,7 +197,9 @@ def simulate(
 def main() -> None:
     """Walk and say how far."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path, help="with policy.onnx, policy.json, robot.xml, reference.npy")
+    parser.add_argument(
+        "folder", type=Path, help="policy.onnx, policy.json, robot.xml, reference.npy"
+    )
     parser.add_argument("--command", type=float, nargs=3, default=(0.6, 0.0, 0.0))
     parser.add_argument("--seconds", type=float, default=10.0)
     arguments = parser.parse_args()

@@ -76,11 +76,28 @@ def test_every_option_composes(option):
         ("train.walking.selection.commands=[]", "selection.commands: expected at least one"),
         ("train.walking.selection.skip=6", "selection.skip: expected a time in [0, 5.98] s"),
         ("train.walking.selection.fall_weight=0", "selection.fall_weight: expected a positive"),
-        ("train.walking.selection.flight_weight=-1", "flight_weight: expected a value ≥ 0"),
+        ("train.walking.selection.flight_weight=-1", "flight_weight: expected 0 to 5, half of"),
+        ("train.walking.selection.flight_weight=6", "flight_weight: expected 0 to 5, half of"),
+        ("train.standing.network.hidden=[64]", "as train.walking.network has it, found [64]"),
+        (
+            "train.standing.network.activation=tanh",
+            "train.standing.network.activation: expected elu",
+        ),
+        (
+            "train.walking.reward.terms.heading.params.width=0",
+            "heading.params.width: expected a pos",
+        ),
+        (
+            "train.walking.reward.terms.forward_velocity_filtered.params.relative=-1",
+            "forward_velocity_filtered.params.relative: expected a value ≥ 0",
+        ),
+        ("env.observation.height_scan.points_x=-1", "height_scan.points_x: expected a value ≥ 1"),
+        ("protocols.joystick.profile.settle=2.995", "expected a control period longer than ramp"),
         ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
         ("train.walking.commands.standing_fraction=3", "standing_fraction: expected a share in"),
         ("train.walking.commands.period=-5", "commands.period: expected a value ≥ 0"),
-        ("train.walking.seed=-1", "train.walking.seed: expected a value ≥ 0, found -1"),
+        ("train.walking.seed=-1", "train.walking.seed: expected an integer in [0, 2⁶³), found -1"),
+        ("train.walking.seed=9223372036854775808", "train.walking.seed: expected an integer in"),
         ("train.walking.ppo.epochs=0", "train.walking.ppo.epochs: expected a value ≥ 1"),
         ("train.walking.ppo.gamma=1.5", "ppo.gamma: expected a share in (0, 1], found 1.5"),
         ("train.walking.ppo.max_grad_norm=0", "ppo.max_grad_norm: expected a positive value"),
@@ -119,7 +136,7 @@ def test_every_option_composes(option):
         ("evaluation=joystick", "evaluation.profile: expected none (the commands of Table 1"),
         ("protocols.sweep.commands=[]", "protocols.sweep.commands: expected at least one command"),
         ("protocols.joystick.commands=[1.0]", "protocols.joystick.commands: expected none with a"),
-        ("protocols.joystick.duration=44.0", "segments[11]: expected longer than ramp and settle"),
+        ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
         ("protocols.joystick.profile.segments=[]", "profile.segments: expected at least one"),
         ("protocols.sweap.trials=3", "did you mean 'protocols.sweep.trials'?"),
         ("gait.cost=cheap", "gait.cost: expected one of paper, torque, transport, found cheap"),
@@ -210,6 +227,16 @@ def test_every_robot_parameter_has_a_source():
         assert any(prefix in provenance for prefix in prefixes), f"{path} has no source"
     for name in provenance:
         assert any(f"{path}.".startswith(f"{name}.") for path in paths), f"{name} is no parameter"
+
+
+def test_one_override_of_the_network_is_for_all_trainings():
+    sizes = ("train.walking.network.hidden=[64,32]", "train.walking.network.activation=tanh")
+    whole = compose(["finetuning=robust", *sizes], CONF)
+    assert whole.finetuning is not None
+    for train in (whole.train.standing, whole.train.walking, whole.finetuning):
+        assert (train.network.hidden, train.network.activation) == ([64, 32], "tanh")
+    scratch = ["train.pretraining=false", "train.standing.network.hidden=[8]"]
+    assert compose(scratch, CONF).train.standing.network.hidden == [8]
 
 
 def test_without_the_library_the_other_rewards_stay():

@@ -216,7 +216,27 @@ def test_the_controller_is_told_the_measured_state_and_the_recording_is_true():
 
 
 def test_power_is_that_of_the_efforts_that_were_achieved():
-    """Weaker motors in the recording, and heavier robots in its weight."""
+    """Σ|τ q̇| of what the sensors show after each simulation step, for whole and weak motors."""
+    env, start = environment(), tuple(values[[0] * COUNT] for values in starts())
+    start[0][:, 7:] += 0.05  # the drives have something to do
+    first = {}
+    for gain in (0.5, 1.0):
+        setting = f"motor_gain={{lower: {gain}, upper: {gain}}}"
+        recorded, twin = (disturbed_physics(COUNT, setting, substeps=1) for _ in range(2))
+        recording = roll_out(Stiff(), recorded, env, start, np.zeros((COUNT, 3)), 0.1)
+        twin.reset(np.arange(COUNT), *(values.copy() for values in start))
+        for found in recording.power:
+            power = []
+            for _ in range(round(env.control_period / twin.period)):
+                twin.step(np.zeros((COUNT, NUM_JOINTS)))
+                state = twin.read()
+                power.append(np.abs(state.efforts * state.joint_velocities).sum(axis=1))
+            np.testing.assert_allclose(found, np.mean(power, axis=0), rtol=1e-9)
+        first[gain] = recording.power[0]
+    assert (first[1.0] > 1.2 * first[0.5]).all()
+
+
+def test_weight_is_that_of_the_robots_that_were_drawn():
     weak = disturbed_physics(COUNT, "motor_gain={lower: 0.5, upper: 0.5}", "mass.upper=1.3")
     start = tuple(values[[0] * COUNT] for values in starts())
     recording = roll_out(Stiff(), weak, environment(), start, np.zeros((COUNT, 3)), 0.2)

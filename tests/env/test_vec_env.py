@@ -84,6 +84,16 @@ def test_a_fall_is_no_time_out_and_is_counted():
     assert seen > 0
 
 
+def test_a_fall_at_the_time_limit_is_no_time_out():
+    env = build(settings("experiment=test"))
+    for _ in range(3):
+        env.episode_length_buf[:] = env.max_episode_length - 1
+        env._physics.qpos[:2, 2] = 0.2
+        _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
+        assert done.all()
+        assert extras["time_outs"].tolist() == [0, 0, 1, 1, 1, 1]
+
+
 def test_episodes_end_at_their_length():
     whole = settings(
         "experiment=test",
@@ -269,6 +279,23 @@ def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others(
     true = rough._physics.read()
     told = rough._physics.measure(true)
     assert np.abs(told.joint_positions - true.joint_positions).max() > 0.0
+
+
+def test_the_low_passed_velocity_is_that_of_what_is_measured():
+    env = build(
+        settings("experiment=test", "train.walking.disturbance.sensing.linear_velocity=0.5")
+    )
+    for _ in range(3):
+        before = env._agent.view(env._measured).filtered_velocity.copy()
+        _, _, done, _ = env.step(torch.zeros(NUM_ENVS, 12))
+        on, state = done.numpy() == 0, env._measured
+        assert on.any()
+        gain, _ = env.cfg.observation.filter_gains(env.cfg.control_period)
+        expected = before + gain * (state.heading_velocity - before)
+        found = env._agent.view(state).filtered_velocity
+        np.testing.assert_allclose(found[on], expected[on], atol=1e-12)
+        true = env._physics.read().heading_velocity
+        assert np.abs(true - state.heading_velocity)[on].max() > 0.01
 
 
 def test_every_episode_meets_another_robot():

@@ -76,6 +76,9 @@ def test_traces_are_smooth_means_of_those_that_are_up():
     np.testing.assert_allclose(traces[75, 3], np.mean([0.4, 0.5, 0.4, 0.0]), atol=1e-6)
     np.testing.assert_allclose(traces[75, 6], np.std([0.4, 0.5, 0.4, 0.0]), atol=1e-6)
     np.testing.assert_array_equal(traces[[94, 95], 9], [1.0, 0.75])
+    after = recording()
+    after.velocity[95:, 2] = 99.0  # lying on the ground, or worse
+    np.testing.assert_array_equal(segments.traces(after, protocol()), traces)
     none = segments.traces(replace(recording(), alive=np.zeros((STEPS, COUNT), bool)), protocol())
     assert np.isnan(none[:, 3:9]).all()
 

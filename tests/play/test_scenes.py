@@ -1,11 +1,15 @@
 """What is played follows from the arguments and from the policy's own file."""
 
 import argparse
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from slider.core.config.env import TerminationConfig
 from slider.core.errors import UserError
+from slider.play import scenes
 from slider.play.command import add_arguments
 from slider.play.scenes import build
 from tests.control.export.policies import write_policy
@@ -31,3 +35,29 @@ def test_overrides_of_the_environment_are_obeyed(tmp_path):
     write_policy(tmp_path / "policy.pt")
     with pytest.raises(UserError, match="policy: expected"):
         scene("--policy", str(tmp_path / "policy.pt"), "--set", "env=paper")
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("env.action.reach=9", "env.action.reach=0.5, as in its training, found 9.0"),
+        ("env.phase.mirror=false", "env.phase.mirror=True, as in its training, found False"),
+        ("env.observation.velocity_filter=0", "env.observation.velocity_filter=0.3"),
+        ("env.action.scale.slide=0.5", "env.action.scale.slide=0.06"),
+    ],
+)
+def test_a_policy_keeps_what_it_sees_and_does(tmp_path, override, message):
+    write_policy(tmp_path / "policy.pt")
+    with pytest.raises(UserError, match=re.escape(message)):
+        scene("--policy", str(tmp_path / "policy.pt"), "--set", override)
+
+
+def test_an_override_of_the_plant_leaves_the_policys_interface(tmp_path, monkeypatch):
+    """Those of `experiment=commands` have a command filter and a clock that halts."""
+    policy = write_policy(tmp_path / "policy.pt", "env.observation.command_filter=0.3")
+    environments = []
+    monkeypatch.setattr(scenes, "simulate_policy", lambda *given: environments.append(given[2]))
+    override = "env.termination.terms.base_height=0.3"
+    scene("--policy", str(tmp_path / "policy.pt"), "--set", override)
+    terms = {**policy.env.termination.terms, "base_height": 0.3}
+    assert environments == [replace(policy.env, termination=TerminationConfig(terms))]

@@ -31,12 +31,12 @@ SECTION = {
 
 
 def write_checks(folder: Path, success: list[float]) -> Path:
-    """Checks after iterations 5, 10, …; an error of 1000 is what the selector writes for none."""
+    """Checks after iterations 5, 10, …; without survivors there is no error and no flight."""
     folder.mkdir(parents=True)
     lines = ["iteration,value,success,speed_error,flight"]
     for index, share in enumerate(success):
-        error = 0.1 * (index + 1) if share else 1000
-        lines.append(f"{5 * (index + 1)},1,{share},{error},0.02")
+        found = f"{0.1 * (index + 1)},0.02" if share else ","
+        lines.append(f"{5 * (index + 1)},1,{share},{found}")
     (folder / "selection.csv").write_text("\n".join(lines) + "\n")
     return folder
 

@@ -65,6 +65,12 @@ def test_impossible_numbers_are_one_line(option, capsys):
     assert f"{option}: expected at least 1, found 0" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("seconds", ["0", "nan", "-1"])
+def test_a_measurement_takes_time(seconds, capsys):
+    assert main(["benchmark-training", "--seconds", seconds]) == 1
+    assert "--seconds: expected a positive number" in capsys.readouterr().err
+
+
 def test_without_a_library_it_says_how_to_make_one(tmp_path, capsys):
     assert main(["benchmark-training", "--envs", "8", "--artefacts", str(tmp_path)]) == 1
     assert "snakemake -j2 gait_library" in capsys.readouterr().err

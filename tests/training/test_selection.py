@@ -8,6 +8,8 @@ import torch
 
 from slider.core.config.train import SelectionConfig
 from slider.core.job import NoTracker
+from slider.env.disturbance.draws import Disturbance
+from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording
 from slider.training import ppo, selection
 from slider.training.selection import Selector
@@ -24,11 +26,20 @@ SETTINGS = SelectionConfig(
 )
 
 
-def make_selector(settings: SelectionConfig = SETTINGS, seed: int = 1) -> Selector:
-    whole = config("experiment=test")
-    calm, table = whole.train.walking.disturbance, gait_table()
+def make_selector(
+    settings: SelectionConfig = SETTINGS, seed: int = 1, disturbance: str = "none"
+) -> Selector:
+    whole = config("experiment=test", f"train/walking/disturbance={disturbance}")
+    disturbed, table = whole.train.walking.disturbance, gait_table()
     return Selector(
-        whole.robot, whole.env, settings, calm, table.times, seed, threads=1, reference=table.joints
+        whole.robot,
+        whole.env,
+        settings,
+        disturbed,
+        table.times,
+        seed,
+        threads=1,
+        reference=table.joints,
     )
 
 
@@ -77,8 +88,7 @@ def test_score_by_hand(monkeypatch):
 
 def test_where_all_fall_the_score_is_that_of_falls(monkeypatch):
     score = score_of(monkeypatch, recorded([0.2, 0.2, 2.0, 2.0], [False] * 4))
-    assert score.success == 0.0
-    assert score.value == SETTINGS.fall_weight
+    assert score.known() == {"value": SETTINGS.fall_weight, "success": 0.0}
 
 
 def test_staying_up_at_the_wrong_speed_beats_falling(monkeypatch):
@@ -97,6 +107,22 @@ def test_the_same_network_has_the_same_score():
     assert first.success == 1.0, "no robot falls within half a second"
     other = make_selector(replace(SETTINGS, commands=[0.0], duration=0.5, robots=4), seed=2)
     assert other.score(nothing).value != first.value
+
+
+def test_disturbed_robots_are_judged_disturbed_and_not_those_that_were_trained_on():
+    settings = replace(SETTINGS, commands=[0.0], duration=0.3, robots=4)
+    calm = make_selector(settings)
+    rough = make_selector(settings, disturbance="robust")
+    assert rough.score(nothing).value != calm.score(nothing).value
+    whole = config("experiment=test", "train/walking/disturbance=robust")
+    trained = BatchedPhysics(
+        whole.robot,
+        whole.env.physics,
+        4,
+        1,
+        disturbance=Disturbance(whole.train.walking.disturbance, (1,)),
+    )
+    assert not np.isin(rough._physics.masses, trained.masses).any()
 
 
 def test_our_settings_in_rsl_rls_words():

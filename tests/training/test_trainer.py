@@ -139,6 +139,24 @@ def test_a_resumed_training_meets_other_commands_and_disturbances(tmp_path):
     np.testing.assert_array_equal(commands[1], commands[2])
 
 
+def test_a_resumed_training_spreads_its_resets(tmp_path):
+    """Nobody falls in a training that went far: of one age, all would time out at once."""
+    ages = []
+    for iterations in (1, 2):
+        trainer = Trainer(task(iterations=iterations), job(tmp_path))
+        learn = trainer._runner.learn
+
+        def note(*arguments, learn=learn, trainer=trainer, **options):
+            learn(*arguments, **options)
+            ages.append(trainer._env.episode_length_buf.max().item())
+
+        trainer._runner.learn = note
+        trainer.run()
+    steps = task().train.steps_per_iteration
+    assert ages[0] == steps
+    assert ages[1] > 2 * steps
+
+
 def test_the_checkpoint_restores_networks_and_optimiser(tmp_path):
     first = trained(tmp_path, iterations=2)
     second = Trainer(task(), job(tmp_path))
@@ -389,6 +407,7 @@ def test_no_iterations_still_give_a_policy(tmp_path):
     trainer = trained(tmp_path, iterations=0)
     trainer.export(tmp_path)
     assert load_policy(tmp_path / POLICY).observations == trainer._env.observation_layout
+    assert not (tmp_path / CURVE).exists(), "no curve of nothing"
 
 
 def test_blow_ups_are_reported_outside_the_result(tmp_path):

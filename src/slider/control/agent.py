@@ -1,9 +1,13 @@
 """The agent's side of a policy from a file."""
 
+from typing import Any
+
 from slider.control.policy_file import Policy
+from slider.core.config.convert import to_dict
 from slider.core.config.env import EnvConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
+from slider.core.journal import flatten
 from slider.env.interface import AgentInterface
 
 
@@ -16,13 +20,15 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
         count: number of robots.
 
     Raises:
-        UserError: the policy is for other observations, or its actions have another origin.
+        UserError: the policy is for other observations, actions, clock or control rate.
     """
-    if env.action.about != policy.env.action.about:
-        raise UserError(
-            f"policy: expected env.action.about={policy.env.action.about}, as in its training, "
-            f"found {env.action.about}"
-        )
+    trained, found = _interface(policy.env), _interface(env)
+    for key in dict.fromkeys([*trained, *found]):
+        expected = trained.get(key)
+        if found.get(key) != expected:
+            raise UserError(
+                f"policy: expected env.{key}={expected}, as in its training, found {found.get(key)}"
+            )
     agent = AgentInterface(robot, env, count, policy.times, policy.reference)
     if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts
         raise UserError(
@@ -30,3 +36,9 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
             f"found {policy.observations}"
         )
     return agent
+
+
+def _interface(env: EnvConfig) -> dict[str, Any]:
+    """What a policy sees and does, by dotted key."""
+    parts = ("control_period", "observation", "action", "phase")
+    return flatten({name: value for name, value in to_dict(env).items() if name in parts})

@@ -74,8 +74,10 @@ def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:
         between robots, both of moving averages over ``profile.window``; share of standing robots.
     """
     width = max(1, round(_profile(protocol).window / recording.period))
-    smooth = _moving_average(_velocities(recording), width)
     alive = recording.alive[:, :, None]
+    standing = _moving_average(alive.astype(float), width)  # what comes after a fall does not count
+    smooth = _moving_average(np.where(alive, _velocities(recording), 0.0), width)
+    smooth = smooth / np.maximum(standing, 1.0 / width)
     count = np.maximum(alive.sum(axis=1), 1)
     mean = np.where(alive, smooth, 0.0).sum(axis=1) / count
     square = (np.where(alive, smooth - mean[:, None], 0.0) ** 2).sum(axis=1) / count

@@ -1,12 +1,13 @@
 """From the arguments of ``slider play`` to what is shown."""
 
 from argparse import Namespace
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import TypeVar
 
 from slider.control.policy_file import load_policy
 from slider.core.config.compose import compose
-from slider.core.config.env import PlantConfig
+from slider.core.config.env import EnvConfig, PlantConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.core.plan import JobSpec, read_plan
@@ -15,6 +16,8 @@ from slider.library.lookup import GaitLibrary
 from slider.play.baseline import simulate_baseline
 from slider.play.command import BASELINES
 from slider.play.motion import Motion, Replay, simulate_ignorant, simulate_policy
+
+Section = TypeVar("Section", EnvConfig, RobotConfig)
 
 
 @dataclass(frozen=True)
@@ -47,11 +50,18 @@ def _policy(arguments: Namespace) -> Scene:
     if path is None:
         path = _current(arguments.artefacts, "walking", "policy.pt")
     policy = load_policy(path)
-    robot = policy.robot if config.robot == plain.robot else config.robot
-    env = policy.env if config.env == plain.env else config.env
+    robot = _changed(policy.robot, config.robot, plain.robot)
+    env = _changed(policy.env, config.env, plain.env)
     test = config.evaluation
     motion = simulate_policy(policy, robot, env, test.start, arguments.seed, test.disturbance)
     return Scene(f"policy {path}", robot, motion)
+
+
+def _changed(own: Section, asked: Section, plain: Section) -> Section:
+    """What a policy was trained with, but for the parts that the overrides change."""
+    names = [item.name for item in fields(own)]
+    parts = {name: getattr(asked, name) for name in names}
+    return replace(own, **{n: part for n, part in parts.items() if part != getattr(plain, n)})
 
 
 def _baseline(arguments: Namespace) -> Scene:

@@ -81,11 +81,11 @@ _ABOUT = ("controller", "command_velocity")
 def read_curve(path: Path, batch: int) -> dict[str, np.ndarray]:
     """Checks of a training over its samples; without survivors there is no error and no flight."""
     header, *lines = path.read_text().splitlines()
-    values = np.array([[float(text) for text in line.split(",")] for line in lines])
+    values = np.array([[float(text or "nan") for text in line.split(",")] for line in lines])
     table = dict(zip(header.split(","), values.T, strict=True))
-    alive = table["success"] > 0
-    curve = {name: np.where(alive, table[name], np.nan) for name in CHECKS}
-    return {"samples": table["iteration"] * batch, **curve, "success": table["success"]}
+    nothing = np.full(len(values), np.nan)
+    curve = {name: table.get(name, nothing) for name in CHECKS}
+    return {"samples": table["iteration"] * batch, **curve}
 
 
 def _curve_rows(item: Run) -> list[Row]:

@@ -1,6 +1,7 @@
 """``slider benchmark-training``: control steps per second of physics, environment and training."""
 
 import argparse
+import math
 import os
 import resource
 import tempfile
@@ -78,6 +79,8 @@ def _check(arguments: argparse.Namespace) -> None:
     for name, value in limits.items():
         if value < 1:
             raise UserError(f"{name}: expected at least 1, found {value}")
+    if not 0 < arguments.seconds < math.inf:
+        raise UserError(f"--seconds: expected a positive number, found {arguments.seconds}")
 
 
 def _measure(

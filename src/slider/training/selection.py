@@ -1,7 +1,8 @@
 """The small periodic evaluation that picks the checkpoint to keep."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 import torch
@@ -31,14 +32,18 @@ class Score:
             and e the survivors' mean of the mean squared velocity error / (0.01 + 0.01 v²).
             However badly a robot tracks, that costs less than half of a fall.
         success: share of robots that survived.
-        speed_error: mean over survivors of |mean forward velocity − command| [m/s].
-        flight: mean share of time with no foot on the ground.
+        speed_error: mean over survivors of |mean forward velocity − command| [m/s]; NaN if none.
+        flight: their mean share of time with no foot on the ground; NaN if none.
     """
 
     value: float
     success: float
     speed_error: float
     flight: float
+
+    def known(self) -> dict[str, float]:
+        """Without what nobody survived to show."""
+        return {name: value for name, value in asdict(self).items() if not math.isnan(value)}
 
 
 class Selector:
@@ -57,9 +62,9 @@ class Selector:
     ) -> None:
         self._env, self._config = env, config
         count = len(config.commands) * config.robots
-        self._physics = BatchedPhysics(
-            robot, env.physics, count, threads, disturbance=Disturbance(disturbance, (seed,))
-        )
+        own = int(np.random.SeedSequence([seed, 7]).generate_state(1)[0])  # not the training's
+        disturbed = Disturbance(disturbance, (own,))
+        self._physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbed)
         self._agent = AgentInterface(robot, env, count, times, reference)
         self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng([seed, 7]), count)
         self._command = np.zeros((count, 3))
@@ -79,9 +84,12 @@ class Selector:
         error = _mean(tracked.squared_error_steady / (0.01 + 0.01 * command**2))
         flight = _mean(quality.flight)
         bound = config.fall_weight / 2
-        survivor = bound * error / (bound + error) + config.flight_weight * flight
+        value = config.fall_weight * (1.0 - success)
+        if success > 0:
+            survivor = bound * error / (bound + error) + config.flight_weight * flight
+            value += survivor * success
         return Score(
-            value=config.fall_weight * (1.0 - success) + survivor * success,
+            value=value,
             success=success,
             speed_error=_mean(np.abs(tracked.mean_velocity - command)),
             flight=flight,
@@ -89,6 +97,6 @@ class Selector:
 
 
 def _mean(values: np.ndarray) -> float:
-    """Mean over survivors; a large number where there is none."""
+    """Mean over survivors; NaN where there is none."""
     valid = values[~np.isnan(values)]
-    return float(valid.mean()) if len(valid) else 1e3
+    return float(valid.mean()) if len(valid) else math.nan

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -96,7 +96,8 @@ class Trainer:
         while self._iteration < total:
             chunk = min(self._task.train.selection.interval, total - self._iteration)
             self._runner.current_learning_iteration = self._iteration
-            self._runner.learn(chunk)
+            # nobody falls in a training that went far: one age for all would reset all at once
+            self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
             self._iteration += chunk
             score = self._check()
             self._save_checkpoint()
@@ -113,12 +114,12 @@ class Trainer:
         actor = self._algorithm.averaged_actor.state_dict()
         network = self._network(actor)
         score = self._selector.score(network)
-        self._history.append({"iteration": self._iteration, **asdict(score)})
+        self._history.append({"iteration": self._iteration, **score.known()})
         if not self._best or score.value <= self._best["score"]["value"]:
             critic = self._algorithm.save()["critic_state_dict"]
             weights = {"actor_state_dict": _copy(actor), "critic_state_dict": _copy(critic)}
-            self._best = {"score": asdict(score), "iteration": self._iteration, "weights": weights}
-        metrics = {f"selection/{name}": value for name, value in asdict(score).items()}
+            self._best = {"score": score.known(), "iteration": self._iteration, "weights": weights}
+        metrics = {f"selection/{name}": value for name, value in score.known().items()}
         self._job.tracker.log_metrics(metrics, self._iteration)
         return score
 
@@ -215,7 +216,12 @@ def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
 
 
 def _write_rows(rows: list[dict[str, float]], path: Path) -> None:
-    """Columns in the order in which they first appear; empty where a row lacks one."""
+    """Columns in the order in which they first appear; empty where a row lacks one.
+
+    No rows, no file.
+    """
+    if not rows:
+        return
     names = list({name: None for row in rows for name in row})
     lines = [",".join(names)]
     lines += [",".join(f"{row[n]:.6g}" if n in row else "" for n in names) for row in rows]

@@ -1,4 +1,7 @@
-"""Noise on what a controller is told; rewards, terminations and metrics use the true state."""
+"""Noise on what a controller is told; terminations and metrics use the true state.
+
+Rewards as well, but for the low-passed velocity and the heading error, which are the agent's own.
+"""
 
 from dataclasses import astuple, replace
 

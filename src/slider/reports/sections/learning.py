@@ -17,7 +17,6 @@ _CHECKS = {
     "flight": "flight share",
     "value": "score (lower is better)",
 }
-_OF_SURVIVORS = ("speed_error", "flight")
 _PANELS = 4  # in a row
 _LOG_TICKS = [m * 10.0**e for e in range(-6, 7) for m in (1, 3)]
 _TRAININGS = {
@@ -55,7 +54,7 @@ def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
     for index, column in enumerate(names):
         figure.add_scatter(
             x=table["iteration"],
-            y=_known(table, column),
+            y=table[column],
             mode="lines+markers",
             line={"color": colour(index), "width": 1.8},
             marker={"size": 5},
@@ -79,12 +78,6 @@ def _kept(table: dict[str, np.ndarray]) -> int:
     """The iteration with the least score; of equals the last, as in training."""
     least = np.flatnonzero(table["value"] == table["value"].min())
     return int(table["iteration"][least[-1]])
-
-
-def _known(table: dict[str, np.ndarray], column: str) -> np.ndarray:
-    """A column of checks; NaN where it is about survivors and there were none."""
-    alive = (table["success"] > 0) | (column not in _OF_SURVIVORS)
-    return np.where(alive, table[column], np.nan)
 
 
 def _curve_charts(name: str, table: dict[str, np.ndarray]) -> list[Chart]:

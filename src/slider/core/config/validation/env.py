@@ -1,7 +1,14 @@
 """Checks of the simulated environment: physics, actions, phase and observations."""
 
 from slider.core.config.env import EnvConfig
-from slider.core.config.validation.checks import at_least, one_of, positive, require, some
+from slider.core.config.validation.checks import (
+    all_at_least,
+    at_least,
+    one_of,
+    positive,
+    require,
+    some,
+)
 from slider.core.config.validation.robot import check_joints
 
 
@@ -12,8 +19,9 @@ def check_env(env: EnvConfig) -> None:
     at_least("env.phase.step_time", env.phase.step_time, 0.0)
     positive("env.observation.clip", env.observation.clip)
     some("env.observation.terms", env.observation.terms, "term")
-    at_least("env.observation.velocity_filter", env.observation.velocity_filter, 0.0)
-    at_least("env.observation.command_filter", env.observation.command_filter, 0.0)
+    all_at_least("env.observation", env.observation, ("velocity_filter", "command_filter"), 0.0)
+    scan = env.observation.height_scan
+    all_at_least("env.observation.height_scan", scan, ("points_x", "points_y"), 1)
     _phase(env)
 
 

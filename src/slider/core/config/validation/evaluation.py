@@ -37,7 +37,7 @@ def _controllers(control: ControlConfig) -> list[str]:
 def _protocol(
     protocol: EvaluationConfig, controllers: Iterable[str], key: str, control_period: float
 ) -> None:
-    _commands(protocol, key)
+    _commands(protocol, control_period, key)
     some(f"{key}.controllers", protocol.controllers, "controller")
     for name in protocol.controllers:
         one_of(f"{key}.controllers", name, controllers)
@@ -47,7 +47,7 @@ def _protocol(
     period(f"{key}.steady_from", protocol.steady_from, protocol.duration, control_period)
 
 
-def _commands(protocol: EvaluationConfig, key: str) -> None:
+def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> None:
     """Either constant ones or a profile."""
     commands, profile = protocol.commands, protocol.profile
     if profile is None:
@@ -55,18 +55,18 @@ def _commands(protocol: EvaluationConfig, key: str) -> None:
         distinct(f"{key}.commands", commands, "each once")
         return
     require(not commands, f"{key}.commands", "none with a profile", commands)
-    _profile(profile, protocol.duration, f"{key}.profile")
+    _profile(profile, protocol.duration, control_period, f"{key}.profile")
 
 
-def _profile(profile: ProfileConfig, duration: float, key: str) -> None:
+def _profile(profile: ProfileConfig, duration: float, control_period: float, key: str) -> None:
     all_at_least(key, profile, ("ramp", "settle"), 0.0)
     positive(f"{key}.window", profile.window)
     some(f"{key}.segments", profile.segments, "segment")
     distinct(f"{key}.segments", [segment.name for segment in profile.segments], "each name once")
     times = [segment.time for segment in profile.segments]
     require(times[0] == 0.0, f"{key}.segments[0].time", "0 s", times[0])
-    shortest = max(profile.ramp, profile.settle)
-    expected = f"longer than ramp and settle ({shortest} s)"
+    shortest = max(profile.ramp, profile.settle) + control_period
+    expected = f"a control period longer than ramp and settle ({shortest:g} s)"
     for index, (start, end) in enumerate(pairwise([*times, duration])):
         length = end - start
-        require(length > shortest, f"{key}.segments[{index}]", expected, f"{length:g} s")
+        require(length >= shortest - 1e-9, f"{key}.segments[{index}]", expected, f"{length:g} s")

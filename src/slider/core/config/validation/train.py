@@ -6,6 +6,7 @@ from slider.core.config.train import (
     CurriculumConfig,
     NetworkConfig,
     PpoConfig,
+    RewardConfig,
     SelectionConfig,
     TrainConfig,
     TrainingsConfig,
@@ -35,21 +36,28 @@ def check_trainings(
     starts = trainings.standing.reset.reference_fraction
     expected = "0 (pre-training has no guide to start on)"
     require(starts == 0, "train.standing.reset.reference_fraction", expected, starts)
+    if trainings.pretraining:
+        _same_network(trainings.walking.network, trainings.standing.network, "train.standing")
     if finetuning is not None:
         keyed["finetuning"] = finetuning
-        for name in ("hidden", "activation"):
-            own = getattr(trainings.walking.network, name)
-            found = getattr(finetuning.network, name)
-            expected = f"{own}, as train.walking.network has it"
-            require(found == own, f"finetuning.network.{name}", expected, found)
+        _same_network(trainings.walking.network, finetuning.network, "finetuning")
     for key, train in keyed.items():
         _train(train, env, key)
         check_disturbance(train.disturbance, env, f"{key}.disturbance")
     check_terms(env, keyed)
 
 
+def _same_network(walking: NetworkConfig, other: NetworkConfig, key: str) -> None:
+    """One training goes on with the weights of the other."""
+    for name in ("hidden", "activation"):
+        own, found = getattr(walking, name), getattr(other, name)
+        expected = f"{own}, as train.walking.network has it"
+        require(found == own, f"{key}.network.{name}", expected, found)
+
+
 def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
-    all_at_least(key, train, ("iterations", "seed"), 0)
+    at_least(f"{key}.iterations", train.iterations, 0)
+    require(0 <= train.seed < 2**63, f"{key}.seed", "an integer in [0, 2⁶³)", train.seed)
     all_at_least(key, train, ("num_envs", "steps_per_iteration"), 1)
     at_least(f"{key}.episode_length", train.episode_length, env.control_period)
     _commands(train.commands, f"{key}.commands")
@@ -59,8 +67,18 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     _mini_batches(train, f"{key}.ppo.mini_batches")
     fraction(f"{key}.reset.reference_fraction", train.reset.reference_fraction)
     _network(train.network, f"{key}.network")
-    some(f"{key}.reward.terms", train.reward.terms, "term")
+    _reward(train.reward, f"{key}.reward")
     _selection(train.selection, env, f"{key}.selection")
+
+
+def _reward(reward: RewardConfig, key: str) -> None:
+    some(f"{key}.terms", reward.terms, "term")
+    for name, term in reward.terms.items():
+        for parameter, value in term.params.items():
+            if parameter == "width":
+                positive(f"{key}.terms.{name}.params.width", value)
+            if parameter == "relative":
+                at_least(f"{key}.terms.{name}.params.relative", value, 0)
 
 
 def _ppo(ppo: PpoConfig, key: str) -> None:
@@ -78,7 +96,14 @@ def _selection(selection: SelectionConfig, env: EnvConfig, key: str) -> None:
     some(f"{key}.commands", selection.commands, "command")
     all_at_least(key, selection, ("robots", "interval"), 1)
     positive(f"{key}.fall_weight", selection.fall_weight)
-    at_least(f"{key}.flight_weight", selection.flight_weight, 0)
+    most = selection.fall_weight / 2
+    expected = f"0 to {most:g}, half of fall_weight: a robot that fell costs most"
+    require(
+        0 <= selection.flight_weight <= most,
+        f"{key}.flight_weight",
+        expected,
+        selection.flight_weight,
+    )
     period(f"{key}.skip", selection.skip, selection.duration, env.control_period)
 
 
@@ -120,5 +145,7 @@ def _symmetry(train: TrainConfig, env: EnvConfig, key: str) -> None:
 
 def _mini_batches(train: TrainConfig, key: str) -> None:
     batch, found = train.num_envs * train.steps_per_iteration, train.ppo.mini_batches
+    size = f"{key.partition('.ppo')[0]}.num_envs"
+    require(batch > 1, size, "at least 2 samples (num_envs × steps_per_iteration)", batch)
     expected = f"1 to {batch} (num_envs × steps_per_iteration)"
     require(1 <= found <= batch, key, expected, found)

@@ -6,8 +6,8 @@ from slider.control.policy_file import Policy
 from slider.core.config.convert import to_dict
 from slider.core.config.env import EnvConfig
 from slider.core.config.robot import RobotConfig
+from slider.core.dotted import flatten
 from slider.core.errors import UserError
-from slider.core.journal import flatten
 from slider.env.interface import AgentInterface
 
 

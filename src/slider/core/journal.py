@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from slider.core import files
+from slider.core.dotted import flatten
 
 SESSION_FILE = "session.json"
 MAIN = "main"  # journal of the pipeline run itself
@@ -50,7 +51,7 @@ class JournalTracker:
 
     def log_params(self, params: Mapping[str, Any]) -> None:
         """Record nested parameters of the run."""
-        self._append(PARAMS, lambda: {"values": flatten(params)})
+        self._append(PARAMS, lambda: {"values": {k: str(v) for k, v in flatten(params).items()}})
 
     def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
         """Record scalar metrics at a step."""
@@ -91,17 +92,6 @@ def current_session(artefacts: Path) -> Path | None:
     except OSError:
         return None
     return session if (session / SESSION_FILE).is_file() else None
-
-
-def flatten(node: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested mappings as one, with dotted names."""
-    flat: dict[str, Any] = {}
-    for name, value in node.items():
-        if isinstance(value, Mapping):
-            flat |= flatten(value, f"{prefix}{name}.")
-        else:
-            flat[f"{prefix}{name}"] = str(value)
-    return flat
 
 
 def _plain_columns(table: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:

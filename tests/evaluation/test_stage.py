@@ -142,7 +142,9 @@ def test_a_policy_of_another_layout_is_one_line(walking, tmp_path):
     (tmp_path / "out").mkdir()
     other = section()
     other["env"]["observation"]["terms"].pop("phase")
-    with pytest.raises(UserError, match=r"policy: expected the observations .*, found") as error:
+    with pytest.raises(
+        UserError, match=r"policy: expected env\.observation\.terms\.phase=1\.0, .* found nothing$"
+    ) as error:
         stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
     assert "\n" not in str(error.value)
 

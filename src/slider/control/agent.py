@@ -24,10 +24,10 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
     """
     trained, found = _interface(policy.env), _interface(env)
     for key in dict.fromkeys([*trained, *found]):
-        expected = trained.get(key)
-        if found.get(key) != expected:
+        expected, value = (interface.get(key, "nothing") for interface in (trained, found))
+        if value != expected:
             raise UserError(
-                f"policy: expected env.{key}={expected}, as in its training, found {found.get(key)}"
+                f"policy: expected env.{key}={expected}, as in its training, found {value}"
             )
     agent = AgentInterface(robot, env, count, policy.times, policy.reference)
     if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts

@@ -186,10 +186,12 @@ def start(folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
 def simulate(
     model: mujoco.MjModel, data: mujoco.MjData, policy: Policy, targets: np.ndarray
 ) -> None:
-    """One control period; actuators carry the names of their joints."""
-    for joint, target in zip(policy.layout["action"]["joints"], targets, strict=True):
-        if joint["actuated"]:
-            data.actuator(joint["name"]).ctrl[0] = target
+    """One control period; actuators carry the names of the motors and take their angles."""
+    action = policy.layout["action"]
+    target = {joint["name"]: t for joint, t in zip(action["joints"], targets, strict=True)}
+    for motor in action["motors"]:
+        angle = sum(share * target[joint] for joint, share in motor["joints"].items())
+        data.actuator(motor["name"]).ctrl[0] = angle
     for _ in range(policy.layout["simulation"]["substeps"]):
         mujoco.mj_step(model, data)
 

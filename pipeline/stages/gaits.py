@@ -7,6 +7,7 @@ from pipeline.stages.entries import job
 from pipeline.stages.sections import only
 from slider.core.config.convert import to_dict
 from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig, axis_size
+from slider.core.config.robot import Mechanism
 from slider.core.config.schema import Config
 from slider.core.plan import JobSpec
 
@@ -33,12 +34,16 @@ def _values(axis: Axis | list[float]) -> list[float]:
     return [round(value, 10) + 0.0 for value in axis]
 
 
+def mechanism(config: Config) -> dict[str, Any]:
+    """What gaits depend on of the robot."""
+    return only(to_dict(config.robot), *(f.name for f in fields(Mechanism)))
+
+
 def gait_section(config: Config) -> dict[str, Any]:
     """What all gaits share: neither the gains of the simulated drives nor the grid."""
-    robot = ("geometry", "links", "virtual_knee", "limits", "capstan")
     settings = to_dict(config.gait)
     return {
-        "robot": only(to_dict(config.robot), *robot),
+        "robot": mechanism(config),
         "formulation": only(settings, *(f.name for f in fields(FormulationConfig))),
         "solve": only(settings, *(f.name for f in fields(SolveConfig))),
     }
@@ -57,7 +62,7 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
         "library": to_dict(config.library),
         "velocities": [gait.section["velocity"] for gait in gaits],
         # Written into the library, so that its gaits can be compared with the robot's limits.
-        "robot": only(to_dict(config.robot), "geometry", "virtual_knee", "limits"),
+        "robot": mechanism(config),
         "kinematic_map": config.gait.kinematic_map,
     }
     return job("library", "gait library", section, {"gaits": gaits})

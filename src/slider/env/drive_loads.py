@@ -1,21 +1,20 @@
-"""What the drives do, at every simulation step: their peaks fall between control steps."""
+"""What the motors do, at every simulation step: their peaks fall between control steps."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from slider.core.config.robot import RobotConfig
-from slider.robot.names import ACTUATED, JOINTS
+from slider.robot.transmission import Transmission
 
 
 class DriveLoads(NamedTuple):
     """Loads of N robots over some simulation steps.
 
     Attributes:
-        power: (N,) mechanical power, absolute values of the drives added, mean over the steps [W].
-        effort_share: (N,) largest effort of a drive as a share of its limit [-].
-        speed_share: (N,) largest speed of a drive as a share of its limit [-].
+        power: (N,) mechanical power, absolute values of the motors added, mean over the steps [W].
+        effort_share: (N,) largest torque of a motor as a share of its limit [-].
+        speed_share: (N,) largest speed of a motor as a share of its no-load speed [-].
     """
 
     power: np.ndarray
@@ -23,22 +22,14 @@ class DriveLoads(NamedTuple):
     speed_share: np.ndarray
 
 
-class DriveLimits:
-    """Effort and speed limits of the joints with a drive."""
-
-    def __init__(self, robot: RobotConfig) -> None:
-        driven = [robot.limits[JOINTS[i].split("_", 1)[1]] for i in ACTUATED]
-        self._effort = np.array([limit.effort for limit in driven])
-        self._speed = np.array([limit.speed for limit in driven])
-
-    def loads(self, efforts: np.ndarray, speeds: np.ndarray) -> DriveLoads:
-        """Of efforts [N m or N] and the speeds [rad/s or m/s] they lead to (N, steps, 10)."""
-        effort, speed = np.abs(efforts), np.abs(speeds)
-        return DriveLoads(
-            power=(effort * speed).sum(axis=2).mean(axis=1),
-            effort_share=(effort / self._effort).max(axis=(1, 2)),
-            speed_share=(speed / self._speed).max(axis=(1, 2)),
-        )
+def loads(motors: Transmission, torques: np.ndarray, speeds: np.ndarray) -> DriveLoads:
+    """Of motor torques [N m] and the motor speeds [rad/s] they lead to (N, steps, 10)."""
+    torque, speed = np.abs(torques), np.abs(speeds)
+    return DriveLoads(
+        power=(torque * speed).sum(axis=2).mean(axis=1),
+        effort_share=(torque / motors.torque).max(axis=(1, 2)),
+        speed_share=(speed / motors.speed).max(axis=(1, 2)),
+    )
 
 
 def over(loads: Sequence[DriveLoads]) -> DriveLoads:

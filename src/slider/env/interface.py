@@ -16,7 +16,14 @@ from slider.env.view import View
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.mjcf import nominal_qpos
-from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
+from slider.robot.names import (
+    JOINTS,
+    MIRROR_PERMUTATION,
+    MIRROR_SIGN,
+    NUM_JOINTS,
+    leg_joint,
+)
+from slider.robot.transmission import Transmission
 
 _PERMUTATION = np.array(MIRROR_PERMUTATION)
 _SIGN = np.array(MIRROR_SIGN)
@@ -54,10 +61,9 @@ class AgentInterface:
         self._config = config
         nominal = nominal_qpos(robot)
         self.nominal, self.nominal_height = nominal[7:], float(nominal[2])
-        self._scale = np.array([config.action.scale[_joint(name)] for name in JOINTS])
+        self._scale = np.array([config.action.scale[leg_joint(name)] for name in JOINTS])
         self._lower, self._upper = joint_range(robot)
-        effort = np.array([robot.limits[_joint(name)].effort for name in JOINTS])
-        self._effort_limits = np.where(effort > 0, effort, np.inf)
+        self._torque_limits = Transmission.of(robot).torque
         self.clock: Clock | None = None
         if config.phase.enabled and times is not None:
             self.clock = Clock(times, config.control_period, num_robots, config.phase.halt)
@@ -161,7 +167,7 @@ class AgentInterface:
             halted=self._halted(),
             nominal=self.nominal,
             nominal_height=self.nominal_height,
-            effort_limits=self._effort_limits,
+            torque_limits=self._torque_limits,
             scan_points=(scan.points_x, scan.points_y),
             scan_spacing=scan.spacing,
         )
@@ -180,7 +186,3 @@ class AgentInterface:
         if self.clock is None or not self._config.phase.mirror:
             return np.zeros(self.num_robots, dtype=bool)
         return ~self.clock.left_stance
-
-
-def _joint(name: str) -> str:
-    return name.split("_", 1)[1]

@@ -1,4 +1,4 @@
-"""Batched MuJoCo physics on a thread pool, driven by joint positions or by torques."""
+"""Batched MuJoCo physics on a thread pool, driven by joint positions or by joint efforts."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -13,16 +13,16 @@ from slider.core.config.env import PhysicsConfig
 from slider.core.config.robot import RobotConfig
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
-from slider.env.drive_loads import DriveLimits, DriveLoads
+from slider.env.drive_loads import DriveLoads, loads
 from slider.env.state import RobotState, turn_to_heading
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
+from slider.robot.transmission import Transmission
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
 _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
-_ACTUATED = np.array(names.ACTUATED)
 
 
 def _ignore_warning(message: str) -> None:
@@ -32,7 +32,8 @@ def _ignore_warning(message: str) -> None:
 class BatchedPhysics:
     """Steps ``num_robots`` copies of the robot.
 
-    Inputs are desired joint positions, or joint torques; see :class:`SimulationOptions`. A
+    Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
+    torques of them. See :class:`SimulationOptions`. A
     ``disturbance`` makes robots differ, delays their inputs, pushes them and spoils what
     :meth:`measure` says.
     """
@@ -72,7 +73,8 @@ class BatchedPhysics:
         self._series = self._state[:, None], self._sensors[:, None]
         self._diverged = np.zeros(num_robots, dtype=bool)
         self._index = _SensorIndex(self.model)
-        self._limits = DriveLimits(robot)
+        self._motors = Transmission.of(robot)
+        self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
 
     def _rest_state(self) -> np.ndarray:
         data = mujoco.MjData(self.model)
@@ -111,7 +113,7 @@ class BatchedPhysics:
     def step(self, inputs: np.ndarray) -> None:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
         self._state[:, 0] = _START_TIME
-        control = np.repeat(inputs[:, None, _ACTUATED], self._substeps, axis=1)
+        control = np.repeat(self._to_motors(inputs)[:, None], self._substeps, axis=1)
         if self._disturber is not None:
             self._disturber.push(self.qvel)
             control = self._disturber.drive(control)
@@ -135,18 +137,16 @@ class BatchedPhysics:
         return late | wild | fast
 
     def loads(self) -> DriveLoads:
-        """What the drives did in the last :meth:`step`, at each of its simulation steps."""
+        """What the motors did in the last :meth:`step`, at each of its simulation steps."""
         states, sensors = self._series
-        joints = states[:, :, -names.NUM_JOINTS :]
-        return self._limits.loads(sensors[:, :, self._index.efforts], joints[:, :, _ACTUATED])
+        speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
+        return loads(self._motors, sensors[:, :, self._index.torques], speeds)
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
         qpos, qvel, sensors, index = self.qpos, self.qvel, self._sensors, self._index
         rotation = rotation_from_quaternion(qpos[:, 3:7])
         yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
-        efforts = np.zeros((self.num_robots, names.NUM_JOINTS))
-        efforts[:, _ACTUATED] = sensors[:, index.efforts]
         state = RobotState(
             base_position=qpos[:, :3].copy(),
             quaternion=qpos[:, 3:7].copy(),
@@ -158,7 +158,7 @@ class BatchedPhysics:
             gravity=-rotation[:, 2, :],
             joint_positions=qpos[:, 7:].copy(),
             joint_velocities=qvel[:, 6:].copy(),
-            efforts=efforts,
+            motor_torques=sensors[:, index.torques],
             foot_positions=sensors[:, index.soles].reshape(-1, 2, 3),
             foot_velocities=sensors[:, index.sole_velocities].reshape(-1, 2, 3),
             foot_forces=np.abs(sensors[:, index.forces]),
@@ -193,9 +193,9 @@ class _SensorIndex:
             return range(start, start + int(model.sensor(sensor).dim[0]))
 
         sides = names.SIDES
-        self.efforts = [columns(f"{names.JOINTS[i]}_effort")[0] for i in names.ACTUATED]
+        self.torques = [columns(f"{motor}_torque")[0] for motor in names.MOTORS]
         self.soles = [c for side in sides for c in columns(f"{side}_sole_position")]
         self.sole_velocities = [c for side in sides for c in columns(f"{side}_sole_velocity")]
         self.forces = [columns(f"{side}_foot_force")[2] for side in sides]  # z of the net force
-        bodies = (names.BASE, *(f"{side}_tube" for side in sides))
+        bodies = (names.BASE, *(names.tube(side) for side in sides))
         self.contacts = [columns(f"{body}_contact")[0] for body in bodies]

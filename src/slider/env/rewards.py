@@ -12,7 +12,7 @@ from slider.core.errors import UserError
 from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
 from slider.env.phase import standing
 from slider.env.view import View
-from slider.robot.names import JOINTS
+from slider.robot.names import JOINTS, leg_joint
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
@@ -28,7 +28,7 @@ _GUIDE_WEIGHT = np.array(
             "slide": 40.0,
             "ankle": 0.5,
             "upper_foot": 0.0,
-        }[name.split("_", 1)[1]]
+        }[leg_joint(name)]
         for name in JOINTS
     ]
 )
@@ -168,8 +168,8 @@ def roll_pitch_rate(r: RewardView) -> np.ndarray:
 
 
 def effort(r: RewardView) -> np.ndarray:
-    """Σ (effort/limit)²."""
-    return ((r.state.efforts / r.view.effort_limits) ** 2).sum(axis=1)
+    """Σ (motor torque/limit)²."""
+    return ((r.state.motor_torques / r.view.torque_limits) ** 2).sum(axis=1)
 
 
 def foot_slip(r: RewardView, loaded: float) -> np.ndarray:
@@ -179,8 +179,8 @@ def foot_slip(r: RewardView, loaded: float) -> np.ndarray:
 
 
 def torque_tanh(r: RewardView) -> np.ndarray:
-    """tanh‖τ‖ (paper)."""
-    return np.tanh(_norm(r.state.efforts))
+    """tanh‖τ‖ of the motors (paper)."""
+    return np.tanh(_norm(r.state.motor_torques))
 
 
 def angular_velocity_tanh(r: RewardView) -> np.ndarray:

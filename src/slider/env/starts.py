@@ -10,7 +10,7 @@ from slider.robot.kinematics import (
     standing_height,
 )
 from slider.robot.mjcf import nominal_qpos
-from slider.robot.names import JOINTS, NUM_JOINTS
+from slider.robot.names import JOINTS, NUM_JOINTS, leg_joint
 
 # Of checks on the way; that of the evaluations is configured, and by default the same.
 USUAL_NOISE = StartNoise(
@@ -62,8 +62,8 @@ def perturb(
 
 def joint_range(robot: RobotConfig) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper joint limits (12,) [rad or m]."""
-    limits = [robot.limits[name.split("_", 1)[1]] for name in JOINTS]
-    return np.array([x.lower for x in limits]), np.array([x.upper for x in limits])
+    joints = [robot.joints[leg_joint(name)] for name in JOINTS]
+    return np.array([x.lower for x in joints]), np.array([x.upper for x in joints])
 
 
 def multiply_quaternions(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from slider.env.ground import FLAT, Ground
 class RobotState:
     """State of N robots. World frame: x, y horizontal, z up; heading frame: turned by the yaw.
 
-    Efforts, feet and contacts come from sensors, which MuJoCo evaluates before it integrates: they
+    Torques, feet and contacts come from sensors, which MuJoCo evaluates before it integrates: they
     are one simulation step older than the rest.
 
     Attributes:
@@ -24,7 +24,7 @@ class RobotState:
         heading_velocity: (N, 2) forward and leftward velocity of the base [m/s], heading frame.
         gravity: (N, 3), direction of gravity in the base frame.
         joint_positions, joint_velocities: (N, 12) [rad or m], [rad/s or m/s].
-        efforts: (N, 12) [N m or N]; passive joints 0.
+        motor_torques: (N, 10) [N m].
         foot_positions: (N, 2, 3) middle of the foot lines [m], world.
         foot_velocities: (N, 2, 3) of the same points [m/s], world.
         foot_forces: (N, 2) vertical ground reaction [N].
@@ -43,7 +43,7 @@ class RobotState:
     gravity: np.ndarray
     joint_positions: np.ndarray
     joint_velocities: np.ndarray
-    efforts: np.ndarray
+    motor_torques: np.ndarray
     foot_positions: np.ndarray
     foot_velocities: np.ndarray
     foot_forces: np.ndarray

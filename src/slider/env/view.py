@@ -22,7 +22,7 @@ class View:
         halted: (N,) whether the clock stays at a change of feet: stand.
         nominal: (12,) joint positions of the nominal pose [rad or m].
         nominal_height: base height of the nominal pose [m].
-        effort_limits: (12,) [N m or N]; infinite for passive joints.
+        torque_limits: (10,) of the motors [N m].
         scan_points: number of points of the height scan, along x and y.
         scan_spacing: of these points [m].
     """
@@ -38,6 +38,6 @@ class View:
     halted: np.ndarray
     nominal: np.ndarray
     nominal_height: float
-    effort_limits: np.ndarray
+    torque_limits: np.ndarray
     scan_points: tuple[int, int]
     scan_spacing: float

@@ -13,11 +13,9 @@ import numpy as np
 
 from slider.core.config.gait import FormulationConfig, GaitConfig
 from slider.core.config.robot import RobotConfig
-from slider.gait.formulation import Formulation
+from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import build
 from slider.gait.solve import GaitSolver, Solve
-from slider.gait.tree import StanceTree
-from slider.robot.knee_model import build_knee_model
 
 VELOCITIES = ((0.0, 0.0), (0.3, 0.1), (0.6, 0.0), (0.9, -0.05), (1.2, 0.0))
 WORKERS = 2  # jobs at once, as with ``snakemake -j2``
@@ -124,10 +122,4 @@ def _fresh_job(task: tuple[RobotConfig, GaitConfig, tuple[float, float]]) -> flo
 
 def _formulation(robot: RobotConfig, gait: GaitConfig) -> Formulation:
     settings = {f.name: getattr(gait, f.name) for f in fields(FormulationConfig)}
-    return Formulation(
-        StanceTree(build_knee_model(robot.geometry, robot.links, robot.virtual_knee)),
-        FormulationConfig(**settings),
-        robot.limits,
-        robot.capstan,
-        robot.geometry.leg_length,
-    )
+    return formulate(robot, FormulationConfig(**settings))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from slider.gait.drives import LegDrives
+from slider.gait.drives import Motors
 
 _SMALL_POWER = 1.0  # rounds the corner of |power| at zero [W]
 
@@ -15,15 +15,15 @@ class NodeMotion:
     """What a cost may look at.
 
     Attributes:
-        torques: (10,) of the virtual-knee robot [N m].
-        legs: the prismatic legs' drives.
+        torques: (10,) of the virtual knee's joints [N m].
+        motors: of the robot.
         step_time: [s].
         weight: Simpson weight of the node; the weights of a step sum to one.
         robot_weight: m g [N].
     """
 
     torques: ca.SX
-    legs: list[LegDrives]
+    motors: Motors
     step_time: ca.SX
     weight: ca.SX
     robot_weight: float
@@ -49,10 +49,9 @@ def _torque(motion: NodeMotion) -> ca.SX:
 
 
 def _transport(motion: NodeMotion) -> ca.SX:
-    """Mean absolute mechanical power of the drives over m g: the cost of transport times speed."""
-    powers = [power for leg in motion.legs for power in leg.powers]
-    absolute = [ca.sqrt(p**2 + _SMALL_POWER**2) - _SMALL_POWER for p in powers]
-    return motion.weight / 2 * sum(absolute) / motion.robot_weight
+    """Mean absolute mechanical power of the motors over m g: the cost of transport times speed."""
+    absolute = ca.sqrt(motion.motors.powers**2 + _SMALL_POWER**2) - _SMALL_POWER
+    return motion.weight / 2 * ca.sum1(absolute) / motion.robot_weight
 
 
 COSTS = {

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from slider.core.config.gait import FormulationConfig
-from slider.core.config.robot import Capstan, JointLimits
+from slider.core.config.robot import Mechanism
 from slider.gait import drives
 from slider.gait.constraint import Constraint, at_least, between, equality
 from slider.gait.costs import COSTS, NodeMotion
@@ -19,11 +19,25 @@ from slider.gait.symbols import NodeSymbols, StepEnd, mirrored
 from slider.gait.tree import (
     GRAVITY,
     NUM_JOINTS,
+    STANCE,
+    SWING,
     BodyPose,
+    PrismaticTree,
     StanceTree,
 )
+from slider.robot.knee_model import build_knee_model
+from slider.robot.prismatic_model import build_prismatic_model
 
 LENGTH_SCALE = 0.1  # [m]
+
+
+def formulate(robot: Mechanism, config: FormulationConfig) -> "Formulation":
+    """The formulation with the configured dynamics: the prismatic leg's or the virtual knee's."""
+    knee = build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
+    length = robot.geometry.leg_length
+    if config.dynamics == "knee":
+        return Formulation(StanceTree(knee, length), config, robot)
+    return Formulation(PrismaticTree(knee, length, build_prismatic_model(robot)), config, robot)
 
 
 class Formulation:
@@ -33,15 +47,11 @@ class Formulation:
         self,
         tree: StanceTree,
         config: FormulationConfig,
-        limits: dict[str, JointLimits],
-        capstan: Capstan,
-        leg_length: float,
+        robot: Mechanism,
     ) -> None:
         self.tree = tree
-        self.leg_length = leg_length
         self.config = config
-        self.limits = limits
-        self.capstan = capstan
+        self.robot = robot
         self.weight = tree.model.mass * GRAVITY
 
     # --- nodes -----------------------------------------------------------------------------
@@ -53,26 +63,27 @@ class Formulation:
         dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
         force, moment = tree.line_wrench(s.roll, dynamics)
         poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
-        legs = drives.leg_drives(s, dynamics.torques, tree.model)
+        speeds = tree.map.velocities(s.q, s.v)
+        motors = drives.Motors.of(dynamics.efforts, speeds, self.robot.capstan)
         constraints = [
             self._line_moment(moment),
             *self.contact(force, moment, self.config.contact.min_vertical * self.weight),
-            drives.torque(legs, self.limits),
-            drives.slide_force(legs, self.limits),
-            drives.capstan(legs, self.capstan),
-            drives.speed(legs, self.limits),
-            drives.position(legs, self.limits, self.leg_length),
+            drives.torque(motors, self.robot.drives),
+            drives.voltage(motors, self.robot.drives),
+            drives.position(s, tree.map, self.robot.joints),
             *self._swing_foot(poses["swing_foot"]),
+            self._legs_apart(poses),
             self._torso(poses["base"]),
         ]
         cost = COSTS[self.config.cost]
-        motion = NodeMotion(dynamics.torques, legs, s.step_time, weight, self.weight)
+        motion = NodeMotion(dynamics.torques, motors, s.step_time, weight, self.weight)
         return constraints, cost.scale * cost.node(motion)
 
     def quantities(self, x: ca.SX) -> list[ca.SX]:
         """What a gait stores of a node (34,).
 
-        Joint positions, velocities and torques (10 each), base rotation (9, columns first), origin,
+        Joint positions, velocities and torques of the virtual knee, efforts of the prismatic legs
+        (10 each), base rotation (9, columns first), origin,
         velocity (world) and angular velocity (base), ground force and moment, swing foot.
         """
         s, tree = NodeSymbols.of(x), self.tree
@@ -82,7 +93,7 @@ class Formulation:
         base = poses["base"]
         swing = tree.point(poses["swing_foot"], np.array([0.0, 0.0, -tree.model.ankle_height]))[0]
         motion = [ca.vec(base.rotation), base.origin, base.linear, base.angular]
-        return [s.q, s.v, dynamics.torques, *motion, force, moment, swing]
+        return [s.q, s.v, dynamics.torques, dynamics.efforts, *motion, force, moment, swing]
 
     def _line_moment(self, moment: ca.SX) -> Constraint:
         """A foot line cannot carry a moment about itself: the roll equation."""
@@ -138,6 +149,30 @@ class Formulation:
             1.0,
         )
         return [clearance, distance]
+
+    def _legs_apart(self, poses: dict[str, BodyPose]) -> Constraint:
+        """Lateral distance, in the base's axes, of foot from foot and of tube top from tube top.
+
+        A tube's lateral place is linear along it, so that tubes whose ends are apart are apart.
+        """
+        lateral = poses["base"].rotation[:, 1]
+        feet = [
+            [self.tree.point(poses[f"{leg}_foot"], end)[0] for end in self.foot_ends()]
+            for leg in (STANCE, SWING)
+        ]
+        tops = [self._tube_top(poses, leg) for leg in (STANCE, SWING)]
+        pairs = [(own, other) for own in feet[0] for other in feet[1]] + [(tops[0], tops[1])]
+        rows = [ca.dot(lateral, own - other) for own, other in pairs]
+        return at_least(
+            "legs_apart", "m", "gait.posture", rows, self.config.posture.legs_apart, 1.0
+        )
+
+    def _tube_top(self, poses: dict[str, BodyPose], leg: str) -> ca.SX:
+        """The upper foot's axis (3,) [m]: on the line from ankle to hip, beyond it."""
+        hip, ankle = poses[f"{leg}_roll"].origin, poses[f"{leg}_foot"].origin
+        geometry = self.robot.geometry
+        way = (geometry.leg_length + geometry.upper_foot_height) / ca.norm_2(hip - ankle)
+        return ankle + way * (hip - ankle)
 
     def _torso(self, base: BodyPose) -> Constraint:
         r, posture = base.rotation, self.config.posture

@@ -158,8 +158,8 @@ def _stack(constraints: list[Constraint], phase: np.ndarray, at_nodes: bool) -> 
 
 def _joint_bounds(form: Formulation) -> Bounds:
     """Of yaw, roll and knee; hip pitch and ankle are bounded after eq. 1, at the nodes."""
-    limits, posture = form.limits, form.config.posture
-    yaw, roll, free = limits["hip_yaw"], limits["hip_roll"], np.pi
+    joints, posture = form.robot.joints, form.config.posture
+    yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
     lower = np.tile([yaw.lower, roll.lower, -free, posture.knee_min, -free], 2)
     upper = np.tile([yaw.upper, roll.upper, free, posture.knee_max, free], 2)
     assert len(lower) == NUM_JOINTS

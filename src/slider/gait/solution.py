@@ -26,6 +26,7 @@ class KneeTrajectory:
 
     Attributes:
         q, v, torques: (S, 10) [rad], [rad/s], [N m].
+        efforts: (S, 10) of the prismatic legs' joints [N m, N].
         base_rotation: (S, 3, 3); base_position, base_velocity: (S, 3) [m], [m/s], world.
         base_angular: (S, 3) [rad/s], base frame.
         wrench: (S, 6) ground force [N] and moment [N m] at the foot line.
@@ -35,6 +36,7 @@ class KneeTrajectory:
     q: np.ndarray
     v: np.ndarray
     torques: np.ndarray
+    efforts: np.ndarray
     base_rotation: np.ndarray
     base_position: np.ndarray
     base_velocity: np.ndarray
@@ -47,10 +49,10 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
     """Evaluate all nodes of both steps and undo the second step's reflection."""
     nodes = (problem.layout.select_nodes @ variables).reshape(2 * problem.nodes, NODE)
     values = [np.array(v).T for v in problem.quantities.map(len(nodes))(nodes.T)]
-    q, v, torques, rotation, position, velocity, angular, force, moment, swing = values
+    q, v, torques, efforts, rotation, position, velocity, angular, force, moment, swing = values
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
     second = slice(problem.nodes, None)
-    for joints in (q, v, torques):
+    for joints in (q, v, torques, efforts):
         joints[second] = _swap(joints[second])
     rotation[second] = _POLAR[:, None] * rotation[second] * _POLAR
     for polar in (position, velocity, force, swing):
@@ -58,7 +60,9 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
     for axial in (angular, moment):
         axial[second] *= _AXIAL
     wrench = np.concatenate([force, moment], axis=1)
-    return KneeTrajectory(q, v, torques, rotation, position, velocity, angular, wrench, swing)
+    return KneeTrajectory(
+        q, v, torques, efforts, rotation, position, velocity, angular, wrench, swing
+    )
 
 
 def _swap(joints: np.ndarray) -> np.ndarray:
@@ -71,23 +75,22 @@ def prismatic_joints(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Positions, velocities and efforts (S, 12) of the prismatic robot (eq. 1).
 
-    Efforts follow from virtual work with the exact map, whatever the variant.
+    Efforts are those of the exact map, whatever the variant.
     """
     shape = (len(trajectory.q), NUM_PRISMATIC)
     position, velocity, effort = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     for leg in range(2):
         knee = slice(leg * LEG_JOINTS, (leg + 1) * LEG_JOINTS)
         yaw, roll, pitch, theta, ankle = trajectory.q[:, knee].T
-        v, t = trajectory.v[:, knee].T, trajectory.torques[:, knee].T
+        v = trajectory.v[:, knee].T
         place = knee_map.positions(pitch, theta, ankle, l1, l2, variant)
         speed = knee_map.velocities(v[2], theta, v[3], v[4], l1, l2, variant)
-        force = knee_map.slide_force(t[3], t[2], t[4], theta, l1, l2)
         to = slice(leg * _PRISMATIC, leg * _PRISMATIC + _PRISMATIC - 1)  # the upper foot stays 0
         position[:, to] = np.stack(
             [yaw, roll, place.hip_pitch, place.length - nominal, place.ankle], axis=1
         )
         velocity[:, to] = np.stack([v[0], v[1], speed.hip_pitch, speed.length, speed.ankle], axis=1)
-        effort[:, to] = np.stack([t[0], t[1], t[2], force, t[4]], axis=1)
+        effort[:, to] = trajectory.efforts[:, knee]
     return position, velocity, effort
 
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from slider.core.config.convert import from_dict
 from slider.core.config.gait import FormulationConfig, SolveConfig
-from slider.core.config.robot import Capstan, Geometry, JointLimits, Links, VirtualKnee
+from slider.core.config.robot import Mechanism
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait.costs import COSTS
 from slider.gait.dense import dense_violations
-from slider.gait.formulation import Formulation
+from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import (
     base_motion,
@@ -24,8 +24,6 @@ from slider.gait.solution import (
     samples,
 )
 from slider.gait.solve import GaitSolver, Solve
-from slider.gait.tree import StanceTree
-from slider.robot.knee_model import build_knee_model
 
 REPORT = "report.json"
 
@@ -49,17 +47,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def formulation(section: Section) -> Formulation:
     """The formulation of a section with ``robot`` and ``formulation``."""
-    robot = section["robot"]
-    geometry, links = from_dict(Geometry, robot["geometry"]), from_dict(Links, robot["links"])
-    knee = from_dict(VirtualKnee, robot["virtual_knee"])
-    limits = {name: from_dict(JointLimits, value) for name, value in robot["limits"].items()}
-    return Formulation(
-        StanceTree(build_knee_model(geometry, links, knee)),
-        from_dict(FormulationConfig, section["formulation"]),
-        limits,
-        from_dict(Capstan, robot["capstan"]),
-        geometry.leg_length,
-    )
+    robot = from_dict(Mechanism, section["robot"])
+    return formulate(robot, from_dict(FormulationConfig, section["formulation"]))
 
 
 def gait_arrays(
@@ -70,7 +59,7 @@ def gait_arrays(
     trajectory = knee_trajectory(problem, variables)
     model = form.tree.model
     position, velocity, effort = prismatic_joints(
-        trajectory, model.thigh, model.shank, form.leg_length, kinematic_map
+        trajectory, model.thigh, model.shank, form.robot.geometry.leg_length, kinematic_map
     )
     times = np.array([variables[layout.time_index(step)] for step in range(2)])
     first, second = layout.phase * times[0], times[0] + layout.phase * times[1]

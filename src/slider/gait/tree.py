@@ -1,17 +1,25 @@
-"""Symbolic kinematics and dynamics of the virtual-knee robot, rooted at the stance foot.
+"""Symbolic kinematics and dynamics of the robot in the virtual knee's coordinates.
+
+Rooted at the stance foot.
 
 The stance foot lies flat along its line: its frame can only roll about the line (world x). The
 tree runs from the stance (left) foot up to the base and down to the swing (right) foot; joints:
 stance then swing, each ``hip_yaw, hip_roll, hip_pitch, knee, ankle``. The recursive Newton-Euler
 pass follows Featherstone, *Rigid Body Dynamics Algorithms* (2008), chapter 5, in body frames.
+
+Bodies move as the prismatic leg's do (``PrismaticTree``: eq. 1 is a change of coordinates, and the
+dynamics are the real leg's, rotors included), or as the virtual knee's (``StanceTree``).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
+from slider.gait.leg_map import LegMap
 from slider.robot.knee_model import LEG_BODIES, Body, KneeModel
+from slider.robot.prismatic_model import PrismaticModel
 
 GRAVITY = 9.81  # [m/s²]
 NUM_JOINTS = 10
@@ -28,7 +36,8 @@ class Edge:
     """Joint from body ``parent`` to ``child`` of the rooted tree.
 
     ``sign`` is −1 where the tree runs against the joint (from the stance foot to the base);
-    ``at_parent``, ``at_child``: the joint's place in the two body frames [m].
+    ``at_parent``, ``at_child``: the joint's place in the two body frames [m]. ``slides``: the joint
+    moves the child along the axis instead of turning it.
     """
 
     parent: str
@@ -38,6 +47,7 @@ class Edge:
     sign: float
     at_parent: np.ndarray
     at_child: np.ndarray
+    slides: bool = False
 
 
 @dataclass(frozen=True)
@@ -52,9 +62,16 @@ class BodyPose:
 
 @dataclass(frozen=True)
 class InverseDynamics:
-    """Joint torques (10,) [N m]; force [N] and moment [N m] on the stance foot at its origin."""
+    """What a motion needs.
+
+    Attributes:
+        torques: of the virtual knee's joints (10,) [N m].
+        efforts: of the prismatic legs' joints, the same work (10,) [N m, N].
+        force, moment: on the stance foot at its origin [N], [N m].
+    """
 
     torques: ca.SX
+    efforts: ca.SX
     force: ca.SX
     moment: ca.SX
 
@@ -74,16 +91,13 @@ def _vector(values: np.ndarray) -> ca.DM:
 
 
 class StanceTree:
-    """The robot standing on its left foot."""
+    """The virtual-knee robot standing on its left foot; ``leg_length``: at slide = 0 [m]."""
 
-    def __init__(self, model: KneeModel) -> None:
+    def __init__(self, model: KneeModel, leg_length: float) -> None:
         self.model = model
-        self.edges = _edges(model)
+        self.map = LegMap.of(model, leg_length)
+        self.edges = _edges(model.hip_offset, _knee_leg(model))
         self._sole = np.array([0.0, 0.0, -model.ankle_height])
-
-    def body(self, name: str) -> Body:
-        """Inertial data of a body such as ``stance_thigh`` or ``base``."""
-        return self.model.bodies[name.rsplit("_", 1)[-1]]
 
     def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
         """The stance foot; the middle of its line is the world's origin."""
@@ -127,23 +141,9 @@ class StanceTree:
             linear: acceleration of the foot's origin minus gravity.
             q, v, a: joint positions, velocities, accelerations (10,).
         """
-        motion = {"stance_foot": (angular, turning, linear)}
-        frames: dict[str, ca.SX] = {}
-        for edge in self.edges:
-            frames[edge.child], motion[edge.child] = _next_motion(
-                motion[edge.parent], edge, q, v, a
-            )
-        wrench = {name: _inertial_wrench(self.body(name), *motion[name]) for name in motion}
-        torques: list[ca.SX] = [ca.SX(0)] * NUM_JOINTS
-        for edge in reversed(self.edges):
-            force, moment = wrench[edge.child]
-            moment = moment - ca.cross(_vector(edge.at_child), force)
-            torques[edge.joint] = edge.sign * moment[edge.axis]
-            force, moment = frames[edge.child] @ force, frames[edge.child] @ moment
-            own_force, own_moment = wrench[edge.parent]
-            moment = moment + ca.cross(_vector(edge.at_parent), force)
-            wrench[edge.parent] = (own_force + force, own_moment + moment)
-        return InverseDynamics(ca.vertcat(*torques), *wrench["stance_foot"])
+        foot = (angular, turning, linear)
+        torques, force, moment = _pass(self.edges, self.model.bodies, foot, q, v, a)
+        return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
 
     def line_wrench(self, roll: ca.SX, dynamics: InverseDynamics) -> tuple[ca.SX, ca.SX]:
         """Ground force and moment at the middle of the foot line, world axes."""
@@ -152,28 +152,106 @@ class StanceTree:
         return r @ dynamics.force, r @ moment
 
 
-def _edges(model: KneeModel) -> list[Edge]:
-    zero = np.zeros(3)
+class PrismaticTree(StanceTree):
+    """The real robot standing on its left foot, its motion given in the virtual knee's coordinates.
+
+    Args:
+        model, leg_length: the coordinates.
+        leg: the prismatic robot's bodies, rotors and friction.
+    """
+
+    def __init__(self, model: KneeModel, leg_length: float, leg: PrismaticModel) -> None:
+        super().__init__(model, leg_length)
+        self._leg = leg
+        self._edges = _edges(model.hip_offset, _prismatic_leg(leg_length))
+
+    def newton_euler(
+        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
+    ) -> InverseDynamics:
+        """As :meth:`StanceTree.newton_euler`, of the prismatic legs, their rotors and friction."""
+        foot = (angular, turning, linear)
+        place, rate = self.map.positions(q), self.map.velocities(q, v)
+        turn = self.map.accelerations(q, v, a)
+        efforts, force, moment = _pass(self._edges, self._leg.bodies, foot, place, rate, turn)
+        inertia = ca.DM(np.kron(np.eye(2), self._leg.inertia))
+        efforts += inertia @ turn + ca.DM(np.tile(self._leg.damping, 2)) * rate
+        return InverseDynamics(self.map.knee_torques(q, efforts), efforts, force, moment)
+
+
+def _pass(
+    edges: list[Edge],
+    bodies: Mapping[str, Body],
+    foot: "Motion",
+    q: ca.SX,
+    v: ca.SX,
+    a: ca.SX,
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Joint efforts (10,), force and moment on the stance foot of a motion of the foot and joints.
+
+    ``bodies`` are named as the last part of an edge's bodies.
+    """
+    motion = {f"{STANCE}_foot": foot}
+    frames: dict[str, ca.SX] = {}
+    for edge in edges:
+        frames[edge.child], motion[edge.child] = _next_motion(motion[edge.parent], edge, q, v, a)
+    wrench = {n: _inertial_wrench(bodies[n.rsplit("_", 1)[-1]], *motion[n]) for n in motion}
+    efforts: list[ca.SX] = [ca.SX(0)] * NUM_JOINTS
+    for edge in reversed(edges):
+        force, moment = wrench[edge.child]
+        moment = moment - ca.cross(_vector(edge.at_child), force)
+        efforts[edge.joint] = edge.sign * (force if edge.slides else moment)[edge.axis]
+        force, moment = frames[edge.child] @ force, frames[edge.child] @ moment
+        own_force, own_moment = wrench[edge.parent]
+        moment = moment + ca.cross(_place(edge, q), force)
+        wrench[edge.parent] = (own_force + force, own_moment + moment)
+    return ca.vertcat(*efforts), *wrench[f"{STANCE}_foot"]
+
+
+# Bodies of a leg from the hip down: name, axis, its sign, place in the body above [m], slides.
+LegChain = list[tuple[str, int, float, np.ndarray, bool]]
+
+
+def _knee_leg(model: KneeModel) -> LegChain:
     down = {"shank": np.array([0, 0, -model.thigh]), "foot": np.array([0, 0, -model.shank])}
+    return [
+        (name, axis, turn, down.get(name, np.zeros(3)), False)
+        for name, (axis, turn) in zip(LEG_BODIES, _AXES, strict=True)
+    ]
+
+
+def _prismatic_leg(leg_length: float) -> LegChain:
+    """The slide lowers the tube along −z."""
+    zero = np.zeros(3)
+    return [
+        ("yaw", 2, 1.0, zero, False),
+        ("roll", 0, 1.0, zero, False),
+        ("pitch", 1, 1.0, zero, False),
+        ("tube", 2, -1.0, zero, True),
+        ("foot", 1, 1.0, np.array([0.0, 0.0, -leg_length]), False),
+    ]
+
+
+def _edges(hip_offset: float, chain: LegChain) -> list[Edge]:
+    """From the stance foot up to the base and down to the swing foot."""
+    zero = np.zeros(3)
     edges = []
     for side, sign in ((STANCE, 1.0), (SWING, -1.0)):
-        hip = np.array([0.0, sign * model.hip_offset, 0.0])
+        hip = np.array([0.0, sign * hip_offset, 0.0])
         leg = []
         parent = "base"
-        for k, name in enumerate(LEG_BODIES):
-            place = hip if k == 0 else down.get(name, zero)
-            axis, turn = _AXES[k]
-            leg.append((parent, f"{side}_{name}", k, axis, turn, place))
+        for k, (name, axis, turn, below, slides) in enumerate(chain):
+            place = hip if k == 0 else below
+            leg.append((parent, f"{side}_{name}", k, axis, turn, place, slides))
             parent = f"{side}_{name}"
         if side == STANCE:
             edges += [
-                Edge(child, parent, k, axis, -turn, zero, place)
-                for parent, child, k, axis, turn, place in reversed(leg)
+                Edge(child, parent, k, axis, -turn, zero, place, slides)
+                for parent, child, k, axis, turn, place, slides in reversed(leg)
             ]
         else:
             edges += [
-                Edge(parent, child, LEG_JOINTS + k, axis, turn, place, zero)
-                for parent, child, k, axis, turn, place in leg
+                Edge(parent, child, LEG_JOINTS + k, axis, turn, place, zero, slides)
+                for parent, child, k, axis, turn, place, slides in leg
             ]
     return edges
 
@@ -195,8 +273,21 @@ def _next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
 Motion = tuple[ca.SX, ca.SX, ca.SX]
 
 
+def _place(edge: Edge, q: ca.SX) -> ca.SX:
+    """Where a joint has moved its child to, in the parent's frame (3,) [m]."""
+    if not edge.slides:
+        return ca.SX(_vector(edge.at_parent))
+    return _vector(edge.at_parent) + _unit(edge.axis) * (edge.sign * q[edge.joint])
+
+
 def _next_motion(motion: Motion, edge: Edge, q: ca.SX, v: ca.SX, a: ca.SX) -> tuple[ca.SX, Motion]:
     angular, turning, linear = motion
+    if edge.slides:
+        place = _place(edge, q)
+        along = _unit(edge.axis) * edge.sign
+        moved = ca.cross(turning, place) + ca.cross(angular, ca.cross(angular, place))
+        moved += 2 * ca.cross(angular, along * v[edge.joint]) + along * a[edge.joint]
+        return ca.SX.eye(3), (angular, turning, linear + moved)
     turn = rotation(edge.axis, edge.sign * q[edge.joint])
     rate = _unit(edge.axis) * (edge.sign * v[edge.joint])
     carried = turn.T @ angular

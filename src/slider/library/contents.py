@@ -9,27 +9,13 @@ from typing import Any
 import numpy as np
 
 from slider.core.config.convert import from_dict
-from slider.core.config.robot import Geometry, JointLimits, VirtualKnee
+from slider.core.config.robot import Mechanism
 from slider.core.errors import UserError
 from slider.library.lookup import open_library
 from slider.library.mesh import VelocityMesh
 from slider.library.schema import ARRAYS, ATTRIBUTES, CONSTRAINT, GAIT_COORDINATES
-from slider.robot.names import JOINTS
 
 _SAME = 1e-6  # velocities closer than this are one [m/s]
-
-
-@dataclass(frozen=True)
-class Robot:
-    """What a gait says nothing about: lengths, the virtual knee, limits by leg joint."""
-
-    geometry: Geometry
-    virtual_knee: VirtualKnee
-    limits: Mapping[str, JointLimits]
-
-    def joint_limits(self, field: str) -> np.ndarray:
-        """One limit (12,) of all joints: ``effort`` [N m, N], ``speed``, ``lower``, ``upper``."""
-        return np.array([getattr(self.limits[name.split("_", 1)[1]], field) for name in JOINTS])
 
 
 @dataclass(frozen=True)
@@ -59,7 +45,7 @@ class LibraryContents:
     arrays: Mapping[str, np.ndarray]
     constraints: tuple[str, ...]
     holes: tuple[Hole, ...]
-    robot: Robot
+    robot: Mechanism
     kinematic_map: str
     cost_unit: str
 
@@ -84,7 +70,7 @@ class LibraryContents:
             arrays={name: _values(group[name]) for name in names},
             constraints=tuple(str(name) for name in _values(group[CONSTRAINT])),
             holes=tuple(from_dict(list[Hole], holes)),
-            robot=from_dict(Robot, robot),
+            robot=from_dict(Mechanism, robot),
             kinematic_map=str(variant),
             cost_unit=str(cost_unit),
         )

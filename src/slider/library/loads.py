@@ -1,23 +1,24 @@
-"""What gaits ask of the drives, against the robot's limits; and how high they lift their feet."""
+"""What gaits ask of the motors, against their limits; and how high they lift their feet."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from slider.library.contents import LibraryContents, Robot
+from slider.library.contents import LibraryContents
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
-from slider.robot.names import JOINTS, NUM_JOINTS
+from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
+from slider.robot.transmission import Transmission
 
-SLIDES = tuple(i for i, name in enumerate(JOINTS) if name.endswith("slide"))
-_ROTARY = tuple(i for i in range(NUM_JOINTS) if i not in SLIDES)
+_SPEEDS = slice(NUM_JOINTS, 2 * NUM_JOINTS)
+_SLIDES = [i for i in range(NUM_JOINTS) if JOINTS[i].endswith("slide")]
 
 
 @dataclass(frozen=True)
 class Peak:
-    """Greatest magnitude of a quantity over a walk, and the limit it is held against."""
+    """Greatest magnitude of a motor's quantity over a walk, and the limit it is held against."""
 
     quantity: str
-    joint: str
+    motor: str
     value: float
     limit: float
     unit: str
@@ -28,50 +29,42 @@ class Peak:
         return self.value / self.limit
 
 
-def effort_shares(library: LibraryContents) -> np.ndarray:
-    """Greatest |effort| / limit (G, 12) over each walk [-]; 0 for joints without a drive."""
-    peak = np.abs(library.arrays["efforts"]).max(axis=1)
-    limit = library.robot.joint_limits("effort")
-    return np.where(limit > 0, peak / np.where(limit > 0, limit, 1.0), 0.0)
+def motor_torques(library: LibraryContents, gait: int) -> np.ndarray:
+    """Torques (S, 10) of all motors over a walk [N m]."""
+    return Transmission.of(library.robot).torques(library.arrays["efforts"][gait])
 
 
-def speed_shares(library: LibraryContents) -> np.ndarray:
-    """Greatest |speed| / limit (G, 12) over each walk [-]."""
-    speeds = library.arrays["samples"][..., NUM_JOINTS : 2 * NUM_JOINTS]
-    return np.abs(speeds).max(axis=1) / library.robot.joint_limits("speed")
+def motor_shares(library: LibraryContents) -> tuple[np.ndarray, np.ndarray]:
+    """Greatest torque / limit and voltage / bus voltage (G, 10) of all motors over each walk."""
+    speeds = library.arrays["samples"][..., _SPEEDS]
+    torque, voltage = Transmission.of(library.robot).shares(library.arrays["efforts"], speeds)
+    return np.abs(torque).max(axis=1), np.abs(voltage).max(axis=1)
 
 
-def peak_torque_share(library: LibraryContents) -> np.ndarray:
-    """Greatest torque / limit (G,) over all rotary drives [-]."""
-    return effort_shares(library)[:, _ROTARY].max(axis=1)
+def torque_share(library: LibraryContents) -> np.ndarray:
+    """Greatest torque / limit (G,) over all motors [-]."""
+    return motor_shares(library)[0].max(axis=1)
 
 
-def slide_force_share(library: LibraryContents) -> np.ndarray:
-    """Greatest slide force / limit (G,) [-]."""
-    return effort_shares(library)[:, SLIDES].max(axis=1)
+def voltage_share(library: LibraryContents) -> np.ndarray:
+    """Greatest share (G,) of the torque-speed lines over all motors [-]."""
+    return motor_shares(library)[1].max(axis=1)
 
 
-def slide_speed_share(library: LibraryContents) -> np.ndarray:
-    """Greatest slide speed / limit (G,) [-]."""
-    return speed_shares(library)[:, SLIDES].max(axis=1)
+def slide_speed(library: LibraryContents) -> np.ndarray:
+    """Greatest speed (G,) of the slides [m/s]."""
+    return np.abs(library.arrays["samples"][..., _SPEEDS][..., _SLIDES]).max(axis=(1, 2))
 
 
 def peaks(library: LibraryContents, gait: int) -> list[Peak]:
-    """Torque, rotary speed, slide force and slide speed of one gait, each at its worst joint."""
+    """Torque [N m] and share of the torque-speed line [-] of one gait, each at its worst motor."""
+    torque, voltage = (shares[gait] for shares in motor_shares(library))
+    worst, fastest = int(torque.argmax()), int(voltage.argmax())
+    limit = float(Transmission.of(library.robot).torque[worst])
     return [
-        _peak("torque", effort_shares(library)[gait], _ROTARY, "effort", "N m", library.robot),
-        _peak("speed", speed_shares(library)[gait], _ROTARY, "speed", "rad/s", library.robot),
-        _peak("slide force", effort_shares(library)[gait], SLIDES, "effort", "N", library.robot),
-        _peak("slide speed", speed_shares(library)[gait], SLIDES, "speed", "m/s", library.robot),
+        Peak("torque", MOTORS[worst], float(torque[worst] * limit), limit, "N m"),
+        Peak("voltage", MOTORS[fastest], float(voltage[fastest]), 1.0, "of the bus"),
     ]
-
-
-def _peak(
-    quantity: str, shares: np.ndarray, joints: tuple[int, ...], kind: str, unit: str, robot: Robot
-) -> Peak:
-    worst = max(joints, key=lambda joint: shares[joint])
-    limit = robot.joint_limits(kind)[worst]
-    return Peak(quantity, JOINTS[worst], float(shares[worst] * limit), float(limit), unit)
 
 
 def foot_heights(library: LibraryContents, gait: int) -> np.ndarray:

@@ -31,7 +31,7 @@ def gait_lines(library: LibraryContents, gait: int) -> list[str]:
     for peak in loads.peaks(library, gait):
         share = f"{100 * peak.share:.0f} %"
         values = f"{peak.value:8.2f} of {peak.limit:g} {peak.unit}"
-        lines.append(f"    {peak.quantity:<12}{values:<26}{share:>6}  {peak.joint}")
+        lines.append(f"    {peak.quantity:<12}{values:<26}{share:>6}  {peak.motor}")
     return [*lines, "  worst residuals [SI unit of the constraint]", *_residuals(library, gait)]
 
 
@@ -99,9 +99,9 @@ def _ranges(library: LibraryContents) -> list[str]:
         ("step time", arrays["step_time"], "s"),
         ("cost", arrays["cost"], library.cost_unit),
         ("iterations", arrays["iterations"], ""),
-        ("peak torque", 100 * loads.peak_torque_share(library), "% of limit"),
-        ("peak slide force", 100 * loads.slide_force_share(library), "% of limit"),
-        ("peak slide speed", 100 * loads.slide_speed_share(library), "% of limit"),
+        ("motor torque", 100 * loads.torque_share(library), "% of limit"),
+        ("motor voltage", 100 * loads.voltage_share(library), "% of the bus"),
+        ("slide speed", loads.slide_speed(library), "m/s"),
         ("clearance", [100 * loads.clearance(library, i) for i in range(len(library))], "cm"),
     ]
     header = f"  {'':<18}{'least':>10}{'median':>10}{'greatest':>10}"

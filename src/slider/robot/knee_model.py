@@ -2,8 +2,7 @@
 
 The tube's mass is split between virtual thigh and shank (``shank_mass_fraction``). The shank's
 part has its centre at mid-shank; the thigh's part lies where the leg's centre of mass at the
-nominal length, seen along the leg, is that of the prismatic leg (to 1 %: the thigh's tilt is left
-out). The upper foot moves with the thigh. The leg's inertia about the hip is then a third larger
+nominal length, seen along the leg, is that of the prismatic leg. The upper foot moves with the thigh. The leg's inertia about the hip is then a third larger
 than the prismatic leg's, as the virtual knee sticks out. Reflected inertias are not part of this
 model.
 """
@@ -51,12 +50,12 @@ def build_knee_model(geometry: Geometry, links: Links, knee: VirtualKnee) -> Kne
     """Distribute the prismatic leg's links over the virtual-knee leg."""
     return KneeModel(
         bodies={
-            "base": _body(links.base),
-            "yaw": _body(links.yaw),
-            "roll": _body(links.roll),
+            "base": body_of(links.base),
+            "yaw": body_of(links.yaw),
+            "roll": body_of(links.roll),
             "thigh": _thigh(geometry, links, knee),
             "shank": _shank(links.tube, knee),
-            "foot": _body(links.foot),
+            "foot": body_of(links.foot),
         },
         hip_offset=geometry.hip_offset,
         thigh=knee.thigh_length,
@@ -73,7 +72,8 @@ def nominal_flexion(geometry: Geometry, knee: VirtualKnee) -> float:
     return float(np.arccos((geometry.leg_length**2 - l1**2 - l2**2) / (2 * l1 * l2)))
 
 
-def _body(link: Link) -> Body:
+def body_of(link: Link) -> Body:
+    """A link as a body."""
     return Body(link.mass, np.array(link.com), np.array(link.inertia))
 
 
@@ -84,25 +84,26 @@ def _shank(tube: Link, knee: VirtualKnee) -> Body:
 
 
 def _thigh(geometry: Geometry, links: Links, knee: VirtualKnee) -> Body:
-    share = knee.shank_mass_fraction
-    tube = links.tube
-    # Along the leg at the nominal length: distance of the shank's centre from the hip.
-    flexion = nominal_flexion(geometry, knee)
-    along = np.cos(np.arctan2(np.sin(flexion), knee.shank_length / knee.thigh_length))
-    shank_centre = knee.thigh_length * along + (geometry.leg_length - knee.thigh_length * along) / 2
-    depth = (-tube.com[2] - share * shank_centre) / (1 - share)
-    rest = 1 - share
+    """Pitch link, upper foot and the tube's rest, which lies where the leg's mass balances."""
+    rest = 1 - knee.shank_mass_fraction
+    tube, upper = links.tube, links.upper_foot
+    flexion, l1, l2 = nominal_flexion(geometry, knee), knee.thigh_length, knee.shank_length
+    tilt = np.arctan2(l2 * np.sin(flexion), l1 + l2 * np.cos(flexion))
+    shank_centre = (l1 * np.cos(tilt) + geometry.leg_length) / 2  # along the leg, as all of these
+    above = upper.mass * (upper.com[2] + geometry.upper_foot_height)
+    above += links.pitch.mass * links.pitch.com[2]
+    below = -tube.mass * tube.com[2] - (1 - rest) * tube.mass * shank_centre
+    depth = (below - above * (1 - np.cos(tilt))) / (rest * tube.mass * np.cos(tilt))
     part = Body(
         rest * tube.mass,
         np.array([0.0, 0.0, -depth]),
         rest**3 * np.array(tube.inertia) * [1, 1, 1 / rest**2],
     )
-    upper = links.upper_foot
     top = np.array(upper.com) + [0.0, 0.0, geometry.upper_foot_height]
-    return _joined(_body(links.pitch), part, Body(upper.mass, top, np.array(upper.inertia)))
+    return joined(body_of(links.pitch), part, Body(upper.mass, top, np.array(upper.inertia)))
 
 
-def _joined(*parts: Body) -> Body:
+def joined(*parts: Body) -> Body:
     """One rigid body; all centres of mass lie on the z axis of the frame."""
     mass = sum(part.mass for part in parts)
     com = np.sum([part.mass * part.com for part in parts], axis=0) / mass

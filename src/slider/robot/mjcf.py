@@ -1,7 +1,13 @@
 """The prismatic MuJoCo model, generated from the robot parameters.
 
-Drives are MuJoCo's DC motors, bounded by the effort limit and by a linear torque-speed line that
-ends at the speed limit. Their input is a joint position for the on-board PD loop, or a torque.
+Motors are MuJoCo's DC motors, bounded by their torque limit and by a linear torque-speed line. Hip
+motors sit on their joints, the two capstan motors of a leg on fixed tendons over slide and ankle,
+with the rotor's inertia as the tendon's: limits, speeds and inertia of the two joints couple by
+themselves. The input is a motor angle for the on-board PD loop, or a torque
+(:class:`slider.robot.transmission.Transmission`).
+
+Legs are solid: feet, tubes and hips of one leg collide with those of the other, tubes with the
+base. Everything else collides with the ground alone.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -15,6 +21,7 @@ import numpy as np
 
 from slider.core.config.robot import Link, RobotConfig
 from slider.robot import names
+from slider.robot.transmission import Transmission, by_motor
 
 BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
 _GROUND = (1, 0)  # contype, conaffinity of the floor
@@ -32,8 +39,8 @@ Actuation = Literal["position", "torque"]
 class SimulationOptions:
     """Integration settings: step [s], solver and line-search iterations; input of the drives.
 
-    ``actuation`` is ``position`` (input: joint positions [rad or m], PD on board) or ``torque``
-    (input: torques and forces [N m or N]); limits, armature and damping are the same.
+    ``actuation`` is ``position`` (input: motor angles [rad], PD on board) or ``torque`` (input:
+    motor torques [N m]); limits, inertia and damping are the same.
     """
 
     timestep: float = 0.005
@@ -66,7 +73,8 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
     base = _add_base(spec, robot)
     for sign, side in zip((1.0, -1.0), names.SIDES, strict=True):
         _add_leg(spec, base, robot, side, sign)
-    _add_actuators(spec, robot, options.actuation)
+    _add_pairs(spec, robot)
+    _add_motors(spec, robot, options.actuation)
     _add_sensors(spec)
     return spec
 
@@ -103,7 +111,7 @@ def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
         base,
         names.BASE,
         mujoco.mjtGeom.mjGEOM_BOX,
-        size=[0.07, 0.1, 0.06],
+        size=list(robot.geometry.base_half_size),
         pos=[0.0, 0.0, 0.05],
         rgba=[0.20, 0.28, 0.55, 1],
     )
@@ -112,6 +120,12 @@ def _add_base(spec: mujoco.MjSpec, robot: RobotConfig) -> mujoco.MjsBody:
         name="side",
         pos=[0, -2.4, 0.0],
         xyaxes=[1, 0, 0, 0, 0.05, 1],
+        mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
+    )
+    base.add_camera(
+        name="front",
+        pos=[2.4, 0, 0.0],
+        xyaxes=[0, 1, 0, -0.05, 0, 1],
         mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,
     )
     return base
@@ -125,9 +139,9 @@ def _add_leg(
     roll = _add_link(yaw, robot, side, "hip_roll", links.roll)
     _add_geom(
         roll,
-        f"{side}_hip",
+        names.hip(side),
         mujoco.mjtGeom.mjGEOM_SPHERE,
-        size=[0.05, 0, 0],
+        size=[geometry.hip_radius, 0, 0],
         rgba=[0.35, 0.37, 0.4, 1],
     )
     pitch = _add_link(roll, robot, side, "hip_pitch", links.pitch)
@@ -135,16 +149,22 @@ def _add_leg(
     # The collision tube ends above the ankle, so that the foot alone touches the ground.
     _add_geom(
         tube,
-        f"{side}_tube",
+        names.tube(side),
         mujoco.mjtGeom.mjGEOM_CAPSULE,
-        size=[0.013, 0, 0],
+        size=[geometry.tube_radius, 0, 0],
         fromto=[0, 0, geometry.upper_foot_height, 0, 0, -geometry.leg_length + 0.05],
         rgba=[0.12, 0.12, 0.13, 1],
     )
     foot = _add_link(tube, robot, side, "ankle", links.foot, [0, 0, -geometry.leg_length])
     _add_foot(foot, robot, side)
     # After the foot: MuJoCo numbers joints in this order, and names.JOINTS says it.
-    _add_link(tube, robot, side, "upper_foot", links.upper_foot, [0, 0, geometry.upper_foot_height])
+    place = [0, 0, geometry.upper_foot_height]
+    upper = _add_link(tube, robot, side, "upper_foot", links.upper_foot, place)
+    height = geometry.ankle_height - geometry.foot_radius
+    line = _add_geom(
+        upper, names.upper_foot(side), mujoco.mjtGeom.mjGEOM_CAPSULE, **_foot_line(robot, height)
+    )
+    line.conaffinity = 0  # far above the ground
 
 
 _AXES = {
@@ -165,7 +185,7 @@ def _add_link(
     link: Link,
     pos: list[float] | None = None,
 ) -> mujoco.MjsBody:
-    limit, drive = robot.limits[joint], robot.drives[joint]
+    config, drive = robot.joints[joint], robot.drives.get(joint)
     body_name = names.foot(side) if joint == "ankle" else f"{side}_{joint}"
     body = parent.add_body(name=body_name, pos=pos or [0, 0, 0])
     slide = joint == "slide"
@@ -174,9 +194,9 @@ def _add_link(
         type=mujoco.mjtJoint.mjJNT_SLIDE if slide else mujoco.mjtJoint.mjJNT_HINGE,
         axis=_AXES[joint],
         limited=mujoco.mjtLimited.mjLIMITED_TRUE,
-        range=[limit.lower, limit.upper],
-        armature=drive.armature,
-        damping=np.array([drive.damping]),
+        range=[config.lower, config.upper],
+        armature=config.armature + (0.0 if drive is None else drive.inertia),
+        damping=np.array([config.damping]),
     )
     _set_inertia(body, link)
     return body
@@ -200,37 +220,56 @@ def _add_foot(foot: mujoco.MjsBody, robot: RobotConfig, side: str) -> None:
         foot,
         names.foot(side),
         mujoco.mjtGeom.mjGEOM_CAPSULE,
-        size=[geometry.foot_radius, 0, 0],
-        fromto=[-geometry.heel, 0, height, geometry.toe, 0, height],
-        rgba=[0.75, 0.35, 0.15, 1],
+        **_foot_line(robot, height),
     )
     line.friction = [robot.contact.friction, 0.005, 0.0001]
     line.priority = 1  # the foot's friction counts, not the floor's
     foot.add_site(name=names.sole(side), pos=[0, 0, -geometry.ankle_height])
 
 
-def _add_actuators(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -> None:
-    inputs = mujoco.mjtCtrlInput
+def _foot_line(robot: RobotConfig, height: float) -> dict[str, list[float]]:
+    """Capsule along x at a height above its joint [m]."""
+    geometry = robot.geometry
+    return {
+        "size": [geometry.foot_radius, 0, 0],
+        "fromto": [-geometry.heel, 0, height, geometry.toe, 0, height],
+        "rgba": [0.75, 0.35, 0.15, 1],
+    }
+
+
+def _add_pairs(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
+    sliding = robot.contact.friction
+    for first, second in (*names.LEG_PAIRS, *names.BASE_PAIRS):
+        pair = spec.add_pair(name=f"{first}_{second}", geomname1=first, geomname2=second, condim=3)
+        pair.friction[:2] = sliding
+
+
+def _add_motors(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -> None:
+    inputs, motors = mujoco.mjtCtrlInput, Transmission.of(robot)
+    gains = by_motor(robot.gains) * len(names.SIDES)
     torque = actuation == "torque"
-    for index in names.ACTUATED:
-        name = names.JOINTS[index]
-        joint = name.split("_", 1)[1]
-        limit, gains = robot.limits[joint], robot.gains[joint]
-        actuator = spec.add_actuator(name=name, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=name)
-        stall = robot.drives[joint].stall_ratio * limit.effort
+    for index, name in enumerate(names.MOTORS):
+        on_joint = name in names.JOINTS
+        if not on_joint:
+            _add_tendon(spec, name, motors.matrix[index], motors.inertia[index])
+        transmission = mujoco.mjtTrn.mjTRN_JOINT if on_joint else mujoco.mjtTrn.mjTRN_TENDON
+        actuator = spec.add_actuator(name=name, trntype=transmission, target=name)
+        kp, kd = (0.0, 0.0) if torque else (gains[index].kp, gains[index].kd)
         actuator.set_to_dcmotor(
             motorconst=[0.0, 0.0],
             resistance=0.0,
-            nominal=[BUS_VOLTAGE, stall, limit.speed],
-            saturation=[limit.effort, 0.0, 0.0],
-            controller=[
-                *((0.0, 0.0, 0.0) if torque else (gains.kp, 0.0, gains.kd)),
-                0.0,
-                0.0,
-                BUS_VOLTAGE,
-            ],
+            nominal=[BUS_VOLTAGE, motors.stall[index], motors.speed[index]],
+            saturation=[motors.torque[index], 0.0, 0.0],
+            controller=[kp, 0.0, kd, 0.0, 0.0, BUS_VOLTAGE],
             ctrlspec=inputs.mjINPUT_FF if torque else inputs.mjINPUT_POS,
         )
+
+
+def _add_tendon(spec: mujoco.MjSpec, name: str, row: np.ndarray, inertia: float) -> None:
+    """The motor's angle as a fixed tendon over the joints that it moves."""
+    tendon = spec.add_tendon(name=name, armature=inertia)
+    for joint in np.flatnonzero(row):
+        tendon.wrap_joint(names.JOINTS[joint], row[joint])
 
 
 def _add_sensors(spec: mujoco.MjSpec) -> None:
@@ -240,12 +279,12 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
         ("base_angular_velocity", sensor.mjSENS_GYRO),
     ):
         spec.add_sensor(name=name, type=kind, objtype=site, objname=names.IMU)
-    for index in names.ACTUATED:
+    for motor in names.MOTORS:
         spec.add_sensor(
-            name=f"{names.JOINTS[index]}_effort",
+            name=f"{motor}_torque",
             type=sensor.mjSENS_ACTUATORFRC,
             objtype=mujoco.mjtObj.mjOBJ_ACTUATOR,
-            objname=names.JOINTS[index],
+            objname=motor,
         )
     for side in names.SIDES:
         for name, kind in (
@@ -256,7 +295,7 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
                 name=f"{side}_sole_{name}", type=kind, objtype=site, objname=names.sole(side)
             )
         _add_contact_sensor(spec, f"{side}_foot_force", names.foot(side), _NET_FORCE)
-    for body in (names.BASE, *(f"{side}_tube" for side in names.SIDES)):
+    for body in (names.BASE, *(names.tube(side) for side in names.SIDES)):
         _add_contact_sensor(spec, f"{body}_contact", body, _FOUND)
 
 

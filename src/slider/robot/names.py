@@ -10,6 +10,11 @@ NUM_JOINTS = len(JOINTS)
 PASSIVE_LEG_JOINTS = ("upper_foot",)
 ACTUATED = tuple(i for i, name in enumerate(JOINTS) if not name.endswith(PASSIVE_LEG_JOINTS))
 
+# Motors: one per hip joint, and two equal ones for slide and ankle together.
+LEG_DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan")
+LEG_MOTORS = ("hip_yaw", "hip_roll", "hip_pitch", "capstan_1", "capstan_2")
+MOTORS = tuple(f"{side}_{motor}" for side in SIDES for motor in LEG_MOTORS)
+
 # The virtual-knee model has a revolute knee in place of the slide and no upper foot.
 KNEE_LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "knee", "ankle")
 KNEE_JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in KNEE_LEG_JOINTS)
@@ -24,15 +29,50 @@ FLOOR = "floor"
 IMU = "imu"
 
 
+def leg_joint(joint: str) -> str:
+    """Name within the leg of a joint, such as ``hip_yaw`` of ``left_hip_yaw``."""
+    return joint.split("_", 1)[1]
+
+
 def foot(side: str) -> str:
     """Name of the foot body and geom of a side."""
     return f"{side}_foot"
+
+
+def upper_foot(side: str) -> str:
+    """Name of the geom of the upper foot of a side."""
+    return f"{side}_upper_foot"
+
+
+def tube(side: str) -> str:
+    """Name of the geom of the leg's tube of a side."""
+    return f"{side}_tube"
+
+
+def hip(side: str) -> str:
+    """Name of the geom of the drives about the hip of a side."""
+    return f"{side}_hip"
 
 
 def sole(side: str) -> str:
     """Name of the site at the middle of the foot line."""
     return f"{side}_sole"
 
+
+_LEFT, _RIGHT = SIDES
+# Geoms that collide with each other: of the two legs, and of the legs with the base.
+LEG_PAIRS = (
+    (foot(_LEFT), foot(_RIGHT)),
+    (tube(_LEFT), tube(_RIGHT)),
+    (foot(_LEFT), tube(_RIGHT)),
+    (tube(_LEFT), foot(_RIGHT)),
+    (upper_foot(_LEFT), upper_foot(_RIGHT)),
+    (upper_foot(_LEFT), tube(_RIGHT)),
+    (tube(_LEFT), upper_foot(_RIGHT)),
+    (hip(_LEFT), tube(_RIGHT)),
+    (tube(_LEFT), hip(_RIGHT)),
+)
+BASE_PAIRS = tuple((tube(side), BASE) for side in SIDES)
 
 # Channels of a gait sample and of the observation's part that the guide compares (26).
 CHANNELS = (

@@ -18,7 +18,7 @@ _EXTENT = 4.0  # what the shadow map covers about the light's target; less gives
 _FLOOR_LIGHT, _FLOOR_DARK, _FLOOR_LINE = (0.80, 0.83, 0.86), (0.70, 0.75, 0.80), (0.55, 0.61, 0.67)
 _SKY_TOP, _SKY_HORIZON = (0.62, 0.74, 0.88), (0.93, 0.95, 0.97)
 
-_TUBE, _FOOT = (0.12, 0.12, 0.13, 1.0), (0.75, 0.35, 0.15, 1.0)
+_TUBE = (0.12, 0.12, 0.13, 1.0)
 
 
 def build_scene(robot: RobotConfig, width: int = 640, height: int = 480) -> mujoco.MjModel:
@@ -89,14 +89,14 @@ def _add_light(spec: mujoco.MjSpec) -> None:
 
 
 def _complete_leg(spec: mujoco.MjSpec, robot: RobotConfig, side: str) -> None:
-    """What touches nothing and is therefore not simulated: the ankle and the upper foot."""
+    """What touches nothing and is therefore not simulated: the ankle."""
     geometry = robot.geometry
     end = [0, 0, -geometry.leg_length]
-    _decorate(spec.body(f"{side}_slide"), 0.013, [*end[:2], end[2] + 0.05, *end], _TUBE)
+    _decorate(
+        spec.body(f"{side}_slide"), geometry.tube_radius, [*end[:2], end[2] + 0.05, *end], _TUBE
+    )
     height = geometry.foot_radius - geometry.ankle_height
     _decorate(spec.body(names.foot(side)), 0.011, [0, 0, 0, 0, 0, height], _TUBE)
-    line = [-geometry.heel, 0, -height, geometry.toe, 0, -height]
-    _decorate(spec.body(f"{side}_upper_foot"), geometry.foot_radius, line, _FOOT)
 
 
 def _decorate(

@@ -14,6 +14,7 @@ from slider.core.config.robot import RobotConfig
 from slider.core.config.verification import ReplayConfig
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
+from slider.robot.transmission import Transmission, by_motor
 from slider.verification.pin_robot import PinRobot
 from slider.verification.prismatic import PrismaticRobot
 from slider.verification.reference import Reference, StepReference, tabulate
@@ -41,10 +42,11 @@ class Simulation:
         self.model = build_model(robot, options)
         self.data = mujoco.MjData(self.model)
         self.base = self.model.body(names.BASE).id
-        gains = [robot.gains[names.JOINTS[i].split("_", 1)[1]] for i in names.ACTUATED]
-        self.kp = np.array([gain.kp for gain in gains])
-        self.kd = np.array([gain.kd for gain in gains])
-        self.actuated = np.array(names.ACTUATED)
+        self.motors = Transmission.of(robot)
+        gains = by_motor(robot.gains) * len(names.SIDES)
+        self.kp, self.kd = (
+            np.array([getattr(gain, name) for gain in gains]) for name in ("kp", "kd")
+        )
 
     def start(self, gait: StoredGait, wanted: Reference) -> None:
         """Put the robot where a walk starts, just after touchdown."""
@@ -56,8 +58,9 @@ class Simulation:
 
     def drive(self, targets: np.ndarray, wanted: Reference) -> None:
         """One control step: PD about the targets (12,), the gait's velocities and efforts."""
-        efforts = self.kd * wanted.velocities[self.actuated] + wanted.efforts[self.actuated]
-        self.data.ctrl[:] = targets[self.actuated] + efforts / self.kp
+        motors = self.motors
+        torques = self.kd * motors.angles(wanted.velocities) + motors.torques(wanted.efforts)
+        self.data.ctrl[:] = motors.angles(targets) + torques / self.kp
         mujoco.mj_step(self.model, self.data, self.config.substeps)
 
     def measure(self, side: str) -> Measurement:

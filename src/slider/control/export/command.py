@@ -96,12 +96,16 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
     ]
     lines += [
         "",
-        f"{'joint':<18}{'nominal':>8}{'scale':>7}{'kp':>7}{'kd':>7}{'effort':>8}{'speed':>7}",
+        f"{'joint':<18}{'nominal':>8}{'scale':>7}{'lower':>8}{'upper':>8}",
     ]
     lines += [
-        f"{j['name']:<18}{j['nominal']:>8g}{j['scale']:>7g}{j['kp']:>7g}{j['kd']:>7g}"
-        f"{j['effort_limit']:>8g}{j['speed_limit']:>7g}"
+        f"{j['name']:<18}{j['nominal']:>8g}{j['scale']:>7g}{j['lower']:>8g}{j['upper']:>8g}"
         for j in action["joints"]
+    ]
+    lines += ["", f"{'motor':<18}{'kp':>8}{'kd':>7}{'torque':>8}{'speed':>8}"]
+    lines += [
+        f"{m['name']:<18}{m['kp']:>8g}{m['kd']:>7g}{m['torque_limit']:>8g}{m['no_load_speed']:>8g}"
+        for m in action["motors"]
     ]
     return lines
 

@@ -14,10 +14,20 @@ from slider.control.policy_file import Policy
 from slider.env.interface import AgentInterface
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
-from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN
+from slider.robot.names import (
+    ACTUATED,
+    CHANNEL_UNITS,
+    JOINTS,
+    MIRROR_PERMUTATION,
+    MIRROR_SIGN,
+    MOTORS,
+    SIDES,
+    leg_joint,
+)
+from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
-VERSION = 4
+VERSION = 5
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
@@ -33,7 +43,8 @@ _PROCEDURE = [
     "if mirrored: a = a[action.mirror.permutation] * action.mirror.sign",
     "a[i] = 0 where action.joints[i].scale is 0; a is the next step's previous action",
     "target[i] = clip(reference[i] + scale[i] * a[i], lower[i], upper[i]), held for one control "
-    "period by a drive with effort kp * (target - q) - kd * dq, at most effort_limit in size",
+    "period by the motors: motor[m] goes to angle sum of joints[name] * target[name], with torque "
+    "kp * (angle - own angle) - kd * own speed, at most torque_limit in size",
 ]
 
 
@@ -124,6 +135,7 @@ def _action(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
         "about": policy.env.action.about,
         "clip": policy.env.action.clip,
         "joints": [_joint(policy, agent, index) for index in range(len(JOINTS))],
+        "motors": _motors(policy),
         "mirror": {"permutation": list(MIRROR_PERMUTATION), "sign": list(MIRROR_SIGN)},
     }
 
@@ -156,24 +168,37 @@ def _reference(policy: Policy) -> dict[str, Any]:
 
 
 def _joint(policy: Policy, agent: AgentInterface, index: int) -> dict[str, Any]:
-    """One joint; its drive's effort falls linearly with speed from the stall effort to 0."""
     name = JOINTS[index]
-    kind = name.split("_", 1)[1]
-    limits, gains = policy.robot.limits[kind], policy.robot.gains[kind]
+    kind = leg_joint(name)
+    joint = policy.robot.joints[kind]
     return {
         "name": name,
         "unit": CHANNEL_UNITS[index],
-        "actuated": limits.effort > 0,
+        "actuated": index in ACTUATED,
         "nominal": float(agent.nominal[index]),
         "scale": policy.env.action.scale[kind],
-        "lower": limits.lower,
-        "upper": limits.upper,
-        "kp": gains.kp,
-        "kd": gains.kd,
-        "effort_limit": limits.effort,
-        "speed_limit": limits.speed,
-        "stall_effort": policy.robot.drives[kind].stall_ratio * limits.effort,
+        "lower": joint.lower,
+        "upper": joint.upper,
     }
+
+
+def _motors(policy: Policy) -> list[dict[str, Any]]:
+    """Motors; the greatest torque falls linearly with speed from the stall torque to 0."""
+    motors = Transmission.of(policy.robot)
+    gains = by_motor(policy.robot.gains) * len(SIDES)
+    return [
+        {
+            "name": name,
+            "joints": {JOINTS[j]: float(row[j]) for j in np.flatnonzero(row)},
+            "kp": gains[index].kp,
+            "kd": gains[index].kd,
+            "torque_limit": float(motors.torque[index]),
+            "stall_torque": float(motors.stall[index]),
+            "no_load_speed": float(motors.speed[index]),
+            "rotor_inertia": float(motors.inertia[index]),
+        }
+        for index, (name, row) in enumerate(zip(MOTORS, motors.matrix, strict=True))
+    ]
 
 
 def _clock(policy: Policy) -> dict[str, Any] | None:

@@ -110,7 +110,8 @@ class NominalModel:
         data.qvel[:] = qvel
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
-        mujoco.mj_crb(model, data)
+        mujoco.mj_tendon(model, data)
+        mujoco.mj_makeM(model, data)  # with the capstan rotors' inertia
         mujoco.mj_comVel(model, data)
         mujoco.mj_rne(model, data, 0, data.qfrc_bias)
 

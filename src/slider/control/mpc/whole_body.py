@@ -3,11 +3,11 @@
 Unknowns are the contact forces f and the accelerations of the actuated joints; the rest of q̈
 follows from the unactuated rows of the equations of motion (base and upper feet), so that these
 hold exactly: q̈ = T y + t with y = (f, q̈ₐ). The QP is min Σ w (J q̈ + J̇ q̇ − a)² + ρ y² subject to
-friction pyramids inside the cones at both ends of each foot line and to the drives' torque-speed
+friction pyramids inside the cones at both ends of each foot line and to the motors' torque-speed
 limits.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,8 +16,10 @@ from slider.control.mpc.nominal import NUM_DOFS, Dynamics
 from slider.core.config.control import WholeBodyConfig
 from slider.core.config.robot import RobotConfig
 from slider.robot import names
+from slider.robot.transmission import Transmission
 
-_ACTUATED = np.array([6 + index for index in names.ACTUATED])
+_BASE = 6
+_ACTUATED = np.array([_BASE + index for index in names.ACTUATED])
 _UNACTUATED = np.array([i for i in range(NUM_DOFS) if i not in set(_ACTUATED)])
 NUM_ACTUATED = len(_ACTUATED)
 _JOINTS = np.array(names.ACTUATED)
@@ -40,7 +42,7 @@ class Tasks:
 
 @dataclass(frozen=True)
 class Problem:
-    """One QP per robot: min ½ yᵀHy + gᵀy, lower ≤ (f, rows·y) ≤ upper; torque = map·y + offset.
+    """One QP per robot: min ½ yᵀHy + gᵀy, lower ≤ (f, rows·y) ≤ upper; effort = map·y + offset.
 
     ``to_acceleration`` (n, 18, size + 1) gives q̈ from (y, 1).
     """
@@ -61,17 +63,9 @@ class WholeBody:
     def __init__(self, robot: RobotConfig, config: WholeBodyConfig) -> None:
         self._config = config
         self._half_line = np.array([-robot.geometry.heel, robot.geometry.toe])
-        joints = [names.JOINTS[index].split("_", 1)[1] for index in names.ACTUATED]
-        effort = np.array([robot.limits[joint].effort for joint in joints])
-        self._effort = config.effort_share * effort
-        self._stall = np.array([robot.drives[joint].stall_ratio for joint in joints]) * effort
-        self._speed = np.array([robot.limits[joint].speed for joint in joints])
-
-    def torque_limits(self, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper torque (n, 10) at joint speeds (n, 10): the drives' torque-speed line."""
-        upper = np.clip(self._stall * (1 - speeds / self._speed), -self._effort, self._effort)
-        lower = np.clip(-self._stall * (1 + speeds / self._speed), -self._effort, self._effort)
-        return lower, upper
+        motors = Transmission.of(robot)
+        self._motors = replace(motors, torque=config.effort_share * motors.torque)
+        self._to_motors = motors.inverse[:, _JOINTS]
 
     def contact_jacobian(self, dynamics: Dynamics, feet: np.ndarray) -> np.ndarray:
         """Jacobian (n, 6 · feet, 18) of heel and toe of the stance ``feet`` (n, k)."""
@@ -92,14 +86,15 @@ class WholeBody:
         hessian, gradient = self._cost(tasks, transform)
         ranks = contact.shape[1]
         map_, offset = self._torques(dynamics, contact, transform)
-        low, high = self.torque_limits(dynamics.qvel[:, _ACTUATED])
+        low, high = self._motors.torque_limits(self._motors.angles(dynamics.qvel[:, _BASE:]))
+        torque, still = self._to_motors @ map_, offset @ self._to_motors.T
         cone = self._cone(ranks)
         n = len(map_)
-        rows = np.concatenate([map_, np.broadcast_to(cone, (n, *cone.shape))], axis=1)
+        rows = np.concatenate([torque, np.broadcast_to(cone, (n, *cone.shape))], axis=1)
         force_low, force_high = self._force_bounds(loaded)
         zero = np.zeros((n, len(cone)))
-        lower = np.concatenate([force_low, low - offset, zero - qp.UNBOUNDED], axis=1)
-        upper = np.concatenate([force_high, high - offset, zero], axis=1)
+        lower = np.concatenate([force_low, low - still, zero - qp.UNBOUNDED], axis=1)
+        upper = np.concatenate([force_high, high - still, zero], axis=1)
         return Problem(hessian, gradient, rows, lower, upper, map_, offset, transform)
 
     def _eliminate(self, dynamics: Dynamics, contact: np.ndarray) -> np.ndarray:

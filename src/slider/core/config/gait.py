@@ -78,6 +78,7 @@ class Posture:
     swing_height: float
     foot_separation_min: float
     foot_separation_max: float
+    legs_apart: float
     torso_roll: float
     torso_pitch: float
     torso_yaw: float
@@ -111,6 +112,7 @@ class FormulationConfig:
     nodes: int
     transcription: str
     degree: int
+    dynamics: str
     cost: str
     touchdown: Touchdown
     posture: Posture

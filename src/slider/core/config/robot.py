@@ -41,6 +41,9 @@ class Geometry:
     heel: float
     foot_radius: float
     upper_foot_height: float
+    tube_radius: float
+    hip_radius: float
+    base_half_size: Vector3
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -53,48 +56,53 @@ class VirtualKnee:
 
 
 @dataclass(frozen=True, config=STRICT)
-class JointLimits:
-    """Position range [rad or m], effort [N m or N] and speed [rad/s or m/s]."""
+class Joint:
+    """Position range [rad or m], viscous damping [N m s/rad or N s/m].
+
+    ``armature``: inertia of its own, beside that of the drives [kg m² or kg].
+    """
 
     lower: float
     upper: float
-    effort: float
+    damping: float
+    armature: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class Drive:
+    """A motor with its gear.
+
+    Attributes:
+        torque: limit [N m].
+        speed: where the torque-speed line ends [rad/s].
+        stall_ratio: torque of that line at rest, as a multiple of the limit [-].
+        inertia: of the rotor, reflected to the output [kg m²].
+    """
+
+    torque: float
     speed: float
+    stall_ratio: float
+    inertia: float
+
+
+@dataclass(frozen=True, config=STRICT)
+class Gains:
+    """Position loop on board of a motor: [N m/rad], [N m s/rad]."""
+
+    kp: float
+    kd: float
 
 
 @dataclass(frozen=True, config=STRICT)
 class Capstan:
-    """Differential drive of slide and foot by two equal motors.
+    """Differential of slide and foot, moved by two equal motors (``drives.capstan``).
 
     ``drum_radius``: way of the slide per angle of both motors in the same sense [m/rad];
-    ``foot_ratio``: angle of the foot per angle of both in opposite sense [-]; ``torque``: limit of
-    each motor, gears included [N m].
+    ``foot_ratio``: angle of the foot per angle of both in opposite senses [-].
     """
 
     drum_radius: float
     foot_ratio: float
-    torque: float
-
-
-@dataclass(frozen=True, config=STRICT)
-class JointDrive:
-    """Reflected inertia [kg m² or kg], viscous damping [N m s/rad or N s/m].
-
-    ``stall_ratio``: torque of the torque-speed line at rest, as a multiple of the effort limit;
-    the line ends at the speed limit.
-    """
-
-    armature: float
-    damping: float
-    stall_ratio: float
-
-
-@dataclass(frozen=True, config=STRICT)
-class JointGains:
-    """PD gains [N m/rad or N/m] and [N m s/rad or N s/m]."""
-
-    kp: float
-    kd: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -105,16 +113,22 @@ class Contact:
 
 
 @dataclass(frozen=True, config=STRICT)
-class RobotConfig:
-    """Everything that defines the machine. The joint tables are keyed by leg joint."""
+class Mechanism:
+    """What gaits depend on: joints by leg joint, drives by leg drive."""
 
-    name: str
     geometry: Geometry
     links: Links
     virtual_knee: VirtualKnee
-    limits: dict[str, JointLimits]
+    joints: dict[str, Joint]
+    drives: dict[str, Drive]
     capstan: Capstan
-    drives: dict[str, JointDrive]
-    gains: dict[str, JointGains]
+
+
+@dataclass(frozen=True, config=STRICT)
+class RobotConfig(Mechanism):
+    """Everything that defines the machine; gains by leg drive."""
+
+    name: str
+    gains: dict[str, Gains]
     contact: Contact
     provenance: dict[str, Any] = field(default_factory=dict)

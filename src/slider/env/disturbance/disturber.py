@@ -15,10 +15,9 @@ from slider.env.disturbance.delay import DelayLine
 from slider.env.disturbance.draws import GROUND, NOISE, PUSH, ROBOT, Disturbance, Draws
 from slider.env.ground import random_tile
 from slider.env.state import RobotState
-from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
+from slider.robot.transmission import Transmission
 
-_ACTUATED = np.array(names.ACTUATED)
 _PLACE = 2  # columns of the place on the ground, then one of the delay, then the machine's
 
 
@@ -67,7 +66,8 @@ class Disturber:
         self.masses = np.full(count, float(model.body_mass.sum()))
         self._delay: DelayLine | None = None
         if config.delay != Interval(0.0, 0.0):
-            self._delay = DelayLine(config.delay, self._timestep, count, len(_ACTUATED))
+            self._delay = DelayLine(config.delay, self._timestep, count, model.nu)
+        self._motors = Transmission.of(robot)
         self.restart()
 
     def restart(self) -> None:
@@ -85,9 +85,9 @@ class Disturber:
             self.masses[index] = self._machines.masses(index)
         if self._delay is not None:
             self._delay.draw(index, uniform[:, _PLACE])
-            joints = qpos[:, 7:][:, _ACTUATED]
-            # Until the first input arrives the drives hold the pose, or are without torque.
-            self._delay.fill(index, np.zeros_like(joints) if self._torque else joints)
+            angles = self._motors.angles(qpos[:, 7:])
+            # Until the first input arrives the motors hold the pose, or are without torque.
+            self._delay.fill(index, np.zeros_like(angles) if self._torque else angles)
         if self._terrain is None:
             return qpos
         return self._terrain.place(index, qpos, uniform[:, :_PLACE])

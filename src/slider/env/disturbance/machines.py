@@ -16,7 +16,7 @@ from slider.core.config.disturbance import DisturbanceConfig
 from slider.core.config.interval import Interval
 from slider.robot import names
 
-_DRIVES = len(names.ACTUATED)
+_DRIVES = len(names.MOTORS)
 COLUMNS = 5 + _DRIVES  # uniform numbers per robot: mass, friction, centre of mass, motors
 # Places of a DC motor's parameters: resistance, position gain and velocity gain.
 _RESISTANCE, _KP, _KD = 0, 4, 6

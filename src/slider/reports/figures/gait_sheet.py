@@ -1,14 +1,15 @@
-"""One gait on one page: from the side, joints, use of the drives, ground force, foot height."""
+"""One gait on one page: from the side, joints, motor torques, ground force, foot height."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slider.library.contents import LibraryContents
-from slider.library.loads import foot_heights
+from slider.library.loads import foot_heights, motor_torques
 from slider.reports.figures.gait_tiles import draw_tiles, tile_samples
 from slider.reports.figures.style import DARK, MIDDLE, new_figure
-from slider.robot.names import JOINTS, LEG_JOINTS, NUM_JOINTS, SIDES
+from slider.robot.names import JOINTS, LEG_JOINTS, LEG_MOTORS, MOTORS, NUM_JOINTS, SIDES
+from slider.robot.transmission import by_motor
 
 _SHOWN = LEG_JOINTS[:5]
 _LINES = {"left": (DARK, "-"), "right": (MIDDLE, "--")}
@@ -24,28 +25,28 @@ def draw(library: LibraryContents, gait: int) -> Figure:
     figure.suptitle(f"gait at ({vx:g}, {vy:g}) m/s", fontsize=9)
     draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
     panels = plots.subplots(3, 5, sharex=True)
-    for row, values in zip(panels, _drives(library, gait), strict=False):
-        for axes, joint in zip(row, _SHOWN, strict=True):
-            _both_legs(axes, library, gait, joint, values)
-    _label_drives(panels, library)
+    positions = library.arrays["samples"][gait][:, :NUM_JOINTS]
+    for axes, joint in zip(panels[0], _SHOWN, strict=True):
+        _both_legs(axes, library, gait, [f"{side}_{joint}" for side in SIDES], JOINTS, positions)
+    torques = motor_torques(library, gait)
+    for axes, motor in zip(panels[1], LEG_MOTORS, strict=True):
+        _both_legs(axes, library, gait, [f"{side}_{motor}" for side in SIDES], MOTORS, torques)
+    _label(panels, library)
     _ground(panels[2], library, gait)
     for axes in panels.flat:
         axes.title.set_size(7)
     return figure
 
 
-def _drives(library: LibraryContents, gait: int) -> tuple[np.ndarray, np.ndarray]:
-    """Positions [rad, m] and efforts [% of limit], (S, 12) each."""
-    limit = library.robot.joint_limits("effort")
-    share = 100 * library.arrays["efforts"][gait] / np.where(limit > 0, limit, 1.0)
-    return library.arrays["samples"][gait][:, :NUM_JOINTS], share
-
-
 def _both_legs(
-    axes: Axes, library: LibraryContents, gait: int, joint: str, values: np.ndarray
+    axes: Axes,
+    library: LibraryContents,
+    gait: int,
+    pair: list[str],
+    order: tuple[str, ...],
+    values: np.ndarray,
 ) -> None:
-    columns = [values[:, JOINTS.index(f"{side}_{joint}")] for side in SIDES]
-    _two_lines(axes, library, gait, columns)
+    _two_lines(axes, library, gait, [values[:, order.index(name)] for name in pair])
 
 
 def _two_lines(axes: Axes, library: LibraryContents, gait: int, columns: list[np.ndarray]) -> None:
@@ -59,11 +60,12 @@ def _two_lines(axes: Axes, library: LibraryContents, gait: int, columns: list[np
     axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
 
 
-def _label_drives(panels: np.ndarray, library: LibraryContents) -> None:
-    for top, bottom, joint in zip(panels[0], panels[1], _SHOWN, strict=True):
-        top.set_title(f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]")
-        unit = "N" if joint == "slide" else "N m"
-        bottom.set_title(f"effort [% of {library.robot.limits[joint].effort:g} {unit}]")
+def _label(panels: np.ndarray, library: LibraryContents) -> None:
+    for axes, joint in zip(panels[0], _SHOWN, strict=True):
+        axes.set_title(f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]")
+    drives = by_motor(library.robot.drives)
+    for axes, motor, drive in zip(panels[1], LEG_MOTORS, drives, strict=True):
+        axes.set_title(f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]")
     panels[0, 0].legend()
 
 

@@ -11,9 +11,8 @@ from slider.reports.figures.style import new_figure
 
 CAPTION = """\
 One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
-the grid. The cost is that of the optimisation (`gait.cost`). The torque is the greatest of all
-rotary joints over the walk as a share of that joint's limit; slide force and slide speed likewise,
-against {force:g} N and {speed:g} m/s.
+the grid. The cost is that of the optimisation (`gait.cost`). Torque and voltage are the greatest
+of all motors over the walk, as shares of the motor's torque limit and of its torque-speed line.
 """
 
 
@@ -24,19 +23,17 @@ def draw(library: LibraryContents) -> Figure:
 
 def caption(library: LibraryContents) -> str:
     """What the maps show."""
-    slide = library.robot.limits["slide"]
-    return CAPTION.format(force=slide.effort, speed=slide.speed)
+    return CAPTION
 
 
 def library_maps(library: LibraryContents) -> list[VelocityMap]:
     """The maps that the library alone can give."""
-    shares = "% of limit"
     return [
         VelocityMap("cost", library.arrays["cost"], library.cost_unit),
         VelocityMap("step time", library.arrays["step_time"].mean(axis=1), "s"),
-        VelocityMap("peak torque", 100 * loads.peak_torque_share(library), shares),
-        VelocityMap("peak slide force", 100 * loads.slide_force_share(library), shares),
-        VelocityMap("peak slide speed", 100 * loads.slide_speed_share(library), shares),
+        VelocityMap("motor torque", 100 * loads.torque_share(library), "% of limit"),
+        VelocityMap("motor voltage", 100 * loads.voltage_share(library), "% of the bus"),
+        VelocityMap("slide speed", loads.slide_speed(library), "m/s"),
     ]
 
 

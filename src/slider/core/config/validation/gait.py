@@ -28,6 +28,7 @@ def check_gait(gait: GaitConfig) -> None:
     _nodes(gait.nodes)
     require(3 <= gait.degree <= 12, "gait.degree", "a degree from 3 to 12", gait.degree)
     one_of("gait.transcription", gait.transcription, ("bezier", "collocation"))
+    one_of("gait.dynamics", gait.dynamics, ("prismatic", "knee"))
     one_of("gait.cost", gait.cost, ("paper", "torque", "transport"))
     one_of("gait.kinematic_map", gait.kinematic_map, ("exact", "paper"))
     _step_time(gait.step_time)

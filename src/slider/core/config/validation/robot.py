@@ -4,16 +4,30 @@ from collections.abc import Iterable
 from dataclasses import fields
 
 from slider.core.config.robot import RobotConfig
-from slider.core.config.validation.checks import all_positive, positive, require
-from slider.robot.names import LEG_JOINTS
+from slider.core.config.validation.checks import (
+    all_at_least,
+    all_positive,
+    at_least,
+    positive,
+    require,
+)
+from slider.robot.names import LEG_DRIVES, LEG_JOINTS
 
 
 def check_robot(robot: RobotConfig) -> None:
-    """Joints, links, capstan and legs."""
-    for table in ("limits", "drives", "gains"):
-        check_joints(f"robot.{table}", getattr(robot, table))
-    for name, limit in robot.limits.items():
-        require(limit.lower < limit.upper, f"robot.limits.{name}", "lower < upper", limit)
+    """Joints, drives, links, capstan and legs."""
+    _names("robot.joints", robot.joints, LEG_JOINTS)
+    _names("robot.drives", robot.drives, LEG_DRIVES)
+    _names("robot.gains", robot.gains, LEG_DRIVES)
+    for name, joint in robot.joints.items():
+        require(joint.lower < joint.upper, f"robot.joints.{name}", "lower < upper", joint)
+        all_at_least(f"robot.joints.{name}", joint, ("damping", "armature"), 0.0)
+    for name, drive in robot.drives.items():
+        all_positive(f"robot.drives.{name}", drive, ("torque", "speed", "inertia"))
+        at_least(f"robot.drives.{name}.stall_ratio", drive.stall_ratio, 1.0)
+    for name, gains in robot.gains.items():
+        all_at_least(f"robot.gains.{name}", gains, ("kp", "kd"), 0.0)
+    all_positive("robot.contact", robot.contact, ["friction"])
     for item in fields(robot.links):
         positive(f"robot.links.{item.name}.mass", getattr(robot.links, item.name).mass)
     all_positive("robot.capstan", robot.capstan, [item.name for item in fields(robot.capstan)])
@@ -22,9 +36,12 @@ def check_robot(robot: RobotConfig) -> None:
 
 def check_joints(key: str, found: Iterable[str]) -> None:
     """Exactly the joints of a leg, in any order."""
-    found = tuple(found)
-    expected = f"the joints {', '.join(LEG_JOINTS)}"
-    require(set(found) == set(LEG_JOINTS), key, expected, ", ".join(found))
+    _names(key, found, LEG_JOINTS)
+
+
+def _names(key: str, found: Iterable[str], expected: Iterable[str]) -> None:
+    found, expected = tuple(found), tuple(expected)
+    require(set(found) == set(expected), key, ", ".join(expected), ", ".join(found))
 
 
 def _legs(robot: RobotConfig) -> None:

@@ -1,0 +1,106 @@
+"""From motors to joints: hip motors drive their joints, two capstan motors slide and ankle.
+
+Motor angles are ``matrix @ joints``, joint efforts ``matrix.T @ torques`` (virtual work). Both
+capstan motors in the same sense move the slide, in opposite senses they turn the foot: angles
+s/r ± β/n of a slide s [m] and an ankle β [rad], drum radius r and foot ratio n. Torque limit,
+torque-speed line, rotor inertia and position loop belong to motors; what joints see of them
+follows from the matrix.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from slider.core.config.robot import Capstan, Mechanism
+from slider.robot.names import ACTUATED, LEG_JOINTS, LEG_MOTORS, NUM_JOINTS, SIDES
+
+_DRIVEN = np.array(ACTUATED)
+_LEG = len(LEG_MOTORS)
+T = TypeVar("T")
+
+
+def leg_matrix(capstan: Capstan) -> np.ndarray:
+    """Motor angles per joint position (5, 5): hip yaw, roll, pitch, slide, ankle in columns."""
+    matrix = np.eye(_LEG)
+    slide, foot = 1.0 / capstan.drum_radius, 1.0 / capstan.foot_ratio
+    matrix[3:, 3:] = [[slide, foot], [slide, -foot]]
+    return matrix
+
+
+def by_motor(table: Mapping[str, T]) -> list[T]:
+    """Entries of the drives of a leg for its five motors, in the order of ``LEG_MOTORS``."""
+    return [table["capstan" if name.startswith("capstan") else name] for name in LEG_MOTORS]
+
+
+def leg_inertia(robot: Mechanism) -> np.ndarray:
+    """Inertia (5, 5) of rotors and joints that adds to a leg's [kg m², kg]."""
+    matrix = leg_matrix(robot.capstan)
+    rotors = np.array([drive.inertia for drive in by_motor(robot.drives)])
+    own = np.array([robot.joints[name].armature for name in LEG_JOINTS[:_LEG]])
+    return matrix.T @ (rotors[:, None] * matrix) + np.diag(own)
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """The ten motors of the robot in the order of ``MOTORS``.
+
+    Attributes:
+        matrix: motor angles per joint position (10, 12).
+        torque, stall: limit and stall torque (10,) [N m].
+        speed: where the torque-speed line ends (10,) [rad/s].
+        inertia: of the rotors (10,) [kg m²].
+    """
+
+    matrix: np.ndarray
+    torque: np.ndarray
+    stall: np.ndarray
+    speed: np.ndarray
+    inertia: np.ndarray
+
+    @classmethod
+    def of(cls, robot: Mechanism) -> "Transmission":
+        """The motors of both legs of a robot."""
+        motors = by_motor(robot.drives) * len(SIDES)
+        matrix = np.zeros((len(motors), NUM_JOINTS))
+        matrix[:, _DRIVEN] = np.kron(np.eye(len(SIDES)), leg_matrix(robot.capstan))
+        torque, speed, ratio, inertia = (
+            np.array([getattr(motor, name) for motor in motors])
+            for name in ("torque", "speed", "stall_ratio", "inertia")
+        )
+        return cls(matrix, torque, ratio * torque, speed, inertia)
+
+    @property
+    def inverse(self) -> np.ndarray:
+        """Motor torques per joint effort (10, 12); passive joints have none."""
+        inverse = np.zeros_like(self.matrix)
+        inverse[:, _DRIVEN] = np.linalg.inv(self.matrix[:, _DRIVEN]).T
+        return inverse
+
+    def angles(self, joints: np.ndarray) -> np.ndarray:
+        """Motor angles or speeds (..., 10) [rad, rad/s] of joint positions or speeds (..., 12)."""
+        return joints @ self.matrix.T
+
+    def torques(self, efforts: np.ndarray) -> np.ndarray:
+        """Motor torques (..., 10) [N m] that make joint efforts (..., 12) [N m or N]."""
+        return efforts @ self.inverse.T
+
+    def efforts(self, torques: np.ndarray) -> np.ndarray:
+        """Joint efforts (..., 12) [N m or N] of motor torques (..., 10) [N m]."""
+        return torques @ self.matrix
+
+    def torque_limits(self, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Least and greatest torque (..., 10) [N m] at motor speeds (..., 10) [rad/s]."""
+        upper = np.clip(self.stall * (1 - speeds / self.speed), -self.torque, self.torque)
+        lower = np.clip(-self.stall * (1 + speeds / self.speed), -self.torque, self.torque)
+        return lower, upper
+
+    def shares(self, efforts: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Torque / limit and voltage / bus voltage (..., 10) of joint efforts and speeds.
+
+        A motor makes a torque at a speed where both are within ±1; the voltage share is
+        torque / stall torque + speed / no-load speed.
+        """
+        torques, turning = self.torques(efforts), self.angles(speeds)
+        return torques / self.torque, torques / self.stall + turning / self.speed

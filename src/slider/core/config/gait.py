@@ -82,6 +82,7 @@ class Posture:
     torso_roll: float
     torso_pitch: float
     torso_yaw: float
+    torso_rate: float
     knee_min: float
     knee_max: float
 

@@ -114,6 +114,5 @@ def test_seeds_of_another_block_are_one_line(overrides, message):
 def test_one_value_moves_a_block():
     moved = compose(["seeds.final={first: 50000, last: 50099}"], CONF)
     assert {moved.evaluation.seed, *(p.seed for p in moved.protocols.values())} == {50000}
-    assert compose(
-        ["ablation=seeds", "seeds.final.first=20300"], CONF
-    ).ablation.evaluation_seed == (20300)
+    seeds = compose(["ablation=seeds", "seeds.final.first=20300"], CONF)
+    assert seeds.ablation.evaluation_seed == 20300

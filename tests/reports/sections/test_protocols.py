@@ -31,7 +31,10 @@ def test_constant_commands_have_the_tables_of_table_1_and_the_speeds(tmp_path):
         for table in section.values["tables"]
     }
     assert found["Mean speed [m/s]"] == [["0.2", "1.469 ± 0.335"], ["3.0", "–"]]
-    assert found["Success rate"] == [["0.2", "100.0 % ± 0.0"], ["3.0", "0.0 % ± 0.0"]]
+    assert found["Success rate"] == [
+        ["0.2", "100.0 % ± 0.0 [51.0, 100.0]"],
+        ["3.0", "0.0 % ± 0.0 [0.0, 49.0]"],
+    ]
     assert section.values["highest"] == [("policy (ours)", "none")]
     best = [cell.best for table in section.values["tables"] for row in table.rows for cell in row]
     assert not any(best)  # of one controller

@@ -13,7 +13,7 @@ from slider.evaluation.profile import command
 from slider.reports.controllers import label
 from slider.reports.figures.command_tracking import Trace, draw
 from slider.reports.figures.publication import write_pictures
-from slider.reports.rows import Row, spread, write_rows
+from slider.reports.rows import Row, success, write_rows
 
 _TITLE = "# Changing commands: {name}"
 _CAPTION = """\
@@ -63,8 +63,7 @@ def segment_rows(controller: str, profile: ProfileConfig, table: segments.Table)
         commanded = dict(zip(segments.AXES, command(segment), strict=True))
         row: Row = {"controller": controller, "segment": segment.name, "time": segment.time}
         row |= {f"{axis}_command": value for axis, value in commanded.items()}
-        row["success_rate"] = float(up.mean())
-        row["success_rate_std"] = spread(up.astype(float), trial)
+        row |= success(up, trial)
         for name in segments.MEASURES:
             values = table[name][mine][up]
             row[name] = float(values.mean()) if len(values) else ""

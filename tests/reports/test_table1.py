@@ -16,19 +16,20 @@ from slider.evaluation import records
 from slider.library.contents import LibraryContents
 from slider.library.sway import forward_variance
 from slider.reports import table1
+from slider.reports.proportions import wilson
 from slider.reports.rows import table_row
 from tests.library.gaits import write_store
 
-# Design, section 3: success, MSE with and without the start, tracking; each with its spread.
+# Design, section 3: success with its interval, MSE with and without the start, tracking; spreads.
 COLUMNS = [
     "controller",
     "source",
     "command_velocity",
-    *(
-        name + suffix
-        for name in ("success_rate", "mse", "mse_steady", "tracking_rate")
-        for suffix in ("", "_std")
-    ),
+    "success_rate",
+    "success_rate_std",
+    "success_low",
+    "success_high",
+    *(name + suffix for name in ("mse", "mse_steady", "tracking_rate") for suffix in ("", "_std")),
 ]
 
 
@@ -59,6 +60,7 @@ def test_a_row_by_hand():
         0.6,
     )
     assert row["success_rate"] == pytest.approx(5 / 8)
+    assert (row["success_low"], row["success_high"]) == wilson(5, 8)  # robots, not trials
     assert row["tracking_rate"] == pytest.approx(2 / 8)
     assert row["mse"] == pytest.approx((1 + 2 + 3 + 4 + 8) / 5)
     assert row["mse_steady"] == pytest.approx(0.36)

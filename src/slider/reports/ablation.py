@@ -21,7 +21,7 @@ from slider.reports.rows import (
     write_rows,
 )
 
-TRACKING = ("success_rate", "mse", "mse_steady", "tracking_rate")
+TRACKING = ("success_rate", "success_low", "success_high", "mse", "mse_steady", "tracking_rate")
 CHECKS = ("success", "speed_error", "flight")
 SELECTION = "selection.csv"
 NAME = "ablation"

@@ -11,6 +11,7 @@ from slider.evaluation import records
 from slider.library.contents import LibraryContents
 from slider.library.sway import forward_variance
 from slider.reports.controllers import OURS
+from slider.reports.proportions import wilson
 
 Row = dict[str, str | float]
 Sway = Callable[[float], float | None]
@@ -23,15 +24,25 @@ def table_row(controller: str, command: float, table: records.Records) -> Row:
     """
     survived, trial = table["survived"], table["trial"]
     row: Row = {"controller": controller, "source": OURS, "command_velocity": command}
-    for name, column in (("success_rate", "survived"), ("tracking_rate", "tracked")):
-        values = table[column].astype(float)
-        row[name] = float(values.mean())
-        row[f"{name}_std"] = spread(values, trial)
+    row |= success(survived, trial)
+    tracked = table["tracked"].astype(float)
+    row |= {"tracking_rate": float(tracked.mean()), "tracking_rate_std": spread(tracked, trial)}
     for name, column in (("mse", "squared_error"), ("mse_steady", "squared_error_steady")):
         values = table[column][survived]
         row[name] = float(values.mean()) if len(values) else float("inf")
         row[f"{name}_std"] = spread(values, trial[survived])
     return row
+
+
+def success(survived: np.ndarray, trial: np.ndarray) -> Row:
+    """Share of robots (N,) that survived, its spread over trials, and Wilson's 95 % interval."""
+    low, high = wilson(int(survived.sum()), len(survived))
+    return {
+        "success_rate": float(survived.mean()),
+        "success_rate_std": spread(survived.astype(float), trial),
+        "success_low": low,
+        "success_high": high,
+    }
 
 
 def quality_row(controller: str, command: float, table: records.Records) -> Row:

@@ -26,6 +26,8 @@ COLUMNS = (
     "command_velocity",
     "success_rate",
     "success_rate_std",
+    "success_low",
+    "success_high",
     "mse",
     "mse_std",
     "mse_steady",

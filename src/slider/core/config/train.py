@@ -121,6 +121,7 @@ class SelectionConfig:
     interval: int
     commands: list[float]
     robots: int
+    seed: int
     duration: float
     skip: float
     fall_weight: float

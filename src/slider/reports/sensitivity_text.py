@@ -49,7 +49,8 @@ def verdict(rows: Sequence[Row]) -> str:
         *_limits_of_the_unchanged(rows),
         *_lost(carry),
         *_falls(carry, nominal),
-        *_rest([effect for effect in found if effect not in carry], nominal),
+        *_rest([effect for effect in found if effect not in carry], bool(carry)),
+        *_no_robots(found),
     ]
     return " ".join(sentences)
 
@@ -61,8 +62,8 @@ def _introduction(found: Sequence[Effect], section: Mapping[str, Any]) -> str:
     zeros = ", ".join(f"`{name}`" for name in skipped)
     return (
         f"{len(found)} parameters of the robot (provenance: {tags}) are multiplied by {low:g} and "
-        f"by {high:g}, one at a time. {len(skipped)} more are zero and were skipped"
-        f"{f': {zeros}' if skipped else ''}. Each changed robot gets its own gaits. The policy is "
+        f"by {high:g}, one at a time; {len(skipped)} of value zero were left out"
+        f"{f' ({zeros})' if skipped else ''}. Each changed robot gets its own gaits. The policy is "
         f"not retrained: {section['robots']} robots walk for {section['duration']:g} s at each "
         "command. `sensitivity.csv` has every number."
     )
@@ -70,7 +71,7 @@ def _introduction(found: Sequence[Effect], section: Mapping[str, Any]) -> str:
 
 def _count(carry: Sequence[Effect], found: Sequence[Effect]) -> str:
     if not carry:
-        return f"None of the {len(found)} parameters carries the result."
+        return f"No parameter of {len(found)} carries the result."
     names = _listed(f"`{effect.parameter}`" for effect in carry)
     verb = "carries" if len(carry) == 1 else "carry"
     return f"{len(carry)} of {len(found)} parameters {verb} the result: {names}."
@@ -113,20 +114,28 @@ def _falls(carry: Sequence[Effect], nominal: Mapping[float, float]) -> Iterator[
             )
 
 
-def _rest(others: Sequence[Effect], nominal: Mapping[float, float]) -> Iterator[str]:
+def _rest(others: Sequence[Effect], some: bool) -> Iterator[str]:
+    """Of parameters that do not carry the result; ``some`` others do."""
     costs = [(abs(c), e, cell) for e in others for cell, c in e.costs.items()]
     if costs:
         cost, effect, cell = max(costs, key=lambda item: item[0])
         where = f"{_cause(effect, cell)} at {speed(cell[1])} m/s"
         most = f", most with {where}" if cost > 0 else ""
+        which = f"the other {len(others)}" if some else "all of them"
         yield (
-            f"With the {len(others)} parameters that do not, all gaits converge and their cost "
-            f"changes by at most {_percent(cost)}{most}."
+            f"With {which} the gaits converge, and their cost changes by at most "
+            f"{_percent(cost)}{most}."
         )
     success = [value for effect in others for value in effect.success.values()]
     if success:
         least = "" if min(success) == 1 else "at least "
         yield f"The policy survives with these in {least}{_percent(min(success))}."
+
+
+def _no_robots(found: Sequence[Effect]) -> Iterator[str]:
+    names = [f"`{e.parameter}` × {factor:g}" for e in found for factor in e.impossible]
+    if names:
+        yield f"There is no robot with {_listed(names)}; the reason stands below."
 
 
 def _cause(effect: Effect, cell: Cell) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeGuard
 
 from slider.core.config.convert import from_dict, to_dict
 from slider.core.config.robot import RobotConfig
@@ -91,5 +91,5 @@ def _leaves(node: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, tu
             yield path, (float(value),)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: Any) -> TypeGuard[float]:
     return isinstance(value, (int, float)) and not isinstance(value, bool)

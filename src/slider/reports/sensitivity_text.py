@@ -18,6 +18,7 @@ from slider.reports.sensitivity_effects import (
 )
 
 STRONGEST = 20  # rows of the table
+NAMED = 6  # causes that a sentence names
 _NONE = "–"
 
 
@@ -96,21 +97,22 @@ def _lost(carry: Sequence[Effect]) -> Iterator[str]:
     for command in _commands(cell for effect in carry for cell in effect.gaits):
         causes = [_cause(e, cell) for e in carry for cell in e.lost if cell[1] == command]
         if causes:
-            yield f"The gait at {speed(command)} m/s does not converge with {_listed(causes)}."
+            yield f"The gait at {speed(command)} m/s does not converge with {_some(causes)}."
 
 
 def _falls(carry: Sequence[Effect], nominal: Mapping[float, float]) -> Iterator[str]:
     for command in _commands(cell for effect in carry for cell in effect.success):
-        causes = [
-            f"{_cause(effect, cell)} ({_percent(success)})"
+        found = [
+            (success, _cause(effect, cell))
             for effect in carry
             for cell, success in effect.falls(nominal).items()
             if cell[1] == command
         ]
+        causes = [f"{cause} ({_percent(success)})" for success, cause in sorted(found)]
         if causes:
             yield (
                 f"At {speed(command)} m/s the policy survives in less than "
-                f"{_percent(limit(nominal[command]))} with {_listed(causes)}."
+                f"{_percent(limit(nominal[command]))} with {_some(causes)}."
             )
 
 
@@ -140,6 +142,12 @@ def _no_robots(found: Sequence[Effect]) -> Iterator[str]:
 
 def _cause(effect: Effect, cell: Cell) -> str:
     return f"`{effect.parameter}` × {cell[0]:g}"
+
+
+def _some(causes: Sequence[str]) -> str:
+    """The first causes, and how many there are besides."""
+    more = len(causes) - NAMED
+    return _listed([*causes[:NAMED], *([f"{more} more"] if more > 0 else [])])
 
 
 def _listed(texts: Iterable[str]) -> str:
@@ -172,7 +180,7 @@ def _strongest(found: Sequence[Effect], rows: Sequence[Row], section: Mapping[st
             for text in (_gait, _policy)
             for command in commands
         ]
-        value = f"{row['nominal']} {row['unit']}"
+        value = f"{row['nominal']} {row['unit']}".removesuffix(" -").strip()
         lines.append(f"| `{effect.parameter}` | {value} | {' | '.join(cells)} |")
     return "\n".join(lines)
 

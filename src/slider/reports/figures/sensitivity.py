@@ -14,6 +14,7 @@ from slider.reports.sensitivity_effects import SUCCESS, Effect, effects, nominal
 
 SHOWN = 25  # parameters
 _LOW, _HIGH = PALETTE[0], PALETTE[1]
+_GROUND = "#f3f5f7"
 _THICK = 0.36  # of a bar; two of them share a line
 _EDGE = 0.08  # room beside the longest bar, as a share of it
 _LEAST = 0.02  # half a panel shows at least this change of cost [-]
@@ -36,6 +37,8 @@ def draw(rows: Sequence[Row], change: float) -> Figure:
             else:
                 _draw_success(axis, shown, command, nominal)
     _label(panels[0], shown)
+    for panel in panels:
+        _band(panel, len(shown))
     figure.legend(handles=_handles(change, kinds), loc="outside lower center", ncols=5)
     figure.suptitle(_title(found, shown, nominal), fontsize=8, x=0.01, ha="left")
     return figure
@@ -60,6 +63,12 @@ def _title(found: Sequence[Effect], shown: Sequence[Effect], nominal: Mapping[fl
 def _label(axis: Axes, shown: Sequence[Effect]) -> None:
     axis.set_yticks(range(len(shown)), [effect.parameter for effect in shown])
     axis.set_ylim(len(shown) - 0.4, -0.6)
+
+
+def _band(axis: Axes, count: int) -> None:
+    """Every other parameter on light ground, so that the eye finds its name."""
+    for place in range(1, count, 2):
+        axis.axhspan(place - 0.5, place + 0.5, color=_GROUND, linewidth=0, zorder=0)
 
 
 def _span(shown: Sequence[Effect]) -> float:

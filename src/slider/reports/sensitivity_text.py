@@ -64,10 +64,19 @@ def _introduction(found: Sequence[Effect], section: Mapping[str, Any]) -> str:
     return (
         f"{len(found)} parameters of the robot (provenance: {tags}) are multiplied by {low:g} and "
         f"by {high:g}, one at a time; {len(skipped)} of value zero were left out"
-        f"{f' ({zeros})' if skipped else ''}. Each changed robot gets its own gaits. The policy is "
-        f"not retrained: {section['robots']} robots walk for {section['duration']:g} s at each "
-        "command. `sensitivity.csv` has every number."
+        f"{f' ({zeros})' if skipped else ''}. {_asked(found, section)}"
+        "`sensitivity.csv` has every number."
     )
+
+
+def _asked(found: Sequence[Effect], section: Mapping[str, Any]) -> str:
+    gaits = "Each changed robot gets its own gaits. "
+    policy = (
+        f"The policy is not retrained: {section['robots']} robots walk for "
+        f"{section['duration']:g} s at each command. "
+    )
+    has_gaits, has_policy = (any(getattr(e, kind) for e in found) for kind in ("gaits", "success"))
+    return (gaits if has_gaits else "") + (policy if has_policy else "")
 
 
 def _count(carry: Sequence[Effect], found: Sequence[Effect]) -> str:
@@ -171,13 +180,15 @@ def _strongest(found: Sequence[Effect], rows: Sequence[Row], section: Mapping[st
     commands = section["commands"]
     factors = (round(1 - section["change"], 10), round(1 + section["change"], 10))
     about = {str(row["parameter"]): row for row in rows}
-    heads = [f"{what}, {speed(c)} m/s" for what in ("gait", "policy") for c in commands]
+    columns = [("gait", _gait)] if any(effect.gaits for effect in found) else []
+    columns += [("policy", _policy)] if any(effect.success for effect in found) else []
+    heads = [f"{what}, {speed(c)} m/s" for what, _ in columns for c in commands]
     lines = [f"| parameter | value | {' | '.join(heads)} |", "|---|---|" + "---|" * len(heads)]
     for effect in found:
         row = about[effect.parameter]
         cells = [
             " / ".join(text(effect, (factor, command)) for factor in factors)
-            for text in (_gait, _policy)
+            for _, text in columns
             for command in commands
         ]
         value = f"{row['nominal']} {row['unit']}".removesuffix(" -").strip()

@@ -90,8 +90,8 @@ def forward_velocity_filtered(r: RewardView, width: float, relative: float) -> n
 
 
 def lateral_velocity_filtered(r: RewardView, width: float) -> np.ndarray:
-    """exp(−e²/width), low-passed leftward velocity minus reference [m²/s²]."""
-    return _kernel(_filtered_error(r.view)[:, 1] ** 2, width)
+    """1 − tanh(|e|/width), low-passed leftward velocity minus reference [m/s]."""
+    return 1.0 - np.tanh(np.abs(_filtered_error(r.view)[:, 1]) / width)
 
 
 def yaw_rate(r: RewardView, width: float) -> np.ndarray:
@@ -179,6 +179,11 @@ def foot_slip(r: RewardView, loaded: float, width: float) -> np.ndarray:
     return ((1.0 - _kernel(square, width)) * (r.state.foot_forces > loaded)).sum(axis=1)
 
 
+def airborne(r: RewardView, unloaded: float) -> np.ndarray:
+    """1 where both feet carry less than ``unloaded`` [N]."""
+    return (r.state.foot_forces < unloaded).all(axis=1).astype(float)
+
+
 def feet_close(r: RewardView, least: float) -> np.ndarray:
     """Share by which the lateral distance of the soles, left from right, is below ``least`` [m]."""
     way = r.state.foot_positions[:, 0] - r.state.foot_positions[:, 1]
@@ -240,6 +245,7 @@ TERMS: dict[str, Callable[..., np.ndarray]] = {
         roll_pitch_rate,
         effort,
         foot_slip,
+        airborne,
         feet_close,
         torque_tanh,
         angular_velocity_tanh,

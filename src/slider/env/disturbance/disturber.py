@@ -13,7 +13,7 @@ from slider.core.config.robot import RobotConfig
 from slider.env.disturbance import machines, sensing, terrain
 from slider.env.disturbance.delay import DelayLine
 from slider.env.disturbance.draws import GROUND, NOISE, PUSH, ROBOT, Disturbance, Draws
-from slider.env.ground import random_tile
+from slider.env.ground import FLAT, Ground, random_tile
 from slider.env.state import RobotState
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
 from slider.robot.transmission import Transmission
@@ -122,6 +122,14 @@ class Disturber:
         """Keep the robots on the height field, in place in positions (N, 19)."""
         if self._terrain is not None:
             self._terrain.wrap(qpos)
+
+    def ends_in_world(self, ends: np.ndarray) -> tuple[np.ndarray, Ground]:
+        """Foot ends (N, T, 2, 2, 3) [m] in the robots' own world, and the ground there."""
+        if self._terrain is None:
+            return ends, FLAT
+        ends = ends.copy()
+        ends[..., :2] += self._terrain.sensor_offset[:, None, None, None]
+        return ends, self._terrain.ground
 
     def in_world(self, state: RobotState) -> RobotState:
         """The state in the robots' own world, of a state on the height field."""

@@ -16,7 +16,7 @@ from slider.env.contacts import Contacts, observe
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
 from slider.env.drive_loads import DriveLoads, loads
-from slider.env.ground import FLAT, Ground
+from slider.env.ground import FLAT
 from slider.env.state import RobotState, turn_to_heading
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
@@ -155,17 +155,32 @@ class BatchedPhysics:
         Raises:
             RuntimeError: the plant has no instruments.
         """
+        _, sensors = self._series
+        ground = FLAT if self._disturber is None else self._disturber.ground
+        forces = np.abs(sensors[:, :, self._index.forces])
+        distances = sensors[:, :, self._need_instruments().distances]
+        return observe(forces, *self.foot_ends(), distances, ground)
+
+    def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest points of heel and toe at each simulation step of the last :meth:`step`.
+
+        Returns:
+            Positions [m], and velocities of the foot there [m/s], (N, steps, 2, 2, 3) in the world:
+            foot (left, right), end (heel, toe), coordinate.
+
+        Raises:
+            RuntimeError: the plant has no instruments.
+        """
+        radius = self.robot.geometry.foot_radius
+        positions, velocities = self._need_instruments().foot_ends(self._series[1], radius)
+        if self._disturber is not None:
+            positions[..., :2] += self._disturber.sensor_offset[:, None, None, None]
+        return positions, velocities
+
+    def _need_instruments(self) -> "_Instruments":
         if self._instruments is None:
             raise RuntimeError("expected physics with instruments, found one without")
-        _, sensors = self._series
-        radius = self.robot.geometry.foot_radius
-        ends, velocities = self._instruments.foot_ends(sensors, radius)
-        ground: Ground = FLAT
-        if self._disturber is not None:
-            ends, ground = self._disturber.ends_in_world(ends)
-        forces = np.abs(sensors[:, :, self._index.forces])
-        distances = sensors[:, :, self._instruments.distances]
-        return observe(forces, ends, velocities, distances, ground)
+        return self._instruments
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""

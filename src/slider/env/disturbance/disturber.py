@@ -123,13 +123,15 @@ class Disturber:
         if self._terrain is not None:
             self._terrain.wrap(qpos)
 
-    def ends_in_world(self, ends: np.ndarray) -> tuple[np.ndarray, Ground]:
-        """Foot ends (N, T, 2, 2, 3) [m] in the robots' own world, and the ground there."""
-        if self._terrain is None:
-            return ends, FLAT
-        ends = ends.copy()
-        ends[..., :2] += self._terrain.sensor_offset[:, None, None, None]
-        return ends, self._terrain.ground
+    @property
+    def ground(self) -> Ground:
+        """On which the robots are, in their own world."""
+        return FLAT if self._terrain is None else self._terrain.ground
+
+    @property
+    def sensor_offset(self) -> np.ndarray:
+        """Places (N, 2) in the robots' own world minus those that sensors tell [m]."""
+        return np.zeros((self._count, 2)) if self._terrain is None else self._terrain.sensor_offset
 
     def in_world(self, state: RobotState) -> RobotState:
         """The state in the robots' own world, of a state on the height field."""
@@ -137,6 +139,5 @@ class Disturber:
             return state
         base, feet = state.base_position.copy(), state.foot_positions.copy()
         base[:, :2] += self._terrain.offset
-        feet[:, :, :2] += self._terrain.sensor_offset[:, None]
-        ground = self._terrain.ground
-        return replace(state, base_position=base, foot_positions=feet, ground=ground)
+        feet[:, :, :2] += self.sensor_offset[:, None]
+        return replace(state, base_position=base, foot_positions=feet, ground=self.ground)

@@ -10,6 +10,7 @@ from slider.core.config.compose import compose
 from slider.core.config.env import PhysicsConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
+from slider.env.contacts import CONTACT_FORCE, Contacts
 from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
@@ -18,7 +19,7 @@ from slider.env.state import RobotState
 from slider.env.view import View
 from slider.library.lookup import GaitLibrary, GaitTable
 from slider.robot.mjcf import Actuation, nominal_qpos
-from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
+from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, MOTORS, NUM_JOINTS
 
 CONF = Path(__file__).parents[2] / "conf"
 PERMUTATION, SIGN = np.array(MIRROR_PERMUTATION), np.array(MIRROR_SIGN)
@@ -167,7 +168,7 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
         gravity=np.tile([0.0, 0.0, -1.0], (count, 1)),
         joint_positions=np.zeros((count, NUM_JOINTS)),
         joint_velocities=np.zeros((count, NUM_JOINTS)),
-        efforts=np.zeros((count, NUM_JOINTS)),
+        motor_torques=np.zeros((count, len(MOTORS))),
         foot_positions=np.zeros((count, 2, 3)),
         foot_velocities=np.zeros((count, 2, 3)),
         foot_forces=np.zeros((count, 2)),
@@ -181,6 +182,18 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
         for name, value in changes.items()
     }
     return replace(state, **shaped)
+
+
+def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:
+    """Feet flat on the ground that do not slide, of legs 0.1 m apart, by forces (T, N, 2) [N]."""
+    ends = (*forces.shape, 2)
+    contacts = Contacts(
+        forces=forces,
+        loaded=np.broadcast_to((forces > CONTACT_FORCE)[..., None], ends),
+        speeds=np.zeros(ends),
+        leg_distance=np.full(forces.shape[:2], 0.1),
+    )
+    return contacts._replace(**changes)
 
 
 def make_view(state: RobotState, **changes: np.ndarray) -> View:

@@ -10,7 +10,7 @@ from slider.core.errors import UserError
 from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.profile import commands
-from tests.env.synthetic import config
+from tests.env.synthetic import config, make_contacts
 from tests.evaluation.test_profile import PERIOD, case
 
 STEPS, COUNT = 150, 4
@@ -42,8 +42,8 @@ def recording() -> Recording:
         velocity=velocity,
         yaw=np.cumsum(rate, axis=0) * PERIOD,
         position=position,
-        foot_forces=forces,
         foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
+        contacts=make_contacts(np.repeat(forces, 4, axis=0)),
         power=np.zeros((STEPS, COUNT)),
         effort_share=np.zeros((STEPS, COUNT)),
         speed_share=np.zeros((STEPS, COUNT)),

@@ -13,7 +13,7 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording
 from slider.training import ppo, selection
 from slider.training.selection import Selector
-from tests.env.synthetic import config, gait_table
+from tests.env.synthetic import config, gait_table, make_contacts
 
 SETTINGS = SelectionConfig(
     interval=1,
@@ -64,8 +64,8 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
         velocity=velocity,
         yaw=np.zeros((50, 4)),
         position=np.zeros((50, 4, 2)),
-        foot_forces=forces,
         foot_positions=np.zeros((50, 4, 2, 3)),
+        contacts=make_contacts(np.repeat(forces, 4, axis=0)),
         power=np.zeros((50, 4)),
         effort_share=np.zeros((50, 4)),
         speed_share=np.zeros((50, 4)),

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from slider.core.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
-from slider.env.metrics import CONTACT_FORCE, heading_error
+from slider.env.contacts import touchdowns
+from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
 from slider.evaluation import profile as profiles
 from slider.evaluation import table_file
@@ -37,6 +38,7 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
     settle, count = profile_of(protocol).settle, protocol.trials * protocol.robots
     windows = profiles.windows(case, settle, protocol.duration, recording.period)
     parts = []
+    touchdown = _touchdowns(recording)
     for index, window in enumerate(windows):
         survived = recording.alive[window.stop - 1]
         part = {
@@ -45,17 +47,21 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
             "segment": np.full(count, index),
             "survived": survived,
         }
-        values = _measures(recording, window)
+        values = _measures(recording, touchdown, window)
         parts.append(part | {n: np.where(survived, values[n], np.nan) for n in MEASURES})
     return {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
 
 
-def _measures(recording: Recording, window: slice) -> Table:
+def _touchdowns(recording: Recording) -> np.ndarray:
+    """In each control step, of both feet (S, N)."""
+    count = touchdowns(recording.contacts.forces, recording.timestep).sum(axis=2)
+    return count.reshape(len(recording.alive), -1, count.shape[1]).sum(axis=1)
+
+
+def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> Table:
     seconds = (window.stop - window.start) * recording.period
     velocity, command = _velocities(recording)[window], recording.command[window]
     position = recording.position[window]
-    contact = recording.foot_forces[window] > CONTACT_FORCE
-    touchdown = contact[1:] & ~contact[:-1]
     means = velocity.mean(axis=0)
     errors = np.abs(means - command.mean(axis=0))
     return {
@@ -63,7 +69,7 @@ def _measures(recording: Recording, window: slice) -> Table:
         **{f"{axis}_error": errors[:, i] for i, axis in enumerate(AXES)},
         "vx_mse": ((velocity[:, :, 0] - command[:, :, 0]) ** 2).mean(axis=0),
         "heading_error": np.abs(heading_error(recording)[window]).max(axis=0),
-        "touchdown_rate": touchdown.sum(axis=(0, 2)) / seconds,
+        "touchdown_rate": touchdown[window].sum(axis=0) / seconds,
         "displacement": np.linalg.norm(position[-1] - position[0], axis=1),
         "fastest": _fastest(recording.velocity[window], recording.period),
     }

@@ -141,6 +141,20 @@ def test_the_capstan_bounds_both_motors():
     assert after.max() == pytest.approx(limit, abs=1e-4)
 
 
+def test_the_share_of_the_bus_bounds_all_motors_at_the_nodes():
+    share = 0.33
+    solve = solve_with(formulated(voltage=share)).solve(*COMMAND)
+    assert solve.success, solve.status
+    transmission = Transmission.of(config().robot)
+
+    def voltage(variables: np.ndarray) -> float:
+        torques, speeds = motors(variables)
+        return np.abs(torques / transmission.stall + speeds / transmission.speed).max()
+
+    assert voltage(solved(*COMMAND).variables) > 1.05 * share
+    assert voltage(solve.variables) == pytest.approx(share, abs=1e-4)
+
+
 def test_between_nodes_the_constraints_nearly_hold():
     violations = dense_violations(problem(), solved(*COMMAND).variables)
     assert violations["clearance"] < 5e-4  # the nodes leave a margin below; nothing above

@@ -18,10 +18,13 @@ from slider.env.state import RobotState
 from slider.env.view import View
 from slider.library.lookup import GaitLibrary, GaitTable
 from slider.robot.mjcf import Actuation, nominal_qpos
-from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
+from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, MOTORS, NUM_JOINTS
 
 CONF = Path(__file__).parents[2] / "conf"
 PERMUTATION, SIGN = np.array(MIRROR_PERMUTATION), np.array(MIRROR_SIGN)
+# Of the motors in conf/robot/slider.yaml [N m], [rad/s].
+TORQUE_LIMITS = np.array([40.0, 60.0, 60.0, 8.0, 8.0] * 2)
+SPEED_LIMITS = np.array([15.0, 15.0, 15.0, 120.0, 120.0] * 2)
 SAMPLES = 42
 STEP_TIME = 0.4
 
@@ -33,6 +36,15 @@ def config(*overrides: str) -> Config:
 
 def robot_config() -> RobotConfig:
     return config("experiment=test").robot
+
+
+def motor_angles(joints: np.ndarray) -> np.ndarray:
+    """Motor angles or speeds (..., 10) of joint positions or speeds (..., 12), by hand."""
+    legs = []
+    for leg in (joints[..., :6], joints[..., 6:]):
+        slide, foot = leg[..., 3:4] / 0.025, leg[..., 4:5] / 0.35
+        legs += [leg[..., :3], slide + foot, slide - foot]
+    return np.concatenate(legs, axis=-1)
 
 
 def make_library(velocities: tuple[tuple[float, float], ...] | None = None) -> GaitLibrary:
@@ -167,7 +179,7 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
         gravity=np.tile([0.0, 0.0, -1.0], (count, 1)),
         joint_positions=np.zeros((count, NUM_JOINTS)),
         joint_velocities=np.zeros((count, NUM_JOINTS)),
-        efforts=np.zeros((count, NUM_JOINTS)),
+        motor_torques=np.zeros((count, len(MOTORS))),
         foot_positions=np.zeros((count, 2, 3)),
         foot_velocities=np.zeros((count, 2, 3)),
         foot_forces=np.zeros((count, 2)),
@@ -186,7 +198,6 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
 def make_view(state: RobotState, **changes: np.ndarray) -> View:
     """A view of a state with zero commands and actions, with ``changes``."""
     count = state.num_robots
-    limits = [robot_config().limits[name.split("_", 1)[1]].effort for name in JOINTS]
     values = {
         "command": np.zeros((count, 4)),
         "action": np.zeros((count, NUM_JOINTS)),
@@ -202,7 +213,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         state=state,
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
-        effort_limits=np.where(np.array(limits) > 0, limits, np.inf),
+        torque_limits=TORQUE_LIMITS,
         scan_points=(15, 12),
         scan_spacing=0.1,
         **values,

@@ -2,9 +2,9 @@
 
 The tube's mass is split between virtual thigh and shank (``shank_mass_fraction``). The shank's
 part has its centre at mid-shank; the thigh's part lies where the leg's centre of mass at the
-nominal length, seen along the leg, is that of the prismatic leg. The upper foot moves with the thigh. The leg's inertia about the hip is then a third larger
-than the prismatic leg's, as the virtual knee sticks out. Reflected inertias are not part of this
-model.
+nominal length, seen along the leg, is that of the prismatic leg. The upper foot moves with the
+thigh. The leg's inertia about the hip is then a third larger than the prismatic leg's, as the
+virtual knee sticks out. Reflected inertias are not part of this model.
 """
 
 from dataclasses import dataclass

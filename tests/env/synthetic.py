@@ -47,6 +47,24 @@ def motor_angles(joints: np.ndarray) -> np.ndarray:
     return np.concatenate(legs, axis=-1)
 
 
+def joint_efforts(torques: np.ndarray) -> np.ndarray:
+    """Joint efforts (..., 12) of motor torques (..., 10), by hand."""
+    legs = []
+    for leg in (torques[..., :5], torques[..., 5:]):
+        one, two = leg[..., 3:4], leg[..., 4:5]
+        legs += [leg[..., :3], (one + two) / 0.025, (one - two) / 0.35, 0.0 * one]
+    return np.concatenate(legs, axis=-1)
+
+
+def motor_torques(efforts: np.ndarray) -> np.ndarray:
+    """Motor torques (..., 10) of joint efforts (..., 12), by hand."""
+    legs = []
+    for leg in (efforts[..., :6], efforts[..., 6:]):
+        slide, foot = 0.025 * leg[..., 3:4] / 2, 0.35 * leg[..., 4:5] / 2
+        legs += [leg[..., :3], slide + foot, slide - foot]
+    return np.concatenate(legs, axis=-1)
+
+
 def make_library(velocities: tuple[tuple[float, float], ...] | None = None) -> GaitLibrary:
     """Gaits that step in place with small sinusoids, the second step a mirror of the first.
 

@@ -35,6 +35,7 @@ include: "pipeline/rules/protocols.smk"
 include: "pipeline/rules/verification.smk"
 include: "pipeline/rules/figures.smk"
 include: "pipeline/rules/ablation.smk"
+include: "pipeline/rules/sensitivity.smk"
 
 
 onstart:

@@ -76,6 +76,7 @@ def _with_budget(config: Config, settings: AblationConfig, seed: int) -> Config:
         commands=settings.commands,
         trials=settings.trials,
         robots=settings.robots,
+        seed=settings.evaluation_seed,
     )
     return replace(config, train=train, finetuning=None, evaluation=evaluation)
 

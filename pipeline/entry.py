@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.ablation import ablation_job
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
-from pipeline.targets import ABLATION_TARGET, all_targets
+from pipeline.targets import ABLATION_TARGET, ON_DEMAND, SENSITIVITY_TARGET, all_targets
 from slider.control.export import FILES as POLICY_FILES
 from slider.core import tracking
 from slider.core.circumstances import note_start, revision
@@ -34,7 +33,7 @@ REPORTS = {
         "reports/table1.md",
         "reports/table1.tex",
     ),
-    "verification": ("reports/verification.csv", "reports/verification.json"),
+    "verification": tuple(f"reports/verification.{suffix}" for suffix in ("csv", "json", "md")),
     "verification_maps": tuple(
         f"reports/figures/verification_maps.{suffix}" for suffix in ("svg", "png", "md")
     ),
@@ -47,6 +46,12 @@ REPORTS = {
         "reports/ablation.md",
         "reports/figures/ablation.svg",
         "reports/figures/ablation.png",
+    ),
+    SENSITIVITY_TARGET: (
+        "reports/sensitivity.csv",
+        "reports/sensitivity.md",
+        "reports/figures/sensitivity.svg",
+        "reports/figures/sensitivity.png",
     ),
 }
 
@@ -84,8 +89,13 @@ class Pipeline:
         Raises:
             UserError: a variant does not compose.
         """
-        self._plan_ablation()
+        self._plan_also(ABLATION_TARGET)
         return self._manifest(ABLATION_TARGET)
+
+    def sensitivity_manifest(self, wildcards: Any) -> str:
+        """Manifest of the sensitivity, whose jobs join the plan when somebody asks for it."""
+        self._plan_also(SENSITIVITY_TARGET)
+        return self._manifest(SENSITIVITY_TARGET)
 
     def _manifest(self, target: str) -> str:
         job = self.plan.jobs[self.plan.targets[target]]
@@ -102,21 +112,22 @@ class Pipeline:
         Raises:
             UserError: the recipe is not of the current plan.
         """
-        if wildcards.recipe not in self.plan.jobs:
-            self._plan_ablation()  # a cluster's job reads the Snakefile anew, without its target
+        for target in ON_DEMAND:  # a cluster's job reads the Snakefile anew, without its target
+            if wildcards.recipe not in self.plan.jobs:
+                self._plan_also(target)
         job = self.plan.jobs.get(wildcards.recipe)
         if job is None:
             raise UserError(f"expected a recipe of the current plan, found {wildcards.recipe}")
         groups = job.inputs.values()
         return [str(self.store.manifest_path(i.stage, i.recipe)) for jobs in groups for i in jobs]
 
-    def _plan_ablation(self) -> None:
-        """Add the ablation's jobs to the plan, once."""
+    def _plan_also(self, target: str) -> None:
+        """Add the jobs of a target on demand to the plan, once."""
         targets = {name: self.plan.jobs[recipe] for name, recipe in self.plan.targets.items()}
-        if ABLATION_TARGET in targets:
+        if target in targets:
             return
-        job = ablation_job(self.config, targets["library"], self.overrides, self.conf)
-        self.plan = build_plan(targets | {ABLATION_TARGET: job})
+        job = ON_DEMAND[target](self.config, targets, self.overrides, self.conf)
+        self.plan = build_plan(targets | {target: job})
         self.plan_path = _lay_out(self.plan, self.store, self.config)
 
     def start(self) -> None:

@@ -1,9 +1,13 @@
-"""Everything that can be asked for, the page among it; and the ablation where the page shows it."""
+"""Everything that can be asked for, the page among it; the ablation where the page shows it.
 
-from collections.abc import Sequence
+Targets of many jobs, ``ON_DEMAND``, are laid out only when somebody asks for them.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from pipeline.ablation import ablation_job
+from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs
 from pipeline.stages.page import report
 from slider.core.config.report import SECTION_INPUTS
@@ -11,6 +15,8 @@ from slider.core.config.schema import Config
 from slider.core.plan import JobSpec
 
 ABLATION_TARGET = "ablation"
+SENSITIVITY_TARGET = "sensitivity"
+Targets = Mapping[str, JobSpec]
 
 
 def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[str, JobSpec]:
@@ -30,3 +36,18 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
         job = ablation_job(config, targets["library"], overrides, conf)
         targets[ABLATION_TARGET] = job
     return targets | {"report": report(config, targets)}
+
+
+def _ablation(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
+    return ablation_job(config, targets["library"], overrides, conf)
+
+
+def _sensitivity(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
+    return sensitivity_job(config, targets["walking"], conf)
+
+
+ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] = {
+    SENSITIVITY_TARGET: _sensitivity,  # the quicker one to lay out first
+    ABLATION_TARGET: _ablation,
+}
+"""Target → its job, from the configuration, the other targets, its overrides and its folder."""

@@ -20,7 +20,9 @@ def options() -> list[str]:
     return sorted(f"{path.parent}={path.stem}" for path in paths if path.parent != Path("."))
 
 
-@pytest.mark.parametrize("option", sorted({*options()} - {"evaluation=joystick"}))
+@pytest.mark.parametrize(
+    "option", sorted({*options()} - {"evaluation=joystick", "evaluation=heldout"})
+)
 def test_every_option_composes(option):
     compose([option], CONF)
 
@@ -31,7 +33,7 @@ def test_every_option_composes(option):
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
         (
             "report.sections=[sweeps]",
-            "robust, sweep, joystick, ablation, readings, prov",
+            "robust, sweep, joystick, heldout, ablation, readings, prov",
         ),
         ("report.sections=[sweep,sweep]", "report.sections: expected each section once"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
@@ -147,7 +149,17 @@ def test_every_option_composes(option):
         ("protocols.sweep.commands=[]", "protocols.sweep.commands: expected at least one command"),
         ("protocols.joystick.commands=[1.0]", "protocols.joystick.commands: expected none with a"),
         ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
-        ("protocols.joystick.profile.segments=[]", "profile.segments: expected at least one"),
+        ("protocols.joystick.profile.cases=[]", "joystick.profile.cases: expected at least one"),
+        (
+            "protocols.joystick.profile.cases=[{name: a, segments: []}]",
+            "joystick.profile.cases[0].segments: expected at least one segment, found none",
+        ),
+        (
+            "protocols.heldout.profile.rows=segments",
+            "heldout.profile.cases: expected one case where rows are its segments, found ['0.0 m/s",
+        ),
+        ("protocols.heldout.profile.rows=all", "rows: expected one of segments, cases, found all"),
+        ("protocols.heldout.duration=9.0", "cases[12].segments[1]: expected a control period long"),
         ("protocols.sweap.trials=3", "did you mean 'protocols.sweep.trials'?"),
         ("gait.cost=cheap", "gait.cost: expected one of paper, torque, transport, found cheap"),
         ("gait.step_time.upper=nan", "a finite number"),
@@ -210,7 +222,7 @@ def test_a_section_needs_its_protocol(capsys):
     overrides = ["~protocols.sweep", "report.sections=[sweep]"]
     assert main(["config", *overrides, "--conf", str(CONF)]) == 1
     (line,) = capsys.readouterr().err.splitlines()
-    assert "learning, robust, joystick, ablation" in line
+    assert "learning, robust, joystick, heldout, ablation" in line
     assert line.endswith("found sweep")
 
 

@@ -36,8 +36,8 @@ class Policy:
         self.command = np.zeros(3)
         self.action = self.earlier_action = np.zeros(len(joints))
         self.filtered = np.zeros(2)
-        self.gradual_command = np.zeros(2)
-        self.gradual_velocity = np.zeros(2)
+        self.velocity = np.zeros(2)  # reference: on the way from one command to the next
+        self.expected = np.zeros(2)
         self.heading_target: float | None = None  # set at the start
 
     def targets(self, state: dict[str, np.ndarray], command: np.ndarray) -> np.ndarray:
@@ -47,6 +47,8 @@ class Policy:
             self.halted = self._told_to_stand(command)  # a robot starts at rest
         else:
             self._advance(state, self.command)  # of the period that is over
+        if self.layout["reference"]["acceleration"] == 0:
+            self.velocity = np.array(command[:2], dtype=float)
         self.command = command
         action_layout, layout = self.layout["action"], self.layout["observation"]
         mirrored = self._mirrored()
@@ -64,10 +66,10 @@ class Policy:
             action = reflect(action, action_layout["mirror"])
         self.earlier_action = self.action
         self.action = np.where(self.scale > 0, action, 0.0)
-        origin = self._reference(command)
+        origin = self._reference()
         return np.clip(origin + self.scale * self.action, self.lower, self.upper)
 
-    def _reference(self, command: np.ndarray) -> np.ndarray:
+    def _reference(self) -> np.ndarray:
         """Joint positions of a zero action at the present phase."""
         if self.halted:
             return np.array(self.layout["reference"]["standing"])
@@ -77,14 +79,12 @@ class Policy:
         before = min(int(sample), half - 2)
         rows = self.reference[:, :, step * half + before : step * half + before + 2]
         between = rows[:, :, 0] + (sample - before) * (rows[:, :, 1] - rows[:, :, 0])
-        reach = self.layout["reference"]["reach"]
-        velocity = np.clip(command[:2], self.filtered - reach, self.filtered + reach)
-        return bilinear(self.layout["reference"], between, velocity)
+        return bilinear(self.layout["reference"], between, self.velocity)
 
     def _advance(self, state: dict[str, np.ndarray], command: np.ndarray) -> None:
         clock, period = self.layout["clock"], self.layout["control_period"]
         if clock is not None:
-            phase = self.phase + period / (2.0 * step_time(clock, command))
+            phase = self.phase + period / (2.0 * step_time(clock, self.velocity))
             change = np.ceil(2.0 * self.phase) / 2.0
             halt = clock["halt"]
             slow = self.halted or np.hypot(*self.filtered) < halt["below"]
@@ -92,12 +92,12 @@ class Policy:
             self.halted = self._told_to_stand(command) and slow and phase >= change
             self.phase = (change if self.halted else phase) % 1.0
         self.heading_target += command[2] * period
-        layout = self.layout["observation"]
-        gain = layout["velocity_filter"]["gain"]
-        self.filtered += gain * (state["heading_velocity"] - self.filtered)
-        change = command[:2] - self.gradual_command
-        self.gradual_command += layout["command_filter"]["gain"] * change
-        self.gradual_velocity += gain * (self.gradual_command - self.gradual_velocity)
+        change = self.layout["reference"]["acceleration"] * period
+        way = command[:2] - self.velocity
+        self.velocity = self.velocity + (np.clip(way, -change, change) if change > 0 else way)
+        gain = self.layout["observation"]["velocity_filter"]["gain"]
+        self.filtered = self.filtered + gain * (state["heading_velocity"] - self.filtered)
+        self.expected = self.expected + gain * (self.velocity - self.expected)
 
     def _told_to_stand(self, command: np.ndarray) -> bool:
         clock = self.layout["clock"]
@@ -112,8 +112,6 @@ class Policy:
         error = (self.heading_target - state["yaw"] + np.pi) % (2.0 * np.pi) - np.pi
         angle = 2.0 * np.pi * self.phase
         layout = self.layout["observation"]
-        gradual = layout["command_filter"]["time_constant"] > 0
-        expected = self.gradual_velocity if gradual else command[:2]
         scan = sum(t["width"] for t in layout["terms"] if t["name"] == "height_scan")
         return {
             "base_linear_velocity": state["linear_velocity"],
@@ -128,7 +126,8 @@ class Policy:
             "action_before_previous": self.earlier_action,
             "base_height": state["height"] - layout["nominal_height"],
             "filtered_velocity": self.filtered,
-            "velocity_error": np.tanh((self.filtered - expected) / 0.2),  # [m/s]
+            "reference_velocity": self.velocity,
+            "velocity_error": np.tanh((self.filtered - self.expected) / 0.2),  # [m/s]
             "phase": np.array([np.sin(angle), np.cos(angle)]) * (not self.halted),
             "height_scan": np.full(scan, state["height"]),  # flat ground
         }
@@ -140,7 +139,7 @@ def reflect(values: np.ndarray, mirror: dict) -> np.ndarray:
 
 
 def step_time(clock: dict, command: np.ndarray) -> float:
-    """Duration of a step at a command."""
+    """Duration of a step at a velocity."""
     return float(bilinear(clock, np.array(clock["step_time"])[..., None], command)[0])
 
 

@@ -1,5 +1,5 @@
 # Protocols beside that of Table 1, each with a table and a figure:
-#   snakemake -j2 reports/sweep.csv reports/joystick.csv
+#   snakemake -j2 reports/sweep.csv reports/joystick.csv reports/heldout.csv
 
 
 rule speeds:
@@ -13,13 +13,24 @@ rule speeds:
         "{PIPELINE.run} {wildcards.recipe}"
 
 
-rule profile:
+rule segments:
     input:
         PIPELINE.inputs,
     output:
-        "artefacts/profile/{recipe}.json",
+        "artefacts/segments/{recipe}.json",
     log:
-        "artefacts/logs/profile/{recipe}.log",
+        "artefacts/logs/segments/{recipe}.log",
+    shell:
+        "{PIPELINE.run} {wildcards.recipe}"
+
+
+rule cases:
+    input:
+        PIPELINE.inputs,
+    output:
+        "artefacts/cases/{recipe}.json",
+    log:
+        "artefacts/logs/cases/{recipe}.log",
     shell:
         "{PIPELINE.run} {wildcards.recipe}"
 

@@ -5,7 +5,7 @@ from typing import Any
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.core.config.convert import to_dict
-from slider.core.config.evaluation import EvaluationConfig
+from slider.core.config.evaluation import CaseConfig, EvaluationConfig
 from slider.core.config.schema import Config
 from slider.core.plan import JobSpec
 
@@ -16,15 +16,15 @@ BASELINE_PREFIX = "mpc_wbc_"
 def evaluations_of(
     config: Config, protocol: EvaluationConfig, walking: JobSpec, note: str = ""
 ) -> list[JobSpec]:
-    """A protocol's evaluations: each controller at each command, or with the profile.
+    """A protocol's evaluations: each controller at each command, or in each case of the profile.
 
     ``note`` is added to their labels.
     """
-    commands = protocol.commands if protocol.profile is None else [None]
+    asked = protocol.commands if protocol.profile is None else protocol.profile.cases
     return [
-        evaluation(config, protocol, controller, command, walking, note)
+        evaluation(config, protocol, controller, one, walking, note)
         for controller in protocol.controllers
-        for command in commands
+        for one in asked
     ]
 
 
@@ -32,15 +32,21 @@ def evaluation(
     config: Config,
     protocol: EvaluationConfig,
     controller: str,
-    command: float | None,
+    asked: float | CaseConfig,
     walking: JobSpec,
     note: str = "",
 ) -> JobSpec:
-    """A protocol with one controller at one command."""
-    settings = without(protocol_section(protocol), "controllers", "commands")
-    section = {"evaluation": settings} | controlled(config, controller, command)
-    what = "changing commands" if command is None else f"{command:.1f} m/s"
-    label = f"evaluation of {controller} at {what}{note}"
+    """A protocol with one controller at one command, or in one case."""
+    section: dict[str, Any] = {
+        "evaluation": without(protocol_section(protocol), "controllers", "commands")
+    }
+    if isinstance(asked, CaseConfig):
+        section |= controlled(config, controller, None) | {"case": to_dict(asked)}
+        section["evaluation"]["profile"] = without(to_dict(protocol.profile), "rows", "cases")
+        label = f"evaluation of {controller} in {asked.name}{note}"
+    else:
+        section |= controlled(config, controller, asked)
+        label = f"evaluation of {controller} at {asked:.1f} m/s{note}"
     if controller == POLICY:
         return job("evaluation", label, section, {"walking": [walking]})
     return job("baseline", label, section)

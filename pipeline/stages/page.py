@@ -38,7 +38,9 @@ def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:
 
 def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
     """The configuration without what has no part in the page."""
-    shown = without(to_dict(config), "resources", "tracking", "ablation", "protocols")
+    shown = without(
+        to_dict(config), "resources", "tracking", "ablation", "sensitivity", "protocols"
+    )
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {
         name: protocol_section(p) for name, p in config.protocols.items() if name in inputs

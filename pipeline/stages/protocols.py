@@ -12,8 +12,8 @@ def protocol_jobs(config: Config, walking: JobSpec) -> dict[str, JobSpec]:
 
 
 def protocol_report(config: Config, name: str, walking: JobSpec) -> JobSpec:
-    """Table and figure of a protocol of constant speeds, or of one with a changing command."""
+    """Table and figure of a protocol: of constant speeds, of segments of a case, or of cases."""
     protocol = config.protocols[name]
-    stage = "speeds" if protocol.profile is None else "profile"
+    stage = "speeds" if protocol.profile is None else protocol.profile.rows
     section = {"name": name, "evaluation": protocol_section(protocol)}
     return job(stage, name, section, {"evaluations": evaluations_of(config, protocol, walking)})

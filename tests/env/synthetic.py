@@ -10,6 +10,7 @@ from slider.core.config.compose import compose
 from slider.core.config.env import PhysicsConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.config.schema import Config
+from slider.env.contacts import CONTACT_FORCE, Contacts
 from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
@@ -211,6 +212,18 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
         for name, value in changes.items()
     }
     return replace(state, **shaped)
+
+
+def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:
+    """Feet flat on the ground that do not slide, of legs 0.1 m apart, by forces (T, N, 2) [N]."""
+    ends = (*forces.shape, 2)
+    contacts = Contacts(
+        forces=forces,
+        loaded=np.broadcast_to((forces > CONTACT_FORCE)[..., None], ends),
+        speeds=np.zeros(ends),
+        leg_distance=np.full(forces.shape[:2], 0.1),
+    )
+    return contacts._replace(**changes)
 
 
 def make_view(state: RobotState, **changes: np.ndarray) -> View:

@@ -5,16 +5,25 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
+from slider.env.contacts import Contacts
 from slider.env.metrics import GaitQuality, Tracking, gait_quality, tracking
 from slider.env.rollout import Recording
+from tests.env.synthetic import make_contacts
 
 PERIOD = 0.02
 STEPS = 100  # two seconds
+TICKS = 4  # simulation steps per control step
 LOADED = 50.0
 
 
-def recording(count: int = 1, **changes: np.ndarray) -> Recording:
-    """Robots that stand still with both feet loaded, commanded to 0.5 m/s."""
+def recording(
+    count: int = 1, foot_forces: np.ndarray | None = None, **changes: np.ndarray | Contacts
+) -> Recording:
+    """Robots that stand still with both feet loaded, commanded to 0.5 m/s.
+
+    ``foot_forces`` (STEPS, N, 2) hold for a control step.
+    """
+    forces = np.full((STEPS, count, 2), LOADED) if foot_forces is None else foot_forces
     still = Recording(
         period=PERIOD,
         command=np.tile([0.5, 0.0, 0.0], (STEPS, count, 1)),
@@ -22,8 +31,8 @@ def recording(count: int = 1, **changes: np.ndarray) -> Recording:
         velocity=np.zeros((STEPS, count, 2)),
         yaw=np.zeros((STEPS, count)),
         position=np.zeros((STEPS, count, 2)),
-        foot_forces=np.full((STEPS, count, 2), LOADED),
         foot_positions=np.zeros((STEPS, count, 2, 3)),
+        contacts=make_contacts(np.repeat(forces, TICKS, axis=0)),
         power=np.zeros((STEPS, count)),
         effort_share=np.zeros((STEPS, count)),
         speed_share=np.zeros((STEPS, count)),
@@ -131,7 +140,7 @@ def test_walking_left_and_right():
     quality = gait_quality(recording(1, foot_forces=contact(left, right)), 0.0)
     assert quality.flight[0] == 0.0
     assert quality.double_support[0] == pytest.approx(16 / 100)
-    assert quality.touchdown_rate[0] == pytest.approx(4 / (99 * PERIOD))
+    assert quality.touchdown_rate[0] == pytest.approx(4 / 2.0)
     assert quality.alternation[0] == 1.0
 
 
@@ -154,7 +163,7 @@ def test_the_start_does_not_count():
     quality = gait_quality(recording(1, foot_forces=contact(left, right)), 1.0)
     assert quality.flight[0] == 0.0
     assert quality.double_support[0] == pytest.approx(0.5)
-    assert quality.touchdown_rate[0] == pytest.approx(1 / (49 * PERIOD))
+    assert quality.touchdown_rate[0] == pytest.approx(2 / 1.0)
 
 
 def test_a_light_touch_is_no_contact():
@@ -173,17 +182,49 @@ def test_clearance_is_that_of_unloaded_soles():
     assert gait_quality(one, 0.0).clearance[0] == pytest.approx(0.04)  # mean over feet
 
 
-def test_slip_is_the_speed_of_loaded_soles():
-    """Left: 0.1 m/s diagonally while loaded half of the time; right: fast, but in the air."""
-    time = PERIOD * np.arange(STEPS)
-    positions = np.zeros((STEPS, 1, 2, 3))
-    positions[:, 0, 0, 0], positions[:, 0, 0, 1] = 0.06 * time, -0.08 * time
-    positions[:, 0, 1, 0] = 3.0 * time
-    positions[:, 0, 0, 2] = time  # vertical motion is no slip
-    one = recording(
-        1, foot_forces=contact(pattern((0, 50)), np.zeros(STEPS)), foot_positions=positions
-    )
+def test_slip_is_the_mean_speed_of_loaded_ends():
+    """Left: on its toe for half of the time, at 0.1 m/s; right: fast, but in the air."""
+    forces = contact(pattern((0, 50)), np.zeros(STEPS))
+    contacts = make_contacts(np.repeat(forces, TICKS, axis=0))
+    speeds = np.zeros(contacts.loaded.shape)
+    speeds[:, :, 0, 1] = 0.1
+    speeds[:, :, 0, 0] = 7.0  # the heel swings
+    speeds[:, :, 1] = 3.0
+    on_toe = contacts.loaded.copy()
+    on_toe[..., 0] = False
+    one = recording(contacts=contacts._replace(loaded=on_toe, speeds=speeds))
     assert gait_quality(one, 0.0).slip[0] == pytest.approx(0.1)
+    flat = recording(contacts=contacts._replace(speeds=speeds))
+    assert gait_quality(flat, 0.0).slip[0] == pytest.approx((0.1 + 7.0) / 2)
+
+
+def test_the_speed_at_which_a_foot_lands_is_no_slip():
+    """Its sensors are those before the impact."""
+    forces = contact(pattern((20, 40), (60, 80)), np.ones(STEPS))
+    contacts = make_contacts(np.repeat(forces, TICKS, axis=0))
+    contacts.speeds[[20 * TICKS, 60 * TICKS], :, 0] = 2.0
+    assert gait_quality(recording(contacts=contacts), 0.0).slip[0] == 0.0
+    contacts.speeds[20 * TICKS + 1, :, 0] = 2.0
+    assert gait_quality(recording(contacts=contacts), 0.0).slip[0] > 0.0
+
+
+def test_legs_that_come_close_touch_and_cross():
+    """Robot 0 walks wide; 1 touches in one simulation step; 2 crosses for a quarter of the time."""
+    distance = np.full((STEPS * TICKS, 3), 0.08)
+    distance[3, 1] = -1e-4
+    distance[:, 2] = 0.02
+    positions = np.zeros((STEPS, 3, 2, 3))
+    positions[..., 0, 1], positions[..., 1, 1] = 0.1, -0.1
+    positions[:25, 2, :, 1] *= -0.2
+    yaw = np.full((STEPS, 3), 2.0)
+    rotation = np.array([[np.cos(2.0), -np.sin(2.0)], [np.sin(2.0), np.cos(2.0)]])
+    positions[..., :2] = positions[..., :2] @ rotation.T  # the robots go where they look
+    contacts = make_contacts(np.full((STEPS * TICKS, 3, 2), LOADED), leg_distance=distance)
+    robots = recording(3, contacts=contacts, foot_positions=positions, yaw=yaw)
+    found = gait_quality(robots, 1.0)
+    np.testing.assert_allclose(found.leg_distance, [0.08, -1e-4, 0.02])
+    np.testing.assert_allclose(found.legs_touch, [0.0, 1 / (STEPS * TICKS), 0.0])
+    np.testing.assert_allclose(found.legs_cross, [0.0, 0.0, 0.25])
 
 
 def test_heading_is_the_largest_turn_across_the_wrap():

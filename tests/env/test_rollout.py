@@ -72,6 +72,19 @@ def test_shapes_and_period():
     assert recording.foot_positions.shape == (20, COUNT, 2, 3)
     np.testing.assert_array_equal(recording.command[:, :, 0], 0.3)
     assert recording.position.shape == (20, COUNT, 2)
+    assert recording.timestep == 0.005
+    assert recording.contacts.forces.shape == recording.contacts.loaded.shape[:3] == (80, COUNT, 2)
+    assert recording.contacts.leg_distance.shape == (80, COUNT)
+
+
+def test_contacts_are_seen_between_control_steps():
+    """The thrown robot lands in some simulation step, and is there at the control steps as well."""
+    recording = record()
+    forces = recording.contacts.forces[:, 1].sum(axis=1)
+    landing = np.flatnonzero((forces[1:] > 0) & (forces[:-1] == 0)) + 1
+    assert len(landing)
+    assert landing[0] % 4 != 3, "not at a control step's last"
+    np.testing.assert_array_equal(recording.foot_forces, recording.contacts.forces[3::4])
 
 
 def test_the_controller_is_called_once_per_period_with_the_latest_state():

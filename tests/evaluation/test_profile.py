@@ -2,30 +2,30 @@
 
 import numpy as np
 
-from slider.core.config.evaluation import ProfileConfig, Segment
+from slider.core.config.evaluation import CaseConfig, Segment
 from slider.evaluation.profile import commands, windows
 
 PERIOD = 0.02
 
 
-def profile(ramp: float = 0.0, settle: float = 0.5) -> ProfileConfig:
+def case() -> CaseConfig:
     segments = [
         Segment("stand", 0.0, 0.0, 0.0, 0.0),
         Segment("turn", 1.0, 0.4, 0.0, 0.3),
         Segment("side", 2.0, 0.0, -0.1, 0.0),
     ]
-    return ProfileConfig(ramp, settle, 0.8, segments)
+    return CaseConfig("tour", segments)
 
 
 def test_steps_change_at_their_times():
-    values = commands(profile(), 3.0, PERIOD)
+    values = commands(case(), 0.0, 3.0, PERIOD)
     assert values.shape == (150, 3)
     expected = np.repeat([[0, 0, 0], [0.4, 0, 0.3], [0, -0.1, 0]], 50, axis=0)
     np.testing.assert_array_equal(values, expected)
 
 
 def test_ramps_lead_from_one_command_to_the_next():
-    values = commands(profile(ramp=0.4), 3.0, PERIOD)
+    values = commands(case(), 0.4, 3.0, PERIOD)
     np.testing.assert_allclose(values[50:71, 0], 0.4 * np.arange(21) / 20, atol=1e-12)
     np.testing.assert_allclose(values[110], [0.2, -0.05, 0.15], atol=1e-12)
     np.testing.assert_array_equal(values[71:100], np.tile([0.4, 0.0, 0.3], (29, 1)))
@@ -33,5 +33,5 @@ def test_ramps_lead_from_one_command_to_the_next():
 
 
 def test_windows_leave_the_start_of_each_segment_out():
-    found = windows(profile(), 3.0, PERIOD)
+    found = windows(case(), 0.5, 3.0, PERIOD)
     assert found == [slice(25, 50), slice(75, 100), slice(125, 150)]

@@ -12,9 +12,10 @@ from slider.evaluation import records
 
 def make_records(rng: np.random.Generator) -> records.Records:
     survived = np.array([True, True, False, True, False, True])
-    numbers = [np.where(survived, rng.uniform(size=6) * 10.0**k, np.nan) for k in range(-4, 11)]
+    exponents = range(-4, len(fields(GaitQuality)) - 1)
+    numbers = [np.where(survived, 10.0**k * rng.uniform(size=6), np.nan) for k in exponents]
     tracked = Tracking(survived, *numbers[:3], tracked=survived & (np.arange(6) > 2))
-    quality = GaitQuality(*numbers[3 : 3 + len(fields(GaitQuality))])
+    quality = GaitQuality(*numbers[3:])
     return records.build(2, 3, tracked, quality, ~survived)
 
 

@@ -5,25 +5,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.core.config.evaluation import EvaluationConfig
+from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
 from slider.core.errors import UserError
 from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.profile import commands
-from tests.env.synthetic import config
-from tests.evaluation.test_profile import PERIOD, profile
+from tests.env.synthetic import config, make_contacts
+from tests.evaluation.test_profile import PERIOD, case
 
 STEPS, COUNT = 150, 4
 
 
 def protocol() -> EvaluationConfig:
     whole = config("experiment=test").evaluation
-    return replace(whole, profile=profile(), duration=3.0, trials=2, robots=2, commands=[])
+    profile = ProfileConfig(0.0, 0.5, 0.8, cases=[case()])
+    return replace(whole, profile=profile, duration=3.0, trials=2, robots=2, commands=[])
 
 
 def recording() -> Recording:
     """Robot 0 does as told; 1 is 0.1 m/s and 0.1 rad/s off; 2 falls at 1.9 s; 3 stands still."""
-    told = commands(profile(), 3.0, PERIOD)
+    told = commands(case(), 0.0, 3.0, PERIOD)
     command = np.repeat(told[:, None], COUNT, axis=1)
     velocity, rate = command[:, :, :2].copy(), command[:, :, 2].copy()
     velocity[:, 1] += 0.1
@@ -41,8 +42,8 @@ def recording() -> Recording:
         velocity=velocity,
         yaw=np.cumsum(rate, axis=0) * PERIOD,
         position=position,
-        foot_forces=forces,
         foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
+        contacts=make_contacts(np.repeat(forces, 4, axis=0)),
         power=np.zeros((STEPS, COUNT)),
         effort_share=np.zeros((STEPS, COUNT)),
         speed_share=np.zeros((STEPS, COUNT)),
@@ -52,7 +53,7 @@ def recording() -> Recording:
 
 
 def test_measures_by_hand():
-    table = segments.measure(recording(), protocol())
+    table = segments.measure(recording(), protocol(), case())
     assert tuple(table) == segments.COLUMNS
     shaped = {name: values.reshape(3, COUNT) for name, values in table.items()}
     np.testing.assert_array_equal(shaped["trial"][0], [0, 0, 1, 1])
@@ -71,7 +72,7 @@ def test_measures_by_hand():
 def test_traces_are_smooth_means_of_those_that_are_up():
     traces = segments.traces(recording(), protocol())
     assert traces.shape == (STEPS, 10)
-    np.testing.assert_allclose(traces[:, :3], commands(profile(), 3.0, PERIOD), atol=1e-7)
+    np.testing.assert_allclose(traces[:, :3], commands(case(), 0.0, 3.0, PERIOD), atol=1e-7)
     # Half a second into the second segment, far from its ends: 0.4, 0.5, 0.4 and 0 m/s.
     np.testing.assert_allclose(traces[75, 3], np.mean([0.4, 0.5, 0.4, 0.0]), atol=1e-6)
     np.testing.assert_allclose(traces[75, 6], np.std([0.4, 0.5, 0.4, 0.0]), atol=1e-6)
@@ -84,7 +85,7 @@ def test_traces_are_smooth_means_of_those_that_are_up():
 
 
 def test_a_table_survives_its_file(tmp_path):
-    table = segments.measure(recording(), protocol())
+    table = segments.measure(recording(), protocol(), case())
     segments.write(table, tmp_path / "segments.csv")
     found = segments.read(tmp_path / "segments.csv")
     for name in segments.COLUMNS:
@@ -92,3 +93,12 @@ def test_a_table_survives_its_file(tmp_path):
     (tmp_path / "segments.csv").write_text("a,b\n1,2\n")
     with pytest.raises(UserError, match="expected the columns"):
         segments.read(tmp_path / "segments.csv")
+
+
+def test_the_fastest_half_second_is_within_the_segment():
+    rollout = recording()
+    rollout.velocity[:75, 0] = 9.0  # before the second segment has settled
+    rollout.velocity[99, 0] = (5.4, 0.0)  # one step of 25
+    table = segments.measure(rollout, protocol(), case())
+    fastest = table["fastest"].reshape(3, COUNT)
+    np.testing.assert_allclose(fastest[1], [0.6, np.hypot(0.5, 0.1), np.nan, 0.0], atol=1e-12)

@@ -169,7 +169,9 @@ def test_a_policy_about_another_origin_is_refused(walking, tmp_path):
 def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
     whole = config("experiment=test").protocols["joystick"]
     (tmp_path / "out").mkdir()
-    values = section() | {"evaluation": to_dict(whole), "command": None}
+    assert whole.profile is not None
+    (case,) = whole.profile.cases
+    values = section() | {"evaluation": to_dict(whole), "command": None, "case": to_dict(case)}
     summary = stage.run(values, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
     names = {path.name for path in (tmp_path / "out").iterdir()}
     expected = {"robots.csv", "velocity.npy", "command.json", "segments.csv", "traces.npy"}
@@ -201,7 +203,7 @@ def test_disturbances_are_repeatable_and_belong_to_the_trial(walking, tmp_path):
 def test_policy_and_baseline_meet_the_same_robots():
     """Same masses, whatever the drives and the control rate."""
     whole = config(*WHOLE, "evaluation=robust", "evaluation.trials=2", "evaluation.robots=3")
-    test = protocol.Protocol("policy", 0.2, whole.robot, whole.evaluation)
+    test = protocol.Protocol("policy", 0.2, None, whole.robot, whole.evaluation)
     count, control = test.count, whole.control.tuned
     slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=test.disturbance)
     fast = baseline.build_plant(

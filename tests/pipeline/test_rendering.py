@@ -80,6 +80,6 @@ def test_the_ablation_is_laid_out_for_a_page_that_shows_it_only(monkeypatch):
 def test_a_page_shows_the_settings_of_its_protocols_only():
     _, report = stages("report.sections=[sweep,joystick]")
     assert report.section["configuration"]["protocols"].keys() == {"sweep", "joystick"}
-    assert {job.stage for job in report.inputs["joystick"]} == {"profile"}
+    assert {job.stage for job in report.inputs["joystick"]} == {"segments"}
     _, report = stages()
     assert "protocols" not in report.section["configuration"]

@@ -34,6 +34,15 @@ def test_wishes_are_granted_once():
     assert not control.take_restart()
 
 
+def test_end_goes_round_the_cameras():
+    control, seen = Control((0.4, 0.0, 0.0)), []
+    for _ in range(3):
+        seen.append(control.take_camera())
+        assert control.take_camera() is None
+        window.on_key(control, 269)
+    assert seen == ["side", "front", "side"]
+
+
 def test_home_stands_and_space_pauses():
     control = Control((0.4, 0.1, 0.2))
     window.on_key(control, 268)

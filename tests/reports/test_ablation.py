@@ -8,7 +8,7 @@ import pytest
 
 from slider.core.job import Job
 from slider.library.contents import LibraryContents
-from slider.library.sway import forward_variance
+from slider.library.gait_numbers import gait_numbers
 from slider.reports.ablation import read_curve, run
 from slider.reports.seeds import spread
 from tests.library.gaits import write_store
@@ -80,8 +80,9 @@ def test_one_row_per_run_and_command(out, inputs):
     )
     assert (found[-1]["success_rate"], found[-1]["alternation"]) == ("0", "")
     library = LibraryContents.load(inputs["library"][0] / "library.zarr")
-    sway = [f"{forward_variance(library, command):.6g}" for command in COMMANDS]
-    assert [row["reference_velocity_variance"] for row in found] == 4 * sway
+    for name in ("velocity_variance", "touchdown_rate"):
+        gaits = [f"{getattr(gait_numbers(library, v), name):.6g}" for v in COMMANDS]
+        assert [row[f"reference_{name}"] for row in found] == 4 * gaits
 
 
 def test_curves_are_over_samples_and_have_no_error_without_survivors(out, inputs):

@@ -12,7 +12,8 @@ SUCCESS, STEADY, WHOLE, TRACKING = METRICS
 
 def row(controller, command, source="measured", **values):
     names = ("success_rate", "mse", "mse_steady", "tracking_rate")
-    cells = dict.fromkeys([*names, *(f"{name}_std" for name in names)], "")
+    names = [*names, *(f"{name}_std" for name in names), "success_low", "success_high"]
+    cells = dict.fromkeys(names, "")
     cells |= {"controller": controller, "source": source, "command_velocity": str(command)}
     return cells | {name: str(value) for name, value in values.items()}
 
@@ -82,6 +83,17 @@ def test_nobody_is_best_where_nobody_survives():
 )
 def test_prints_three_digits(value, spread, metric, text):
     assert show(Value(value, spread, False), metric) == text
+
+
+def test_success_has_its_interval_and_the_papers_has_none():
+    rows = [row("policy", 1.0, success_rate=0.996, success_low=0.98981, success_high=0.99844)]
+    rows.append(row("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221))
+    ours, papers = compare(rows, SUCCESS).rows[0]
+    assert show(ours, SUCCESS) == "99.6 % [99.0, 99.8]"
+    assert show(papers, SUCCESS) == "100.0 %"
+    assert (ours.best, papers.best) == (False, True)
+    assert "99.6 % [99.0, 99.8]" in table1_text.markdown(rows)
+    assert "99.6 \\% [99.0, 99.8]" in table1_text.latex(rows)
 
 
 def test_markdown_has_one_row_per_command_and_metric():

@@ -14,21 +14,22 @@ from slider.core.job import Job
 from slider.env.metrics import GaitQuality, Tracking
 from slider.evaluation import records
 from slider.library.contents import LibraryContents
-from slider.library.sway import forward_variance
+from slider.library.gait_numbers import gait_numbers
 from slider.reports import table1
-from slider.reports.rows import table_row
+from slider.reports.proportions import wilson
+from slider.reports.rows import quality_row, table_row
 from tests.library.gaits import write_store
 
-# Design, section 3: success, MSE with and without the start, tracking; each with its spread.
+# Design, section 3: success with its interval, MSE with and without the start, tracking; spreads.
 COLUMNS = [
     "controller",
     "source",
     "command_velocity",
-    *(
-        name + suffix
-        for name in ("success_rate", "mse", "mse_steady", "tracking_rate")
-        for suffix in ("", "_std")
-    ),
+    "success_rate",
+    "success_rate_std",
+    "success_low",
+    "success_high",
+    *(name + suffix for name in ("mse", "mse_steady", "tracking_rate") for suffix in ("", "_std")),
 ]
 
 
@@ -59,6 +60,7 @@ def test_a_row_by_hand():
         0.6,
     )
     assert row["success_rate"] == pytest.approx(5 / 8)
+    assert (row["success_low"], row["success_high"]) == wilson(5, 8)  # robots, not trials
     assert row["tracking_rate"] == pytest.approx(2 / 8)
     assert row["mse"] == pytest.approx((1 + 2 + 3 + 4 + 8) / 5)
     assert row["mse_steady"] == pytest.approx(0.36)
@@ -144,6 +146,32 @@ def test_the_stage(tmp_path):
     assert {row["reference_velocity_variance"] for row in quality} == {""}, "there is no library"
 
 
+def test_extremes_are_those_of_all_robots_that_survive():
+    """Three robots, the last of which fell."""
+    table = make_records([[1, 1, 0]], [[1, 2, 9]])
+    table |= {
+        "heading": np.array([0.1, 0.3, np.nan]),
+        "peak_effort": np.array([0.5, 0.9, np.nan]),
+        "peak_speed": np.array([0.8, 0.2, np.nan]),
+        "slip": np.array([0.02, 0.04, np.nan]),
+        "leg_distance": np.array([0.05, -0.01, np.nan]),
+        "legs_touch": np.array([0.0, 0.2, np.nan]),
+        "legs_cross": np.array([0.1, 0.3, np.nan]),
+    }
+    row = quality_row("policy", 0.6, table)
+    assert (row["heading"], row["heading_worst"]) == (pytest.approx(0.2), 0.3)
+    assert (row["peak_effort"], row["peak_speed"]) == (0.9, 0.8)
+    assert row["slip"] == pytest.approx(0.03)
+    assert row["leg_distance"] == -0.01
+    assert (row["legs_touch"], row["robots_touch"]) == (pytest.approx(0.1), 0.5)
+    assert (row["legs_cross"], row["robots_cross"]) == (pytest.approx(0.2), 1.0)
+    assert set(quality_row("policy", 0.6, make_records([[0]], [[1]])).values()) == {
+        "policy",
+        0.6,
+        "",
+    }
+
+
 def test_same_input_same_bytes(tmp_path):
     source = write_evaluation(tmp_path / "a", 0.2, make_records([[1, 1]], [[1, 2]]))
     shutil.copytree(source, tmp_path / "copy")
@@ -156,7 +184,8 @@ def test_same_input_same_bytes(tmp_path):
     assert tables[0] == tables[1]
 
 
-def test_the_sway_of_the_gait_stands_beside_that_of_every_controller(tmp_path):
+@pytest.mark.parametrize("name", ["velocity_variance", "touchdown_rate"])
+def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path, name):
     store = write_store(tmp_path / "gaits", [(0.0, 0.0), (1.0, 0.0)])
     found = make_records([[1, 1]], [[1, 2]])
     inputs = [write_evaluation(tmp_path / str(v), v, found) for v in (0.2, 0.4, 3.0)]
@@ -166,10 +195,10 @@ def test_the_sway_of_the_gait_stands_beside_that_of_every_controller(tmp_path):
     table1.run({}, groups, out, Job(tmp_path))
     quality = list(csv.DictReader((out / "gait_quality.csv").read_text().splitlines()))
     names = list(quality[0])
-    at = names.index("velocity_variance")
-    assert names[at + 1] == "reference_velocity_variance"
+    at = names.index(name)
+    assert names[at + 1] == f"reference_{name}"
     library = LibraryContents.load(store)
     for row, speed in zip(quality, (0.2, 0.4), strict=False):
-        expected = forward_variance(library, speed)
+        expected = getattr(gait_numbers(library, speed), name)
         assert float(row[names[at + 1]]) == pytest.approx(expected, rel=1e-5)
     assert quality[2][names[at + 1]] == "", "the library ends at 1 m/s"

@@ -66,6 +66,12 @@ def film(folder: Path, renderer: str):
     )
 
 
+def _width(picture: np.ndarray) -> int:
+    """Of the robot, which is dark [pixel]."""
+    columns = np.flatnonzero((picture.mean(axis=2) < 90).any(axis=0))
+    return columns[-1] - columns[0]
+
+
 @pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
 def test_films_what_the_configuration_asks_for(tmp_path):
     folders = [tmp_path / name for name in ("first", "second")]
@@ -82,6 +88,9 @@ def test_films_what_the_configuration_asks_for(tmp_path):
     assert len(pictures) == 11  # 0.4 s at 25 per second, both ends
     assert np.ptp(pictures[0].mean(axis=2)) > 60  # not an empty picture
     assert (pictures[0].astype(int) != pictures[-1]).any()
+    left, right = np.hsplit(pictures[0][:60].astype(int), 2)  # above the text
+    assert np.abs(left - right).max() > 60  # the side and the front
+    assert _width(right) > 1.2 * _width(left), "hips are wider than long"
     about = json.loads((out / "about.json").read_text())
     assert (about["controller"], about["command"]) == ("policy", 0.2)
     for name in ("video.mp4", "about.json", "poster.jpg"):

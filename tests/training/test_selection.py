@@ -13,12 +13,13 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording
 from slider.training import ppo, selection
 from slider.training.selection import Selector
-from tests.env.synthetic import config, gait_table
+from tests.env.synthetic import config, gait_table, make_contacts
 
 SETTINGS = SelectionConfig(
     interval=1,
     commands=[0.2, 2.0],
     robots=2,
+    seed=1900,
     duration=1.0,
     skip=0.2,
     fall_weight=10.0,
@@ -26,9 +27,7 @@ SETTINGS = SelectionConfig(
 )
 
 
-def make_selector(
-    settings: SelectionConfig = SETTINGS, seed: int = 1, disturbance: str = "none"
-) -> Selector:
+def make_selector(settings: SelectionConfig = SETTINGS, disturbance: str = "none") -> Selector:
     whole = config("experiment=test", f"train/walking/disturbance={disturbance}")
     disturbed, table = whole.train.walking.disturbance, gait_table()
     return Selector(
@@ -37,7 +36,6 @@ def make_selector(
         settings,
         disturbed,
         table.times,
-        seed,
         threads=1,
         reference=table.joints,
     )
@@ -66,8 +64,8 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
         velocity=velocity,
         yaw=np.zeros((50, 4)),
         position=np.zeros((50, 4, 2)),
-        foot_forces=forces,
         foot_positions=np.zeros((50, 4, 2, 3)),
+        contacts=make_contacts(np.repeat(forces, 4, axis=0)),
         power=np.zeros((50, 4)),
         effort_share=np.zeros((50, 4)),
         speed_share=np.zeros((50, 4)),
@@ -105,7 +103,8 @@ def test_the_same_network_has_the_same_score():
     first, second = selector.score(nothing), selector.score(nothing)
     assert first == second
     assert first.success == 1.0, "no robot falls within half a second"
-    other = make_selector(replace(SETTINGS, commands=[0.0], duration=0.5, robots=4), seed=2)
+    moved = replace(SETTINGS, commands=[0.0], duration=0.5, robots=4, seed=1901)
+    other = make_selector(moved)
     assert other.score(nothing).value != first.value
 
 

@@ -85,8 +85,9 @@ def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table
         ("protocols.sweep.trials=3", {"sweep"}),
         ("protocols.sweep.commands=[0.4]", {"sweep"}),
         ("protocols.joystick.profile.settle=0.1", {"joystick"}),
+        ("protocols.heldout.duration=1.4", {"heldout"}),
         ("evaluation.trials=3", set()),
-        ("train.walking.seed=2", {"sweep", "robust", "joystick"}),
+        ("train.walking.seed=2", {"sweep", "robust", "joystick", "heldout"}),
     ],
 )
 def test_a_protocol_depends_on_its_own_settings_and_on_the_policy(override, changed):
@@ -109,6 +110,47 @@ def test_a_protocol_has_one_job_per_controller_and_command():
     commands = [job.section["command"] for job in evaluations["sweep"][:31]]
     assert commands == [round(0.1 * k, 10) for k in range(31)]
     assert {job.section["command"] for job in evaluations["joystick"]} == {None}
+
+
+def test_a_case_is_a_job_that_does_not_know_of_the_others():
+    before = evaluations("heldout")
+    assert list(before) == ["0.3 m/s", "stop from 0.2 m/s"]
+    one = "{name: 0.3 m/s, segments: [{name: walk, time: 0.0, vx: 0.3}]}"
+    other = "{name: 0.5 m/s, segments: [{name: walk, time: 0.0, vx: 0.5}]}"
+    after = evaluations("heldout", f"protocols.heldout.profile.cases=[{other},{one}]")
+    assert after["0.3 m/s"] == before["0.3 m/s"]
+    assert after["0.5 m/s"] not in before.values()
+    moved = evaluations("heldout", "protocols.heldout.profile.settle=0.3")
+    assert not set(moved.values()) & set(before.values())
+
+
+def evaluations(name: str, *overrides: str) -> dict[str, str]:
+    """Recipe of each case of a protocol."""
+    config = compose(["experiment=test", *overrides], CONF)
+    jobs = protocol_jobs(config, table1_jobs(config)["walking"])[name].inputs["evaluations"]
+    return {job.section["case"]["name"]: job.recipe for job in jobs}
+
+
+def test_held_out_commands_are_those_that_no_checkpoint_is_chosen_by():
+    config = compose([], CONF)
+    profile = config.protocols["heldout"].profile
+    assert profile is not None
+    cases = [case.segments for case in profile.cases]
+    alone = [segments[0] for segments in cases if len(segments) == 1]
+    walked = {segment.vx for segment in alone if segment.vy == 0.0}
+    known = set(config.train.walking.selection.commands) | {0.0}
+    assert known | set(config.evaluation.commands) <= walked
+    between = sorted(walked - known)
+    assert len(between) >= 4
+    assert all(min(known) < speed < max(known) for speed in between)
+    sideways = {(segment.vx, segment.vy) for segment in alone if segment.vy}
+    assert {vy for _, vy in sideways} == {-0.1, 0.1}
+    assert len(sideways) >= 4
+    stops = [segments for segments in cases if len(segments) == 2]
+    assert [start.vx for start, _ in stops] == config.evaluation.commands
+    for _, stop in stops:
+        assert (stop.vx, stop.vy, stop.yaw_rate) == (0.0, 0.0, 0.0)
+        assert config.protocols["heldout"].duration - stop.time >= 60.0
 
 
 def test_an_option_that_is_not_used_is_in_no_recipe():

@@ -40,5 +40,5 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
 
 def _interface(env: EnvConfig) -> dict[str, Any]:
     """What a policy sees and does, by dotted key."""
-    parts = ("control_period", "observation", "action", "phase")
+    parts = ("control_period", "reference", "observation", "action", "phase")
     return flatten({name: value for name, value in to_dict(env).items() if name in parts})

@@ -22,8 +22,8 @@ def observed_channels(view: View) -> np.ndarray:
 class Guide:
     """Reference samples for N robots.
 
-    The gait in use follows the command: ``interpolated`` between those of the library, or the
-    ``nearest`` of them. Within it the sample follows the clock (``at_phase``) or the state
+    The gait in use follows the reference velocity: ``interpolated`` between those of the library,
+    or the ``nearest`` of them. Within it the sample follows the clock (``at_phase``) or the state
     (``nearest_distance``).
     """
 
@@ -44,7 +44,7 @@ class Guide:
 
         Where the clock is halted: standing on both feet, at rest.
         """
-        vx, vy = view.command[:, 0], view.command[:, 1]
+        vx, vy = view.reference_velocity.T
         if self._nearest:
             vx, vy = self._library.velocities[self._library.nearest(vx, vy)].T
         reference = self._table.at(vx, vy, view.phase)
@@ -58,7 +58,7 @@ class Guide:
         The stance foot stays while the base turns over it, so that the stance hip's yaw goes from
         +ψ̇ T/2 to −ψ̇ T/2 in a step of duration T; the swing leg goes back for the next step.
         """
-        step_time = self._table.times.at(view.command[:, 0], view.command[:, 1])
+        step_time = self._table.times.at(*view.reference_velocity.T)
         progress = (2.0 * view.phase) % 1.0
         stance = view.command[:, 2] * step_time * (0.5 - progress)
         left = np.where(view.phase < 0.5, stance, -stance)
@@ -97,7 +97,7 @@ class Guide:
 
     def _samples_for(self, view: View, masked: bool) -> tuple[np.ndarray, np.ndarray]:
         """Samples (N, S, 26) of the robots' gaits and their squared norms (N, S)."""
-        vx, vy = view.command[:, 0], view.command[:, 1]
+        vx, vy = view.reference_velocity.T
         if self._nearest:
             gait = self._library.nearest(vx, vy)
             return self._samples[gait], self._norms[masked][gait]

@@ -71,8 +71,8 @@ class AgentInterface:
         self.action = np.zeros((num_robots, NUM_JOINTS))
         self.previous_action = np.zeros((num_robots, NUM_JOINTS))
         self.filtered_velocity = np.zeros((num_robots, 2))
-        self._gradual_command = np.zeros((num_robots, 2))
-        self._gradual_velocity = np.zeros((num_robots, 2))
+        self.reference_velocity = np.zeros((num_robots, 2))
+        self.expected_velocity = np.zeros((num_robots, 2))
         self.heading_target = np.zeros(num_robots)
 
     def reset(
@@ -89,13 +89,13 @@ class AgentInterface:
             index: robots to reset.
             state: of all robots, after their reset.
             phase: start of the clock, (n,) or one for all.
-            velocity: start of the velocity filters (n, 2) [m/s], or one value for all.
+            velocity: start of reference and filters (n, 2) [m/s], or one value for all.
             heading: where they are to head (n,) [rad]; where they look if not given.
         """
         self.action[index] = 0.0
         self.previous_action[index] = 0.0
-        for filtered in (self.filtered_velocity, self._gradual_command, self._gradual_velocity):
-            filtered[index] = velocity
+        self.reference_velocity[index] = self.command[index, :2] if self._at_once else velocity
+        self.filtered_velocity[index] = self.expected_velocity[index] = velocity
         self.heading_target[index] = state.yaw[index] if heading is None else heading
         if self.clock is not None:
             speed = np.hypot(*self.filtered_velocity[index].T)
@@ -104,6 +104,8 @@ class AgentInterface:
     def set_velocity_command(self, index: np.ndarray, velocity: np.ndarray) -> None:
         """Command vx, vy [m/s] and yaw rate [rad/s], (n, 3), to robots ``index``."""
         self.command[index, :3] = velocity
+        if self._at_once:
+            self.reference_velocity[index] = velocity[:, :2]
 
     def act(self, action: np.ndarray) -> np.ndarray:
         """Joint targets (N, 12) [rad or m] of the agent's actions (N, 12)."""
@@ -115,37 +117,32 @@ class AgentInterface:
         return np.clip(self._origin() + self._scale * self.action, self._lower, self._upper)
 
     def _origin(self) -> np.ndarray:
-        """Joint positions of a zero action: (12,), or (N, 12) on gaits within reach or standing."""
+        """Joint positions of a zero action: (12,), or (N, 12) on gaits or standing."""
         if self._reference is None or self.clock is None:
             return self.nominal
-        reach, own = self._config.action.reach, self.filtered_velocity
-        velocity = np.clip(self.command[:, :2], own - reach, own + reach)
-        origin = self._reference.at(velocity[:, 0], velocity[:, 1], self.clock.phase)
+        origin = self._reference.at(*self.reference_velocity.T, self.clock.phase)
         if self.clock.halted.any():
             origin[self.clock.halted] = self._reference.standing
         return origin
 
     def advance(self, state: RobotState) -> None:
-        """Move clock, heading target and velocity filters on by one control period."""
+        """Move clock, heading target, reference and velocity filters on by one control period."""
         period = self._config.control_period
         if self.clock is not None:
             speeds = (np.hypot(*v.T) for v in (self.filtered_velocity, state.heading_velocity))
-            self.clock.advance(self.command, *speeds)
+            self.clock.advance(self.command, self.reference_velocity, *speeds)
         self.heading_target += self.command[:, 2] * period
-        gain, command_gain = self._config.observation.filter_gains(period)
+        change = self._config.reference.acceleration * period
+        way = self.command[:, :2] - self.reference_velocity
+        self.reference_velocity += way if self._at_once else np.clip(way, -change, change)
+        gain = self._config.observation.filter_gain(period)
         self.filtered_velocity += gain * (state.heading_velocity - self.filtered_velocity)
-        self._gradual_command += command_gain * (self.command[:, :2] - self._gradual_command)
-        self._gradual_velocity += gain * (self._gradual_command - self._gradual_velocity)
+        self.expected_velocity += gain * (self.reference_velocity - self.expected_velocity)
         self.refresh_heading(state)
 
     @property
-    def expected_velocity(self) -> np.ndarray:
-        """What ``filtered_velocity`` is compared with (N, 2) [m/s].
-
-        The command, or what a robot's would be that follows its command with ``command_filter``.
-        """
-        gradual = self._config.observation.command_filter > 0
-        return self._gradual_velocity if gradual else self.command[:, :2]
+    def _at_once(self) -> bool:
+        return self._config.reference.acceleration == 0.0
 
     def refresh_heading(self, state: RobotState) -> None:
         """Write the wrapped heading error into the command."""
@@ -162,6 +159,7 @@ class AgentInterface:
             previous_action=self.previous_action,
             action_scale=self._scale,
             filtered_velocity=self.filtered_velocity,
+            reference_velocity=self.reference_velocity,
             expected_velocity=self.expected_velocity,
             phase=np.zeros(self.num_robots) if self.clock is None else self.clock.phase,
             halted=self._halted(),

@@ -4,9 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.env.contacts import CONTACT_FORCE, Contacts, touchdowns
 from slider.env.rollout import Recording
 
-CONTACT_FORCE = 5.0  # a foot with more than this on it is on the ground [N]
+TOGETHER = 0.02  # feet that touch down within less than this do so together [s]
+
+
+Numbers = dict[str, np.ndarray]  # name → value per robot (N,)
 
 
 @dataclass(frozen=True)
@@ -59,12 +63,13 @@ class GaitQuality:
     Attributes:
         flight: share of time with no foot on the ground.
         double_support: share of time with both feet on the ground.
-        touchdown_rate: touchdowns per second, both feet.
+        touchdown_rate: touchdowns per second, both feet, without bounces; see
+            :func:`slider.env.contacts.touchdowns`.
         alternation: share of touchdowns that follow one of the other foot; two feet that touch down
             together follow none.
         clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
             counts as 0 while the foot is loaded.
-        slip: mean horizontal speed of soles while loaded [m/s].
+        slip: mean horizontal speed of heels and toes while loaded, at the points that touch [m/s].
         heading: largest |yaw − commanded yaw| [rad] of the whole rollout; what is commanded is the
             yaw at the start and the integral of the commanded yaw rate.
         asymmetry: |mean time from a left to the next right touchdown − from right to left| over
@@ -73,6 +78,11 @@ class GaitQuality:
         velocity_variance: of the forward velocity about its mean [m²/s²].
         cost_of_transport: mean absolute power of the drives over m g and the mean speed [-].
         peak_effort, peak_speed: largest share of a drive's limit [-].
+        leg_distance: least distance of the closest parts of the two legs in the whole rollout [m];
+            negative where they pressed on each other.
+        legs_touch: share of the whole rollout in which they touch.
+        legs_cross: share of the whole rollout in which the middle of the left foot is to the right
+            of that of the right one, in the heading frame.
     """
 
     flight: np.ndarray
@@ -87,29 +97,65 @@ class GaitQuality:
     cost_of_transport: np.ndarray
     peak_effort: np.ndarray
     peak_speed: np.ndarray
+    leg_distance: np.ndarray
+    legs_touch: np.ndarray
+    legs_cross: np.ndarray
 
 
 def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
-    """Quality of the gait from contacts and foot motion."""
-    first = round(steady_from / recording.period)
-    survived = recording.survived
-    contact = recording.foot_forces[first:] > CONTACT_FORCE
-    touchdown = contact[1:] & ~contact[:-1]
-    seconds = len(touchdown) * recording.period
-    return GaitQuality(
-        flight=_where(survived, (~contact.any(axis=2)).mean(axis=0)),
-        double_support=_where(survived, contact.all(axis=2).mean(axis=0)),
-        touchdown_rate=_where(survived, touchdown.sum(axis=(0, 2)) / seconds),
-        alternation=_where(survived, _alternation(touchdown)),
-        clearance=_where(survived, _clearance(recording.foot_positions[first:], contact)),
-        slip=_where(survived, _slip(recording.foot_positions[first:], contact, recording.period)),
-        heading=_where(survived, np.abs(heading_error(recording)).max(axis=0)),
-        asymmetry=_where(survived, _asymmetry(touchdown)),
-        velocity_variance=_where(survived, recording.velocity[first:, :, 0].var(axis=0)),
-        cost_of_transport=_where(survived, _cost_of_transport(recording, first)),
-        peak_effort=_where(survived, recording.effort_share[first:].max(axis=0)),
-        peak_speed=_where(survived, recording.speed_share[first:].max(axis=0)),
+    """Quality of the gait: contacts at every simulation step, motion at every control step."""
+    step, tick = round(steady_from / recording.period), round(steady_from / recording.timestep)
+    numbers = (
+        _support(recording, tick)
+        | _stepping(recording, tick)
+        | _motion(recording, step)
+        | _legs(recording)
     )
+    survived = recording.survived
+    return GaitQuality(**{name: _where(survived, values) for name, values in numbers.items()})
+
+
+def _support(recording: Recording, first: int) -> Numbers:
+    contacts = Contacts(*(series[first:] for series in recording.contacts))
+    contact = contacts.forces > CONTACT_FORCE
+    return {
+        "flight": (~contact.any(axis=2)).mean(axis=0),
+        "double_support": contact.all(axis=2).mean(axis=0),
+        "slip": _slip(contacts),
+    }
+
+
+def _stepping(recording: Recording, first: int) -> Numbers:
+    touchdown = touchdowns(recording.contacts.forces, recording.timestep)[first:]
+    return {
+        "touchdown_rate": touchdown.sum(axis=(0, 2)) / (len(touchdown) * recording.timestep),
+        "alternation": _alternation(touchdown, TOGETHER / recording.timestep),
+        "asymmetry": _asymmetry(touchdown),
+    }
+
+
+def _motion(recording: Recording, first: int) -> Numbers:
+    contact = recording.foot_forces[first:] > CONTACT_FORCE
+    return {
+        "clearance": _clearance(recording.foot_positions[first:], contact),
+        "heading": np.abs(heading_error(recording)).max(axis=0),
+        "velocity_variance": recording.velocity[first:, :, 0].var(axis=0),
+        "cost_of_transport": _cost_of_transport(recording, first),
+        "peak_effort": recording.effort_share[first:].max(axis=0),
+        "peak_speed": recording.speed_share[first:].max(axis=0),
+    }
+
+
+def _legs(recording: Recording) -> Numbers:
+    distance = recording.contacts.leg_distance
+    left, right = np.moveaxis(recording.foot_positions[..., :2], 2, 0)
+    sine, cosine = np.sin(recording.yaw), np.cos(recording.yaw)
+    apart = cosine * (left - right)[..., 1] - sine * (left - right)[..., 0]
+    return {
+        "leg_distance": distance.min(axis=0),
+        "legs_touch": (distance <= 0).mean(axis=0),
+        "legs_cross": (apart < 0).mean(axis=0),
+    }
 
 
 def heading_error(recording: Recording) -> np.ndarray:
@@ -123,19 +169,23 @@ def _where(survived: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.where(survived, values, np.nan)
 
 
-def _alternation(touchdown: np.ndarray) -> np.ndarray:
-    """Share of touchdowns (S, N, 2) that follow one of the other foot (N,)."""
+def _alternation(touchdown: np.ndarray, together: float) -> np.ndarray:
+    """Share of touchdowns (T, N, 2) that follow one of the other foot (N,).
+
+    Feet that touch down fewer than ``together`` simulation steps apart follow none.
+    """
     share = np.zeros(touchdown.shape[1])
     for robot in range(touchdown.shape[1]):
-        steps, feet = np.nonzero(touchdown[:, robot])
+        times, feet = np.nonzero(touchdown[:, robot])
         if len(feet) > 1:
-            together = touchdown[steps[1:], robot].all(axis=1)
-            share[robot] = np.mean((feet[1:] != feet[:-1]) & ~together)
+            other = feet[:, None] != feet
+            close = np.abs(times[:, None] - times) < together - 1e-6
+            share[robot] = np.mean((feet[1:] != feet[:-1]) & ~(other & close).any(axis=1)[1:])
     return share
 
 
 def _asymmetry(touchdown: np.ndarray) -> np.ndarray:
-    """Of the step times (N,), from the first of touchdowns (S, N, 2) of a foot in a row."""
+    """Of the step times (N,), from the first of touchdowns (T, N, 2) of a foot in a row."""
     result = np.ones(touchdown.shape[1])
     for robot in range(touchdown.shape[1]):
         steps, feet = np.nonzero(touchdown[:, robot])
@@ -160,7 +210,9 @@ def _clearance(positions: np.ndarray, contact: np.ndarray) -> np.ndarray:
     return np.percentile(heights, 90, axis=0).mean(axis=1)
 
 
-def _slip(positions: np.ndarray, contact: np.ndarray, period: float) -> np.ndarray:
-    speed = np.linalg.norm(np.diff(positions[..., :2], axis=0), axis=-1) / period
-    loaded = contact[1:] & contact[:-1]
-    return (speed * loaded).sum(axis=(0, 2)) / np.maximum(loaded.sum(axis=(0, 2)), 1)
+def _slip(contacts: Contacts) -> np.ndarray:
+    """Of ends that are loaded for two steps in a row: the speed at a touchdown is no slip."""
+    loaded = contacts.loaded[1:] & contacts.loaded[:-1]
+    count = loaded.sum(axis=(0, 2, 3))
+    total = np.where(loaded, contacts.speeds[1:], 0.0).sum(axis=(0, 2, 3), dtype=float)
+    return total / np.maximum(count, 1)

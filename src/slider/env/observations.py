@@ -75,8 +75,13 @@ def filtered_velocity(view: View) -> np.ndarray:
     return view.filtered_velocity
 
 
+def reference_velocity(view: View) -> np.ndarray:
+    """Velocity on the way from one command to the next, forward and leftward (N, 2) [m/s]."""
+    return view.reference_velocity
+
+
 def velocity_error(view: View) -> np.ndarray:
-    """tanh((low-passed − expected velocity)/0.2 m/s), forward and leftward (N, 2).
+    """tanh((low-passed velocity − low-passed reference)/0.2 m/s), forward and leftward (N, 2).
 
     Says little new, but in one number: networks find small differences of large inputs late.
     """
@@ -148,6 +153,7 @@ TERMS = {
     "action_before_previous": _joints(action_before_previous),
     "base_height": _vector(base_height, (1.0,)),
     "filtered_velocity": _vector(filtered_velocity, (1.0, -1.0)),
+    "reference_velocity": _vector(reference_velocity, (1.0, -1.0)),
     "velocity_error": _vector(velocity_error, (1.0, -1.0)),
     # Half a walk later the other leg is in stance.
     "phase": _vector(phase, (-1.0, -1.0)),

@@ -53,14 +53,21 @@ class Clock:
         change = (2.0 * self.phase[index]) % 1.0 == 0.0
         self.halted[index] = change & standing(command) & (speed < self._halt.below)
 
-    def advance(self, command: np.ndarray, mean_speed: np.ndarray, speed: np.ndarray) -> None:
-        """Move on by one control period at the step times of the commands.
+    def advance(
+        self,
+        command: np.ndarray,
+        reference: np.ndarray,
+        mean_speed: np.ndarray,
+        speed: np.ndarray,
+    ) -> None:
+        """Move on by one control period at the step times of the reference velocities.
 
         Args:
             command: (N, ≥ 3) vx, vy [m/s], yaw rate [rad/s].
+            reference: velocities (N, 2) [m/s].
             mean_speed, speed: of the base, low-passed and now (N,) [m/s].
         """
-        step_time = self._times.at(command[:, 0], command[:, 1])
+        step_time = self._times.at(*reference.T)
         phase = self.phase + self._period / (2.0 * step_time)
         if self.halts:
             change = np.ceil(2.0 * self.phase) / 2.0

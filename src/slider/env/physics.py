@@ -4,6 +4,7 @@
 # pyright: reportAttributeAccessIssue=false
 
 from collections.abc import Sequence
+from functools import partial
 
 import mujoco
 import numpy as np
@@ -11,9 +12,11 @@ from mujoco import rollout
 
 from slider.core.config.env import PhysicsConfig
 from slider.core.config.robot import RobotConfig
+from slider.env.contacts import Contacts, observe
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
 from slider.env.drive_loads import DriveLoads, loads
+from slider.env.ground import FLAT
 from slider.env.state import RobotState, turn_to_heading
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
@@ -35,7 +38,8 @@ class BatchedPhysics:
     Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
     torques of them. See :class:`SimulationOptions`. A
     ``disturbance`` makes robots differ, delays their inputs, pushes them and spoils what
-    :meth:`measure` says.
+    :meth:`measure` says. Without ``instruments`` it is faster and says nothing of
+    :meth:`contacts`.
     """
 
     def __init__(
@@ -46,12 +50,14 @@ class BatchedPhysics:
         threads: int = 1,
         actuation: Actuation = "position",
         disturbance: Disturbance | None = None,
+        instruments: bool = True,
     ) -> None:
         options = SimulationOptions(
             config.timestep,
             config.solver_iterations,
             config.line_search_iterations,
             actuation=actuation,
+            instruments=instruments,
         )
         mujoco.set_mju_user_warning(_ignore_warning)
         self.robot = robot
@@ -73,6 +79,7 @@ class BatchedPhysics:
         self._series = self._state[:, None], self._sensors[:, None]
         self._diverged = np.zeros(num_robots, dtype=bool)
         self._index = _SensorIndex(self.model)
+        self._instruments = _Instruments(self.model) if instruments else None
         self._motors = Transmission.of(robot)
         self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
 
@@ -142,6 +149,39 @@ class BatchedPhysics:
         speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
         return loads(self._motors, sensors[:, :, self._index.torques], speeds)
 
+    def contacts(self) -> Contacts:
+        """Feet and legs in the last :meth:`step`, at each of its simulation steps.
+
+        Raises:
+            RuntimeError: the plant has no instruments.
+        """
+        _, sensors = self._series
+        ground = FLAT if self._disturber is None else self._disturber.ground
+        forces = np.abs(sensors[:, :, self._index.forces])
+        distances = sensors[:, :, self._need_instruments().distances]
+        return observe(forces, *self.foot_ends(), distances, ground)
+
+    def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest points of heel and toe at each simulation step of the last :meth:`step`.
+
+        Returns:
+            Positions [m], and velocities of the foot there [m/s], (N, steps, 2, 2, 3) in the world:
+            foot (left, right), end (heel, toe), coordinate.
+
+        Raises:
+            RuntimeError: the plant has no instruments.
+        """
+        radius = self.robot.geometry.foot_radius
+        positions, velocities = self._need_instruments().foot_ends(self._series[1], radius)
+        if self._disturber is not None:
+            positions[..., :2] += self._disturber.sensor_offset[:, None, None, None]
+        return positions, velocities
+
+    def _need_instruments(self) -> "_Instruments":
+        if self._instruments is None:
+            raise RuntimeError("expected physics with instruments, found one without")
+        return self._instruments
+
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
         qpos, qvel, sensors, index = self.qpos, self.qvel, self._sensors, self._index
@@ -184,18 +224,48 @@ class BatchedPhysics:
         return self._disturber.masses
 
 
+def _columns(model: mujoco.MjModel, sensor: str) -> Sequence[int]:
+    start = int(model.sensor(sensor).adr[0])
+    return range(start, start + int(model.sensor(sensor).dim[0]))
+
+
 class _SensorIndex:
     """Columns of the sensor array."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        def columns(sensor: str) -> Sequence[int]:
-            start = int(model.sensor(sensor).adr[0])
-            return range(start, start + int(model.sensor(sensor).dim[0]))
-
-        sides = names.SIDES
+        columns, sides = partial(_columns, model), names.SIDES
         self.torques = [columns(f"{motor}_torque")[0] for motor in names.MOTORS]
         self.soles = [c for side in sides for c in columns(f"{side}_sole_position")]
         self.sole_velocities = [c for side in sides for c in columns(f"{side}_sole_velocity")]
         self.forces = [columns(f"{side}_foot_force")[2] for side in sides]  # z of the net force
         bodies = (names.BASE, *(names.tube(side) for side in sides))
         self.contacts = [columns(f"{body}_contact")[0] for body in bodies]
+
+
+class _Instruments:
+    """Columns of the sensors that metrics alone need."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        columns, sides = partial(_columns, model), names.SIDES
+        ends = [names.foot_end(side, end) for side in sides for end in names.FOOT_ENDS]
+        self._positions = [c for end in ends for c in columns(f"{end}_position")]
+        self._velocities = [c for end in ends for c in columns(f"{end}_velocity")]
+        self._turning = [c for side in sides for c in columns(f"{side}_foot_turning")]
+        self.distances = [columns(names.distance(*pair))[0] for pair in names.LEG_PAIRS]
+
+    def foot_ends(self, sensors: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest points of heel and toe, and how the foot moves there: v + ω × (0, 0, −r).
+
+        Args:
+            sensors: (N, T, sensors).
+            radius: of the foot's capsule r [m].
+
+        Returns:
+            Positions [m] and velocities [m/s] (N, T, 2, 2, 3): foot, end, coordinate.
+        """
+        shape = (*sensors.shape[:2], len(names.SIDES), len(names.FOOT_ENDS), 3)
+        positions = sensors[:, :, self._positions].reshape(shape)
+        velocities = sensors[:, :, self._velocities].reshape(shape)
+        turning = sensors[:, :, self._turning].reshape(*shape[:3], 1, 3)
+        down = np.array([0.0, 0.0, -radius])
+        return positions + down, velocities + np.cross(turning, down)

@@ -11,6 +11,7 @@ from slider.core.config.train import RewardConfig
 from slider.core.errors import UserError
 from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
 from slider.env.phase import standing
+from slider.env.state import turn_to_heading
 from slider.env.view import View
 from slider.robot.names import JOINTS, leg_joint
 
@@ -64,7 +65,7 @@ def _norm(values: np.ndarray) -> np.ndarray:
 
 
 def _velocity_error(view: View) -> np.ndarray:
-    return view.state.heading_velocity - view.command[:, :2]
+    return view.state.heading_velocity - view.reference_velocity
 
 
 def alive(r: RewardView) -> np.ndarray:
@@ -73,24 +74,24 @@ def alive(r: RewardView) -> np.ndarray:
 
 
 def forward_velocity(r: RewardView) -> np.ndarray:
-    """1 − tanh|vx − command|: a gradient at every distance."""
+    """1 − tanh|vx − reference|: a gradient at every distance."""
     return 1.0 - np.tanh(np.abs(_velocity_error(r.view)[:, 0]))
 
 
 def _filtered_error(view: View) -> np.ndarray:
-    """Low-passed minus expected velocity (N, 2) [m/s]."""
+    """Low-passed velocity minus low-passed reference (N, 2) [m/s]."""
     return view.filtered_velocity - view.expected_velocity
 
 
 def forward_velocity_filtered(r: RewardView, width: float, relative: float) -> np.ndarray:
-    """exp(−e²/(width + relative·vx²)), low-passed minus expected forward velocity [m²/s²]."""
+    """exp(−e²/(width + relative·vx²)), low-passed forward velocity minus reference [m²/s²]."""
     error = _filtered_error(r.view)[:, 0]
-    return _kernel(error**2, width + relative * r.view.command[:, 0] ** 2)
+    return _kernel(error**2, width + relative * r.view.expected_velocity[:, 0] ** 2)
 
 
 def lateral_velocity_filtered(r: RewardView, width: float) -> np.ndarray:
-    """exp(−e²/width), low-passed minus expected leftward velocity [m²/s²]."""
-    return _kernel(_filtered_error(r.view)[:, 1] ** 2, width)
+    """1 − tanh(|e|/width), low-passed leftward velocity minus reference [m/s]."""
+    return 1.0 - np.tanh(np.abs(_filtered_error(r.view)[:, 1]) / width)
 
 
 def yaw_rate(r: RewardView, width: float) -> np.ndarray:
@@ -172,10 +173,22 @@ def effort(r: RewardView) -> np.ndarray:
     return ((r.state.motor_torques / r.view.torque_limits) ** 2).sum(axis=1)
 
 
-def foot_slip(r: RewardView, loaded: float) -> np.ndarray:
-    """Σ over loaded feet of the squared horizontal speed of the sole [m²/s²]."""
-    speed = (r.state.foot_velocities[:, :, :2] ** 2).sum(axis=2)
-    return (speed * (r.state.foot_forces > loaded)).sum(axis=1)
+def foot_slip(r: RewardView, loaded: float, width: float) -> np.ndarray:
+    """Σ over loaded feet of 1 − exp(−v²/width), v the horizontal speed of the sole [m²/s²]."""
+    square = (r.state.foot_velocities[:, :, :2] ** 2).sum(axis=2)
+    return ((1.0 - _kernel(square, width)) * (r.state.foot_forces > loaded)).sum(axis=1)
+
+
+def airborne(r: RewardView, unloaded: float) -> np.ndarray:
+    """1 where both feet carry less than ``unloaded`` [N]."""
+    return (r.state.foot_forces < unloaded).all(axis=1).astype(float)
+
+
+def feet_close(r: RewardView, least: float) -> np.ndarray:
+    """Share by which the lateral distance of the soles, left from right, is below ``least`` [m]."""
+    way = r.state.foot_positions[:, 0] - r.state.foot_positions[:, 1]
+    distance = turn_to_heading(way, r.state.yaw)[:, 1]
+    return np.maximum(0.0, 1.0 - distance / least)
 
 
 def torque_tanh(r: RewardView) -> np.ndarray:
@@ -232,6 +245,8 @@ TERMS: dict[str, Callable[..., np.ndarray]] = {
         roll_pitch_rate,
         effort,
         foot_slip,
+        airborne,
+        feet_close,
         torque_tanh,
         angular_velocity_tanh,
         linear_error_tanh,
@@ -253,9 +268,7 @@ class Reward:
     def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Reward (N,) and the weighted terms by name, each (N,)."""
         config = self._config
-        parts = {
-            name: term.weight * TERMS[name](r, **term.params) for name, term in config.terms.items()
-        }
+        parts = {n: t.weight * TERMS[n](r, **t.params) for n, t in config.active.items()}
         total = np.maximum(sum(parts.values()), config.floor) * config.scale
         return total + config.on_fall * fell, parts
 

@@ -3,18 +3,19 @@
 The rollout owns plant, starts, commands and terminations; a controller only maps state to the
 plant's inputs. It is the same for every controller and for the checks during training. A plant
 that is stepped in less than a control period asks its controller more often; what is recorded
-and what counts as a failure is looked at once per control period all the same, but for the loads
-of the drives, which are looked at in every simulation step.
+and what counts as a failure is looked at once per control period all the same. Loads of the
+drives, contacts and the distance of the legs are looked at in every simulation step.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from slider.core.config.env import EnvConfig, PlantConfig
 from slider.env import terminations
+from slider.env.contacts import Contacts, join
 from slider.env.drive_loads import DriveLoads, over
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
@@ -47,8 +48,8 @@ class Recording:
         velocity: (S, N, 2) forward and leftward velocity of the base [m/s].
         yaw: (S, N) [rad].
         position: (S, N, 2) of the base in the world [m].
-        foot_forces: (S, N, 2) [N].
         foot_positions: (S, N, 2, 3) [m], z above the ground below.
+        contacts: of the feet and between the legs at each of the T simulation steps.
         power, effort_share, speed_share: (S, N) see :class:`DriveLoads`, over each control step.
         diverged: (N,) the simulation blew up.
         weight: (N,) m g [N].
@@ -60,8 +61,8 @@ class Recording:
     velocity: np.ndarray
     yaw: np.ndarray
     position: np.ndarray
-    foot_forces: np.ndarray
     foot_positions: np.ndarray
+    contacts: Contacts
     power: np.ndarray
     effort_share: np.ndarray
     speed_share: np.ndarray
@@ -72,6 +73,17 @@ class Recording:
     def survived(self) -> np.ndarray:
         """Robots (N,) that did not fail."""
         return self.alive[-1]
+
+    @property
+    def timestep(self) -> float:
+        """Simulation step [s]."""
+        return self.period * len(self.alive) / len(self.contacts.forces)
+
+    @property
+    def foot_forces(self) -> np.ndarray:
+        """Vertical ground reactions (S, N, 2) [N] at the end of each control step."""
+        ticks = len(self.contacts.forces) // len(self.alive)
+        return self.contacts.forces[ticks - 1 :: ticks]
 
 
 def roll_out(
@@ -105,47 +117,63 @@ def roll_out(
     controller.reset(physics.measure(state), commands[0])
     alive = np.ones(physics.num_robots, dtype=bool)
     diverged = np.zeros(physics.num_robots, dtype=bool)
-    rows: list[tuple[np.ndarray, ...]] = []
+    rows: list[dict[str, np.ndarray]] = []
+    contacts: list[Contacts] = []
     for step in range(steps):
         if step and (commands[step] != commands[step - 1]).any():
             controller.command(commands[step])
-        state, blown, loads = run_ticks(controller, physics, state, ticks)
-        diverged |= blown
+        state, passed = run_ticks(controller, physics, state, ticks)
+        diverged |= passed.diverged
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
-        rows.append((*_row(alive, state), *loads))
+        rows.append(_row(alive, state) | passed.loads._asdict())
+        contacts.append(passed.contacts)
         progress((step + 1) / steps)
-    series = [np.stack(column) for column in zip(*rows, strict=True)]
-    weight = physics.masses * GRAVITY
-    return Recording(config.control_period, commands, *series, diverged=diverged, weight=weight)
+    return Recording(
+        config.control_period,
+        commands,
+        **{name: np.stack([row[name] for row in rows]) for name in rows[0]},
+        contacts=join(contacts),
+        diverged=diverged,
+        weight=physics.masses * GRAVITY,
+    )
+
+
+class Passed(NamedTuple):
+    """What happened while the plant was stepped: robots (N,) that blew up, loads, contacts."""
+
+    diverged: np.ndarray
+    loads: DriveLoads
+    contacts: Contacts
 
 
 def run_ticks(
     controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
-) -> tuple[RobotState, np.ndarray, DriveLoads]:
+) -> tuple[RobotState, Passed]:
     """Ask the controller and step the plant ``ticks`` times.
 
     Returns:
-        The state afterwards, which robots (N,) blew up in one of the steps, the drives' loads.
+        The state afterwards, and what happened on the way.
     """
     diverged = np.zeros(physics.num_robots, dtype=bool)
     loads: list[DriveLoads] = []
+    contacts: list[Contacts] = []
     for _ in range(ticks):
         physics.step(controller.control(physics.measure(state)))
         state = physics.read()
         loads.append(physics.loads())
+        contacts.append(physics.contacts())
         diverged |= state.diverged
-    return state, diverged, over(loads)
+    return state, Passed(diverged, over(loads), join(contacts))
 
 
-def _row(alive: np.ndarray, state: RobotState) -> tuple[np.ndarray, ...]:
-    return (
-        alive,
-        state.heading_velocity,
-        state.yaw,
-        state.base_position[:, :2],
-        state.foot_forces.astype(np.float32),
-        _above_ground(state).astype(np.float32),
-    )
+def _row(alive: np.ndarray, state: RobotState) -> dict[str, np.ndarray]:
+    return {
+        "alive": alive,
+        "velocity": state.heading_velocity,
+        "yaw": state.yaw,
+        "position": state.base_position[:, :2],
+        "foot_positions": _above_ground(state).astype(np.float32),
+    }
 
 
 def _above_ground(state: RobotState) -> np.ndarray:

@@ -71,6 +71,7 @@ class WalkingEnv(VecEnv):
             self.num_envs,
             threads,
             disturbance=Disturbance(train.disturbance, (train.seed,)),
+            instruments=False,
         )
         self._agent = AgentInterface(robot, config, self.num_envs, times, reference)
         self._commands = CommandSampler(train.commands, config.control_period)

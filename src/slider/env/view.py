@@ -17,7 +17,8 @@ class View:
         action, previous_action: (N, 12) unscaled, unmirrored.
         action_scale: (12,) joint motion of an action of 1 [rad or m].
         filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
-        expected_velocity: (N, 2) what filtered_velocity should be by now [m/s].
+        reference_velocity: (N, 2) on the way from one command to the next [m/s].
+        expected_velocity: (N, 2) the same, low-passed as filtered_velocity is [m/s].
         phase: (N,) clock in [0, 1); zero without a clock.
         halted: (N,) whether the clock stays at a change of feet: stand.
         nominal: (12,) joint positions of the nominal pose [rad or m].
@@ -33,6 +34,7 @@ class View:
     previous_action: np.ndarray
     action_scale: np.ndarray
     filtered_velocity: np.ndarray
+    reference_velocity: np.ndarray
     expected_velocity: np.ndarray
     phase: np.ndarray
     halted: np.ndarray

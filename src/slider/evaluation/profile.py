@@ -2,31 +2,31 @@
 
 import numpy as np
 
-from slider.core.config.evaluation import ProfileConfig, Segment
+from slider.core.config.evaluation import CaseConfig, Segment
 
 
-def commands(profile: ProfileConfig, duration: float, period: float) -> np.ndarray:
+def commands(case: CaseConfig, ramp: float, duration: float, period: float) -> np.ndarray:
     """Commands (S, 3) vx, vy [m/s], yaw rate [rad/s] of each control ``period`` [s].
 
-    Constant in each segment but for its first ``profile.ramp`` seconds, which lead linearly from
-    the command before to its own.
+    Constant in each segment but for its first ``ramp`` seconds, which lead linearly from the
+    command before to its own.
     """
     times = period * np.arange(round(duration / period))
-    values = np.array([command(segment) for segment in profile.segments])
-    starts = np.array([segment.time for segment in profile.segments])
+    values = np.array([command(segment) for segment in case.segments])
+    starts = np.array([segment.time for segment in case.segments])
     current = np.searchsorted(starts, times + period / 2, side="right") - 1
     before = values[np.maximum(current - 1, 0)]
     since = times - starts[current]
-    share = np.ones_like(since) if profile.ramp == 0.0 else np.clip(since / profile.ramp, 0.0, 1.0)
+    share = np.ones_like(since) if ramp == 0.0 else np.clip(since / ramp, 0.0, 1.0)
     return before + share[:, None] * (values[current] - before)
 
 
-def windows(profile: ProfileConfig, duration: float, period: float) -> list[slice]:
-    """Control steps of each segment once it has settled."""
-    starts = [segment.time for segment in profile.segments]
+def windows(case: CaseConfig, settle: float, duration: float, period: float) -> list[slice]:
+    """Control steps of each segment but for its first ``settle`` seconds."""
+    starts = [segment.time for segment in case.segments]
     ends = [*starts[1:], duration]
     return [
-        slice(round((start + profile.settle) / period), round(end / period))
+        slice(round((start + settle) / period), round(end / period))
         for start, end in zip(starts, ends, strict=True)
     ]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from slider.core.config.convert import from_dict
 from slider.core.config.env import EnvConfig, PlantConfig
-from slider.core.config.evaluation import EvaluationConfig
+from slider.core.config.evaluation import CaseConfig, EvaluationConfig
 from slider.core.config.robot import RobotConfig
 from slider.core.job import Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
@@ -18,23 +18,26 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.starts import at_rest
 from slider.evaluation import profile, records, segments
+from slider.evaluation.segments import profile_of
 
 VELOCITIES = "velocity.npy"
 
 
 @dataclass(frozen=True)
 class Protocol:
-    """One controller at one command or with one profile of commands: all trials and robots.
+    """One controller at one command or in one case of a profile: all trials and robots.
 
     Attributes:
         controller: name of the controller, a row of the table.
-        command: forward velocity [m/s]; None with a profile.
+        command: forward velocity [m/s]; None in a case.
+        case: its changing commands; None at a constant one.
         robot: the plant's robot.
         config: trials, starts and what is measured.
     """
 
     controller: str
     command: float | None
+    case: CaseConfig | None
     robot: RobotConfig
     config: EvaluationConfig
 
@@ -65,10 +68,11 @@ def read_protocol(section: Section) -> Protocol:
     Raises:
         UserError: a value is missing or has another type.
     """
-    command = section["command"]
+    command, case = section["command"], section.get("case")
     return Protocol(
         controller=section["controller"],
         command=None if command is None else float(command),
+        case=None if case is None else from_dict(CaseConfig, case),
         robot=from_dict(RobotConfig, section["robot"]),
         config=from_dict(EvaluationConfig, section["evaluation"]),
     )
@@ -77,7 +81,7 @@ def read_protocol(section: Section) -> Protocol:
 def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> Summary:
     """Roll a controller out and write per-robot records and mean velocity traces.
 
-    With a profile of commands also what happened in each segment.
+    In a case of a profile also what happened in each segment.
     """
     config = protocol.config
     recording = _simulate(protocol, simulated, job)
@@ -88,10 +92,11 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
     table = records.build(config.trials, config.robots, tracked, quality, recording.diverged)
     records.write(table, out / records.FILE)
     np.save(out / VELOCITIES, _traces(recording))
-    if config.profile is not None:
-        segments.write(segments.measure(recording, config), out / segments.FILE)
-        np.save(out / segments.TRACES, segments.traces(recording, config))
     about = {"controller": protocol.controller, "command": protocol.command}
+    if protocol.case is not None:
+        about["case"] = protocol.case.name
+        segments.write(segments.measure(recording, config, protocol.case), out / segments.FILE)
+        np.save(out / segments.TRACES, segments.traces(recording, config))
     (out / "command.json").write_text(json.dumps(about) + "\n")
     summary = about | _summary(table)
     job.tracker.log_metrics({k: v for k, v in summary.items() if isinstance(v, float)}, 0)
@@ -111,9 +116,10 @@ def _simulate(protocol: Protocol, simulated: Simulated, job: Job) -> Recording:
 
 
 def _command(protocol: Protocol, period: float) -> np.ndarray:
-    """Of all robots: (N, 3), or (S, N, 3) with a profile."""
-    if protocol.config.profile is not None:
-        values = profile.commands(protocol.config.profile, protocol.config.duration, period)
+    """Of all robots: (N, 3), or (S, N, 3) in a case."""
+    if protocol.case is not None:
+        ramp = profile_of(protocol.config).ramp
+        values = profile.commands(protocol.case, ramp, protocol.config.duration, period)
         return np.repeat(values[:, None], protocol.count, axis=1)
     velocity = np.zeros((protocol.count, 3))
     velocity[:, 0] = protocol.command

@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
-from slider.env.metrics import CONTACT_FORCE, heading_error
+from slider.core.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
+from slider.env.contacts import touchdowns
+from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
 from slider.evaluation import profile as profiles
 from slider.evaluation import table_file
@@ -13,6 +14,7 @@ from slider.evaluation.table_file import Table
 
 FILE, TRACES = "segments.csv", "traces.npy"
 AXES = ("vx", "vy", "yaw_rate")
+SMOOTHING = 0.5  # means over this time leave most of the sway of a step out [s]
 # Of a robot in the settled part of a segment; NaN where it fell before the segment's end.
 MEASURES = (
     *AXES,  # means [m/s, rad/s]
@@ -21,21 +23,23 @@ MEASURES = (
     "heading_error",  # largest |yaw − commanded yaw| [rad]
     "touchdown_rate",  # of both feet [1/s]
     "displacement",  # of the base, from first to last moment [m]
+    "fastest",  # largest |mean (vx, vy)| over any ``SMOOTHING`` of it [m/s]
 )
 COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
 FLAGS = ("survived",)
 
 
-def measure(recording: Recording, protocol: EvaluationConfig) -> Table:
+def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> Table:
     """Columns ``COLUMNS`` of length segments · robots, all robots of a segment together.
 
     ``segment`` is the number of the segment; ``survived`` is true for robots that stood until its
     end, whatever happened later.
     """
-    profile = _profile(protocol)
-    count = protocol.trials * protocol.robots
+    settle, count = profile_of(protocol).settle, protocol.trials * protocol.robots
+    windows = profiles.windows(case, settle, protocol.duration, recording.period)
     parts = []
-    for index, window in enumerate(profiles.windows(profile, protocol.duration, recording.period)):
+    touchdown = _touchdowns(recording)
+    for index, window in enumerate(windows):
         survived = recording.alive[window.stop - 1]
         part = {
             "trial": np.repeat(np.arange(protocol.trials), protocol.robots),
@@ -43,17 +47,21 @@ def measure(recording: Recording, protocol: EvaluationConfig) -> Table:
             "segment": np.full(count, index),
             "survived": survived,
         }
-        values = _measures(recording, window)
+        values = _measures(recording, touchdown, window)
         parts.append(part | {n: np.where(survived, values[n], np.nan) for n in MEASURES})
     return {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
 
 
-def _measures(recording: Recording, window: slice) -> Table:
+def _touchdowns(recording: Recording) -> np.ndarray:
+    """In each control step, of both feet (S, N)."""
+    count = touchdowns(recording.contacts.forces, recording.timestep).sum(axis=2)
+    return count.reshape(len(recording.alive), -1, count.shape[1]).sum(axis=1)
+
+
+def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> Table:
     seconds = (window.stop - window.start) * recording.period
     velocity, command = _velocities(recording)[window], recording.command[window]
     position = recording.position[window]
-    contact = recording.foot_forces[window] > CONTACT_FORCE
-    touchdown = contact[1:] & ~contact[:-1]
     means = velocity.mean(axis=0)
     errors = np.abs(means - command.mean(axis=0))
     return {
@@ -61,9 +69,18 @@ def _measures(recording: Recording, window: slice) -> Table:
         **{f"{axis}_error": errors[:, i] for i, axis in enumerate(AXES)},
         "vx_mse": ((velocity[:, :, 0] - command[:, :, 0]) ** 2).mean(axis=0),
         "heading_error": np.abs(heading_error(recording)[window]).max(axis=0),
-        "touchdown_rate": touchdown.sum(axis=(0, 2)) / seconds,
+        "touchdown_rate": touchdown[window].sum(axis=0) / seconds,
         "displacement": np.linalg.norm(position[-1] - position[0], axis=1),
+        "fastest": _fastest(recording.velocity[window], recording.period),
     }
+
+
+def _fastest(velocity: np.ndarray, period: float) -> np.ndarray:
+    """Of means (N,) over whole ``SMOOTHING`` of (S, N, 2), or over all of it if that is shorter."""
+    width = min(len(velocity), max(1, round(SMOOTHING / period)))
+    means = _moving_average(velocity, width)
+    whole = means[width // 2 : len(velocity) - (width + 1) // 2 + 1]
+    return np.linalg.norm(whole, axis=2).max(axis=0)
 
 
 def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:
@@ -73,7 +90,7 @@ def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:
         (S, 10) float32: commanded vx, vy, yaw rate; means of the three, their standard deviations
         between robots, both of moving averages over ``profile.window``; share of standing robots.
     """
-    width = max(1, round(_profile(protocol).window / recording.period))
+    width = max(1, round(profile_of(protocol).window / recording.period))
     alive = recording.alive[:, :, None]
     standing = _moving_average(alive.astype(float), width)  # what comes after a fall does not count
     smooth = _moving_average(np.where(alive, _velocities(recording), 0.0), width)
@@ -104,7 +121,8 @@ def _moving_average(values: np.ndarray, width: int) -> np.ndarray:
     return (total[last] - total[first]) / (last - first)[:, None, None]
 
 
-def _profile(protocol: EvaluationConfig) -> ProfileConfig:
+def profile_of(protocol: EvaluationConfig) -> ProfileConfig:
+    """The profile of a protocol that has one."""
     assert protocol.profile is not None
     return protocol.profile
 

@@ -69,11 +69,11 @@ class Formulation:
             self._line_moment(moment),
             *self.contact(force, moment, self.config.contact.min_vertical * self.weight),
             drives.torque(motors, self.robot.drives),
-            drives.voltage(motors, self.robot.drives),
+            drives.voltage(motors, self.robot.drives, self.config.voltage),
             drives.position(s, tree.map, self.robot.joints),
             *self._swing_foot(poses["swing_foot"]),
             self._legs_apart(poses),
-            self._torso(poses["base"]),
+            *self._torso(poses["base"]),
         ]
         cost = COSTS[self.config.cost]
         motion = NodeMotion(dynamics.torques, motors, s.step_time, weight, self.weight)
@@ -174,11 +174,16 @@ class Formulation:
         way = (geometry.leg_length + geometry.upper_foot_height) / ca.norm_2(hip - ankle)
         return ankle + way * (hip - ankle)
 
-    def _torso(self, base: BodyPose) -> Constraint:
+    def _torso(self, base: BodyPose) -> list[Constraint]:
+        """Bounds of the base's angles and angular velocity; without the latter it rocks."""
         r, posture = base.rotation, self.config.posture
         bound = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
         angles = [r[2, 1], -r[2, 0], r[1, 0]]  # sines of roll, pitch and yaw
-        return between("torso", "rad", "gait.posture", angles, -bound, bound, 1.0)
+        rate = np.full(3, posture.torso_rate)
+        return [
+            between("torso", "rad", "gait.posture", angles, -bound, bound, 1.0),
+            between("torso_rate", "rad/s", "gait.posture", base.angular, -rate, rate, 1.0),
+        ]
 
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Toe and heel in the foot frame (3,) [m]."""

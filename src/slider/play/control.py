@@ -4,12 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from slider.robot.cameras import CAMERAS
+
 LIMITS = ((-1.0, 3.0), (-0.5, 0.5), (-1.0, 1.0))  # vx, vy [m/s], yaw rate [rad/s]
 PUSH = 0.4  # change of the base's velocity [m/s]
 
 
 class Control:
-    """Command, pause, and wishes that are granted once.
+    """Command, pause, camera, and wishes that are granted once.
 
     Attributes:
         velocity: vx, vy [m/s], yaw rate [rad/s].
@@ -21,6 +23,8 @@ class Control:
         self.paused = False
         self._pushes: list[np.ndarray] = []
         self._restart = False
+        self._cameras = list(CAMERAS)
+        self._camera: str | None = self._cameras[0]
 
     def change(self, index: int, amount: float) -> None:
         """Add to one part of the command, within its limits."""
@@ -45,6 +49,16 @@ class Control:
     def restart(self) -> None:
         """Ask for a new start."""
         self._restart = True
+
+    def next_camera(self) -> None:
+        """Ask for the next of the cameras, in turn."""
+        self._cameras.append(self._cameras.pop(0))
+        self._camera = self._cameras[0]
+
+    def take_camera(self) -> str | None:
+        """Camera that was asked for since the last call; the first one at first."""
+        wanted, self._camera = self._camera, None
+        return wanted
 
     def take_push(self) -> np.ndarray | None:
         """Oldest push that was not given yet."""

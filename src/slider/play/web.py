@@ -12,8 +12,10 @@ from slider.play import loop
 from slider.play.control import LIMITS, PUSH, Control
 from slider.play.scenes import Scene
 from slider.robot import names
+from slider.robot.cameras import aim
 from slider.robot.scene import build_scene
 
+_DISTANCE = 2.8  # of the camera [m]
 _ONCE = 4  # ImGui: only when the window first appears
 _SLIDERS = ("vx [m/s]", "vy [m/s]", "yaw rate [rad/s]")
 
@@ -30,6 +32,9 @@ class Panel(plugin.ViewerPlugin):
     def on_build_gui(self, event: messages.BuildGuiEvent) -> None:
         """Draw the panel."""
         self._follow_robot()
+        wanted = self._control.take_camera()
+        if wanted is not None:
+            aim(self.viewer.camera, wanted, _DISTANCE)
         imgui.SetNextWindowPos(imgui.Vec2(10, 10), _ONCE)
         imgui.SetNextWindowSize(imgui.Vec2(330, 240), _ONCE)
         imgui.Begin("SLIDER")
@@ -48,7 +53,6 @@ class Panel(plugin.ViewerPlugin):
         camera = self.viewer.camera
         camera.type = mujoco.mjtCamera.mjCAMERA_TRACKING
         camera.trackbodyid = model.body(names.BASE).id
-        camera.distance, camera.azimuth, camera.elevation = 2.8, 120.0, -12.0
 
     def _sliders(self) -> None:
         velocity = self._control.velocity
@@ -71,6 +75,9 @@ class Panel(plugin.ViewerPlugin):
         imgui.SameLine()
         if imgui.Button("start anew"):
             control.restart()
+        imgui.SameLine()
+        if imgui.Button("camera"):
+            control.next_camera()
 
 
 def run(scene: Scene, control: Control, seconds: float | None, port: int) -> None:

@@ -15,15 +15,19 @@ from slider.play import loop
 from slider.play.control import PUSH, Control
 from slider.play.scenes import Scene
 from slider.robot import names
+from slider.robot.cameras import aim
 from slider.robot.scene import build_scene
 
 HELP = """keys: up, down     faster, slower            left, right   turn
       , .          left, right (sideways)    Home          stand
       Enter        push                      Space         pause
-      Backspace    start anew                Esc           close the window"""
+      Backspace    start anew                End           next camera
+      Esc          close the window"""
+
+DISTANCE = 2.5  # of the camera [m]
 
 # GLFW's numbers of the keys.
-_SPACE, _COMMA, _PERIOD, _ENTER, _BACKSPACE, _HOME = 32, 44, 46, 257, 259, 268
+_SPACE, _COMMA, _PERIOD, _ENTER, _BACKSPACE, _HOME, _END = 32, 44, 46, 257, 259, 268, 269
 _RIGHT, _LEFT, _DOWN, _UP = 262, 263, 264, 265
 
 
@@ -47,6 +51,8 @@ def on_key(control: Control, key: int) -> None:
         control.push(0.0, PUSH)
     elif key == _BACKSPACE:
         control.restart()
+    elif key == _END:
+        control.next_camera()
 
 
 def run(scene: Scene, control: Control, seconds: float | None) -> None:
@@ -72,10 +78,12 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
     ) as handle:
         handle.cam.type = mujoco.mjtCamera.mjCAMERA_TRACKING
         handle.cam.trackbodyid = model.body(names.BASE).id
-        handle.cam.distance, handle.cam.azimuth, handle.cam.elevation = 2.5, 120.0, -12.0
 
         def show(frame: Frame) -> bool:
+            camera = control.take_camera()
             with handle.lock():
+                if camera is not None:
+                    aim(handle.cam, camera, DISTANCE)
                 data.qpos[:] = frame.qpos
                 data.time = frame.time
                 mujoco.mj_forward(model, data)

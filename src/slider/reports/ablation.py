@@ -15,13 +15,13 @@ from slider.reports.rows import (
     Row,
     quality_row,
     read_evaluation,
-    reference_sway,
+    reference_gaits,
     table_row,
     with_reference,
     write_rows,
 )
 
-TRACKING = ("success_rate", "mse", "mse_steady", "tracking_rate")
+TRACKING = ("success_rate", "success_low", "success_high", "mse", "mse_steady", "tracking_rate")
 CHECKS = ("success", "speed_error", "flight")
 SELECTION = "selection.csv"
 NAME = "ablation"
@@ -54,7 +54,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def _read_runs(section: Section, inputs: Inputs) -> list[Run]:
-    sway, count = reference_sway(inputs), len(section["commands"])
+    reference, count = reference_gaits(inputs), len(section["commands"])
     runs = []
     for index, about in enumerate(section["runs"]):
         folders = inputs["evaluations"][index * count : (index + 1) * count]
@@ -62,7 +62,7 @@ def _read_runs(section: Section, inputs: Inputs) -> list[Run]:
         rows = []
         for folder in folders:
             controller, command, table = read_evaluation(folder)
-            found = with_reference(quality_row(controller, command, table), sway)
+            found = with_reference(quality_row(controller, command, table), reference)
             rows.append(_row(about["variant"], about["seed"], command, table, found))
         runs.append(Run(about["variant"], about["seed"], curve, rows))
     return runs

@@ -18,7 +18,7 @@ METRICS = {
     "tracking_rate": "Tracking rate [%]",
     "alternation": "Touchdowns that follow one of the other foot [%]",
     "flight": "Flight [% of time]",
-    "slip": "Slip of loaded feet [m/s]",
+    "slip": "Slip of loaded heels and toes [m/s]",
     "clearance": "Clearance [m]",
     "asymmetry": "Asymmetry of step times [%]",
     "velocity_variance": "Variance of the forward velocity [m²/s²]",

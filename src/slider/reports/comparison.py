@@ -3,7 +3,7 @@
 import csv
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from slider.reports.controllers import PAPER, label
@@ -22,6 +22,7 @@ class Metric:
         higher_is_better: or lower.
         percent: whether it is shown in percent.
         paper_column: what the paper printed under this heading, or empty.
+        interval: columns with the ends of its 95 % interval, or nothing.
     """
 
     name: str
@@ -29,10 +30,18 @@ class Metric:
     higher_is_better: bool
     percent: bool
     paper_column: str
+    interval: tuple[str, str] | None = None
 
 
 METRICS = (
-    Metric("success_rate", "Success rate", True, True, "success_rate"),
+    Metric(
+        "success_rate",
+        "Success rate",
+        True,
+        True,
+        "success_rate",
+        ("success_low", "success_high"),
+    ),
     # The paper does not say whether its MSE has the start in it: it stands beside both of ours.
     Metric("mse_steady", "Velocity MSE from 2 s on [m²/s²]", False, False, "mse"),
     Metric(
@@ -44,11 +53,15 @@ METRICS = (
 
 @dataclass(frozen=True)
 class Value:
-    """One cell: a number, its spread over trials (NaN if not stated), whether none is better."""
+    """One cell: a number, its spread over trials (NaN if not stated), whether none is better.
+
+    ``interval`` are the ends of its 95 % interval, where it has one.
+    """
 
     value: float
     spread: float
     best: bool
+    interval: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -83,7 +96,7 @@ def compare(rows: Sequence[dict[str, str]], metric: Metric) -> Comparison:
 
 
 def show(value: Value | None, metric: Metric) -> str:
-    """Text of a cell, such as ``99.6 % ± 0.5`` or ``0.00837 ± 0.00003``."""
+    """Text of a cell, such as ``99.6 % ± 0.5 [99.0, 99.8]`` or ``0.00837 ± 0.00003``."""
     if value is None:
         return "–"
     if math.isinf(value.value):
@@ -93,10 +106,16 @@ def show(value: Value | None, metric: Metric) -> str:
     else:
         digits = _decimals(value.value)
         text, spread = f"{value.value:.{digits}f}", f"{value.spread:.{digits}f}"
-    return text if math.isnan(value.spread) else f"{text} ± {spread}"
+    if not math.isnan(value.spread):
+        text = f"{text} ± {spread}"
+    if value.interval is None:
+        return text
+    low, high = (f"{100 * end:.1f}" for end in value.interval)
+    return f"{text} [{low}, {high}]"
 
 
-def _value(row: dict[str, str] | None, metric: Metric) -> tuple[float, float] | None:
+def _value(row: dict[str, str] | None, metric: Metric) -> Value | None:
+    """Not yet marked."""
     if row is None:
         return None
     paper = row["source"] == PAPER
@@ -104,7 +123,9 @@ def _value(row: dict[str, str] | None, metric: Metric) -> tuple[float, float] | 
     if not text:
         return None
     spread = "" if paper else row[f"{metric.name}_std"]
-    return float(text), float(spread) if spread else math.nan
+    ends = [float(row[name]) for name in metric.interval or () if row[name]]
+    interval = (ends[0], ends[1]) if ends else None
+    return Value(float(text), float(spread) if spread else math.nan, False, interval)
 
 
 def _marked(cells: list[dict[str, str] | None], metric: Metric) -> tuple[Value | None, ...]:
@@ -117,10 +138,10 @@ def _marked(cells: list[dict[str, str] | None], metric: Metric) -> tuple[Value |
     enough = 0.0 if metric.higher_is_better else max(success) - _COMPARABLE
     values = [_value(cell, metric) for cell in cells]
     fair = [v is not None and share >= enough for v, share in zip(values, success, strict=True)]
-    known = [value[0] for value, one in zip(values, fair, strict=True) if value and one]
+    known = [value.value for value, one in zip(values, fair, strict=True) if value and one]
     best = (max if metric.higher_is_better else min)(known, default=math.nan)
     return tuple(
-        None if value is None else Value(*value, best=one and _same(value[0], best, metric))
+        None if value is None else replace(value, best=one and _same(value.value, best, metric))
         for value, one in zip(values, fair, strict=True)
     )
 

@@ -17,57 +17,75 @@ from PIL import Image, ImageDraw, ImageFont
 
 from slider.core.config.video import VideoConfig
 from slider.env.episode import Frame
+from slider.robot.cameras import aim
 
-_DISTANCE, _AZIMUTH, _ELEVATION = 2.3, 120.0, -12.0  # of the camera [m, degree, degree]
-_LOOK_AT_HEIGHT = 0.48  # [m]
+_DISTANCE = 2.15  # of the camera [m]
+_LOOK_AT_HEIGHT = 0.43  # [m]
+_COLUMN = 9.0  # width of a fact, in heights of a line
 _FOLLOW = 0.12  # time constant of the camera behind the base [s]
 _INK, _PAPER, _ALARM = (255, 255, 255), (20, 28, 38, 170), (190, 40, 40, 215)
 
 
-def render(model: mujoco.MjModel, frames: Sequence[Frame], size: tuple[int, int]) -> Iterator:
-    """Pictures (height, width, 3) uint8 of a robot, from a camera that follows it.
+def render(
+    model: mujoco.MjModel,
+    frames: Sequence[Frame],
+    size: tuple[int, int],
+    cameras: Sequence[str],
+) -> Iterator:
+    """Pictures (height, width, 3) uint8 of a robot, from cameras that follow it.
 
     Args:
         model: the scene.
         frames: what to show.
-        size: width and height [pixel].
+        size: width and height of a picture [pixel].
+        cameras: names in ``CAMERAS``; what they see stands next to each other.
     """
     width, height = size
-    data, camera = mujoco.MjData(model), _camera()
+    data, views = mujoco.MjData(model), [_camera(name) for name in cameras]
     position = frames[0].qpos[:2].copy()
-    with mujoco.Renderer(model, height, width) as renderer:
+    with mujoco.Renderer(model, height, width // len(views)) as renderer:
         before = frames[0].time
         for frame in frames:
             gain = 1.0 - np.exp(-(frame.time - before) / _FOLLOW)
             position += gain * (frame.qpos[:2] - position)
             before = frame.time
-            camera.lookat[:] = [*position, _LOOK_AT_HEIGHT]
             data.qpos[:] = frame.qpos
             mujoco.mj_kinematics(model, data)
             mujoco.mj_camlight(model, data)
-            renderer.update_scene(data, camera)
-            yield renderer.render()
+            yield np.hstack([_look(renderer, data, view, position) for view in views])
 
 
-def _camera() -> mujoco.MjvCamera:
+def _camera(name: str) -> mujoco.MjvCamera:
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-    camera.distance, camera.azimuth, camera.elevation = _DISTANCE, _AZIMUTH, _ELEVATION
+    aim(camera, name, _DISTANCE)
     return camera
 
 
-def annotate(picture: np.ndarray, title: str, lines: Sequence[str], alarm: bool) -> Image.Image:
-    """Write a title and lines onto the upper left corner of a picture."""
+def _look(
+    renderer: mujoco.Renderer,
+    data: mujoco.MjData,
+    camera: mujoco.MjvCamera,
+    position: np.ndarray,
+) -> np.ndarray:
+    """What a camera sees that looks at a place (2,) [m] on the ground."""
+    camera.lookat[:] = [*position, _LOOK_AT_HEIGHT]
+    renderer.update_scene(data, camera)
+    return renderer.render()
+
+
+def annotate(picture: np.ndarray, title: str, facts: Sequence[str], alarm: bool) -> Image.Image:
+    """Write a title and a row of facts onto the lower left corner of a picture, on the floor."""
     image = Image.fromarray(picture)
     unit = max(8, image.height // 22)
-    fonts = [ImageFont.load_default(unit)] * (1 + len(lines))
+    font = ImageFont.load_default(unit)
     draw = ImageDraw.Draw(image, "RGBA")
-    texts = [title, *lines]
-    width = max(draw.textlength(text, font) for text, font in zip(texts, fonts, strict=True))
-    box = (unit // 2, unit // 2, width + 1.5 * unit, (1.35 * len(texts) + 1.1) * unit)
+    top, column = image.height - 4.3 * unit, _COLUMN * unit
+    box = (unit // 2, top, (len(facts) * _COLUMN + 1) * unit, image.height - unit // 2)
     draw.rounded_rectangle(box, unit // 2, fill=_ALARM if alarm else _PAPER)
-    for row, (text, font) in enumerate(zip(texts, fonts, strict=True)):
-        draw.text((unit, (0.85 + 1.35 * row) * unit), text, _INK, font)
+    draw.text((unit, top + 0.4 * unit), title, _INK, font)
+    for index, fact in enumerate(facts):
+        draw.text((unit + index * column, top + 2.0 * unit), fact, _INK, font)
     return image
 
 

@@ -14,7 +14,7 @@ from slider.reports.rows import (
     Row,
     quality_row,
     read_evaluation,
-    reference_sway,
+    reference_gaits,
     table_row,
     with_reference,
     write_rows,
@@ -26,6 +26,8 @@ COLUMNS = (
     "command_velocity",
     "success_rate",
     "success_rate_std",
+    "success_low",
+    "success_high",
     "mse",
     "mse_std",
     "mse_steady",
@@ -41,8 +43,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     evaluations = [read_evaluation(folder) for folder in inputs["evaluations"]]
     rows = [table_row(*evaluation) for evaluation in evaluations]
     write_rows(rows + paper_rows(), COLUMNS, out / "table1.csv")
-    sway = reference_sway(inputs)
-    quality = [with_reference(quality_row(*evaluation), sway) for evaluation in evaluations]
+    reference = reference_gaits(inputs)
+    quality = [with_reference(quality_row(*evaluation), reference) for evaluation in evaluations]
     write_rows(quality, tuple(quality[0]), out / "gait_quality.csv")
     comparable = read_rows(out / "table1.csv")
     (out / "table1.md").write_text(table1_text.markdown(comparable), encoding="utf-8")

@@ -8,7 +8,8 @@ from slider.reports.controllers import speed
 
 _CAPTION = (
     "Best values are bold, errors among controllers whose success is within 1 % of the best; "
-    "± is the standard deviation over trials. Errors are those of robots that survive. The paper "
+    "± is the standard deviation over trials, brackets hold Wilson's 95 % interval of the success "
+    "rate. Errors are those of robots that survive. The paper "
     "states one MSE and not whether the start counts: it stands beside both of ours."
 )
 

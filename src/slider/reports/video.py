@@ -64,7 +64,7 @@ def _film(section: Section, robot: RobotConfig, video: VideoConfig, frames, out:
     period = frames[1].time - frames[0].time
     shown = frames[:: round(1.0 / (video.frame_rate * period))]
     model = build_scene(robot, video.width, video.height)
-    pictures = film.render(model, shown, (video.width, video.height))
+    pictures = film.render(model, shown, (video.width, video.height), video.cameras)
     images = []
     fallen = False
     try:

@@ -24,6 +24,7 @@ from slider.robot import names
 from slider.robot.transmission import Transmission, by_motor
 
 BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
+DISTANCE_CUTOFF = 0.3  # legs further apart than this count as that far apart [m]
 _GROUND = (1, 0)  # contype, conaffinity of the floor
 _BODY = (0, 1)
 
@@ -40,13 +41,15 @@ class SimulationOptions:
     """Integration settings: step [s], solver and line-search iterations; input of the drives.
 
     ``actuation`` is ``position`` (input: motor angles [rad], PD on board) or ``torque`` (input:
-    motor torques [N m]); limits, inertia and damping are the same.
+    motor torques [N m]); limits, inertia and damping are the same. ``instruments`` adds sensors
+    that only metrics read: of heels and toes, and of the distance of the legs.
     """
 
     timestep: float = 0.005
     solver_iterations: int = 4
     line_search_iterations: int = 8
     actuation: Actuation = "position"
+    instruments: bool = False
 
 
 def build_model(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjModel:
@@ -76,6 +79,8 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
     _add_pairs(spec, robot)
     _add_motors(spec, robot, options.actuation)
     _add_sensors(spec)
+    if options.instruments:
+        _add_instruments(spec, robot)
     return spec
 
 
@@ -297,6 +302,48 @@ def _add_sensors(spec: mujoco.MjSpec) -> None:
         _add_contact_sensor(spec, f"{side}_foot_force", names.foot(side), _NET_FORCE)
     for body in (names.BASE, *(names.tube(side) for side in names.SIDES)):
         _add_contact_sensor(spec, f"{body}_contact", body, _FOUND)
+
+
+def _add_instruments(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
+    """Sense what metrics need beyond what a controller is told."""
+    sensor, site, geom = mujoco.mjtSensor, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_GEOM
+    for side in names.SIDES:
+        _add_foot_ends(spec, robot, side)
+        spec.add_sensor(
+            name=f"{side}_foot_turning",
+            type=sensor.mjSENS_FRAMEANGVEL,
+            objtype=site,
+            objname=names.sole(side),
+        )
+    for first, second in names.LEG_PAIRS:
+        spec.add_sensor(
+            name=names.distance(first, second),
+            type=sensor.mjSENS_GEOMDIST,
+            objtype=geom,
+            objname=first,
+            reftype=geom,
+            refname=second,
+            cutoff=DISTANCE_CUTOFF,
+        )
+
+
+def _add_foot_ends(spec: mujoco.MjSpec, robot: RobotConfig, side: str) -> None:
+    """Sites in the middle of the capsule's round ends, and how they move."""
+    geometry, sensor = robot.geometry, mujoco.mjtSensor
+    height = geometry.foot_radius - geometry.ankle_height
+    for end, x in zip(names.FOOT_ENDS, (-geometry.heel, geometry.toe), strict=True):
+        name = names.foot_end(side, end)
+        spec.body(names.foot(side)).add_site(name=name, pos=[x, 0, height])
+        for quantity, kind in (
+            ("position", sensor.mjSENS_FRAMEPOS),
+            ("velocity", sensor.mjSENS_FRAMELINVEL),
+        ):
+            spec.add_sensor(
+                name=f"{name}_{quantity}",
+                type=kind,
+                objtype=mujoco.mjtObj.mjOBJ_SITE,
+                objname=name,
+            )
 
 
 def _add_contact_sensor(

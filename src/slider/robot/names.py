@@ -4,6 +4,7 @@ Joint order: left leg, then right leg, each from hip to foot. x forward, y left,
 """
 
 SIDES = ("left", "right")
+FOOT_ENDS = ("heel", "toe")
 LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
 JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in LEG_JOINTS)
 NUM_JOINTS = len(JOINTS)
@@ -57,6 +58,16 @@ def hip(side: str) -> str:
 def sole(side: str) -> str:
     """Name of the site at the middle of the foot line."""
     return f"{side}_sole"
+
+
+def foot_end(side: str, end: str) -> str:
+    """Name of the site at an end of the foot line of a side."""
+    return f"{side}_{end}"
+
+
+def distance(first: str, second: str) -> str:
+    """Name of the sensor of the distance of two geoms."""
+    return f"{first}_{second}_distance"
 
 
 _LEFT, _RIGHT = SIDES

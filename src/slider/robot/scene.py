@@ -14,7 +14,9 @@ from slider.robot.mjcf import SimulationOptions, build_spec
 
 TILE = 0.5  # edge of a floor tile [m]
 _SHADOW_TEXELS = 2048
-_EXTENT = 4.0  # what the shadow map covers about the light's target; less gives speckles [m]
+# What the shadow map covers about the light [m]. With less, or with a light further away, the floor
+# far behind the robot has speckles, which the camera at the front sees.
+_EXTENT = 8.0
 _FLOOR_LIGHT, _FLOOR_DARK, _FLOOR_LINE = (0.80, 0.83, 0.86), (0.70, 0.75, 0.80), (0.55, 0.61, 0.67)
 _SKY_TOP, _SKY_HORIZON = (0.62, 0.74, 0.88), (0.93, 0.95, 0.97)
 
@@ -78,7 +80,7 @@ def _add_floor(spec: mujoco.MjSpec) -> None:
 def _add_light(spec: mujoco.MjSpec) -> None:
     """Light that goes with the robot, so that its shadow is as sharp after ten metres."""
     spec.body(names.BASE).add_light(
-        pos=[-0.6, -1.0, 3.0],
+        pos=[-0.2, -0.33, 1.0],
         dir=[0.2, 0.33, -1.0],
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACK,

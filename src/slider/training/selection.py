@@ -47,7 +47,7 @@ class Score:
 
 
 class Selector:
-    """Evaluates policies on a few robots per command, always from the same starts."""
+    """Evaluates policies on a few robots per command, always from the starts of ``config.seed``."""
 
     def __init__(
         self,
@@ -56,17 +56,15 @@ class Selector:
         config: SelectionConfig,
         disturbance: DisturbanceConfig,
         times: StepTimes | None,
-        seed: int,
         threads: int,
         reference: JointTable | None = None,
     ) -> None:
         self._env, self._config = env, config
         count = len(config.commands) * config.robots
-        own = int(np.random.SeedSequence([seed, 7]).generate_state(1)[0])  # not the training's
-        disturbed = Disturbance(disturbance, (own,))
+        disturbed = Disturbance(disturbance, (config.seed,))
         self._physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbed)
         self._agent = AgentInterface(robot, env, count, times, reference)
-        self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng([seed, 7]), count)
+        self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng(config.seed), count)
         self._command = np.zeros((count, 3))
         self._command[:, 0] = np.repeat(config.commands, config.robots)
 

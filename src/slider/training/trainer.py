@@ -61,7 +61,6 @@ class Trainer:
             train.selection,
             train.disturbance,
             task.times,
-            train.seed,
             job.threads,
             task.reference,
         )

@@ -7,7 +7,7 @@ from slider.core.config.report import ReportConfig
 from slider.core.config.video import VideoConfig
 from slider.reports.sections.sources import Sources
 
-VIDEO = VideoConfig("none", 1.0, 64, 64, 25, 27, 0)
+VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)
 
 
 def sources(inputs: dict[str, list[Path]], **others: Any) -> Sources:

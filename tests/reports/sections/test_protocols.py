@@ -6,7 +6,7 @@ from slider.core.config.convert import to_dict
 from slider.reports.page import render_page
 from slider.reports.sections import SECTIONS
 from tests.evaluation.test_segments import protocol
-from tests.reports.protocols import test_profile, test_speeds
+from tests.reports.protocols import test_cases, test_segments, test_speeds
 from tests.reports.sections.sources import sources
 
 
@@ -19,7 +19,7 @@ def sweep(folder):
 
 
 def joystick(folder, fall=False):
-    _, _, out = test_profile.run(folder, fall)
+    _, _, out = test_segments.run(folder, fall)
     configuration = {"protocols": {"joystick": to_dict(protocol())}}
     return SECTIONS["joystick"](sources({"joystick": [out]}, configuration=configuration))
 
@@ -31,7 +31,10 @@ def test_constant_commands_have_the_tables_of_table_1_and_the_speeds(tmp_path):
         for table in section.values["tables"]
     }
     assert found["Mean speed [m/s]"] == [["0.2", "1.469 ± 0.335"], ["3.0", "–"]]
-    assert found["Success rate"] == [["0.2", "100.0 % ± 0.0"], ["3.0", "0.0 % ± 0.0"]]
+    assert found["Success rate"] == [
+        ["0.2", "100.0 % ± 0.0 [51.0, 100.0]"],
+        ["3.0", "0.0 % ± 0.0 [0.0, 49.0]"],
+    ]
     assert section.values["highest"] == [("policy (ours)", "none")]
     best = [cell.best for table in section.values["tables"] for row in table.rows for cell in row]
     assert not any(best)  # of one controller
@@ -57,3 +60,16 @@ def test_where_all_fall_there_are_no_numbers(tmp_path):
     (table,) = joystick(tmp_path, fall=True).values["tables"]
     assert {cell.text for row in table.rows for cell in row[4:]} == {"–"}
     assert {row[3].text for row in table.rows} == {"0%"}
+
+
+def test_cases_have_a_row_each(tmp_path):
+    _, _, out = test_cases.write(tmp_path, [True] * 4)
+    configuration = {"protocols": {"heldout": to_dict(test_cases.protocol())}}
+    section = SECTIONS["heldout"](sources({"heldout": [out]}, configuration=configuration))
+    (table,) = section.values["tables"]
+    stop, side = ([cell.text for cell in row] for row in table.rows)
+    assert stop[:2] == ["stop from 0.4 m/s", "100.0 % [51.0, 100.0]"]
+    assert stop[6] == "75.0 % [30.1, 95.4]"
+    assert side[6:] == ["–", "–", "–"]
+    html = render_page("title", {}, {"heldout": section})
+    assert "stay below 0.1 m/s" in html

@@ -113,8 +113,8 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
 def _origin(layout: dict[str, Any]) -> str:
     if layout["action"]["about"] == "nominal":
         return "the nominal pose"
-    reach = layout["reference"]["reach"]
-    return f"the gait of the command, at most {reach:g} m/s from the robot's velocity"
+    acceleration = layout["reference"]["acceleration"]
+    return f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"
 
 
 def _clock_line(clock: dict[str, Any]) -> str:

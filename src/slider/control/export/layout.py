@@ -94,7 +94,7 @@ def _network(policy: Policy) -> dict[str, Any]:
 
 def _observation(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
     config, observer = policy.env.observation, agent.observer
-    gain, command_gain = config.filter_gains(policy.env.control_period)
+    gain = config.filter_gain(policy.env.control_period)
     return {
         "size": observer.size,
         "clip": config.clip,
@@ -102,7 +102,6 @@ def _observation(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
         "mirror": {"permutation": observer.permutation.tolist(), "sign": observer.sign.tolist()},
         "nominal_height": agent.nominal_height,
         "velocity_filter": {"time_constant": config.velocity_filter, "gain": gain},
-        "command_filter": {"time_constant": config.command_filter, "gain": command_gain},
     }
 
 
@@ -154,16 +153,19 @@ def _reference(policy: Policy) -> dict[str, Any]:
     return {
         "file": REFERENCE,
         "axes": ["vx", "vy", "sample", "joint"],
-        "reach": policy.env.action.reach,
+        "acceleration": policy.env.reference.acceleration,
         "shape": list(table.positions.shape),
         "vx": table.times.vx.tolist(),
         "vy": table.times.vy.tolist(),
         "standing": table.standing.tolist(),
-        "meaning": "joint positions of a zero action at the commanded vx and vy, but each at most "
-        "reach from the filtered velocity, and at the clock's phase (0 without one): bilinear in "
-        "vx and vy, the nearest border's outside; the first half of the samples is left stance, "
-        "the second right stance, evenly spaced over the step with both of its ends, linear in "
-        "between; standing: while the clock is halted",
+        "meaning": "joint positions of a zero action at the reference velocity and the clock's "
+        "phase (0 without one): bilinear in vx and vy, the nearest border's outside; the first "
+        "half of the samples is left stance, the second right stance, evenly spaced over the step "
+        "with both of its ends, linear in between; standing: while the clock is halted. The "
+        "reference "
+        "velocity is 0 at the start; each control step but the first, vx and vy go towards those "
+        "of the command of the period that is over, by at most acceleration * control_period; an "
+        "acceleration of 0: it is the present command",
     }
 
 
@@ -202,7 +204,7 @@ def _motors(policy: Policy) -> list[dict[str, Any]]:
 
 
 def _clock(policy: Policy) -> dict[str, Any] | None:
-    """The clock's pace: bilinear in the command, the border's value outside the grid."""
+    """The clock's pace: bilinear in the reference velocity, the border's value outside."""
     if not policy.env.phase.enabled or policy.times is None:
         return None
     return {
@@ -212,7 +214,8 @@ def _clock(policy: Policy) -> dict[str, Any] | None:
         "(of the step before) less than halt.below in size and the velocity itself less than "
         "halt.above, the phase does not pass the next change of feet (0 or 0.5); there the clock "
         "is halted until there is a command, or the velocity itself reaches halt.above",
-        "advance": "phase = (phase + control_period / (2 * step_time(vx, vy))) modulo 1; "
+        "advance": "phase = (phase + control_period / (2 * step_time(reference velocity))) modulo "
+        "1, before the reference velocity moves; "
         "left stance below 0.5, right stance from there on; step_time[i][j] is at vx[i], vy[j], "
         "bilinear in between, the nearest border's outside",
         "vx": policy.times.vx.tolist(),

@@ -77,9 +77,11 @@ MEANINGS = {
         ("-",),
         HEADING,
         f"tanh((filtered_velocity - expected) / {VELOCITY_ERROR_RANGE} m/s): each control step but "
-        "the first, g += command_filter.gain * (command of the period that is over - g), then "
-        "expected += velocity_filter.gain * (g - expected), both 0 at the start; with a time "
-        "constant of command_filter of 0 expected is the present command",
+        "the first, after the reference velocity has moved, expected += velocity_filter.gain * "
+        "(reference velocity - expected), 0 at the start",
+    ),
+    "reference_velocity": Meaning(
+        ("vx", "vy"), ("m/s",), HEADING, "the reference velocity; see reference.meaning"
     ),
     "phase": Meaning(
         ("sin", "cos"), ("-",), NONE, "sine and cosine of 2 pi times the clock; 0, 0 when halted"

@@ -40,7 +40,7 @@ class Observer:
         threads: int = 1,
     ) -> None:
         self._config = config
-        self._model = BatchedPhysics(robot, physics, count, threads, "torque")
+        self._model = BatchedPhysics(robot, physics, count, threads, "torque", instruments=False)
         self._ticks = round(config.delay / self._model.period)
         self._everyone = np.arange(count)
 

@@ -20,7 +20,7 @@ from slider.control.mpc.steps import Steps
 from slider.control.mpc.velocity import ReferenceVelocity
 from slider.core.config.control import MpcConfig
 from slider.core.config.robot import RobotConfig
-from slider.env.metrics import CONTACT_FORCE
+from slider.env.contacts import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names
 

@@ -18,7 +18,8 @@ class AblationConfig:
     """Variants that are trained, how long, how often, and where they are evaluated.
 
     ``samples`` [control steps of a robot] are those of a walking training, ``pretraining_samples``
-    those of standing; after every ``check_every`` of them the policy is judged.
+    those of standing; after every ``check_every`` of them the policy is judged. ``seeds`` are those
+    of the trainings, ``evaluation_seed`` that of the first trial of the evaluations.
     """
 
     run: list[str]
@@ -29,4 +30,5 @@ class AblationConfig:
     commands: list[float]
     trials: int
     robots: int
+    evaluation_seed: int
     variants: dict[str, VariantConfig]

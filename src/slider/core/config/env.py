@@ -21,13 +21,11 @@ class PhysicsConfig:
 class ActionConfig:
     """Desired joint position = origin + scale · clip(action); scale [rad or m] per leg joint.
 
-    ``about`` says what the origin is: the ``nominal`` pose, or a ``gait`` at the clock's phase, so
-    that the action is a residual. The gait is that of the command, or of the velocity next to it
-    that is at most ``reach`` [m/s] from the robot's own, low-passed.
+    ``about`` says what the origin is: the ``nominal`` pose, or the ``gait`` of the reference
+    velocity at the clock's phase, so that the action is a residual.
     """
 
     about: str
-    reach: float
     clip: float
     scale: dict[str, float]
 
@@ -45,20 +43,27 @@ class HeightScan:
 class ObservationConfig:
     """Observation terms in order, each with its scale, and the clip after scaling.
 
-    Time constants [s]: ``velocity_filter`` low-passes the velocity. The command that it is compared
-    with is low-passed by ``command_filter`` and then by ``velocity_filter``, by neither
-    where ``command_filter`` is 0.
+    ``velocity_filter`` [s] low-passes the velocity, and the reference that it is compared with.
     """
 
     terms: dict[str, float]
     clip: float
     height_scan: HeightScan
     velocity_filter: float
-    command_filter: float
 
-    def filter_gains(self, period: float) -> tuple[float, float]:
-        """Share of the way per control period [s]: the velocity's filter, the command's."""
-        return period / max(period, self.velocity_filter), period / max(period, self.command_filter)
+    def filter_gain(self, period: float) -> float:
+        """Share of the way that filtered velocities go per control period [s]."""
+        return period / max(period, self.velocity_filter)
+
+
+@dataclass(frozen=True, config=STRICT)
+class ReferenceConfig:
+    """The reference velocity goes to the command with ``acceleration`` [m/s²]; 0: at once.
+
+    Clock, guide and the gait under the actions are those of the reference velocity.
+    """
+
+    acceleration: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -118,6 +123,7 @@ class EnvConfig:
 
     control_period: float
     physics: PhysicsConfig
+    reference: ReferenceConfig
     action: ActionConfig
     observation: ObservationConfig
     termination: TerminationConfig

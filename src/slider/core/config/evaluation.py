@@ -16,25 +16,37 @@ class Segment:
     name: str
     time: float
     vx: float
-    vy: float
-    yaw_rate: float
+    vy: float = 0.0
+    yaw_rate: float = 0.0
+
+
+@dataclass(frozen=True, config=STRICT)
+class CaseConfig:
+    """One rollout: its segments in the order of time, the first one from 0 s on."""
+
+    name: str
+    segments: list[Segment]
 
 
 @dataclass(frozen=True, config=STRICT)
 class ProfileConfig:
-    """A command that changes during a rollout; see ``docs/protocols.md``.
+    """Commands that change during a rollout; see ``docs/protocols.md``.
+
+    ``rows`` and ``cases`` are not in the section of a single evaluation, which has its own case.
 
     Attributes:
         ramp: how long a command takes to get from one segment's to the next one's [s].
         settle: start of each segment that does not count for its errors [s].
         window: moving average over which velocities are drawn [s].
-        segments: in the order of time; the first one starts at 0.
+        rows: of the report's table: ``segments`` of its only case, or ``cases`` by their last one.
+        cases: each is a rollout of its own.
     """
 
     ramp: float
     settle: float
     window: float
-    segments: list[Segment]
+    rows: str = "segments"
+    cases: list[CaseConfig] = field(default_factory=list)
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -43,7 +55,7 @@ class EvaluationConfig:
 
     ``controllers`` and ``commands`` say which evaluations there are; they are not in the section
     of a single one, which would otherwise be redone with every new command. A protocol has either
-    ``commands``, constant forward velocities, or one ``profile``.
+    ``commands``, constant forward velocities, or a ``profile``.
     """
 
     trials: int

@@ -5,7 +5,7 @@ from pydantic.dataclasses import dataclass
 from slider.core.config.strict import STRICT
 from slider.core.config.video import VideoConfig
 
-PROTOCOL_SECTIONS = ("robust", "sweep", "joystick")
+PROTOCOL_SECTIONS = ("robust", "sweep", "joystick", "heldout")
 """Sections about protocols beside that of Table 1; each is called as its protocol."""
 
 SECTION_INPUTS: dict[str, tuple[str, ...]] = {

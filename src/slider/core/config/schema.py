@@ -9,6 +9,8 @@ from slider.core.config.evaluation import EvaluationConfig, ResourcesConfig, Tra
 from slider.core.config.gait import GaitConfig, LibraryConfig
 from slider.core.config.report import ReportConfig
 from slider.core.config.robot import RobotConfig
+from slider.core.config.seeds import SeedsConfig
+from slider.core.config.sensitivity import SensitivityConfig
 from slider.core.config.strict import STRICT
 from slider.core.config.train import TrainConfig, TrainingsConfig
 from slider.core.config.verification import VerificationConfig
@@ -28,11 +30,13 @@ class Config:
     env: EnvConfig
     train: TrainingsConfig
     control: ControlConfig
+    seeds: SeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]
     verification: VerificationConfig
     report: ReportConfig
     ablation: AblationConfig
+    sensitivity: SensitivityConfig
     tracking: TrackingConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None

@@ -13,7 +13,7 @@ from slider.core.config.robot import RobotConfig
 from slider.env.disturbance import machines, sensing, terrain
 from slider.env.disturbance.delay import DelayLine
 from slider.env.disturbance.draws import GROUND, NOISE, PUSH, ROBOT, Disturbance, Draws
-from slider.env.ground import random_tile
+from slider.env.ground import FLAT, Ground, random_tile
 from slider.env.state import RobotState
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
 from slider.robot.transmission import Transmission
@@ -123,12 +123,21 @@ class Disturber:
         if self._terrain is not None:
             self._terrain.wrap(qpos)
 
+    @property
+    def ground(self) -> Ground:
+        """On which the robots are, in their own world."""
+        return FLAT if self._terrain is None else self._terrain.ground
+
+    @property
+    def sensor_offset(self) -> np.ndarray:
+        """Places (N, 2) in the robots' own world minus those that sensors tell [m]."""
+        return np.zeros((self._count, 2)) if self._terrain is None else self._terrain.sensor_offset
+
     def in_world(self, state: RobotState) -> RobotState:
         """The state in the robots' own world, of a state on the height field."""
         if self._terrain is None:
             return state
         base, feet = state.base_position.copy(), state.foot_positions.copy()
         base[:, :2] += self._terrain.offset
-        feet[:, :, :2] += self._terrain.sensor_offset[:, None]
-        ground = self._terrain.ground
-        return replace(state, base_position=base, foot_positions=feet, ground=ground)
+        feet[:, :, :2] += self.sensor_offset[:, None]
+        return replace(state, base_position=base, foot_positions=feet, ground=self.ground)

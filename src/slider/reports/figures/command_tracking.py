@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.core.config.evaluation import ProfileConfig
+from slider.core.config.evaluation import CaseConfig
 from slider.reports.controllers import colour, label
 from slider.reports.figures.style import DARK, new_figure
 
@@ -22,7 +22,7 @@ class Trace:
     values: np.ndarray
 
 
-def draw(traces: Sequence[Trace], profile: ProfileConfig, duration: float) -> Figure:
+def draw(traces: Sequence[Trace], case: CaseConfig, duration: float) -> Figure:
     """One panel per velocity and one for the share of robots that are up; ``duration`` in s."""
     figure = new_figure(6.4)
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.5, 1.2, 1.2, 0.6))
@@ -33,7 +33,7 @@ def draw(traces: Sequence[Trace], profile: ProfileConfig, duration: float) -> Fi
         axes.plot(_times(command, duration), command, color=DARK, linewidth=0.9, label="command")
         axes.set(ylabel=_LABELS[axis], ylim=_limits(command))
     panels[3].set(ylabel="share up", ylim=(-0.08, 1.08), xlabel="time [s]", xlim=(0.0, duration))
-    _mark_segments(panels, profile)
+    _mark_segments(panels, case)
     handles, names = panels[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=len(names))
     return figure
@@ -63,12 +63,12 @@ def _times(values: np.ndarray, duration: float) -> np.ndarray:
     return duration * np.arange(1, len(values) + 1) / len(values)
 
 
-def _mark_segments(panels: Sequence[Axes], profile: ProfileConfig) -> None:
+def _mark_segments(panels: Sequence[Axes], case: CaseConfig) -> None:
     for axes in panels:
         axes.grid(visible=False, axis="x")
-        for segment in profile.segments[1:]:
+        for segment in case.segments[1:]:
             axes.axvline(segment.time, color="#b8c0c9", linewidth=0.5, zorder=0)
-    for segment in profile.segments:
+    for segment in case.segments:
         name = segment.name.replace("_", " ")
         place = (segment.time, 1.02)
         at = panels[0].get_xaxis_transform()

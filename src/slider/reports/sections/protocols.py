@@ -1,11 +1,13 @@
 """Protocols beside that of Table 1: the figure of their report, and its table."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
+from slider.evaluation.segments import SMOOTHING
 from slider.reports.comparison import METRICS, compare, read_rows
 from slider.reports.controllers import label, speed
 from slider.reports.page import Cell, Section, Table, picture
+from slider.reports.protocols.cases import COLUMNS, STANDING, cell
 from slider.reports.protocols.speeds import TRACKED_SHARE, highest_tracked
 from slider.reports.sections.sources import Sources
 from slider.reports.sections.table1 import comparison_table
@@ -17,6 +19,10 @@ _ABOUT = {  # section → title, and what the protocol asks for
     ),
     "sweep": ("Sweep of the commanded speed", "Every command from standing to the fastest."),
     "joystick": ("Changing commands", "Commands as from a joystick, changing on the way."),
+    "heldout": (
+        "Held-out commands",
+        "Speeds between those that checkpoints are chosen by, a minute of each, stops, sideways.",
+    ),
 }
 _SPEEDS = (
     "Mean speed (band: one standard deviation between robots), share of robots that stay up (line) "
@@ -25,6 +31,10 @@ _SPEEDS = (
 _PROFILE = (
     "Commanded (black) and measured velocities and yaw rate: mean and one standard deviation "
     "between the robots that are still up; below, their share."
+)
+_CASES = (
+    "Share of robots that survive the case (dot) and that stand after it (ring), with Wilson's "
+    "95 % interval; errors of the mean velocity, and the fastest robot after a stop (diamond)."
 )
 _MEASURES = {
     "vx_error": "error of vx [m/s]",
@@ -38,21 +48,18 @@ Row = dict[str, str]
 
 
 def section(name: str, sources: Sources) -> Section:
-    """A protocol of constant commands or of a changing one; its settings tell which."""
+    """A protocol of constant commands, of segments or of cases; its settings tell which."""
     title, what = _ABOUT[name]
     protocol = sources.configuration["protocols"][name]
     rows = read_rows(sources.file(name, f"{name}.csv"))
-    changing = "profile" in protocol
-    caption = _PROFILE if changing else _SPEEDS
+    shown, tables, caption = _KINDS[protocol["profile"]["rows"] if "profile" in protocol else ""]
     values = {
         "name": name,
         "what": what,
         "protocol": protocol,
         "picture": picture(sources.file(name, f"{name}.svg"), f"Figure: {title}", caption),
     }
-    if changing:
-        return Section(title, "profile.html", values | {"tables": _segments(rows)})
-    return Section(title, "speeds.html", values | _constant(rows))
+    return Section(title, shown, values | tables(rows))
 
 
 def _constant(rows: Sequence[Row]) -> dict[str, Any]:
@@ -83,13 +90,34 @@ def _speed(row: Row) -> Cell:
     return Cell(f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}", mean)  # no -0.000
 
 
-def _segments(rows: Sequence[Row]) -> list[Table]:
+def _segments(rows: Sequence[Row]) -> dict[str, Any]:
     """A table per controller with a row per segment."""
     columns = ["from [s]", "segment", "vx, vy, yaw rate", "up", *_MEASURES.values()]
+    return {"tables": _by_controller(columns, rows, _segment)}
+
+
+def _cases(rows: Sequence[Row]) -> dict[str, Any]:
+    """A table per controller with a row per case."""
+    columns = ["case", *COLUMNS.values()]
+    return {
+        "tables": _by_controller(columns, rows, _case),
+        "settled": f"{STANDING:g} m/s",
+        "smoothing": f"{SMOOTHING:g} s",
+    }
+
+
+def _by_controller(
+    columns: Sequence[str], rows: Sequence[Row], cells: Callable[[Row], list[Cell]]
+) -> list[Table]:
     return [
-        Table(columns, [_segment(row) for row in rows if row["controller"] == name], label(name))
+        Table(columns, [cells(row) for row in rows if row["controller"] == name], label(name))
         for name in dict.fromkeys(row["controller"] for row in rows)
     ]
+
+
+def _case(row: Row) -> list[Cell]:
+    numbers = [Cell(cell(row, name), float(row[name]) if row[name] else "") for name in COLUMNS]
+    return [Cell(row["case"], row["case"]), *numbers]
 
 
 def _segment(row: Row) -> list[Cell]:
@@ -106,3 +134,11 @@ def _segment(row: Row) -> list[Cell]:
 
 def _number(text: str) -> Cell:
     return Cell(f"{float(text):.3f}", float(text)) if text else Cell("–")
+
+
+# Rows of the protocol's table, nothing for those of constant commands → template, tables, caption.
+_KINDS: dict[str, tuple[str, Callable[[Sequence[Row]], dict[str, Any]], str]] = {
+    "": ("speeds.html", _constant, _SPEEDS),
+    "segments": ("segments.html", _segments, _PROFILE),
+    "cases": ("cases.html", _cases, _CASES),
+}

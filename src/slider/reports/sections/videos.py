@@ -24,8 +24,9 @@ def section(sources: Sources) -> Section:
     videos = [_read(folder) for folder in sources.inputs.get("videos", ())]
     commands = sorted({video.command for video in videos})
     rows = [(speed(command), [v for v in videos if v.command == command]) for command in commands]
-    renderer = sources.report.video.renderer
-    return Section("Videos", "videos.html", {"rows": rows, "renderer": renderer})
+    video = sources.report.video
+    values = {"rows": rows, "renderer": video.renderer, "cameras": " and ".join(video.cameras)}
+    return Section("Videos", "videos.html", values)
 
 
 def _read(folder: Path) -> _Video:

@@ -12,6 +12,8 @@ from slider.core.config.validation.evaluation import check_protocols
 from slider.core.config.validation.gait import check_gait
 from slider.core.config.validation.report import check_report
 from slider.core.config.validation.robot import check_robot
+from slider.core.config.validation.seeds import check_seeds
+from slider.core.config.validation.sensitivity import check_sensitivity
 from slider.core.config.validation.train import check_trainings
 from slider.core.config.validation.verification import check_verification
 
@@ -32,4 +34,6 @@ def validate(config: Config) -> None:
     check_verification(config.verification)
     check_report(config.report, config.protocols, config.env.control_period)
     check_ablation(config.ablation)
+    check_seeds(config)
+    check_sensitivity(config)
     at_least("resources.threads", config.resources.threads, 1)

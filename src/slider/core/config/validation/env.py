@@ -19,7 +19,8 @@ def check_env(env: EnvConfig) -> None:
     at_least("env.phase.step_time", env.phase.step_time, 0.0)
     positive("env.observation.clip", env.observation.clip)
     some("env.observation.terms", env.observation.terms, "term")
-    all_at_least("env.observation", env.observation, ("velocity_filter", "command_filter"), 0.0)
+    at_least("env.observation.velocity_filter", env.observation.velocity_filter, 0.0)
+    at_least("env.reference.acceleration", env.reference.acceleration, 0.0)
     scan = env.observation.height_scan
     all_at_least("env.observation.height_scan", scan, ("points_x", "points_y"), 1)
     _phase(env)
@@ -45,7 +46,6 @@ def _physics(env: EnvConfig) -> None:
 def _action(env: EnvConfig) -> None:
     check_joints("env.action.scale", env.action.scale)
     positive("env.action.clip", env.action.clip)
-    positive("env.action.reach", env.action.reach)
     one_of("env.action.about", env.action.about, ("nominal", "gait"))
     possible = env.phase.enabled or env.action.about == "nominal"
     require(possible, "env.action.about", "nominal where there is no phase", env.action.about)

@@ -5,7 +5,7 @@ from dataclasses import fields
 from itertools import pairwise
 
 from slider.core.config.control import ControlConfig
-from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
+from slider.core.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.core.config.schema import Config
 from slider.core.config.validation.checks import (
     all_at_least,
@@ -61,12 +61,23 @@ def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> No
 def _profile(profile: ProfileConfig, duration: float, control_period: float, key: str) -> None:
     all_at_least(key, profile, ("ramp", "settle"), 0.0)
     positive(f"{key}.window", profile.window)
-    some(f"{key}.segments", profile.segments, "segment")
-    distinct(f"{key}.segments", [segment.name for segment in profile.segments], "each name once")
-    times = [segment.time for segment in profile.segments]
-    require(times[0] == 0.0, f"{key}.segments[0].time", "0 s", times[0])
+    one_of(f"{key}.rows", profile.rows, ("segments", "cases"))
+    some(f"{key}.cases", profile.cases, "case")
+    names = [case.name for case in profile.cases]
+    distinct(f"{key}.cases", names, "each name once")
+    possible = profile.rows == "cases" or len(names) == 1
+    require(possible, f"{key}.cases", "one case where rows are its segments", names)
     shortest = max(profile.ramp, profile.settle) + control_period
+    for index, case in enumerate(profile.cases):
+        _segments(case, duration, shortest, f"{key}.cases[{index}].segments")
+
+
+def _segments(case: CaseConfig, duration: float, shortest: float, key: str) -> None:
+    some(key, case.segments, "segment")
+    distinct(key, [segment.name for segment in case.segments], "each name once")
+    times = [segment.time for segment in case.segments]
+    require(times[0] == 0.0, f"{key}[0].time", "0 s", times[0])
     expected = f"a control period longer than ramp and settle ({shortest:g} s)"
     for index, (start, end) in enumerate(pairwise([*times, duration])):
         length = end - start
-        require(length >= shortest - 1e-9, f"{key}.segments[{index}]", expected, f"{length:g} s")
+        require(length >= shortest - 1e-9, f"{key}[{index}]", expected, f"{length:g} s")

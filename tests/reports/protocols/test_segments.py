@@ -11,7 +11,8 @@ import pytest
 from slider.core.config.convert import to_dict
 from slider.core.job import Job
 from slider.evaluation import segments
-from slider.reports.protocols import profile
+from slider.reports.protocols import segments as report
+from tests.evaluation.test_profile import case
 from tests.evaluation.test_segments import protocol, recording
 
 
@@ -20,8 +21,10 @@ def write_evaluation(folder: Path, fall: bool = False) -> Path:
     rollout = recording()
     if fall:
         rollout = replace(rollout, alive=np.zeros_like(rollout.alive))
-    (folder / "command.json").write_text(json.dumps({"controller": "policy", "command": None}))
-    segments.write(segments.measure(rollout, protocol()), folder / segments.FILE)
+    (folder / "command.json").write_text(
+        json.dumps({"controller": "policy", "command": None, "case": "tour"})
+    )
+    segments.write(segments.measure(rollout, protocol(), case()), folder / segments.FILE)
     np.save(folder / segments.TRACES, segments.traces(rollout, protocol()))
     return folder
 
@@ -31,7 +34,7 @@ def run(folder: Path, fall: bool = False):
     inputs = [write_evaluation(folder / "a", fall)]
     out.mkdir()
     section = {"name": "joystick", "evaluation": to_dict(protocol())}
-    summary = profile.run(section, {"evaluations": inputs}, out, Job(folder))
+    summary = report.run(section, {"evaluations": inputs}, out, Job(folder))
     rows = list(csv.DictReader((out / "joystick.csv").read_text().splitlines()))
     return summary, rows, out
 

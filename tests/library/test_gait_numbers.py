@@ -1,4 +1,4 @@
-"""The variance within a gait, against closed forms."""
+"""The variance within a gait and its step rate, against closed forms."""
 
 from dataclasses import replace
 
@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from slider.library.contents import LibraryContents
-from slider.library.sway import forward_variance
+from slider.library.gait_numbers import gait_numbers
 from tests.library.gaits import HALF, library
 
 
 @pytest.fixture(scope="module")
 def gaits(tmp_path_factory) -> LibraryContents:
-    return library(tmp_path_factory.mktemp("sway"), [(0.0, 0.0), (1.0, 0.0)])
+    return library(tmp_path_factory.mktemp("numbers"), [(0.0, 0.0), (1.0, 0.0)])
 
 
 def with_speed(gaits: LibraryContents, speed: np.ndarray, times: list[float]) -> LibraryContents:
@@ -42,7 +42,20 @@ def test_between_gaits_the_speeds_are_blended(gaits):
     assert forward_variance(swaying, 0.5) == pytest.approx(0.005, rel=1e-6)
 
 
+def test_there_is_one_touchdown_per_step(gaits):
+    """Steps of 0.3 s and 0.5 s: two touchdowns in 0.8 s."""
+    found = gait_numbers(with_speed(gaits, np.ones((2, 2 * HALF)), [0.3, 0.5]), 0.5)
+    assert found is not None
+    assert found.touchdown_rate == pytest.approx(2 / 0.8)
+
+
 @pytest.mark.parametrize("vx", [-0.1, 1.1])
 def test_no_gait_no_number(gaits, vx):
-    assert forward_variance(gaits, vx) is None
-    assert forward_variance(gaits, 1.0) is not None
+    assert gait_numbers(gaits, vx) is None
+    assert gait_numbers(gaits, 1.0) is not None
+
+
+def forward_variance(gaits: LibraryContents, vx: float) -> float:
+    found = gait_numbers(gaits, vx)
+    assert found is not None
+    return found.velocity_variance

@@ -1,4 +1,4 @@
-"""The report of a protocol with a changing command, such as the joystick."""
+"""The report of one case segment by segment, such as the joystick."""
 
 import json
 from pathlib import Path
@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 
 from slider.core.config.convert import from_dict
-from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
+from slider.core.config.evaluation import CaseConfig, EvaluationConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation import segments
 from slider.evaluation.profile import command
 from slider.reports.controllers import label
 from slider.reports.figures.command_tracking import Trace, draw
 from slider.reports.figures.publication import write_pictures
-from slider.reports.rows import Row, spread, write_rows
+from slider.reports.rows import Row, success, write_rows
 
 _TITLE = "# Changing commands: {name}"
 _CAPTION = """\
@@ -38,33 +38,31 @@ _SHOWN = ("vx_error", "vy_error", "yaw_rate_error", "heading_error", "touchdown_
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
-    assert protocol.profile is not None
-    profile = protocol.profile
+    (case,) = segments.profile_of(protocol).cases
     rows: list[Row] = []
     traces: list[Trace] = []
     for folder in inputs["evaluations"]:
         controller = json.loads((folder / "command.json").read_text())["controller"]
-        rows += segment_rows(controller, profile, segments.read(folder / segments.FILE))
+        rows += segment_rows(controller, case, segments.read(folder / segments.FILE))
         traces.append(Trace(controller, np.load(folder / segments.TRACES)))
     write_rows(rows, tuple(rows[0]), out / f"{name}.csv")
-    write_pictures(out / name, lambda: draw(traces, profile, protocol.duration))
-    (out / f"{name}.md").write_text(_text(name, protocol, profile, rows), encoding="utf-8")
+    write_pictures(out / name, lambda: draw(traces, case, protocol.duration))
+    (out / f"{name}.md").write_text(_text(name, protocol, rows), encoding="utf-8")
     job.tracker.log_file(out / f"{name}.png")
     last = {str(row["controller"]): row["success_rate"] for row in rows}  # of the last segment
     return {"rows": len(rows), "success_rate": last}
 
 
-def segment_rows(controller: str, profile: ProfileConfig, table: segments.Table) -> list[Row]:
+def segment_rows(controller: str, case: CaseConfig, table: segments.Table) -> list[Row]:
     """One row per segment: means over the robots that are up at its end, empty without any."""
     rows: list[Row] = []
-    for index, segment in enumerate(profile.segments):
+    for index, segment in enumerate(case.segments):
         mine = table["segment"] == index
         up, trial = table["survived"][mine], table["trial"][mine]
         commanded = dict(zip(segments.AXES, command(segment), strict=True))
         row: Row = {"controller": controller, "segment": segment.name, "time": segment.time}
         row |= {f"{axis}_command": value for axis, value in commanded.items()}
-        row["success_rate"] = float(up.mean())
-        row["success_rate_std"] = spread(up.astype(float), trial)
+        row |= success(up, trial)
         for name in segments.MEASURES:
             values = table[name][mine][up]
             row[name] = float(values.mean()) if len(values) else ""
@@ -72,7 +70,8 @@ def segment_rows(controller: str, profile: ProfileConfig, table: segments.Table)
     return rows
 
 
-def _text(name: str, protocol: EvaluationConfig, profile: ProfileConfig, rows: list[Row]) -> str:
+def _text(name: str, protocol: EvaluationConfig, rows: list[Row]) -> str:
+    profile = segments.profile_of(protocol)
     caption = _CAPTION.format(
         name=name,
         trials=protocol.trials,

@@ -1,0 +1,89 @@
+"""Feet on the ground and the distance of the legs, at every simulation step.
+
+What metrics say of contacts is seen here, between the control steps as well.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from slider.env.ground import Ground
+
+CONTACT_FORCE = 5.0  # a foot with more than this on it is on the ground [N]
+# Gaps and contacts shorter than these are bounces [s].
+LIFT_TIME = 0.03  # a foot that loses contact for less has not been lifted
+TOUCH_TIME = 0.02  # a contact that lasts less is a graze
+
+
+class Contacts(NamedTuple):
+    """Feet and legs of N robots at T simulation steps; feet left, right; ends heel, toe.
+
+    Attributes:
+        forces: (T, N, 2) vertical ground reaction of each foot [N].
+        loaded: (T, N, 2, 2) the foot carries more than ``CONTACT_FORCE`` and this end touches: it
+            is the lower one (uneven ground may carry a foot between its ends), or it has sunk in.
+        speeds: (T, N, 2, 2) horizontal speed of the lowest point of each end [m/s].
+        leg_distance: (T, N) of the closest parts of the two legs [m]; negative: they press on
+            each other.
+    """
+
+    forces: np.ndarray
+    loaded: np.ndarray
+    speeds: np.ndarray
+    leg_distance: np.ndarray
+
+
+def observe(
+    forces: np.ndarray,
+    ends: np.ndarray,
+    velocities: np.ndarray,
+    distances: np.ndarray,
+    ground: Ground,
+) -> Contacts:
+    """What sensors of N robots say over T simulation steps.
+
+    Args:
+        forces: of the feet (N, T, 2) [N].
+        ends: lowest points of heel and toe (N, T, 2, 2, 3) [m], in the ground's world.
+        velocities: of the foot at these points (N, T, 2, 2, 3) [m/s].
+        distances: of pairs of parts of the two legs (N, T, pairs) [m].
+        ground: below the robots.
+    """
+    # MuJoCo's contacts begin at a height of 0; a foot that carries 60 N sinks in by about 1 mm.
+    height = ends[..., 2] - ground.height(ends[..., :2])
+    touching = (height <= 0.0) | (height == height.min(axis=-1, keepdims=True))
+    series = (
+        forces.astype(np.float32),
+        (forces > CONTACT_FORCE)[..., None] & touching,
+        np.linalg.norm(velocities[..., :2], axis=-1).astype(np.float32),
+        distances.min(axis=-1).astype(np.float32),
+    )
+    return Contacts(*(np.swapaxes(values, 0, 1) for values in series))
+
+
+def join(parts: Sequence[Contacts]) -> Contacts:
+    """Contacts of stretches of time, one after the other."""
+    return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def touchdowns(forces: np.ndarray, timestep: float) -> np.ndarray:
+    """Where a foot comes down (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
+
+    Bounces are left out: the contact that counts has neither gaps of less than ``LIFT_TIME`` nor,
+    after that, contacts of less than ``TOUCH_TIME``. A foot that is down at first does not come
+    down.
+    """
+    contact = _without_gaps(forces > CONTACT_FORCE, LIFT_TIME / timestep)
+    contact = ~_without_gaps(~contact, TOUCH_TIME / timestep)
+    before = np.concatenate([contact[:1], contact[:-1]])
+    return contact & ~before
+
+
+def _without_gaps(flags: np.ndarray, length: float) -> np.ndarray:
+    """Flags (T, ...), also set where fewer than ``length`` unset ones lie between set ones."""
+    count = len(flags)
+    index = np.arange(count, dtype=np.int32).reshape((-1,) + (1,) * (flags.ndim - 1))
+    last = np.maximum.accumulate(np.where(flags, index, -count), axis=0)
+    following = np.minimum.accumulate(np.where(flags, index, 2 * count)[::-1], axis=0)[::-1]
+    return flags | (following - last - 1 < length - 1e-6)

@@ -1,0 +1,98 @@
+"""The stage ``sensitivity``: what each changed parameter of the robot does, as table and figure."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation import records
+from slider.evaluation.sensitivity import folder_name
+from slider.reports import sensitivity_text
+from slider.reports.figures import sensitivity as figure
+from slider.reports.figures.style import save, style
+from slider.reports.rows import Row, quality_row, table_row, write_rows
+from slider.reports.sensitivity_effects import NOMINAL, carrying, effects, nominals
+
+NAME = "sensitivity"
+ABOUT = ("parameter", "provenance", "unit", "nominal", "factor", "value")
+GAIT = ("gait_converged", "gait_iterations", "gait_cost", "gait_cost_change")
+POLICY = ("success_rate", "mse_steady", "mean_velocity")
+COLUMNS = (*ABOUT, "command", *GAIT, *POLICY, "note")
+_REPORT = "report.json"
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write ``sensitivity.csv``, ``.md``, ``.svg`` and ``.png``."""
+    rows = read_rows(section, inputs)
+    quoted = [row | {"note": _quoted(str(row["note"]))} for row in rows]
+    write_rows(quoted, COLUMNS, out / f"{NAME}.csv")
+    text = sensitivity_text.markdown(rows, section)
+    (out / f"{NAME}.md").write_text(text, encoding="utf-8")
+    with style():
+        drawn = figure.draw(rows, section["change"])
+        drawn.draw_without_rendering()
+    for suffix in ("svg", "png"):
+        save(drawn, out / f"{NAME}.{suffix}")
+        job.tracker.log_file(out / f"{NAME}.{suffix}")
+    job.tracker.log_file(out / f"{NAME}.csv")
+    found = effects(rows)
+    return {"parameters": len(found), "carrying": len(carrying(found, nominals(rows)))}
+
+
+def read_rows(section: Section, inputs: Inputs) -> list[Row]:
+    """A row per changed robot and command, those of the unchanged robot first.
+
+    Cells are empty where nothing was asked for or nothing is known: of a robot that cannot be, the
+    cost of a gait that did not converge, the velocity of a policy that never survived.
+    """
+    unchanged: Row = dict.fromkeys(ABOUT, "") | {"parameter": NOMINAL, "factor": 1.0}
+    rows = _rows(unchanged, section["nominal"], section, inputs)
+    for variant in section["variants"]:
+        about = {name: variant[name] for name in ABOUT}
+        rows += _rows(about, variant, section, inputs)
+    costs = {row["command"]: row["gait_cost"] for row in rows[: len(section["commands"])]}
+    return [row | {"gait_cost_change": _change(row, costs[row["command"]])} for row in rows]
+
+
+def _rows(about: Row, made: Mapping[str, Any], section: Section, inputs: Inputs) -> list[Row]:
+    rows: list[Row] = []
+    for index, command in enumerate(section["commands"]):
+        row = about | {"command": command, "note": made.get("note", "")}
+        row |= _gait(made["gaits"], index, inputs["gaits"])
+        rows.append(row | _policy(made["rollout"], command, inputs["rollouts"]))
+    return rows
+
+
+def _gait(places: Sequence[int], index: int, folders: Sequence[Path]) -> Row:
+    if not places:
+        return dict.fromkeys(GAIT, "")
+    report = json.loads((folders[places[index]] / _REPORT).read_text())
+    converged = report["converged"]
+    return {
+        "gait_converged": float(converged),
+        "gait_iterations": float(report["iterations"]),
+        "gait_cost": float(report["cost"]) if converged else "",
+    }
+
+
+def _policy(place: int | None, command: float, folders: Sequence[Path]) -> Row:
+    if place is None:
+        return dict.fromkeys(POLICY, "")
+    table = records.read(folders[place] / folder_name(command) / records.FILE)
+    row = table_row("policy", command, table) | quality_row("policy", command, table)
+    return {name: row[name] for name in POLICY}
+
+
+def _change(row: Row, nominal: str | float) -> str | float:
+    """Relative change of the gait's cost; empty without one of the two."""
+    cost = row["gait_cost"]
+    if isinstance(cost, str) or isinstance(nominal, str):
+        return ""
+    return cost / nominal - 1.0
+
+
+def _quoted(text: str) -> str:
+    """A cell whose text may have commas."""
+    doubled = text.replace('"', '""')
+    return f'"{doubled}"' if text else ""

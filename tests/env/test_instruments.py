@@ -1,0 +1,162 @@
+"""Heels, toes and legs as the plant senses them, against kinematics, Jacobians and contacts."""
+
+# pyright: reportAttributeAccessIssue=false
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.env.physics import BatchedPhysics
+from slider.robot import names
+from slider.robot.kinematics import foot_ends, rotation_from_quaternion
+from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos
+from slider.robot.names import JOINTS, NUM_JOINTS
+from tests.env.synthetic import (
+    config,
+    disturbed_physics,
+    make_physics,
+    random_pose,
+    robot_config,
+    stand,
+)
+
+COUNT = 5
+
+
+def placed(qpos: np.ndarray, qvel: np.ndarray | None = None, **settings: float) -> BatchedPhysics:
+    """After one step; the sensors of its first simulation step are those of the pose."""
+    physics = make_physics(len(qpos), **settings)
+    still = np.zeros((len(qpos), 6 + NUM_JOINTS))
+    physics.reset(np.arange(len(qpos)), qpos, still if qvel is None else qvel)
+    physics.step(qpos[:, 7:])
+    return physics
+
+
+def posed(**joints: float) -> np.ndarray:
+    """Nominal pose (1, 19), 0.2 m above the ground, with some joints elsewhere."""
+    qpos = nominal_qpos(robot_config())[None].copy()
+    qpos[:, 2] += 0.2
+    for name, value in joints.items():
+        qpos[:, 7 + JOINTS.index(name)] = value
+    return qpos
+
+
+def test_heels_and_toes_are_where_kinematics_says():
+    qpos, qvel = random_pose(np.random.default_rng(0), COUNT)
+    positions, _ = placed(qpos, qvel).foot_ends()
+    rotation = rotation_from_quaternion(qpos[:, 3:7])
+    expected = foot_ends(robot_config().geometry, rotation, qpos[:, 7:])
+    expected += qpos[:, None, None, :3]
+    np.testing.assert_allclose(positions[:, 0], expected, atol=1e-9)
+
+
+def test_they_move_as_the_foots_material_does_there():
+    """Against the Jacobian of the point."""
+    qpos, qvel = random_pose(np.random.default_rng(1), COUNT)
+    physics = placed(qpos, qvel)
+    positions, velocities = physics.foot_ends()
+    data, jacobian = mujoco.MjData(physics.model), np.zeros((3, physics.model.nv))
+    for robot, foot, end in np.ndindex(COUNT, 2, 2):
+        data.qpos[:], data.qvel[:] = qpos[robot], qvel[robot]
+        mujoco.mj_forward(physics.model, data)
+        body = physics.model.body(names.foot(names.SIDES[foot])).id
+        point = positions[robot, 0, foot, end]
+        mujoco.mj_jac(physics.model, data, jacobian, None, point, body)
+        np.testing.assert_allclose(
+            velocities[robot, 0, foot, end], jacobian @ qvel[robot], atol=1e-9
+        )
+
+
+def test_the_middle_of_the_foot_is_between_its_ends():
+    """To the second order of the tilt: the lowest points of a tilted capsule are elsewhere."""
+    physics = stand(make_physics(2), seconds=0.2)
+    positions, velocities = physics.foot_ends()
+    state = physics.read()
+    np.testing.assert_allclose(positions[:, -1].mean(axis=2), state.foot_positions, atol=1e-6)
+    np.testing.assert_allclose(velocities[:, -1].mean(axis=2), state.foot_velocities, atol=1e-6)
+
+
+def test_loaded_ends_are_the_simulators_contacts():
+    """Of robots that stand on feet tilted by some hundredths of a radian."""
+    start = np.tile(nominal_qpos(robot_config()), (COUNT, 1))
+    tilt = np.linspace(-0.04, 0.04, COUNT)
+    for side in names.SIDES:
+        start[:, 7 + JOINTS.index(f"{side}_ankle")] = tilt
+    physics = make_physics(COUNT, substeps=1)
+    physics.reset(np.arange(COUNT), start, np.zeros((COUNT, 6 + NUM_JOINTS)))
+    data, seen = mujoco.MjData(physics.model), []
+    for _ in range(60):
+        qpos, qvel = physics.qpos.copy(), physics.qvel.copy()
+        physics.step(start[:, 7:])
+        loaded = physics.contacts().loaded[0]
+        ends = physics.foot_ends()[0][:, 0]
+        for robot in np.flatnonzero(loaded.any(axis=(1, 2))):
+            data.qpos[:], data.qvel[:] = qpos[robot], qvel[robot]
+            mujoco.mj_forward(physics.model, data)
+            for foot in np.flatnonzero(loaded[robot].any(axis=1)):
+                touching = _touching_ends(physics.model, data, foot, ends[robot, foot])
+                np.testing.assert_array_equal(loaded[robot, foot], touching)
+                seen.append(touching.tolist())
+    for pattern in ([True, False], [False, True], [True, True]):
+        assert pattern in seen
+
+
+def _touching_ends(model, data, foot: int, ends: np.ndarray) -> np.ndarray:
+    geom = model.geom(names.foot(names.SIDES[foot])).id
+    floor = model.geom(names.FLOOR).id
+    touching = np.zeros(2, dtype=bool)
+    for contact in data.contact:
+        if {contact.geom1, contact.geom2} == {geom, floor}:
+            touching[np.linalg.norm(ends - contact.pos, axis=1).argmin()] = True
+    return touching
+
+
+def test_distance_of_legs_by_closed_forms():
+    """Hip and tube in the nominal pose; soles where the legs lean inwards; and far apart."""
+    geometry, angle = robot_config().geometry, 0.1
+    between = 2 * geometry.hip_offset
+    beside = between - geometry.hip_radius - geometry.tube_radius
+    reach = geometry.leg_length + geometry.ankle_height - geometry.foot_radius
+    soles = between - 2 * reach * np.sin(angle) - 2 * geometry.foot_radius
+    inwards = posed(left_hip_roll=-angle, right_hip_roll=angle)
+    found = placed(np.concatenate([posed(), inwards])).contacts().leg_distance[0]
+    np.testing.assert_allclose(found, [beside, soles], atol=1e-6)
+    assert soles < beside < DISTANCE_CUTOFF
+
+
+def test_legs_that_are_put_into_each_other_touch_and_cross():
+    apart, crossed = posed(), posed(left_hip_roll=-0.2, right_hip_roll=0.2)
+    physics = placed(np.concatenate([apart, crossed]))
+    contacts, state = physics.contacts(), physics.read()
+    assert contacts.leg_distance[0, 0] > 0.1
+    assert contacts.leg_distance[0, 1] < -0.01
+    lateral = state.foot_positions[:, 0, 1] - state.foot_positions[:, 1, 1]
+    assert lateral[0] > 0.1 > 0 > lateral[1]
+
+
+def test_instruments_change_no_motion():
+    start = random_pose(np.random.default_rng(3), COUNT)
+    bare = BatchedPhysics(
+        robot_config(), config("experiment=test").env.physics, COUNT, instruments=False
+    )
+    whole = make_physics(COUNT)
+    for physics in (bare, whole):
+        physics.reset(np.arange(COUNT), *start)
+        for _ in range(10):
+            physics.step(np.zeros((COUNT, NUM_JOINTS)))
+    np.testing.assert_array_equal(bare.qpos, whole.qpos)
+    for name, value in vars(bare.read()).items():
+        np.testing.assert_array_equal(value, getattr(whole.read(), name), err_msg=name)
+    with pytest.raises(RuntimeError, match="instruments"):
+        bare.contacts()
+
+
+def test_on_uneven_ground_heights_are_above_it():
+    physics = disturbed_physics(COUNT, "ground={amplitude: 0.02, cell: 0.25, period: 4.0}")
+    stand(physics, seconds=0.4)
+    ends, _ = physics.foot_ends()
+    height = ends[..., 2] - physics.read().ground.height(ends[..., :2])
+    assert np.ptp(ends[..., 2]) > 0.01, "the ground is uneven"
+    lowest = height[:, -1].min(axis=(1, 2))
+    assert (np.abs(lowest) < 4e-3).all()
+    assert physics.contacts().loaded[-1].any(axis=(1, 2)).all()

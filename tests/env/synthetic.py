@@ -24,7 +24,7 @@ from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, MOTORS, 
 CONF = Path(__file__).parents[2] / "conf"
 PERMUTATION, SIGN = np.array(MIRROR_PERMUTATION), np.array(MIRROR_SIGN)
 # Of the motors in conf/robot/slider.yaml [N m], [rad/s].
-TORQUE_LIMITS = np.array([40.0, 60.0, 60.0, 8.0, 8.0] * 2)
+TORQUE_LIMITS = np.array([40.0, 60.0, 60.0, 9.0, 9.0] * 2)
 SPEED_LIMITS = np.array([15.0, 15.0, 15.0, 120.0, 120.0] * 2)
 SAMPLES = 42
 STEP_TIME = 0.4
@@ -235,10 +235,11 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         "previous_action": np.zeros((count, NUM_JOINTS)),
         "action_scale": np.full(NUM_JOINTS, 0.3),
         "filtered_velocity": np.zeros((count, 2)),
-        "expected_velocity": np.zeros((count, 2)),
         "phase": np.zeros(count),
     }
     values |= {name: np.asarray(value, dtype=float) for name, value in changes.items()}
+    for name in ("reference_velocity", "expected_velocity"):  # those of a command long since given
+        values.setdefault(name, values["command"][:, :2])
     values["halted"] = np.asarray(changes.get("halted", np.zeros(count)), dtype=bool)
     return View(
         state=state,

@@ -65,7 +65,7 @@ def test_builds_resets_and_steps(experiment, training, agent):
         assert (env.episode_length_buf[done == 0] > 0).all()
         falls += int(done.sum())
         logged = {name for name in extras["log"] if name.startswith("/reward/")}
-        assert logged == {f"/reward/{name}" for name in train.reward.terms}
+        assert logged == {f"/reward/{name}" for name in train.reward.active}
         assert all(np.isfinite(value) for value in extras["log"].values())
     assert env.total_diverged == 0
     if agent == "random":
@@ -307,7 +307,7 @@ def test_the_low_passed_velocity_is_that_of_what_is_measured():
         _, _, done, _ = env.step(torch.zeros(NUM_ENVS, 12))
         on, state = done.numpy() == 0, env._measured
         assert on.any()
-        gain, _ = env.cfg.observation.filter_gains(env.cfg.control_period)
+        gain = env.cfg.observation.filter_gain(env.cfg.control_period)
         expected = before + gain * (state.heading_velocity - before)
         found = env._agent.view(state).filtered_velocity
         np.testing.assert_allclose(found[on], expected[on], atol=1e-12)

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from pipeline.entry import open_pipeline
+from pipeline.stages.gaits import velocities
 from slider.cli import main
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -67,6 +68,14 @@ def test_every_option_composes(option):
         ("gait.grid.vx.step=-0.1", "gait.grid.vx.step: expected a positive value, found -0.1"),
         ("gait.grid.vx.stop=-1.0", "gait.grid.vx: expected start ≤ stop"),
         ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
+        ("gait.grid.vx=0.33", "'gait.grid.vx': Input should be an object or a valid array, found"),
+        ("gait.grid.vx=[]", "gait.grid.vx: expected start ≤ stop, or a list"),
+        ("gait.grid.vx=[fast]", "'gait.grid.vx': Input should be an object or a valid number"),
+        (
+            "train.walking.commands.vx=[0.3]",
+            "train.walking.commands.vx: expected values of train.walking.commands.vx.lower, "
+            "train.walking.commands.vx.upper, found [0.3]",
+        ),
         ("env.physics.timestep=-0.005", "env.physics.timestep: expected a positive value"),
         (
             "train.walking.reset.reference_fraction=1.1",
@@ -223,6 +232,16 @@ def test_a_section_needs_its_protocol(capsys):
     (line,) = capsys.readouterr().err.splitlines()
     assert "learning, robust, joystick, heldout, ablation" in line
     assert line.endswith("found sweep")
+
+
+def test_a_list_of_velocities_takes_the_place_of_an_axis():
+    one = compose(["gait.grid.vx=[0.33]"], CONF).gait.grid
+    assert one.vx == [0.33]
+    assert one.vy == compose([], CONF).gait.grid.vy
+    overrides = ["gait.grid.vx.stop=0.5", "gait.grid.vx=[0.2]", "gait.grid.vx=[0.4,0.33]"]
+    last = compose(["experiment=test", *overrides, "gait.grid.vy=[0.0]"], CONF).gait.grid
+    assert (last.vx, last.vy) == ([0.4, 0.33], [0.0])
+    assert velocities(last) == [(0.33, 0.0), (0.4, 0.0)]
 
 
 def test_config_prints_the_resolved_configuration(capsys):

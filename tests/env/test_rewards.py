@@ -111,7 +111,7 @@ HAND = {  # term → (state, view, parameters, value)
         12 * 0.09,
     ),
     "roll_pitch_rate": ({"angular_velocity": [0.3, -0.4, 7.0]}, {}, {}, 0.25),
-    "effort": (  # half of a capstan motor's 9 N m, a quarter of a hip's 60 N m
+    "effort": (  # half of a capstan motor's limit, a quarter of a hip's
         {"motor_torques": motor("left_capstan_1", 4.5) + motor("right_hip_roll", -15.0)},
         {},
         {},

@@ -9,8 +9,9 @@ from slider.core.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
+from slider.library.lookup import GaitTable
 from slider.robot.kinematics import standing_height
-from tests.env.synthetic import config, gait_table, make_guide
+from tests.env.synthetic import config, gait_table, make_guide, make_library, step_time
 
 EXPERIMENTS = ("default", "commands", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
@@ -320,3 +321,21 @@ def test_every_episode_meets_another_robot():
     before = env._physics.masses.copy()
     env._reset(np.array([2]))
     np.testing.assert_array_equal(np.flatnonzero(env._physics.masses != before), [2])
+
+
+def test_a_library_of_one_gait_guides_at_every_command():
+    """Outside of the grid its border counts: with one velocity, that gait."""
+    library = make_library(((0.33, 0.0),))
+    table = GaitTable.from_library(library)
+    whole = settings("experiment=default")
+    env = WalkingEnv(
+        *(whole.robot, whole.env, whole.train.walking, np.random.default_rng(0)),
+        *(table.times, Guide(library, table)),
+        reference=table.joints,
+    )
+    for _ in range(20):
+        observations, reward, _, _ = env.step(torch.zeros(NUM_ENVS, 12))
+        assert torch.isfinite(observations["policy"]).all()
+        assert torch.isfinite(reward).all()
+    commands = np.array([0.0, 3.0])
+    np.testing.assert_array_equal(table.times.at(commands, 0.0 * commands), step_time(0.33))

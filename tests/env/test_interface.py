@@ -119,9 +119,10 @@ def test_the_previous_action_is_the_one_before():
 def test_the_clock_keeps_the_librarys_pace_and_wraps():
     agent = make_agent(3)
     state = make_state(3)
-    agent.set_velocity_command(np.arange(3), np.array([[0.0, 0, 0], [0.2, 0.0, 0], [0.4, 0.1, 0]]))
+    command = np.array([[0.0, 0, 0], [0.2, 0.0, 0], [0.4, 0.1, 0]])
+    agent.set_velocity_command(np.arange(3), command)
     start = np.array([0.003, 0.3, 0.97])
-    agent.reset(np.arange(3), state, phase=start)
+    agent.reset(np.arange(3), state, phase=start, velocity=command[:, :2])
     step = 0.02 / (2 * np.array([step_time(v) for v in (0.0, 0.2, 0.4)]))
     for k in range(1, 61):
         agent.advance(state)

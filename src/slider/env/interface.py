@@ -120,7 +120,8 @@ class AgentInterface:
         """Joint positions of a zero action: (12,), or (N, 12) on gaits or standing."""
         if self._reference is None or self.clock is None:
             return self.nominal
-        origin = self._reference.at(*self.reference_velocity.T, self.clock.phase)
+        vx, vy = self.reference_velocity.T
+        origin = self._reference.at(vx, vy, self.clock.phase)
         if self.clock.halted.any():
             origin[self.clock.halted] = self._reference.standing
         return origin

@@ -1,5 +1,8 @@
 """Everything that a robot's own software needs, as files of one folder."""
 
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
 import json
 import shutil
 from pathlib import Path
@@ -75,8 +78,7 @@ def _with_all_digits(xml: str, motors: Transmission, model: mujoco.MjModel) -> s
         for joint in tendon.iter("joint"):
             joint.set("coef", repr(float(row[JOINTS.index(joint.attrib["joint"])])))
     for motor in root.iter("general"):
-        values = model.actuator(motor.attrib["name"]).gainprm[
-            : len(motor.attrib["gainprm"].split())
-        ]
+        count = len(motor.attrib["gainprm"].split())
+        values = model.actuator(motor.attrib["name"]).gainprm[:count]
         motor.set("gainprm", " ".join(repr(float(value)) for value in values))
     return ElementTree.tostring(root, encoding="unicode")

@@ -39,7 +39,7 @@ REPORTS = {
         "reports/table1.md",
         "reports/table1.tex",
     ),
-    "verification": ("reports/verification.csv", "reports/verification.json"),
+    "verification": tuple(f"reports/verification.{suffix}" for suffix in ("csv", "json", "md")),
     "verification_maps": tuple(
         f"reports/figures/verification_maps.{suffix}" for suffix in ("svg", "png", "md")
     ),

@@ -23,6 +23,9 @@ from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, MOTORS, 
 
 CONF = Path(__file__).parents[2] / "conf"
 PERMUTATION, SIGN = np.array(MIRROR_PERMUTATION), np.array(MIRROR_SIGN)
+# Of the motors in conf/robot/slider.yaml [N m], [rad/s].
+TORQUE_LIMITS = np.array([40.0, 60.0, 60.0, 8.0, 8.0] * 2)
+SPEED_LIMITS = np.array([15.0, 15.0, 15.0, 120.0, 120.0] * 2)
 SAMPLES = 42
 STEP_TIME = 0.4
 
@@ -34,6 +37,33 @@ def config(*overrides: str) -> Config:
 
 def robot_config() -> RobotConfig:
     return config("experiment=test").robot
+
+
+def motor_angles(joints: np.ndarray) -> np.ndarray:
+    """Motor angles or speeds (..., 10) of joint positions or speeds (..., 12), by hand."""
+    legs = []
+    for leg in (joints[..., :6], joints[..., 6:]):
+        slide, foot = leg[..., 3:4] / 0.025, leg[..., 4:5] / 0.35
+        legs += [leg[..., :3], slide + foot, slide - foot]
+    return np.concatenate(legs, axis=-1)
+
+
+def joint_efforts(torques: np.ndarray) -> np.ndarray:
+    """Joint efforts (..., 12) of motor torques (..., 10), by hand."""
+    legs = []
+    for leg in (torques[..., :5], torques[..., 5:]):
+        one, two = leg[..., 3:4], leg[..., 4:5]
+        legs += [leg[..., :3], (one + two) / 0.025, (one - two) / 0.35, 0.0 * one]
+    return np.concatenate(legs, axis=-1)
+
+
+def motor_torques(efforts: np.ndarray) -> np.ndarray:
+    """Motor torques (..., 10) of joint efforts (..., 12), by hand."""
+    legs = []
+    for leg in (efforts[..., :6], efforts[..., 6:]):
+        slide, foot = 0.025 * leg[..., 3:4] / 2, 0.35 * leg[..., 4:5] / 2
+        legs += [leg[..., :3], slide + foot, slide - foot]
+    return np.concatenate(legs, axis=-1)
 
 
 def make_library(velocities: tuple[tuple[float, float], ...] | None = None) -> GaitLibrary:
@@ -199,7 +229,6 @@ def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:
 def make_view(state: RobotState, **changes: np.ndarray) -> View:
     """A view of a state with zero commands and actions, with ``changes``."""
     count = state.num_robots
-    limits = [robot_config().limits[name.split("_", 1)[1]].effort for name in JOINTS]
     values = {
         "command": np.zeros((count, 4)),
         "action": np.zeros((count, NUM_JOINTS)),
@@ -215,7 +244,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         state=state,
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
-        effort_limits=np.where(np.array(limits) > 0, limits, np.inf),
+        torque_limits=TORQUE_LIMITS,
         scan_points=(15, 12),
         scan_spacing=0.1,
         **values,

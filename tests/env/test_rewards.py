@@ -9,7 +9,7 @@ from slider.env.columns import NUM_CHANNELS
 from slider.env.guide import observed_channels
 from slider.env.rewards import TERMS, Reward, RewardView
 from slider.env.view import View
-from slider.robot.names import CHANNELS, JOINTS
+from slider.robot.names import CHANNELS, JOINTS, MOTORS
 from tests.env.synthetic import (
     config,
     gait_table,
@@ -47,9 +47,11 @@ def moving_view(count: int = 40) -> View:
 
 
 def joint(name: str, number: float) -> np.ndarray:
-    values = np.zeros(len(JOINTS))
-    values[JOINTS.index(name)] = number
-    return values
+    return number * (np.array(JOINTS) == name)
+
+
+def motor(name: str, number: float) -> np.ndarray:
+    return number * (np.array(MOTORS) == name)
 
 
 HAND = {  # term → (state, view, parameters, value)
@@ -109,8 +111,8 @@ HAND = {  # term → (state, view, parameters, value)
         12 * 0.09,
     ),
     "roll_pitch_rate": ({"angular_velocity": [0.3, -0.4, 7.0]}, {}, {}, 0.25),
-    "effort": (  # half of the slide's 400 N, a quarter of the ankle's 20 N m
-        {"efforts": joint("left_slide", 200.0) + joint("right_ankle", -5.0)},
+    "effort": (  # half of a capstan motor's 8 N m, a quarter of a hip's 60 N m
+        {"motor_torques": motor("left_capstan_1", 4.0) + motor("right_hip_roll", -15.0)},
         {},
         {},
         0.25 + 0.0625,
@@ -125,7 +127,7 @@ HAND = {  # term → (state, view, parameters, value)
         0.25,
     ),
     "torque_tanh": (
-        {"efforts": joint("left_ankle", 0.3) + joint("right_ankle", 0.4)},
+        {"motor_torques": motor("left_capstan_2", 0.3) + motor("right_hip_yaw", -0.4)},
         {},
         {},
         np.tanh(0.5),
@@ -346,7 +348,7 @@ def test_the_printed_reward():
     w_des = np.column_stack([zero, zero, view.command[:, 2]])
     expected = (
         -brute_force(view, np.ones(26, dtype=bool))
-        - 0.5 * np.tanh(size(state.efforts))
+        - 0.5 * np.tanh(size(state.motor_torques))
         - 3.0 * np.tanh(size(state.angular_velocity))
         - 1.0 * np.tanh(size(state.linear_velocity - v_des))
         - 1.0 * np.tanh(size(state.angular_velocity - w_des))

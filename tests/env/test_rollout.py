@@ -16,6 +16,7 @@ from tests.env.synthetic import (
     disturbed_physics,
     make_physics,
     make_state,
+    motor_angles,
     random_pose,
     robot_config,
 )
@@ -228,8 +229,8 @@ def test_the_controller_is_told_the_measured_state_and_the_recording_is_true():
     assert 0.3 < (told - plain.velocity[:-1]).std() < 0.7
 
 
-def test_power_is_that_of_the_efforts_that_were_achieved():
-    """Σ|τ q̇| of what the sensors show after each simulation step, for whole and weak motors."""
+def test_power_is_that_of_the_torques_that_were_achieved():
+    """Σ|τ ω| of what the sensors show after each simulation step, for whole and weak motors."""
     env, start = environment(), tuple(values[[0] * COUNT] for values in starts())
     start[0][:, 7:] += 0.05  # the drives have something to do
     first = {}
@@ -243,7 +244,8 @@ def test_power_is_that_of_the_efforts_that_were_achieved():
             for _ in range(round(env.control_period / twin.period)):
                 twin.step(np.zeros((COUNT, NUM_JOINTS)))
                 state = twin.read()
-                power.append(np.abs(state.efforts * state.joint_velocities).sum(axis=1))
+                speeds = motor_angles(state.joint_velocities)
+                power.append(np.abs(state.motor_torques * speeds).sum(axis=1))
             np.testing.assert_allclose(found, np.mean(power, axis=0), rtol=1e-9)
         first[gain] = recording.power[0]
     assert (first[1.0] > 1.2 * first[0.5]).all()

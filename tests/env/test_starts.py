@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from slider.core.config.env import StartNoise
-from slider.env.starts import at_rest, joint_range, multiply_quaternions, perturb
+from slider.env.starts import about, at_rest, joint_range, multiply_quaternions, perturb
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import JOINTS
-from tests.env.synthetic import config, make_physics, robot_config
+from tests.env.synthetic import config, make_guide, make_physics, robot_config
 
 PROTOCOL = StartNoise(0.02, 0.005, 0.03, 0.0, 0.0, 0.0)
 MOVING = StartNoise(0.02, 0.005, 0.03, 0.05, 0.1, 0.2)
@@ -30,11 +30,7 @@ def test_the_evaluations_noise_is_the_protocols():
 
 def test_the_lowest_foot_point_is_on_the_ground():
     qpos, _ = start(replace(PROTOCOL, joint_position=0.1, tilt=0.1), 200)
-    rotation = rotation_from_quaternion(qpos[:, 3:7])
-    ends = (
-        foot_ends(robot_config().geometry, rotation, qpos[:, 7:])[..., 2] + qpos[:, 2, None, None]
-    )
-    np.testing.assert_allclose(ends.min(axis=(1, 2)), 0.0, atol=1e-12)
+    np.testing.assert_allclose(lowest(qpos), 0.0, atol=1e-12)
 
 
 def test_mujoco_agrees_that_the_feet_just_touch():
@@ -47,6 +43,48 @@ def test_mujoco_agrees_that_the_feet_just_touch():
         mujoco.mj_forward(model, data)
         gaps = [mujoco.mj_geomDistance(model, data, 0, foot, 10.0, None) for foot in feet]
         assert min(gaps) == pytest.approx(0.0, abs=1e-9)
+
+
+def lowest(qpos: np.ndarray) -> np.ndarray:
+    """Height of the lowest foot point above the ground [m]."""
+    rotation = rotation_from_quaternion(qpos[:, 3:7])
+    ends = foot_ends(robot_config().geometry, rotation, qpos[:, 7:])
+    return ends[..., 2].min(axis=(1, 2)) + qpos[:, 2]
+
+
+def on_gaits(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """States of gaits whose base is so high that the stance foot is on the ground."""
+    draw = np.random.default_rng(3)
+    vx, phase = draw.uniform(0.0, 0.4, count), draw.uniform(size=count)
+    qpos, qvel = make_guide().states(vx, np.zeros(count), phase)
+    qpos[:, 2] -= lowest(qpos)
+    return qpos, qvel
+
+
+def test_noise_about_a_gait_puts_no_foot_into_the_ground(rng):
+    states = on_gaits(4000)
+    noise = config("experiment=default").env.start
+    qpos, qvel = about(states, robot_config(), noise, rng)
+    assert (lowest(qpos) < -0.001).mean() == 0.0
+    assert lowest(qpos).min() > -1e-12
+    plain_qpos, plain_qvel = (values.copy() for values in states)
+    perturb(plain_qpos, plain_qvel, robot_config(), noise, np.random.default_rng(0))
+    assert (lowest(plain_qpos) < -0.001).mean() > 0.2, "the noise does push feet into the ground"
+    np.testing.assert_array_equal(qvel, plain_qvel)
+    deep = lowest(plain_qpos) < 0.0
+    np.testing.assert_array_equal(qpos[~deep], plain_qpos[~deep])
+    assert (~deep).mean() > 0.2
+    lifted = qpos - plain_qpos
+    np.testing.assert_allclose(lifted[deep, 2], -lowest(plain_qpos)[deep], atol=1e-12)
+    assert not np.delete(lifted, 2, axis=1).any()
+
+
+def test_without_noise_robots_above_the_ground_keep_the_gaits_height(rng):
+    qpos, qvel = on_gaits(20)
+    qpos[:, 2] += np.linspace(0.0, 0.02, 20)
+    found = about((qpos, qvel), robot_config(), StartNoise(0, 0, 0, 0, 0, 0), rng)
+    np.testing.assert_allclose(found[0], qpos, atol=1e-12)
+    np.testing.assert_array_equal(found[1], qvel)
 
 
 def test_without_noise_all_robots_stand_in_the_nominal_pose():

@@ -9,6 +9,7 @@ from slider.core.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
+from slider.robot.kinematics import standing_height
 from tests.env.synthetic import config, gait_table, make_guide
 
 EXPERIMENTS = ("default", "commands", "robust", "paper", "paper_alive", "smoke", "test")
@@ -187,6 +188,22 @@ def test_starts_on_the_reference(share, spread):
     np.testing.assert_allclose(state.heading_velocity, reference[:, 24:26], atol=1e-9)
     np.testing.assert_allclose(env._agent.filtered_velocity, command[:, :2])
     assert not state.base_position[:, :2].any()
+
+
+def test_starts_on_the_reference_have_no_foot_inside_the_ground():
+    """With the default's noise, over many episodes."""
+    whole = settings("experiment=default", "train.walking.reset.reference_fraction=1.0")
+    env = build(whole)
+    geometry, lowest = whole.robot.geometry, []
+    for _ in range(100):
+        state = env.physics.read()
+        heights = standing_height(geometry, state.rotation, state.joint_positions)
+        lowest.append(state.base_position[:, 2] - heights)
+        env.episode_length_buf[:] = env.max_episode_length
+        env.step(torch.zeros(NUM_ENVS, 12))
+    assert np.size(lowest) == 600
+    assert (np.array(lowest) < -0.001).mean() == 0.0
+    assert np.ptp(lowest) > 0.01, "not all at rest on the ground"
 
 
 @pytest.mark.parametrize(("share", "error"), [(1.0, -0.08), (0.0, 0.0)])

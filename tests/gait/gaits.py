@@ -1,25 +1,22 @@
 """Problems and solved gaits that several tests share."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from pipeline.stages.gaits import gait_section
 from slider.core.config.compose import compose
-from slider.core.config.convert import to_dict
 from slider.core.config.schema import Config
-from slider.gait.formulation import Formulation
+from slider.gait.formulation import Formulation, formulate
 from slider.gait.layout import NODE
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
-from slider.gait.tree import StanceTree
-from slider.robot.knee_model import KneeModel, build_knee_model
 
 CONF = Path(__file__).parents[2] / "conf"
-ROBOT_PARTS = ("geometry", "links", "virtual_knee", "limits", "capstan")
-SOLVE_PARTS = ("kinematic_map", "step_time", "solver")
 
 
 @cache
@@ -28,17 +25,8 @@ def config() -> Config:
 
 
 @cache
-def model() -> KneeModel:
-    robot = config().robot
-    return build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
-
-
-@cache
-def form() -> Formulation:
-    robot = config().robot
-    length = robot.geometry.leg_length
-    tree = StanceTree(model())
-    return Formulation(tree, config().gait, robot.limits, robot.capstan, length)
+def form(dynamics: str = "prismatic") -> Formulation:
+    return formulate(config().robot, replace(config().gait, dynamics=dynamics))
 
 
 @cache
@@ -68,9 +56,6 @@ def nodes(vx: float, vy: float) -> np.ndarray:
 
 def section(vx: float, vy: float, **solver_settings: Any) -> dict[str, Any]:
     """What the stage ``gait`` gets."""
-    values = to_dict(config())
-    gait = {key: value for key, value in values["gait"].items() if key != "grid"}
-    solve = {name: gait.pop(name) for name in SOLVE_PARTS}
-    solve["solver"] = {**solve["solver"], **solver_settings}
-    robot = {name: values["robot"][name] for name in ROBOT_PARTS}
-    return {"robot": robot, "formulation": gait, "solve": solve, "velocity": [vx, vy]}
+    shared = gait_section(config())
+    solve = shared["solve"] | {"solver": shared["solve"]["solver"] | solver_settings}
+    return shared | {"solve": solve, "velocity": [vx, vy]}

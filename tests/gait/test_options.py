@@ -8,25 +8,20 @@ import numpy as np
 import pytest
 
 from slider.core.config.gait import StepTime
-from slider.core.config.robot import Capstan
 from slider.gait.dense import dense_nodes, dense_violations
-from slider.gait.formulation import Formulation
+from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import DENSE, build
 from slider.gait.solution import coefficients, knee_trajectory, prismatic_joints
 from slider.gait.solve import GaitSolver, duration_bounds
-from slider.gait.tree import StanceTree
-from slider.robot.names import JOINTS
-from tests.gait.gaits import config, form, model, nodes, problem, solved
+from slider.robot.transmission import Transmission
+from tests.gait.gaits import config, form, nodes, problem, solved
 
 COMMAND = (0.4, 0.0)
 
 
 @cache
 def formulated(**changes: Any) -> Formulation:
-    robot = config().robot
-    length = robot.geometry.leg_length
-    settings = replace(config().gait, **changes)
-    return Formulation(StanceTree(model()), settings, robot.limits, robot.capstan, length)
+    return formulate(config().robot, replace(config().gait, **changes))
 
 
 def solve_with(form: Formulation, ladder=("cold",), step_time: StepTime | None = None):
@@ -35,9 +30,13 @@ def solve_with(form: Formulation, ladder=("cold",), step_time: StepTime | None =
     return GaitSolver(build(form), settings, step_time or gait.step_time)
 
 
-def efforts(variables: np.ndarray, problem) -> np.ndarray:
-    trajectory = knee_trajectory(problem, variables)
-    return prismatic_joints(trajectory, model().thigh, model().shank, form().leg_length, "exact")[2]
+def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Torques [N m] and speeds [rad/s] (S, 10) of the motors of a walk."""
+    model, length = form().tree.model, config().robot.geometry.leg_length
+    walk = knee_trajectory(problem(), variables)
+    _, velocity, effort = prismatic_joints(walk, model.thigh, model.shank, length, "exact")
+    transmission = Transmission.of(config().robot)
+    return transmission.torques(effort), transmission.angles(velocity)
 
 
 def test_collocation_costs_less_than_polynomials():
@@ -76,12 +75,9 @@ def _cost(name: str, variables: np.ndarray) -> float:
         return float(square.sum() / time)
     if name == "torque":
         return float(layout.weights @ square)
-    _, velocity, effort = prismatic_joints(
-        trajectory, model().thigh, model().shank, form().leg_length, "exact"
-    )
-    power = effort * velocity
-    absolute = (np.sqrt(power**2 + 1.0) - 1.0).sum(axis=1)
-    return float(layout.weights @ absolute) / 2 / (model().mass * 9.81)
+    torques, speeds = motors(variables)
+    absolute = (np.sqrt((torques * speeds) ** 2 + 1.0) - 1.0).sum(axis=1)
+    return float(layout.weights @ absolute) / 2 / (form().tree.model.mass * 9.81)
 
 
 def test_the_ramp_arrives_where_the_cold_start_does():
@@ -92,11 +88,12 @@ def test_the_ramp_arrives_where_the_cold_start_does():
 
 
 def test_the_best_of_several_starts_is_kept():
-    """At 1.2 m/s long slow steps and short quick ones are both optima."""
+    """With the knee's dynamics long slow steps and short quick ones are both optima at 1.2 m/s."""
     gait, velocity = config().gait, (1.2, 0.0)
-    ladder = ["cold", "brisk"]
-    first = GaitSolver(problem(), replace(gait.solver, ladder=ladder), gait.step_time)
-    best = GaitSolver(problem(), replace(gait.solver, ladder=ladder, keep="best"), gait.step_time)
+    knee = build(formulated(dynamics="knee"))
+    settings = replace(gait.solver, ladder=["cold", "brisk"])
+    first = GaitSolver(knee, settings, gait.step_time)
+    best = GaitSolver(knee, replace(settings, keep="best"), gait.step_time)
     assert [a.name for a in first.solve(*velocity).attempts] == ["cold"]
     solve = best.solve(*velocity)
     long, short = solve.attempts
@@ -133,26 +130,35 @@ def test_a_fixed_step_time_is_kept():
 
 def test_the_capstan_bounds_both_motors():
     """A weaker motor binds: its torques, from slide force and ankle torque, reach the bound."""
-    robot, drive = config().robot, Capstan(0.025, 1.0, 3.2)
-    length, settings = robot.geometry.leg_length, formulated().config
-    weak = Formulation(StanceTree(model()), settings, robot.limits, drive, length)
+    robot, limit = config().robot, 3.2
+    drive = replace(robot.drives["capstan"], torque=limit)
+    weak = formulate(replace(robot, drives=robot.drives | {"capstan": drive}), config().gait)
     solve = solve_with(weak).solve(*COMMAND)
     assert solve.success, solve.status
+    capstan = [3, 4, 8, 9]
+    before, after = (np.abs(motors(s.variables)[0][:, capstan]) for s in (solved(*COMMAND), solve))
+    assert before.max() > 1.02 * limit
+    assert after.max() == pytest.approx(limit, abs=1e-4)
 
-    def motors(variables: np.ndarray) -> np.ndarray:
-        effort = efforts(variables, problem())
-        slide = effort[:, [JOINTS.index("left_slide"), JOINTS.index("right_slide")]]
-        ankle = effort[:, [JOINTS.index("left_ankle"), JOINTS.index("right_ankle")]]
-        return np.abs(drive.drum_radius * slide) / 2 + np.abs(drive.foot_ratio * ankle) / 2
 
-    assert motors(solved(*COMMAND).variables).max() > 1.02 * drive.torque
-    assert motors(solve.variables).max() == pytest.approx(drive.torque, abs=1e-4)
+def test_the_share_of_the_bus_bounds_all_motors_at_the_nodes():
+    share = 0.33
+    solve = solve_with(formulated(voltage=share)).solve(*COMMAND)
+    assert solve.success, solve.status
+    transmission = Transmission.of(config().robot)
+
+    def voltage(variables: np.ndarray) -> float:
+        torques, speeds = motors(variables)
+        return np.abs(torques / transmission.stall + speeds / transmission.speed).max()
+
+    assert voltage(solved(*COMMAND).variables) > 1.05 * share
+    assert voltage(solve.variables) == pytest.approx(share, abs=1e-4)
 
 
 def test_between_nodes_the_constraints_nearly_hold():
     violations = dense_violations(problem(), solved(*COMMAND).variables)
     assert violations["clearance"] < 5e-4  # the nodes leave a margin below; nothing above
-    assert violations["torque"] == violations["speed"] == 0.0
+    assert violations["motor_torque"] == violations["motor_voltage"] == 0.0
     assert 0 < violations["foot_line_moment"] < 5.0
     assert violations["torso"] < 0.01
 

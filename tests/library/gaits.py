@@ -17,9 +17,8 @@ from slider.library.stage import run
 SAMPLES, HALF = 42, 21
 SCALARS = ("velocities", "cost", "max_violation", "iterations", "residuals")
 CONF = Path(__file__).parents[2] / "conf"
-ROBOT = {
-    name: to_dict(compose([], CONF).robot)[name] for name in ("geometry", "virtual_knee", "limits")
-}
+MECHANISM = ("geometry", "links", "virtual_knee", "joints", "drives", "capstan")
+ROBOT = {name: to_dict(compose([], CONF).robot)[name] for name in MECHANISM}
 Velocities = Sequence[tuple[float, float]]
 SHAPES = {
     "samples": (SAMPLES, 26),

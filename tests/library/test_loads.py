@@ -1,4 +1,4 @@
-"""Use of the drives and clearance of feet."""
+"""Use of the motors and clearance of feet."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import pytest
 
 from slider.library import loads
 from slider.library.contents import LibraryContents
-from slider.robot.names import JOINTS, NUM_JOINTS
+from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
 from tests.library.gaits import library as make_library
 
 GAIT = 1
@@ -15,35 +15,57 @@ GAIT = 1
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory) -> LibraryContents:
-    """Upright gaits at rest, but for one spike per drive quantity in the second gait."""
+    """Upright gaits at rest, but for a few spikes in the second gait.
+
+    In sample 7 the two motors of the left leg make (400 N · 0.025 m ∓ 15 N m · 0.35) / 2, which is
+    2.375 and 7.625 of 8 N m, and turn with 1.2 m/s / 0.025 m = 48 of 120 rad/s: the second has
+    7.625 / 16 of its stall torque + 0.4 = 0.8765625 of the bus voltage.
+    """
     made = make_library(tmp_path_factory.mktemp("loads"), [(0.0, 0.0), (0.5, 0.0)])
     arrays = dict(made.arrays)
     efforts, samples = np.zeros_like(arrays["efforts"]), np.zeros_like(arrays["samples"])
-    efforts[GAIT, 7, JOINTS.index("left_ankle")] = -15.0  # of 20 N m
+    efforts[GAIT, 7, JOINTS.index("left_slide")] = 400.0
+    efforts[GAIT, 7, JOINTS.index("left_ankle")] = -15.0
+    samples[GAIT, 7, NUM_JOINTS + JOINTS.index("left_slide")] = 1.2
     efforts[GAIT, 8, JOINTS.index("right_hip_roll")] = 30.0  # of 60 N m
-    efforts[GAIT, 9, JOINTS.index("right_slide")] = -100.0  # of 400 N
-    samples[GAIT, 3, NUM_JOINTS + JOINTS.index("left_slide")] = -1.5  # of 3 m/s
-    samples[GAIT, 4, NUM_JOINTS + JOINTS.index("left_hip_yaw")] = 6.0  # of 15 rad/s
-    samples[GAIT, 4, NUM_JOINTS + JOINTS.index("left_hip_pitch")] = -7.5
+    samples[GAIT, 3, NUM_JOINTS + JOINTS.index("right_slide")] = -1.5
+    samples[GAIT, 4, NUM_JOINTS + JOINTS.index("left_hip_pitch")] = -12.0  # of 15 rad/s
     base = np.zeros_like(arrays["base"])
     base[..., 2], base[..., 3] = 0.64 + 0.045, 1.0
     return replace(made, arrays=arrays | {"efforts": efforts, "samples": samples, "base": base})
 
 
 def test_shares_of_the_limits(library):
-    assert loads.peak_torque_share(library).tolist() == [0.0, 0.75]
-    assert loads.slide_force_share(library).tolist() == [0.0, 0.25]
-    assert loads.slide_speed_share(library).tolist() == [0.0, 0.5]
+    assert loads.torque_share(library) == pytest.approx([0.0, 0.953125], abs=1e-12)
+    assert loads.voltage_share(library) == pytest.approx([0.0, 0.8765625], abs=1e-12)
+    assert loads.slide_speed(library).tolist() == [0.0, 1.5]
 
 
-def test_peaks_name_the_joint_the_limit_and_the_unit(library):
-    found = [(p.quantity, p.joint, p.value, p.limit, p.unit) for p in loads.peaks(library, GAIT)]
-    assert found == [
-        ("torque", "left_ankle", 15.0, 20.0, "N m"),
-        ("speed", "left_hip_pitch", 7.5, 15.0, "rad/s"),
-        ("slide force", "right_slide", 100.0, 400.0, "N"),
-        ("slide speed", "left_slide", 1.5, 3.0, "m/s"),
-    ]
+def test_shares_of_each_motor(library):
+    torque, voltage = (dict(zip(MOTORS, s[GAIT], strict=True)) for s in loads.motor_shares(library))
+    assert torque["left_capstan_1"] == pytest.approx(2.375 / 8)
+    assert torque["left_capstan_2"] == pytest.approx(7.625 / 8)
+    assert torque["right_hip_roll"] == 0.5
+    assert voltage["right_hip_roll"] == 0.25  # half of the stall torque's half, at rest
+    assert voltage["left_hip_pitch"] == pytest.approx(0.8)
+    assert voltage["right_capstan_1"] == voltage["right_capstan_2"] == pytest.approx(0.5)
+    idle = set(MOTORS) - {"left_capstan_1", "left_capstan_2", "right_hip_roll"}
+    assert not any(torque[name] for name in idle)
+
+
+def test_torques_of_the_two_capstan_motors_by_hand(library):
+    torques = loads.motor_torques(library, GAIT)
+    assert torques.shape == (42, 10)
+    assert torques[7, 3:5] == pytest.approx([2.375, 7.625])
+
+
+def test_peaks_name_the_motor_the_limit_and_the_unit(library):
+    torque, voltage = loads.peaks(library, GAIT)
+    assert (torque.quantity, torque.motor, torque.unit) == ("torque", "left_capstan_2", "N m")
+    assert (torque.value, torque.limit) == (pytest.approx(7.625), 8.0)
+    assert (voltage.quantity, voltage.motor) == ("voltage", "left_capstan_2")
+    assert (voltage.value, voltage.limit) == (pytest.approx(0.8765625), 1.0)
+    assert voltage.unit == "of the bus"
 
 
 def test_clearance_is_the_lower_end_of_the_swing_foot_at_mid_step(library):

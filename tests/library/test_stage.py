@@ -9,6 +9,7 @@ import pytest
 import xarray
 import zarr
 
+from slider.core.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
 from slider.library.contents import LibraryContents
@@ -95,9 +96,7 @@ def test_it_says_what_a_hole_violates_and_for_which_robot_it_was_made(with_a_hol
     assert list(hole.residuals.items()) == [("slide_force", 0.3), ("impact", 1e-3)]
     assert contents.constraints == ("impact", "torso")
     np.testing.assert_array_equal(contents.arrays["residuals"], [[1e-9, 0.0]] * 2)
-    assert contents.robot.limits["slide"].effort == ROBOT["limits"]["slide"]["effort"]
-    efforts = contents.robot.joint_limits("effort")
-    assert efforts.tolist() == [40, 60, 60, 400, 20, 0] * 2
+    assert to_dict(contents.robot) == ROBOT
     assert contents.kinematic_map == "exact"
     assert contents.cost_unit == "N² m²/s"
 

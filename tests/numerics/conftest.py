@@ -6,12 +6,10 @@ from pathlib import Path
 import pytest
 
 from slider.core.config.compose import compose
-from slider.gait.formulation import Formulation
+from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
-from slider.gait.tree import StanceTree
-from slider.robot.knee_model import KneeModel, build_knee_model
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -22,16 +20,8 @@ def config():
 
 
 @pytest.fixture(scope="session")
-def knee_model(config) -> KneeModel:
-    robot = config.robot
-    return build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
-
-
-@pytest.fixture(scope="session")
-def formulation(config, knee_model) -> Formulation:
-    robot = config.robot
-    length = robot.geometry.leg_length
-    return Formulation(StanceTree(knee_model), config.gait, robot.limits, robot.capstan, length)
+def formulation(config) -> Formulation:
+    return formulate(config.robot, config.gait)
 
 
 @dataclass(frozen=True)

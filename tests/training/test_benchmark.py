@@ -8,7 +8,6 @@ import pytest
 from mujoco import rollout
 
 from slider.cli import main
-from slider.robot.names import ACTUATED
 from slider.training.benchmark import line
 from slider.training.throughput import Bench
 from tests.library.gaits import write_store
@@ -25,8 +24,8 @@ def test_bare_physics_does_the_environments_work(bench):
     model = bench._env.physics.model
     pool, data = rollout.Rollout(nthread=1), [mujoco.MjData(model)]
     same = []
-    for (state, inputs), (following, _) in zip(bench._recorded, bench._recorded[1:], strict=False):
-        control = np.repeat(inputs[:, None, list(ACTUATED)], 4, axis=1)
+    for (state, angles), (following, _) in zip(bench.recorded, bench.recorded[1:], strict=False):
+        control = np.repeat(angles[:, None], 4, axis=1)
         end = np.asarray(pool.rollout(model, data, state, control)[0])[:, -1]
         same.append((end[:, 1:] == following[:, 1:]).all(axis=1))
     assert len(same) == 23

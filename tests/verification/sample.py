@@ -17,9 +17,9 @@ from slider.core.plan import JobSpec
 from slider.core.recipe import Code
 from slider.gait import stage as gait_stage
 from slider.library import stage as library_stage
-from slider.robot.knee_model import build_knee_model
 from slider.verification.gaits import Check, Surroundings, checks
-from slider.verification.pin_robot import PinRobot
+from slider.verification.pin_robot import PinRobot, build_robot
+from slider.verification.plant import Plant
 from slider.verification.stored import StoredGait, load_gaits
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -28,23 +28,28 @@ SHORT = ("verification.replay.steps=3", "verification.points=21", "verification.
 
 
 @cache
-def config() -> Config:
-    return compose(list(SHORT), CONF)
+def config(*overrides: str) -> Config:
+    return compose([*SHORT, *overrides], CONF)
+
+
+def library() -> Path:
+    """Object folder of a library of three gaits."""
+    return collected("prismatic", *VELOCITIES)
 
 
 @cache
-def library() -> Path:
-    """Object folder of a library of three gaits."""
+def collected(dynamics: str, *velocities: tuple[float, float]) -> Path:
     folder = Path(mkdtemp(prefix="slider-verification-"))
-    shared = gait_section(config())
+    settings = config(f"gait.dynamics={dynamics}")
+    shared = gait_section(settings)
     gaits = []
-    for vx, vy in VELOCITIES:
+    for vx, vy in velocities:
         gaits.append(folder / f"gait {vx} {vy}")
         gaits[-1].mkdir()
         gait_stage.run(shared | {"velocity": [vx, vy]}, {}, gaits[-1], Job(folder))
     out = folder / "library"
     out.mkdir()
-    section = gait_library(config(), []).section
+    section = gait_library(settings, []).section
     library_stage.run(section, {"gaits": gaits}, out, Job(folder))
     return out
 
@@ -55,15 +60,26 @@ def gaits() -> list[StoredGait]:
 
 
 @cache
-def pinocchio() -> PinRobot:
-    robot = config().robot
-    return PinRobot(build_knee_model(robot.geometry, robot.links, robot.virtual_knee))
+def knee_gait() -> StoredGait:
+    """A gait with the virtual knee's dynamics."""
+    return load_gaits(collected("knee", VELOCITIES[1]) / "library.zarr")[0]
 
 
 @cache
-def table() -> dict[str, Check]:
+def pinocchio(dynamics: str = "prismatic") -> PinRobot:
+    return build_robot(config().robot, dynamics)
+
+
+@cache
+def plant() -> Plant:
+    return Plant(config().robot)
+
+
+@cache
+def table(dynamics: str = "prismatic") -> dict[str, Check]:
     c = config()
-    return checks(Surroundings(c.robot, c.gait.posture, c.gait.kinematic_map, c.verification))
+    given = Surroundings(c.robot, c.gait.posture, dynamics, c.gait.kinematic_map, c.verification)
+    return checks(given)
 
 
 def jobs() -> tuple[list[JobSpec], JobSpec]:

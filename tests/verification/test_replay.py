@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from slider.robot import names
-from slider.verification.prismatic import PrismaticRobot
+from slider.robot.transmission import Transmission
 from slider.verification.reference import tabulate
 from slider.verification.replay import Simulation, replays
-from tests.verification.sample import config, gaits, pinocchio
+from tests.verification.sample import config, gaits, plant
 
 
 def simulation(steps: int) -> Simulation:
@@ -18,12 +18,8 @@ def simulation(steps: int) -> Simulation:
     return Simulation(config().robot, settings)
 
 
-def slides() -> PrismaticRobot:
-    return PrismaticRobot(config().robot)
-
-
 def test_foot_placement_keeps_up_what_targets_alone_do_not():
-    found = replays(gaits()[1], simulation(12), pinocchio(), slides())
+    found = replays(gaits()[1], simulation(12), plant())
     assert found["regulated_steps"] == 12
     assert found["replay_steps"] < 12
     assert found["regulated_speed"] < 0.15
@@ -31,7 +27,7 @@ def test_foot_placement_keeps_up_what_targets_alone_do_not():
 
 def test_the_same_replay_twice_is_the_same():
     robot = simulation(2)
-    first, second = (replays(gaits()[1], robot, pinocchio(), slides()) for _ in range(2))
+    first, second = (replays(gaits()[1], robot, plant()) for _ in range(2))
     assert first == second
 
 
@@ -40,14 +36,14 @@ def test_a_gait_that_cannot_start_has_no_speed():
     gait = gaits()[1]
     upside_down = gait.base.copy()
     upside_down[0, 3:7] = [0.0, 1.0, 0.0, 0.0]
-    found = replays(replace(gait, base=upside_down), robot, pinocchio(), slides())
+    found = replays(replace(gait, base=upside_down), robot, plant())
     assert found == {"replay_steps": 0.0, "regulated_steps": 0.0}
 
 
 @pytest.mark.parametrize("step", [0, 1])
 def test_table_starts_where_the_gait_does(step):
     gait = gaits()[1]
-    reference = tabulate(gait, pinocchio(), slides(), 11)[step]
+    reference = tabulate(gait, plant(), 11)[step]
     sample = step * gait.half
     start = reference.at(0.0)
     np.testing.assert_allclose(start.joints, gait.samples[sample, : names.NUM_JOINTS], atol=1e-10)
@@ -58,15 +54,40 @@ def test_table_starts_where_the_gait_does(step):
     np.testing.assert_allclose(end.joints, last, rtol=1e-12)
 
 
-def test_drives_give_the_gains_times_the_error_and_the_feed_forward():
-    robot = simulation(1)
-    reference = tabulate(gaits()[1], pinocchio(), slides(), 11)[0].at(0.0)
-    robot.start(gaits()[1], reference)
-    q, v = robot.data.qpos[7:].copy(), robot.data.qvel[6:].copy()
-    wanted = reference.joints.copy()
-    wanted[2] += 0.01
-    robot.drive(wanted, reference)
-    robot.data.qpos[7:], robot.data.qvel[6:] = q, v
+def motor_torques(robot: Simulation, targets: np.ndarray, reference) -> np.ndarray:
+    """Torques (10,) that the motors make at the state in which they are told."""
+    q, v = robot.data.qpos.copy(), robot.data.qvel.copy()
+    robot.drive(targets, reference)
+    robot.data.qpos[:], robot.data.qvel[:] = q, v
     mujoco.mj_forward(robot.model, robot.data)
-    expected = 0.01 * config().robot.gains["hip_pitch"].kp + reference.efforts[2]
-    assert robot.data.actuator_force[2] == pytest.approx(expected, abs=1e-6)
+    return robot.data.actuator_force.copy()
+
+
+@pytest.mark.parametrize("sample", [0, 7, 20, 21, 35])
+def test_on_the_gait_the_motors_make_the_gaits_own_efforts(sample):
+    robot, gait = simulation(1), gaits()[1]
+    motion = gait.steps[gait.step_of(sample)]
+    state = plant().moving(motion, gait.time_in_step(sample))
+    times = np.linspace(0.0, motion.duration, gait.half)
+    reference = tabulate(gait, plant(), gait.half)[gait.step_of(sample)].at(
+        times[sample % gait.half]
+    )
+    robot.data.qpos[:], robot.data.qvel[:] = state.qpos, state.qvel
+    made = motor_torques(robot, reference.joints, reference)
+    expected = Transmission.of(config().robot).torques(gait.efforts[sample])
+    np.testing.assert_allclose(made, expected, atol=1e-6)
+    assert np.abs(expected).max() > 1.0
+
+
+def test_drives_add_the_gains_times_the_error():
+    robot, gait = simulation(1), gaits()[1]
+    reference = tabulate(gait, plant(), 11)[0].at(0.0)
+    robot.start(gait, reference)
+    wanted = reference.joints.copy()
+    wanted[[2, 3]] += [0.01, 0.001]
+    robot_kp, drum = config().robot.gains, config().robot.capstan.drum_radius
+    before = motor_torques(robot, reference.joints, reference)
+    added = motor_torques(robot, wanted, reference) - before
+    capstan = 0.001 / drum * robot_kp["capstan"].kp
+    expected = [0, 0, 0.01 * robot_kp["hip_pitch"].kp, capstan, capstan, *[0] * 5]
+    np.testing.assert_allclose(added, expected, atol=1e-9)

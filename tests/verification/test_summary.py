@@ -77,3 +77,20 @@ def test_files(tmp_path):
     assert rows[2]["regulated_steps"] == ""
     summary.write_json(tmp_path / "a.json", {"quantities": summary.worst(ROWS, NONE)})
     assert json.loads((tmp_path / "a.json").read_text())["quantities"]
+
+
+def test_the_table_for_people_names_worst_gaits_and_what_does_not_hold(tmp_path):
+    rows = [summary.Row((v.velocity[0], 0.0), v.values | {"dense_torque": 0.5}) for v in ROWS[:2]]
+    table = summary.worst(rows, NONE | {"dynamics_torque": 1e-6, "regulated_steps": 1.0})
+    summary.write_markdown(tmp_path / "a.md", rows, table)
+    lines = (tmp_path / "a.md").read_text().splitlines()
+    assert lines[0] == "2 gaits."
+    torque, steps = (
+        next(line for line in lines if f"| `{name}` |" in line)
+        for name in ("dynamics_torque", "regulated_steps")
+    )
+    assert torque.endswith("| 0.001 | 0.3, 0 | 0.0005 | ≤ 1e-06 **(not held)** |")
+    assert steps.endswith("| 4 | 0.3, 0 | 17 | ≥ 1 |")
+    assert "| vx [m/s] | 0.2 | 0.3 |" in lines
+    assert lines[-2] == "| `regulated_steps` | 30 | 4 |"
+    assert lines[-1] == "| `regulated_speed` | – | – |"

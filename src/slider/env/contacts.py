@@ -67,15 +67,22 @@ def join(parts: Sequence[Contacts]) -> Contacts:
     return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
+def down(forces: np.ndarray, timestep: float) -> np.ndarray:
+    """Which feet are on the ground (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
+
+    Bounces are left out: neither gaps of less than ``LIFT_TIME`` count nor, after that, contacts of
+    less than ``TOUCH_TIME``.
+    """
+    contact = _without_gaps(forces > CONTACT_FORCE, LIFT_TIME / timestep)
+    return ~_without_gaps(~contact, TOUCH_TIME / timestep)
+
+
 def touchdowns(forces: np.ndarray, timestep: float) -> np.ndarray:
     """Where a foot comes down (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
 
-    Bounces are left out: the contact that counts has neither gaps of less than ``LIFT_TIME`` nor,
-    after that, contacts of less than ``TOUCH_TIME``. A foot that is down at first does not come
-    down.
+    Bounces are left out; see :func:`down`. A foot that is down at first does not come down.
     """
-    contact = _without_gaps(forces > CONTACT_FORCE, LIFT_TIME / timestep)
-    contact = ~_without_gaps(~contact, TOUCH_TIME / timestep)
+    contact = down(forces, timestep)
     before = np.concatenate([contact[:1], contact[:-1]])
     return contact & ~before
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.env.contacts import CONTACT_FORCE, Contacts, touchdowns
+from slider.env.contacts import CONTACT_FORCE, Contacts, down, touchdowns
 from slider.env.rollout import Recording
 
 TOGETHER = 0.02  # feet that touch down within less than this do so together [s]
@@ -61,10 +61,10 @@ class GaitQuality:
     """How a robot walks, per robot (N,), from ``steady_from`` on; NaN where a robot fell.
 
     Attributes:
-        flight: share of time with no foot on the ground.
-        double_support: share of time with both feet on the ground.
-        touchdown_rate: touchdowns per second, both feet, without bounces; see
-            :func:`slider.env.contacts.touchdowns`.
+        flight: share of time with no foot on the ground, bounces left out; see
+            :func:`slider.env.contacts.down`.
+        double_support: share of time with both feet on the ground, likewise.
+        touchdown_rate: touchdowns per second, both feet, likewise.
         alternation: share of touchdowns that follow one of the other foot; two feet that touch down
             together follow none.
         clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
@@ -117,7 +117,7 @@ def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
 
 def _support(recording: Recording, first: int) -> Numbers:
     contacts = Contacts(*(series[first:] for series in recording.contacts))
-    contact = contacts.forces > CONTACT_FORCE
+    contact = down(recording.contacts.forces, recording.timestep)[first:]
     return {
         "flight": (~contact.any(axis=2)).mean(axis=0),
         "double_support": contact.all(axis=2).mean(axis=0),

@@ -268,9 +268,7 @@ class Reward:
     def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Reward (N,) and the weighted terms by name, each (N,)."""
         config = self._config
-        parts = {
-            name: term.weight * TERMS[name](r, **term.params) for name, term in config.terms.items()
-        }
+        parts = {n: t.weight * TERMS[n](r, **t.params) for n, t in config.active.items()}
         total = np.maximum(sum(parts.values()), config.floor) * config.scale
         return total + config.on_fall * fell, parts
 

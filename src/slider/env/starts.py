@@ -34,9 +34,30 @@ def at_rest(
     qpos = np.tile(nominal_qpos(robot), (count, 1))
     qvel = np.zeros((count, 6 + NUM_JOINTS))
     perturb(qpos, qvel, robot, noise, rng)
-    rotation = rotation_from_quaternion(qpos[:, 3:7])
-    qpos[:, 2] = standing_height(robot.geometry, rotation, qpos[:, 7:])
+    qpos[:, 2] = _standing_heights(robot, qpos)
     return qpos, qvel
+
+
+def about(
+    states: tuple[np.ndarray, np.ndarray],
+    robot: RobotConfig,
+    noise: StartNoise,
+    rng: np.random.Generator,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (n, 19) and velocities (n, 18) about ``states`` of a gait.
+
+    Robots keep the gait's height, but where a foot would be inside the ground they are lifted.
+    """
+    qpos, qvel = (values.copy() for values in states)
+    perturb(qpos, qvel, robot, noise, rng)
+    qpos[:, 2] = np.maximum(qpos[:, 2], _standing_heights(robot, qpos))
+    return qpos, qvel
+
+
+def _standing_heights(robot: RobotConfig, qpos: np.ndarray) -> np.ndarray:
+    """Base heights (n,) [m] at which the lowest foot point touches the ground."""
+    rotation = rotation_from_quaternion(qpos[:, 3:7])
+    return standing_height(robot.geometry, rotation, qpos[:, 7:])
 
 
 def perturb(

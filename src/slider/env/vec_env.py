@@ -20,7 +20,7 @@ from slider.env.observations import Observer
 from slider.env.phase import standing
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
-from slider.env.starts import at_rest, perturb
+from slider.env.starts import about, at_rest
 from slider.env.state import RobotState
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
@@ -185,9 +185,8 @@ class WalkingEnv(VecEnv):
         """Positions and velocities on the gait of the robots' commands, with noise."""
         assert self._guide is not None
         command = self._agent.command[index]
-        qpos, qvel = self._guide.states(command[:, 0], command[:, 1], phase)
-        perturb(qpos, qvel, self._robot, self._config.start, self._rng)
-        return qpos, qvel
+        states = self._guide.states(command[:, 0], command[:, 1], phase)
+        return about(states, self._robot, self._config.start, self._rng)
 
     def _change_commands(self) -> None:
         index = self._commands.changing(self._rng, self.num_envs)

@@ -50,13 +50,16 @@ def torque(motors: Motors, drives: dict[str, Drive]) -> Constraint:
     return between("motor_torque", "-", "robot.drives", motors.torques / limit, -bound, bound, 1.0)
 
 
-def voltage(motors: Motors, drives: dict[str, Drive]) -> Constraint:
-    """Torque-speed lines: torque / stall torque + speed / no-load speed, the share of the bus."""
+def voltage(motors: Motors, drives: dict[str, Drive], most: float) -> Constraint:
+    """Torque-speed lines: torque / stall torque + speed / no-load speed, the share of the bus.
+
+    ``most``: the share that a gait may use.
+    """
     stall = ca.DM([drive.stall_ratio * drive.torque for drive in _both(drives)])
     free = ca.DM([drive.speed for drive in _both(drives)])
     share = motors.torques / stall + motors.speeds / free
-    bound = np.ones(NUM_JOINTS)
-    return between("motor_voltage", "-", "robot.drives", share, -bound, bound, 1.0)
+    bound = np.full(NUM_JOINTS, most)
+    return between("motor_voltage", "-", "gait.voltage", share, -bound, bound, 1.0)
 
 
 def _both(drives: dict[str, Drive]) -> list[Drive]:

@@ -69,7 +69,7 @@ class Formulation:
             self._line_moment(moment),
             *self.contact(force, moment, self.config.contact.min_vertical * self.weight),
             drives.torque(motors, self.robot.drives),
-            drives.voltage(motors, self.robot.drives),
+            drives.voltage(motors, self.robot.drives, self.config.voltage),
             drives.position(s, tree.map, self.robot.joints),
             *self._swing_foot(poses["swing_foot"]),
             self._legs_apart(poses),

@@ -23,7 +23,8 @@ from rsl_rl.runners import OnPolicyRunner
 
 from slider.core.job import NoTracker
 from slider.env.vec_env import WalkingEnv
-from slider.robot.names import ACTUATED, NUM_JOINTS
+from slider.robot.names import NUM_JOINTS
+from slider.robot.transmission import Transmission
 from slider.training.ppo import runner_config
 from slider.training.stopwatch import Stopwatch
 from slider.training.task import Task
@@ -62,7 +63,11 @@ class Throughput:
 
 
 class Bench:
-    """Physics, environment and training of one task, each to be run for a while."""
+    """Physics, environment and training of one task, each to be run for a while.
+
+    Attributes:
+        recorded: states (N, 38) and motor angles (N, 10) that the bare physics repeats.
+    """
 
     def __init__(self, task: Task, threads: int, work: Path) -> None:
         torch.set_num_threads(threads)
@@ -86,7 +91,7 @@ class Bench:
         self._physics = self._env.physics
         self._pool = rollout.Rollout(nthread=threads)
         self._data = [mujoco.MjData(self._physics.model) for _ in range(threads)]
-        self._recorded = self._record()
+        self.recorded = self._record()
 
     def measure(self, precisions: list[str], seconds: float, rounds: int) -> list[Throughput]:
         """Measure all by turns, ``rounds`` times, at least ``seconds`` [s] each."""
@@ -121,12 +126,12 @@ class Bench:
         )
 
     def _record(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """States and inputs of the physics in some steps of the environment."""
+        """States and inputs of the motors in some steps of the environment."""
         recorded = []
-        real = self._physics.step
+        real, motors = self._physics.step, Transmission.of(self._task.robot)
 
         def step(inputs: np.ndarray) -> None:
-            recorded.append((self._physics.state.copy(), inputs))
+            recorded.append((self._physics.state.copy(), motors.angles(inputs)))
             real(inputs)
 
         self._physics.step = step  # type: ignore[method-assign]
@@ -136,10 +141,10 @@ class Bench:
 
     def _bare(self) -> int:
         substeps = self._task.env.physics.substeps
-        for state, inputs in self._recorded:
-            control = np.repeat(inputs[:, None, list(ACTUATED)], substeps, axis=1)
+        for state, angles in self.recorded:
+            control = np.repeat(angles[:, None], substeps, axis=1)
             self._pool.rollout(self._physics.model, self._data, state, control)
-        return len(self._recorded) * len(self._actions[0])
+        return len(self.recorded) * len(self._actions[0])
 
     def _step(self) -> int:
         with torch.inference_mode():

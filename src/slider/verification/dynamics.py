@@ -1,11 +1,12 @@
-"""Checks 1 and 2: inverse dynamics and impacts by pinocchio, from the stored samples."""
+"""Checks 1 and 2: stored samples against pinocchio's kinematics, dynamics and impacts."""
 
 import numpy as np
 
 from slider.robot.kinematics import rotation_from_quaternion
-from slider.robot.names import SIDES
+from slider.robot.names import NUM_JOINTS, SIDES
+from slider.verification.coordinates import SlideMap, driven, with_upper_feet
 from slider.verification.pin_robot import FloatingState, PinRobot
-from slider.verification.stored import StepMotion, StoredGait
+from slider.verification.stored import StoredGait
 
 _BASE = 6
 
@@ -15,37 +16,40 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
 
     The library stores no accelerations: they follow from the coefficients and the foot's roll.
     """
-    step = gait.step_of(sample)
     base = gait.base[sample]
     rotation = rotation_from_quaternion(base[None, 3:7])[0]
     w, x, y, z = base[3:7]
-    q = np.concatenate([base[:3] - gait.origin(step), [x, y, z, w], gait.knee_positions[sample]])
-    v = np.concatenate([rotation.T @ base[7:10], base[10:13], gait.knee_velocities[sample]])
-    return FloatingState(q, v, _sample_state(gait, robot, sample).a)
+    knee = gait.knee_positions[sample], gait.knee_velocities[sample]
+    joints, rates, _ = robot.coordinates.motion(*knee, np.zeros_like(knee[0]))
+    q = np.concatenate([base[:3] - gait.origin(gait.step_of(sample)), [x, y, z, w], joints])
+    v = np.concatenate([rotation.T @ base[7:10], base[10:13], rates])
+    return FloatingState(q, v, moving_state(gait, robot, sample).a)
 
 
-def moving_state(motion: StepMotion, robot: PinRobot, time: float) -> FloatingState:
-    """What the coefficients and the roll of the stance foot describe at a time of a step."""
-    return robot.standing(motion.roll_at(time), *motion.joints_at(time), motion.side)
+def moving_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingState:
+    """A sample as the coefficients and the roll of the stance foot describe it."""
+    return robot.moving(gait.steps[gait.step_of(sample)], gait.time_in_step(sample))
 
 
 def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
     """Residuals of the equations of motion at all nodes under the stored ground wrench.
 
     Returns:
-        Worst joint torque [N m], force and moment left on the floating base [N, N m], and stored
-        moment about the foot line [N m].
+        Worst torque of the knee's joints [N m] and effort of the slide's [N m, N], force and moment
+        left on the floating base [N, N m], and stored moment about the foot line [N m].
     """
-    torque, base = [], []
+    torque, effort, base = [], [], []
     for sample in range(2 * gait.half):
         state = stored_state(gait, robot, sample)
         jacobian = robot.jacobian(state.q, SIDES[gait.step_of(sample)])
-        total = robot.forces(state)
-        rest = total - jacobian.T @ gait.ground_wrench[sample]
+        rest = robot.forces(state) - jacobian.T @ gait.ground_wrench[sample]
         base.append(_worst(rest[:_BASE]))
-        torque.append(_worst(rest[_BASE:] - gait.knee_torques[sample]))
+        torques, efforts = robot.coordinates.work(gait.knee_positions[sample], rest[_BASE:])
+        torque.append(_worst(torques - gait.knee_torques[sample]))
+        effort.append(_worst(with_upper_feet(efforts) - gait.efforts[sample]))
     return {
         "dynamics_torque": max(torque),
+        "dynamics_efforts": max(effort),
         "dynamics_base": max(base),
         "dynamics_line_moment": _worst(gait.ground_wrench[:, 3]),
     }
@@ -55,7 +59,7 @@ def kinematics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
     """Stored joints, base, swing foot and times against coefficients and a foot that only rolls."""
     position, velocity = [], []
     for sample in range(2 * gait.half):
-        found, expected = stored_state(gait, robot, sample), _sample_state(gait, robot, sample)
+        found, expected = stored_state(gait, robot, sample), moving_state(gait, robot, sample)
         position.append(_worst(robot.difference(expected.q, found.q)))
         velocity.append(_worst(found.v - expected.v))
         swing = robot.sole_place(expected.q, SIDES[1 - gait.step_of(sample)])
@@ -74,6 +78,36 @@ def _times(gait: StoredGait) -> np.ndarray:
     return np.concatenate([phase * first, first + phase * second])
 
 
+def channels(gait: StoredGait, slides: SlideMap, variant: str) -> dict[str, float]:
+    """Stored channels [rad, m, 1/s] against eq. 1 (exact or as printed) and the base."""
+    worst = []
+    for step, motion in enumerate(gait.steps):
+        own = slice(step * gait.half, (step + 1) * gait.half)
+        q, v, _ = motion.joints_at(gait.time[own] - gait.time[own][0])
+        joints, rates = slides.sampled(q, v, variant)
+        samples = gait.samples[own]
+        worst.append(_worst(driven(samples[:, :NUM_JOINTS]) - joints))
+        worst.append(_worst(driven(samples[:, NUM_JOINTS:-2]) - rates))
+    passive = gait.samples[:, :-2].reshape(-1, 2, NUM_JOINTS)
+    worst.append(_worst(passive - with_upper_feet(driven(passive))))
+    worst.append(_worst(gait.samples[:, -2:] - _heading_velocities(gait.base)))
+    return {"kinematics_samples": max(worst)}
+
+
+def _heading_velocities(base: np.ndarray) -> np.ndarray:
+    """Forward and leftward velocities (S, 2) [m/s] of the base in its heading frame."""
+    w, x, y, z = base[:, 3:7].T
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    forward, leftward = base[:, 7:9].T
+    return np.stack(
+        [
+            np.cos(yaw) * forward + np.sin(yaw) * leftward,
+            np.cos(yaw) * leftward - np.sin(yaw) * forward,
+        ],
+        axis=1,
+    )
+
+
 def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
     """Plastic impacts at both touchdowns: velocities after it, and the impulse that is left.
 
@@ -82,18 +116,20 @@ def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
         worst joint impulse or moment about the line [N m s] that the stored velocities need.
     """
     velocity, impulse = [], []
-    for step in range(2):
-        before = stored_state(gait, robot, (step + 1) * gait.half - 1)
-        after = stored_state(gait, robot, (step + 1) * gait.half % (2 * gait.half))
-        side = SIDES[1 - step]
+    for before, after, side in touchdowns(gait, robot):
         velocity.append(_worst(robot.impact(before.q, before.v, side) - after.v))
         impulse.append(_worst(robot.impulse(before.q, before.v, after.v, side)))
     return {"impact_velocity": max(velocity), "impact_impulse": max(impulse)}
 
 
-def _sample_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingState:
-    step = gait.step_of(sample)
-    return moving_state(gait.steps[step], robot, gait.time_in_step(sample))
+def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, FloatingState, str]]:
+    """Stored states before and after both touchdowns, and the side of the foot that lands."""
+    found = []
+    for step in range(2):
+        before = stored_state(gait, robot, (step + 1) * gait.half - 1)
+        after = stored_state(gait, robot, (step + 1) * gait.half % (2 * gait.half))
+        found.append((before, after, SIDES[1 - step]))
+    return found
 
 
 def _worst(values: np.ndarray) -> float:

@@ -8,9 +8,8 @@ from functools import partial
 from slider.core.config.gait import Posture
 from slider.core.config.robot import RobotConfig
 from slider.core.config.verification import CheckConfig
-from slider.robot.knee_model import build_knee_model
-from slider.verification import dense, dynamics, periodicity, prismatic, replay, roll
-from slider.verification.pin_robot import PinRobot
+from slider.verification import dense, dynamics, periodicity, plant, replay, roll
+from slider.verification.pin_robot import build_robot
 from slider.verification.stored import StoredGait
 
 Values = dict[str, float]
@@ -23,6 +22,7 @@ class Surroundings:
 
     robot: RobotConfig
     posture: Posture
+    dynamics: str
     kinematic_map: str
     config: CheckConfig
 
@@ -30,12 +30,20 @@ class Surroundings:
 def checks(given: Surroundings) -> dict[str, Check]:
     """Checks by name; each gives some of ``slider.verification.quantities``."""
     robot, config = given.robot, given.config
-    floating = PinRobot(build_knee_model(robot.geometry, robot.links, robot.virtual_knee))
-    slides = prismatic.PrismaticRobot(robot)
+    floating = build_robot(robot, given.dynamics)
+    machine = plant.Plant(robot)
     simulation = replay.Simulation(robot, config.replay)
+    slides, variant = floating.coordinates.map, given.kinematic_map
+    dense_check = partial(
+        dense.between_nodes,
+        pinocchio=floating,
+        robot=robot,
+        posture=given.posture,
+        points=config.points,
+    )
     return {
         "kinematics": partial(dynamics.kinematics, robot=floating),
-        "samples": partial(prismatic.stored_samples, robot=robot, variant=given.kinematic_map),
+        "channels": partial(dynamics.channels, slides=slides, variant=variant),
         "dynamics": partial(dynamics.inverse_dynamics, robot=floating),
         "impact": partial(dynamics.impact, robot=floating),
         "mean_velocity": periodicity.mean_velocity,
@@ -47,17 +55,11 @@ def checks(given: Surroundings) -> dict[str, Check]:
             integrator=config.integrator,
             step=config.perturbation,
         ),
-        "replay": partial(
-            replay.replays, simulation=simulation, pinocchio=floating, prismatic=slides
-        ),
-        "wrench": partial(prismatic.residual_wrench, pinocchio=floating, prismatic=slides),
-        "dense": partial(
-            dense.between_nodes,
-            pinocchio=floating,
-            robot=robot,
-            posture=given.posture,
-            points=config.points,
-        ),
+        "replay": partial(replay.replays, simulation=simulation, plant=machine),
+        "plant": partial(plant.inverse_dynamics, plant=machine),
+        "plant_impact": partial(plant.impact, plant=machine),
+        "dense": dense_check,
+        "legs": partial(dense.legs_apart, plant=machine, points=config.points),
     }
 
 

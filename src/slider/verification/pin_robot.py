@@ -1,58 +1,86 @@
-"""The virtual-knee robot as a floating-base pinocchio model: an independent dynamics."""
+"""The robot as a floating-base pinocchio model: an independent dynamics."""
 
 # pinocchio lies below cmeel.prefix, where pyright does not look.
 # pyright: reportMissingImports=false
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
-from slider.robot.knee_model import LEG_BODIES, Body, KneeModel
-from slider.robot.names import SIDES
+from slider.core.config.robot import Geometry, Mechanism
+from slider.robot.names import LEG_JOINTS, SIDES
+from slider.verification.coordinates import (
+    Coordinates,
+    KneeCoordinates,
+    SlideCoordinates,
+    SlideMap,
+)
+from slider.verification.links import LegJoint, inertia_of, knee_leg, prismatic_leg
+from slider.verification.stored import StepMotion
 
-AXES = {"yaw": [0, 0, 1], "roll": [1, 0, 0], "thigh": [0, 1, 0], "shank": [0, -1, 0]}
-AXES["foot"] = [0, 1, 0]
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+_BASE = 6
+_Leg = Callable[[Mechanism], list[LegJoint]]
+_DYNAMICS: dict[str, tuple[_Leg, type[SlideCoordinates] | type[KneeCoordinates]]] = {
+    "prismatic": (prismatic_leg, SlideCoordinates),
+    "knee": (knee_leg, KneeCoordinates),
+}
 
 
 @dataclass(frozen=True)
 class FloatingState:
-    """Configuration, velocity and acceleration of the floating-base model."""
+    """Configuration (17,), velocity and acceleration (16,) of the floating-base model."""
 
     q: np.ndarray
     v: np.ndarray
     a: np.ndarray
 
 
+def build_robot(robot: Mechanism, dynamics: str) -> "PinRobot":
+    """The robot whose bodies move as ``gait.dynamics`` says: ``prismatic`` or ``knee``."""
+    leg, coordinates = _DYNAMICS[dynamics]
+    base = inertia_of(robot.links.base)
+    return PinRobot(base, leg(robot), robot.geometry, coordinates(SlideMap.of(robot)))
+
+
 class PinRobot:
     """Frames ``left_sole`` and ``right_sole`` are the middles of the foot lines."""
 
-    def __init__(self, knee: KneeModel) -> None:
+    def __init__(
+        self,
+        base: pin.Inertia,
+        leg: list[LegJoint],
+        geometry: Geometry,
+        coordinates: Coordinates,
+    ) -> None:
+        self.coordinates = coordinates
         self.model = pin.Model()
         root = self.model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
-        self._append(root, knee.bodies["base"])
-        down = {"shank": [0, 0, -knee.thigh], "foot": [0, 0, -knee.shank]}
+        self.model.appendBodyToJoint(root, base, pin.SE3.Identity())
         for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
-            parent = root
-            for name in LEG_BODIES:
-                place = [0, sign * knee.hip_offset, 0] if name == "yaw" else down.get(name, [0] * 3)
-                parent = self.model.addJoint(
-                    parent,
-                    pin.JointModelRevoluteUnaligned(np.array(AXES[name], dtype=float)),
-                    pin.SE3(np.eye(3), np.array(place, dtype=float)),
-                    f"{side}_{name}",
-                )
-                self._append(parent, knee.bodies[name])
-            sole = pin.SE3(np.eye(3), np.array([0, 0, -knee.ankle_height]))
+            parent, lateral = root, sign * geometry.hip_offset
+            for name, joint in zip(LEG_JOINTS, leg, strict=False):
+                place = pin.SE3(np.eye(3), np.array([0.0, lateral, joint.height]))
+                parent = self.model.addJoint(parent, joint.kind, place, f"{side}_{name}")
+                self.model.appendBodyToJoint(parent, joint.body, pin.SE3.Identity())
+                lateral = 0.0
+            sole = pin.SE3(np.eye(3), np.array([0.0, 0.0, -geometry.ankle_height]))
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
-        self.ends = np.array([[knee.toe, 0.0, 0.0], [-knee.heel, 0.0, 0.0]])
+        both = leg * len(SIDES)
+        self.model.armature = np.array([0.0] * _BASE + [joint.rotor for joint in both])
+        self.damping = np.array([0.0] * _BASE + [joint.damping for joint in both])
+        self.ends = np.array([[geometry.toe, 0.0, 0.0], [-geometry.heel, 0.0, 0.0]])
         self.data = self.model.createData()
         self.mass_total = pin.computeTotalMass(self.model)
 
-    def _append(self, joint: int, body: Body) -> None:
-        inertia = pin.Inertia(body.mass, body.com, np.diag(body.inertia))
-        self.model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+    def moving(
+        self, motion: StepMotion, time: float, roll: np.ndarray | None = None
+    ) -> FloatingState:
+        """State at a time of a step; ``roll`` (3,) replaces the foot's stored one."""
+        joints = self.coordinates.motion(*motion.joints_at(time))
+        return self.standing(motion.roll_at(time) if roll is None else roll, *joints, motion.side)
 
     def sole(self, side: str) -> int:
         """Frame of a sole."""
@@ -75,10 +103,11 @@ class PinRobot:
 
     def forces(self, state: FloatingState) -> np.ndarray:
         """Generalised forces (16,) of a motion [N, N m]: base (its own frame), then joints."""
-        return pin.rnea(self.model, self.data, state.q, state.v, state.a)
+        free = pin.rnea(self.model, self.data, state.q, state.v, state.a)
+        return free + self.damping * state.v
 
     def difference(self, expected: np.ndarray, found: np.ndarray) -> np.ndarray:
-        """Way (16,) from one configuration to another: base [m, rad], then joints [rad]."""
+        """Way (16,) from one configuration to another: base [m, rad], then joints."""
         return pin.difference(self.model, expected, found)
 
     def jacobian(self, q: np.ndarray, side: str) -> np.ndarray:
@@ -110,14 +139,14 @@ class PinRobot:
     def inverse_dynamics(
         self, state: FloatingState, side: str = "left"
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Joint torques (10,) and ground force and moment (6,) at the stance sole."""
+        """Forces (10,) at its joints and ground force and moment (6,) at the stance sole."""
         total = self.forces(state)
         jacobian = self.jacobian(state.q, side)
         wrench = np.linalg.solve(jacobian[:, :6].T, total[:6])
         return total[6:] - jacobian[:, 6:].T @ wrench, wrench
 
     def mass(self, q: np.ndarray) -> np.ndarray:
-        """Joint-space inertia (16, 16)."""
+        """Joint-space inertia (16, 16), rotors included."""
         upper = np.triu(pin.crba(self.model, self.data, q))
         return upper + np.triu(upper, 1).T
 

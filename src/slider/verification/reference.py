@@ -9,8 +9,7 @@ import mujoco
 import numpy as np
 
 from slider.robot import names
-from slider.verification.pin_robot import PinRobot
-from slider.verification.prismatic import PrismaticRobot, PrismaticState, converted_at
+from slider.verification.plant import Plant, PlantState
 from slider.verification.stored import StoredGait
 
 _BASE = 6
@@ -58,28 +57,23 @@ class Reference:
     tilt: np.ndarray
 
 
-def tabulate(
-    gait: StoredGait, pinocchio: PinRobot, prismatic: PrismaticRobot, points: int
-) -> tuple[StepReference, StepReference]:
-    """Both steps of a gait after eq. 1 (exact), with MuJoCo's efforts.
+def tabulate(gait: StoredGait, plant: Plant, points: int) -> tuple[StepReference, StepReference]:
+    """Both steps of a gait after eq. 1 (exact), with the plant's own efforts.
 
     The ground wrench is the one that balances the base, but for a moment about the foot line,
-    which the line cannot carry.
+    which the line cannot carry; of a gait with the prismatic leg's dynamics it is the gait's.
     """
     steps = []
-    for step, motion in enumerate(gait.steps):
+    for motion in gait.steps:
         times = np.linspace(0.0, motion.duration, points)
-        states = [
-            converted_at(gait, pinocchio, prismatic.robot, step, time, "exact") for time in times
-        ]
-        rows = [_row(prismatic, state, motion.side) for state in states]
+        rows = [_row(plant, plant.moving(motion, time), motion.side) for time in times]
         steps.append(StepReference(motion.side, motion.duration, np.array(rows)))
     return steps[0], steps[1]
 
 
-def _row(prismatic: PrismaticRobot, state: PrismaticState, side: str) -> np.ndarray:
-    efforts = prismatic.efforts(state, side)
-    data, model = prismatic.data, prismatic.model
+def _row(plant: Plant, state: PlantState, side: str) -> np.ndarray:
+    efforts, _ = plant.balanced(state, side)
+    data, model = plant.data, plant.model
     mujoco.mj_subtreeVel(model, data)
     base = model.body(names.BASE).id
     other = names.SIDES[1 - names.SIDES.index(side)]

@@ -15,8 +15,7 @@ from slider.core.config.verification import ReplayConfig
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor
-from slider.verification.pin_robot import PinRobot
-from slider.verification.prismatic import PrismaticRobot
+from slider.verification.plant import Plant
 from slider.verification.reference import Reference, StepReference, tabulate
 from slider.verification.regulator import Measurement, Regulator, Touchdown, touchdown
 from slider.verification.stored import StoredGait
@@ -93,12 +92,9 @@ Follow = Callable[[Simulation, StepReference], bool]
 """Drives the robot through a step; false where it does not get to its end."""
 
 
-def replays(
-    gait: StoredGait, simulation: Simulation, pinocchio: PinRobot, prismatic: PrismaticRobot
-) -> dict[str, float]:
+def replays(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str, float]:
     """Steps and errors of the mean velocity [m/s], alone and with the regulator."""
-    points = simulation.config.points
-    steps = tabulate(gait, pinocchio, prismatic, points)
+    steps = tabulate(gait, plant, simulation.config.points)
     found = {}
     speed = float(gait.velocities[0])
     regulator = Regulator(simulation.robot.geometry, simulation.config.regulator, speed)

@@ -69,8 +69,7 @@ class RollDynamics:
         return "right" if self.motion.side == "left" else "left"
 
     def _state(self, time: float, state: np.ndarray) -> FloatingState:
-        roll = np.array([state[0], state[1], 0.0])
-        return self.robot.standing(roll, *self.motion.joints_at(time), self.motion.side)
+        return self.robot.moving(self.motion, time, np.array([state[0], state[1], 0.0]))
 
 
 def one_step_integration(

@@ -19,7 +19,7 @@ from slider.verification.stored import StoredGait, load_gaits
 
 LIBRARY = "library.zarr"
 RECORDS = "gaits.json"
-CSV, JSON = "verification.csv", "verification.json"
+CSV, JSON, MARKDOWN = (f"verification.{suffix}" for suffix in ("csv", "json", "md"))
 _SHOWN = 5  # failures in the line that ends a job
 
 
@@ -37,6 +37,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         gaits.Surroundings(
             from_dict(RobotConfig, section["robot"]),
             from_dict(Posture, section["posture"]),
+            section["dynamics"],
             section["kinematic_map"],
             from_dict(CheckConfig, section["verification"]),
         )
@@ -76,15 +77,17 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     failed = summary.failures(rows, bounds)
     if failed and settings["on_failure"] == "error":
         raise UserError(_describe(failed))
+    quantities = summary.worst(rows, bounds)
     content = {
         "gaits": len(rows),
         "passed": not failed,
         "failures": [str(failure) for failure in failed],
-        "quantities": summary.worst(rows, bounds),
+        "quantities": quantities,
         "jumps": summary.describe_pairs(pairs, rows, bounds),
     }
     summary.write_csv(out / CSV, rows, failed)
     summary.write_json(out / JSON, content)
+    summary.write_markdown(out / MARKDOWN, rows, quantities)
     _log(rows, out, job)
     return {"gaits": len(rows), "passed": not failed, "failures": len(failed)}
 

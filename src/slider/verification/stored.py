@@ -8,9 +8,9 @@ import numpy as np
 from scipy.interpolate import BPoly
 
 from slider.library.lookup import open_library
-from slider.robot.names import KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, SIDES
+from slider.robot.names import LEG_MIRROR_SIGN, SIDES
+from slider.verification.coordinates import LEG
 
-LEG = len(KNEE_LEG_JOINTS)
 KNEE_MIRROR = np.array(LEG_MIRROR_SIGN[:LEG])
 
 

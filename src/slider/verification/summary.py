@@ -1,4 +1,4 @@
-"""Table, summary and verdict of a verification."""
+"""Tables, summary and verdict of a verification."""
 
 import csv
 import json
@@ -141,3 +141,55 @@ def _text(value: float | None) -> str:
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """The summary that programmes read."""
     path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+# What the second table of the report for people follows over the forward velocity.
+_OVER_SPEED = (
+    "plant_force",
+    "plant_torque",
+    "plant_voltage",
+    "dense_cop",
+    "return_map",
+    "replay_steps",
+    "regulated_steps",
+    "regulated_speed",
+)
+_HOLDS = {None: "", True: "", False: " **(not held)**"}
+
+
+def write_markdown(path: Path, rows: Sequence[Row], table: dict[str, dict[str, Any]]) -> None:
+    """Worst values by quantity, and some over the forward velocity at vy = 0."""
+    head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
+    lines = _grid(head, [_cells(name, found) for name, found in table.items()])
+    straight = [row for row in rows if row.velocity[1] == 0.0]
+    if straight:
+        head = ["vx [m/s]", *(f"{row.velocity[0]:g}" for row in straight)]
+        over = [
+            [f"`{name}`", *(_short(row.values.get(name)) for row in straight)]
+            for name in _OVER_SPEED
+        ]
+        lines += ["", "At vy = 0:", "", *_grid(head, over)]
+    path.write_text(f"{len(rows)} gaits.\n\n" + "\n".join(lines) + "\n")
+
+
+def _cells(name: str, found: dict[str, Any]) -> list[str]:
+    about, bound = QUANTITIES[name], found["bound"]
+    limit = "–" if bound is None else f"{'≥' if about.at_least else '≤'} {bound:g}"
+    return [
+        str(about.check),
+        f"`{name}`",
+        about.unit,
+        about.meaning,
+        _short(found["worst"]),
+        f"{found['vx']:g}, {found['vy']:g}",
+        _short(found["median"]),
+        limit + _HOLDS[found["passed"]],
+    ]
+
+
+def _short(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"
+
+
+def _grid(head: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:
+    return [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *body)]

@@ -24,7 +24,10 @@ from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
+from slider.robot.mjcf import nominal_qpos
+from slider.robot.names import BASE_PAIRS, LEG_PAIRS, MOTORS
 from tests.control.export.policies import make_policy, write_policy
+from tests.env.synthetic import motor_angles
 
 
 @pytest.fixture(scope="module")
@@ -71,16 +74,61 @@ def test_the_layout_is_in_all_three_files(folder):
     assert layout["training"] == {"seed": 1, "iteration": 20, "value": 0.25}
 
 
-def test_the_model_is_the_simulated_one(folder):
+def models(folder):
+    """The simulated model and the one of the export."""
     policy = make_policy()
-    expected = BatchedPhysics(policy.robot, policy.env.physics, 1).model
-    model = mujoco.MjModel.from_xml_path(str(folder / MODEL))
+    plant = BatchedPhysics(policy.robot, policy.env.physics, 1).model
+    return plant, mujoco.MjModel.from_xml_path(str(folder / MODEL))
+
+
+def test_the_model_is_the_simulated_one(folder):
+    plant, model = models(folder)
     for name in ("body_mass", "body_inertia", "body_ipos", "jnt_range", "dof_damping"):
-        np.testing.assert_array_equal(getattr(model, name), getattr(expected, name))
+        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name))
     for name in ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange", "geom_friction"):
-        np.testing.assert_allclose(getattr(model, name), getattr(expected, name), rtol=1e-12)
+        np.testing.assert_allclose(getattr(model, name), getattr(plant, name), rtol=1e-12)
+    for name in ("dof_armature", "tendon_armature", "wrap_type", "wrap_objid", "wrap_prm"):
+        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name), err_msg=name)
+    for name in ("pair_geom1", "pair_geom2", "pair_dim", "pair_friction", "pair_solref"):
+        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name), err_msg=name)
     for name in ("timestep", "iterations", "ls_iterations", "integrator", "jacobian"):
-        assert getattr(model.opt, name) == getattr(expected.opt, name)
+        assert getattr(model.opt, name) == getattr(plant.opt, name)
+
+
+def test_the_model_has_solid_legs_tendons_motors_and_cameras(folder):
+    _, model = models(folder)
+    pairs = {
+        frozenset(model.geom(int(geom[i])).name for geom in (model.pair_geom1, model.pair_geom2))
+        for i in range(model.npair)
+    }
+    assert pairs == {frozenset(pair) for pair in (*LEG_PAIRS, *BASE_PAIRS)}
+    assert [model.actuator(i).name for i in range(model.nu)] == list(MOTORS)
+    tendons = [model.tendon(i).name for i in range(model.ntendon)]
+    assert tendons == [name for name in MOTORS if "capstan" in name]
+    assert {model.camera(i).name for i in range(model.ncam)} == {"side", "front"}
+
+
+def test_the_model_steps_like_the_simulated_one(folder):
+    """In the air, on the ground, and with legs that touch: 40 steps from the same states."""
+    plant, model = models(folder)
+    air, standing, crossed = np.tile(nominal_qpos(make_policy().robot), (3, 1))
+    air[2], standing[2] = 1.2, standing[2] - 0.002
+    crossed[2], crossed[[8, 14]] = 1.2, (-0.16, 0.16)  # hip rolls that bring the legs together
+    feet, tubes = {"left_foot", "right_foot"}, {"left_tube", "right_tube"}
+    rng = np.random.default_rng(0)
+    for qpos, touching in ((air, set()), (standing, feet | {"floor"}), (crossed, tubes)):
+        qvel, inputs = 0.1 * rng.standard_normal(18), motor_angles(qpos[7:])
+        inputs = inputs + 0.2 * rng.standard_normal(10)
+        ends = []
+        for each in (plant, model):
+            data = mujoco.MjData(each)
+            data.qpos[:], data.qvel[:], data.ctrl[:] = qpos, qvel, inputs
+            mujoco.mj_forward(each, data)
+            assert {each.geom(int(g)).name for c in data.contact for g in c.geom} == touching
+            for _ in range(40):
+                mujoco.mj_step(each, data)
+            ends.append(np.concatenate([data.qpos, data.qvel, data.actuator_force]))
+        np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-9)
 
 
 def test_same_policy_same_bytes_and_no_paths_of_this_machine(folder, tmp_path):

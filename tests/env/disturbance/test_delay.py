@@ -52,7 +52,7 @@ def test_physics_with_delay_is_physics_with_shifted_inputs(actuation: Actuation)
         delayed.step(inputs[k])
         prompt.step(shifted[k])
         np.testing.assert_array_equal(delayed.qpos, prompt.qpos)
-        np.testing.assert_array_equal(delayed.read().efforts, prompt.read().efforts)
+        np.testing.assert_array_equal(delayed.read().motor_torques, prompt.read().motor_torques)
     assert np.abs(delayed.qvel).max() > 0.1, "nothing moved: the comparison would prove little"
 
 
@@ -60,9 +60,9 @@ def test_the_pose_is_held_or_no_torque_given_before_the_first_input_arrives():
     setting, inputs = "delay={lower: 0.02, upper: 0.02}", np.full((1, names.NUM_JOINTS), 0.05)
     torque = stand(disturbed_physics(1, setting, actuation="torque"))
     torque.step(inputs)
-    np.testing.assert_allclose(torque.read().efforts, 0.0, atol=1e-9)
+    np.testing.assert_allclose(torque.read().motor_torques, 0.0, atol=1e-9)
     torque.step(inputs)
-    assert np.abs(torque.read().efforts).max() > 0.01
+    assert np.abs(torque.read().motor_torques).max() > 0.01
     position, held = stand(disturbed_physics(1, setting)), stand(disturbed_physics(1))
     position.step(inputs), held.step(np.zeros_like(inputs))
     np.testing.assert_array_equal(position.qpos, held.qpos)

@@ -60,7 +60,8 @@ def test_the_orientation_is_one_whoever_looks_at_it():
 
 def test_feet_and_contacts_are_true():
     true, noisy = measured(**dict.fromkeys(SILENT, 0.1))
-    for name in ("foot_positions", "foot_velocities", "foot_forces", "body_contacts", "efforts"):
+    feet = ("foot_positions", "foot_velocities", "foot_forces")
+    for name in (*feet, "body_contacts", "motor_torques"):
         np.testing.assert_array_equal(getattr(noisy, name), getattr(true, name))
     np.testing.assert_array_equal(noisy.base_position[:, :2], true.base_position[:, :2])
 

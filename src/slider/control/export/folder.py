@@ -4,6 +4,7 @@ import json
 import shutil
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from slider.control.export.layout import describe, reference_table
 from slider.control.policy_file import Policy, load_policy
 from slider.core.files import digest_file
 from slider.robot.mjcf import SimulationOptions, build_spec
+from slider.robot.names import JOINTS, MOTORS
+from slider.robot.transmission import Transmission
 
 _DURATION = 4.0  # of the roll-out whose observations the files are compared on [s]
 
@@ -60,4 +63,14 @@ def _model_xml(policy: Policy) -> str:
     )
     spec = build_spec(policy.robot, options)
     spec.compile()
-    return spec.to_xml()
+    return _with_all_digits(spec.to_xml(), Transmission.of(policy.robot))
+
+
+def _with_all_digits(xml: str, motors: Transmission) -> str:
+    """MuJoCo writes the coefficients of tendons with six digits; a motor's angle needs them all."""
+    root = ElementTree.fromstring(xml)
+    for tendon in root.iter("fixed"):
+        row = motors.matrix[MOTORS.index(tendon.attrib["name"])]
+        for joint in tendon.iter("joint"):
+            joint.set("coef", repr(float(row[JOINTS.index(joint.attrib["joint"])])))
+    return ElementTree.tostring(root, encoding="unicode")

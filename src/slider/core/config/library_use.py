@@ -12,5 +12,5 @@ def uses_library(env: EnvConfig, train: TrainConfig) -> bool:
         (env.phase.enabled and env.phase.step_time == 0)
         or env.action.about == "gait"
         or train.reset.reference_fraction > 0
-        or any(name.startswith(_GUIDE_TERMS) for name in train.reward.terms)
+        or any(name.startswith(_GUIDE_TERMS) for name in train.reward.active)
     )

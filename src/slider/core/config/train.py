@@ -62,6 +62,11 @@ class RewardConfig:
     floor: float
     on_fall: float
 
+    @property
+    def active(self) -> dict[str, RewardTerm]:
+        """Terms that count: a weight of 0 switches a term off."""
+        return {name: term for name, term in self.terms.items() if term.weight != 0}
+
 
 @dataclass(frozen=True, config=STRICT)
 class ResetConfig:

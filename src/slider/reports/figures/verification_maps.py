@@ -19,15 +19,17 @@ NAME = "verification_maps"
 MAPS: Mapping[str, tuple[str, str]] = {
     "return_map": ("greatest eigenvalue of the return map, open loop", "1"),
     "regulated_steps": ("steps held with foot placement", "steps"),
-    "wrench_force_exact": ("force left on the prismatic base (exact eq. 1)", "N"),
+    "plant_force": ("force left on the base of MuJoCo's robot", "N"),
     "roll_end": ("roll against another integrator, end of step", "rad"),
-    "dense_torque": ("peak torque between nodes", "share of limit"),
+    "dense_torque": ("peak motor torque between nodes", "share of limit"),
 }
 CAPTION = """\
 One cell per gait. An eigenvalue above 1 means that the gait, left alone in time, drifts away from
 its limit cycle, as a walk on line feet does: a controller has to place the feet. The replay holds
-at most the configured number of steps. The force is what the massless leg of eq. 1 leaves out,
-root mean square over the walk. `reports/verification.csv` has all numbers.
+at most the configured number of steps. The force is what the plant's inverse dynamics leave on the
+base under the stored ground force, at the worst sample: rounding where gaits have the prismatic
+leg's dynamics, tens of newtons where they have the virtual knee's. `reports/verification.csv` has
+all numbers.
 """
 
 

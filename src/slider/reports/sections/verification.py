@@ -18,7 +18,7 @@ _MAPS = (
     "return_map",
     "regulated_steps",
     "replay_steps",
-    "wrench_force_exact",
+    "plant_force",
     "roll_end",
     "dense_torque",
     "dense_cop",

@@ -15,6 +15,7 @@ from slider.core.config.validation.checks import (
     ordered,
     positive,
     require,
+    share,
     some,
 )
 
@@ -34,6 +35,7 @@ def check_gait(gait: GaitConfig) -> None:
     _step_time(gait.step_time)
     ordered("gait.touchdown.down", gait.touchdown.down_min, gait.touchdown.down_max)
     _posture(gait.posture)
+    share("gait.voltage", gait.voltage)
     positive("gait.contact.friction", gait.contact.friction)
     _solver(gait.solver)
 

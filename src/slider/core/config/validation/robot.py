@@ -28,6 +28,9 @@ def check_robot(robot: RobotConfig) -> None:
     for name, gains in robot.gains.items():
         all_at_least(f"robot.gains.{name}", gains, ("kp", "kd"), 0.0)
     all_positive("robot.contact", robot.contact, ["friction"])
+    all_positive("robot.geometry", robot.geometry, ("foot_radius", "tube_radius", "hip_radius"))
+    for index, half in enumerate(robot.geometry.base_half_size):
+        positive(f"robot.geometry.base_half_size[{index}]", half)
     for item in fields(robot.links):
         positive(f"robot.links.{item.name}.mass", getattr(robot.links, item.name).mass)
     all_positive("robot.capstan", robot.capstan, [item.name for item in fields(robot.capstan)])

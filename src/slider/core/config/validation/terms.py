@@ -31,7 +31,7 @@ def check_clock(env: EnvConfig, train: TrainConfig, label: str) -> None:
     Raises:
         UserError: names the term.
     """
-    for key, names in (("env.observation", env.observation.terms), ("reward", train.reward.terms)):
+    for key, names in (("env.observation", env.observation.terms), ("reward", train.reward.active)):
         for name in sorted(_CLOCKED.intersection(names)):
             expected = f"env.phase.enabled for {name}"
             require(env.phase.enabled, f"{label}: {key}.terms", expected, "no clock")

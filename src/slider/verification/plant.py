@@ -1,0 +1,181 @@
+"""Check 8: the plant's own word, by MuJoCo's inverse dynamics and mass matrix.
+
+The plant is the model that policies walk, without contacts and joint limits. Its upper feet are
+free; a gait holds them on the tubes, and what that would take is a quantity of its own.
+"""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from slider.core.config.robot import RobotConfig
+from slider.robot import names
+from slider.robot.kinematics import rotation_from_quaternion
+from slider.robot.mjcf import SimulationOptions, build_model
+from slider.robot.transmission import Transmission
+from slider.verification.coordinates import with_upper_feet
+from slider.verification.dynamics import stored_state, touchdowns
+from slider.verification.pin_robot import FloatingState, PinRobot, build_robot
+from slider.verification.stored import StepMotion, StoredGait
+
+_BASE = 6
+_HELD = [0, 1, 2, 4, 5]  # of a sole that lands: it may roll about its line
+_FAR = 10.0  # beyond it a distance does not count [m]
+_UPPER = np.array([i for i, name in enumerate(names.JOINTS) if name.endswith("upper_foot")])
+_FREE = np.setdiff1d(np.arange(_BASE + names.NUM_JOINTS), _BASE + _UPPER)
+
+_QUANTITIES = (
+    "plant_force",
+    "plant_moment",
+    "plant_efforts",
+    "upper_foot_torque",
+    "plant_cop",
+    "plant_torque",
+    "plant_voltage",
+)
+
+
+@dataclass(frozen=True)
+class PlantState:
+    """qpos (19,), qvel (18,) and qacc (18,) of the MuJoCo model."""
+
+    qpos: np.ndarray
+    qvel: np.ndarray
+    qacc: np.ndarray
+
+
+class Plant:
+    """MuJoCo's model; its motion comes from the prismatic robot's kinematics."""
+
+    def __init__(self, robot: RobotConfig) -> None:
+        self.slides: PinRobot = build_robot(robot, "prismatic")
+        self.motors = Transmission.of(robot)
+        self.model = build_model(robot, SimulationOptions())
+        off = mujoco.mjtDisableBit
+        self.model.opt.disableflags |= int(off.mjDSBL_CONTACT) | int(off.mjDSBL_LIMIT)
+        self.data = mujoco.MjData(self.model)
+        self.pairs = [
+            (self.model.geom(first).id, self.model.geom(second).id)
+            for first, second in names.LEG_PAIRS
+        ]
+
+    def moving(self, motion: StepMotion, time: float) -> PlantState:
+        """The motion at a time of a step; the stance foot is the world's origin."""
+        return plant_state(self.slides.moving(motion, time))
+
+    def inverse(self, state: PlantState, side: str) -> tuple[np.ndarray, np.ndarray]:
+        """Generalised forces (18,) of a motion, Jacobian (6, 18) of the sole, world axes."""
+        data = self.data
+        data.qpos[:], data.qvel[:], data.qacc[:] = state.qpos, state.qvel, state.qacc
+        mujoco.mj_inverse(self.model, data)
+        return data.qfrc_inverse.copy(), self._jacobian(side)
+
+    def balanced(self, state: PlantState, side: str) -> tuple[np.ndarray, np.ndarray]:
+        """Joint efforts (12,) [N m, N] under the ground wrench (6,) that balances the base best.
+
+        A line foot carries no moment about its line: that component is left out.
+        """
+        forces, jacobian = self.inverse(state, side)
+        wrench = np.linalg.solve(jacobian[:, :_BASE].T, forces[:_BASE])
+        wrench[3] = 0.0
+        return (forces - jacobian.T @ wrench)[_BASE:], wrench
+
+    def impact(self, before: PlantState, side: str, moving: np.ndarray) -> np.ndarray:
+        """Velocities (18,) after a foot's plastic impact; joints not in ``moving`` are locked."""
+        data, model = self.data, self.model
+        data.qpos[:], data.qvel[:] = before.qpos, before.qvel
+        mujoco.mj_forward(model, data)
+        mass = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, mass)
+        mass, held = mass[np.ix_(moving, moving)], self._jacobian(side)[_HELD][:, moving]
+        system = np.block([[mass, -held.T], [held, np.zeros((len(_HELD), len(_HELD)))]])
+        start = np.concatenate([mass @ before.qvel[moving], np.zeros(len(_HELD))])
+        after = np.zeros(model.nv)
+        after[moving] = np.linalg.solve(system, start)[: len(moving)]
+        return after
+
+    def leg_distance(self, state: PlantState) -> float:
+        """Least distance [m] between the solid parts of one leg and those of the other."""
+        self.data.qpos[:] = state.qpos
+        mujoco.mj_kinematics(self.model, self.data)
+        return min(
+            mujoco.mj_geomDistance(self.model, self.data, first, second, _FAR, None)
+            for first, second in self.pairs
+        )
+
+    def _jacobian(self, side: str) -> np.ndarray:
+        jacobian = np.zeros((_BASE, self.model.nv))
+        place = self.data.site(names.sole(side)).id
+        mujoco.mj_jacSite(self.model, self.data, jacobian[:3], jacobian[3:], place)
+        return jacobian
+
+
+def plant_state(state: FloatingState) -> PlantState:
+    """A state of the prismatic pinocchio robot as MuJoCo has it: linear velocity in the world."""
+    x, y, z, w = state.q[3:7]
+    rotation = rotation_from_quaternion(np.array([[w, x, y, z]]))[0]
+    linear, angular = state.v[:3], state.v[3:6]
+    acceleration = state.a[:3] + np.cross(angular, linear)
+    return PlantState(
+        np.concatenate([state.q[:3], [w, x, y, z], with_upper_feet(state.q[7:])]),
+        np.concatenate([rotation @ linear, angular, with_upper_feet(state.v[_BASE:])]),
+        np.concatenate([rotation @ acceleration, state.a[3:6], with_upper_feet(state.a[_BASE:])]),
+    )
+
+
+def inverse_dynamics(gait: StoredGait, plant: Plant) -> dict[str, float]:
+    """Worst values over the samples under the stored ground wrench.
+
+    Returns:
+        Force and moment left on the base [N, N m], driven joints' efforts against the stored ones
+        [N m, N], torque that holds an upper foot [N m], and of the plant's own wrench and efforts
+        the centre of pressure and the motors' torques and voltages as shares of their limits.
+    """
+    rows = np.array([_sample(gait, plant, sample) for sample in range(2 * gait.half)])
+    worst = (float(value) for value in rows.max(axis=0))
+    return dict(zip(_QUANTITIES, worst, strict=True))
+
+
+def _sample(gait: StoredGait, plant: Plant, sample: int) -> list[float]:
+    side = names.SIDES[gait.step_of(sample)]
+    state = plant_state(stored_state(gait, plant.slides, sample))
+    forces, jacobian = plant.inverse(state, side)
+    rest = forces - jacobian.T @ gait.ground_wrench[sample]
+    missed = np.abs(rest[_BASE:] - gait.efforts[sample])
+    efforts, wrench = plant.balanced(state, side)
+    torque, voltage = plant.motors.shares(efforts, state.qvel[_BASE:])
+    return [
+        float(np.linalg.norm(rest[:3])),
+        float(np.linalg.norm(rest[3:_BASE])),
+        float(np.delete(missed, _UPPER).max()),
+        float(missed[_UPPER].max()),
+        float(pressure_share(wrench, plant.slides)),
+        float(np.abs(torque).max()),
+        float(np.abs(voltage).max()),
+    ]
+
+
+def pressure_share(wrench: np.ndarray, robot: PinRobot) -> np.ndarray:
+    """Place of the centre of pressure as a share of toe or heel length, of wrenches (..., 6)."""
+    toe, heel = robot.ends[:, 0]
+    place = -wrench[..., 4] / wrench[..., 2]
+    return np.maximum(place / toe, place / heel)
+
+
+def impact(gait: StoredGait, plant: Plant) -> dict[str, float]:
+    """Stored velocities after touchdown against the plant's plastic impact [rad/s, m/s].
+
+    Returns:
+        With the upper feet locked on the tubes, as gaits have them, and with them free.
+    """
+    locked, free = [], []
+    for before, after, side in touchdowns(gait, plant.slides):
+        start, expected = plant_state(before), plant_state(after).qvel[_FREE]
+        for moving, found in ((_FREE, locked), (np.arange(plant.model.nv), free)):
+            velocity = plant.impact(start, side, moving)[_FREE]
+            found.append(float(np.abs(velocity - expected).max()))
+    return {"plant_impact": max(locked), "plant_impact_free": max(free)}

@@ -1,0 +1,65 @@
+"""Eq. 1 as a change of coordinates: derivatives, work, and the verification's own map."""
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from slider.gait.leg_map import LegMap
+from slider.robot.knee_model import KneeModel
+from slider.verification.coordinates import SlideMap
+
+L1, L2, NOMINAL, STEP = 0.39, 0.35, 0.64, 1e-5
+KNEES = [3, 8]
+
+
+@pytest.fixture(scope="module")
+def leg_map() -> LegMap:
+    return LegMap.of(KneeModel({}, 0.1, L1, L2, 0.045, 0.085, 0.085), NOMINAL)
+
+
+def motion(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    q, v, a = rng.normal(size=(3, 10)) * [[0.3], [2.0], [20.0]]
+    q[KNEES] = rng.uniform(0.2, 1.6, 2)
+    return q, v, a
+
+
+def number(value) -> np.ndarray:
+    return np.array(ca.DM(value)).ravel()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_velocities_and_accelerations_are_derivatives(leg_map, seed):
+    q, v, a = motion(seed)
+    place = [number(leg_map.positions(q + t * v + t**2 / 2 * a)) for t in (-STEP, 0.0, STEP)]
+    rate = [number(leg_map.velocities(q + t * v + t**2 / 2 * a, v + t * a)) for t in (-STEP, STEP)]
+    slope, bend = (place[2] - place[0]) / (2 * STEP), (rate[1] - rate[0]) / (2 * STEP)
+    np.testing.assert_allclose(number(leg_map.velocities(q, v)), slope, atol=1e-6)
+    np.testing.assert_allclose(number(leg_map.accelerations(q, v, a)), bend, atol=1e-5)
+    assert np.abs(bend - number(leg_map.velocities(q, a))).max() > 0.1  # J̇ q̇ counts
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_torques_do_the_work_of_efforts(leg_map, seed):
+    q, v, _ = motion(seed)
+    efforts = np.random.default_rng(seed).normal(size=10)
+    torques = number(leg_map.knee_torques(q, efforts))
+    assert torques @ v == pytest.approx(efforts @ number(leg_map.velocities(q, v)), rel=1e-12)
+    np.testing.assert_allclose(number(leg_map.efforts(q, torques)), efforts, atol=1e-12)
+
+
+def test_the_verification_has_the_same_map_by_another_way(leg_map):
+    slides = SlideMap(L1, L2, NOMINAL)
+    walk = [motion(seed) for seed in range(5)]
+    q, v, a = (np.array(column) for column in zip(*walk, strict=True))
+    found = slides.motion(q, v, a)
+    for k, row in enumerate(walk):
+        expected = (
+            leg_map.positions(row[0]),
+            leg_map.velocities(*row[:2]),
+            leg_map.accelerations(*row),
+        )
+        for part, right in zip(found, expected, strict=True):
+            np.testing.assert_allclose(part[k], number(right), atol=1e-12)
+        rates = slides.jacobian(row[0]) @ row[1]
+        np.testing.assert_allclose(rates, number(expected[1]), atol=1e-12)

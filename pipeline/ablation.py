@@ -24,7 +24,11 @@ from slider.core.plan import JobSpec
 
 
 def ablation_job(
-    config: Config, library: JobSpec, overrides: Sequence[str], conf: Path, reports: str = "ablation"
+    config: Config,
+    library: JobSpec,
+    overrides: Sequence[str],
+    conf: Path,
+    reports: str = "ablation",
 ) -> JobSpec:
     """The comparison of all variants; composing these takes about half a second each.
 

@@ -84,7 +84,7 @@ def test_foreign_files_are_one_line(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 99}, "expected version 5, found 99"),
+        ({"version": 99}, "expected version 6, found 99"),
         ({"joints": ["left_knee"]}, "expected the joints left_hip_yaw, "),
         ({"format": "other"}, "expected format slider-policy, found other"),
     ],

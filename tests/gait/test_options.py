@@ -12,7 +12,7 @@ from slider.gait.dense import dense_nodes, dense_violations
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import DENSE, build
 from slider.gait.solution import coefficients, knee_trajectory, prismatic_joints
-from slider.gait.solve import GaitSolver, duration_bounds
+from slider.gait.solve import Attempt, GaitSolver, _Outcome, duration_bounds
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, form, nodes, problem, solved
 
@@ -87,19 +87,25 @@ def test_the_ramp_arrives_where_the_cold_start_does():
     assert ramp.cost == pytest.approx(solved(*COMMAND).cost, rel=5e-3)
 
 
-def test_the_best_of_several_starts_is_kept():
-    """With the knee's dynamics long slow steps and short quick ones are both optima at 1.2 m/s."""
-    gait, velocity = config().gait, (1.2, 0.0)
-    knee = build(formulated(dynamics="knee"))
-    settings = replace(gait.solver, ladder=["cold", "brisk"])
-    first = GaitSolver(knee, settings, gait.step_time)
-    best = GaitSolver(knee, replace(settings, keep="best"), gait.step_time)
-    assert [a.name for a in first.solve(*velocity).attempts] == ["cold"]
-    solve = best.solve(*velocity)
-    long, short = solve.attempts
-    assert short.cost < 0.95 * long.cost
-    assert solve.cost == short.cost
-    assert solve.max_violation < 1e-6
+ENDS = {"cold": (3.0, True), "brisk": (1.0, False), "crouched": (2.0, True)}
+
+
+class Told(GaitSolver):
+    """Attempts end as told: cost and success by rung."""
+
+    def _attempt(self, rung: str, vx: float, vy: float) -> _Outcome:
+        cost, success = ENDS[rung]
+        rows = np.zeros(sum(len(block.rows) for block in self.problem.blocks))
+        variables = np.full(self.problem.layout.size, cost)
+        return _Outcome(Attempt(rung, "", 1, cost), success, variables, rows, {})
+
+
+@pytest.mark.parametrize(("keep", "cost", "tried"), [("first", 3.0, 1), ("best", 2.0, 3)])
+def test_the_best_of_several_starts_is_kept(keep, cost, tried):
+    settings = replace(config().gait.solver, ladder=list(ENDS), keep=keep)
+    solve = Told(problem(), settings, config().gait.step_time).solve(*COMMAND)
+    assert (solve.cost, solve.success, len(solve.attempts)) == (cost, True, tried)
+    assert (solve.variables == cost).all()
 
 
 def test_the_ladder_goes_on_after_a_failure():
@@ -142,7 +148,7 @@ def test_the_capstan_bounds_both_motors():
 
 
 def test_the_share_of_the_bus_bounds_all_motors_at_the_nodes():
-    share = 0.33
+    share = 0.3
     solve = solve_with(formulated(voltage=share)).solve(*COMMAND)
     assert solve.success, solve.status
     transmission = Transmission.of(config().robot)
@@ -151,7 +157,7 @@ def test_the_share_of_the_bus_bounds_all_motors_at_the_nodes():
         torques, speeds = motors(variables)
         return np.abs(torques / transmission.stall + speeds / transmission.speed).max()
 
-    assert voltage(solved(*COMMAND).variables) > 1.05 * share
+    assert voltage(solved(*COMMAND).variables) > 1.1 * share
     assert voltage(solve.variables) == pytest.approx(share, abs=1e-4)
 
 

@@ -22,7 +22,7 @@ def scene(*arguments: str):
     return build(parser.parse_args([*arguments, "--conf", str(CONF)]))
 
 
-@pytest.mark.parametrize("override", ["env=paper", "robot.gains.slide.kp=9000"])
+@pytest.mark.parametrize("override", ["env=paper", "robot.gains.capstan.kp=2.8"])
 def test_a_policy_walks_where_it_was_trained(tmp_path, override):
     policy = write_policy(tmp_path / "policy.pt", override)
     played = scene("--policy", str(tmp_path / "policy.pt"), "--set", "evaluation=robust")

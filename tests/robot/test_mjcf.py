@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from slider.core.config.compose import compose
+from slider.env.starts import joint_range
 from slider.robot import names
 from slider.robot.kinematics import (
     foot_ends,
@@ -16,6 +17,7 @@ from slider.robot.kinematics import (
     standing_height,
 )
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from slider.robot.transmission import Transmission
 
 ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
 
@@ -34,8 +36,9 @@ def data(model):
 
 def test_joints_actuators_and_mass(model):
     assert tuple(model.joint(i).name for i in range(1, model.njnt)) == names.JOINTS
-    assert model.nu == 10
+    assert tuple(model.actuator(i).name for i in range(model.nu)) == names.MOTORS
     assert not any("upper_foot" in model.actuator(i).name for i in range(model.nu))
+    assert {model.camera(i).name for i in range(model.ncam)} == {"side", "front"}
     assert model.body_mass.sum() == pytest.approx(12.5248, abs=1e-9)
     assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
     assert model.na == 0
@@ -51,33 +54,40 @@ def test_slide_grows_with_the_leg_and_pitch_turns_about_y(model, data):
     np.testing.assert_allclose(offset, [-0.64 * np.sin(0.3), 0, -0.64 * np.cos(0.3)], atol=1e-12)
 
 
-def effort(model, data, joint: str, error: float, speed: float) -> float:
-    """Actuator effort at a position error and a joint speed."""
-    index = names.JOINTS.index(joint)
-    data.qvel[:] = 0.0
-    data.qvel[6 + index] = speed
-    data.ctrl[:] = 0.0
-    actuator = model.actuator(joint).id
-    data.ctrl[actuator] = data.qpos[7 + index] + error
+# Motor → a joint that it moves, radians of the motor per unit of that joint.
+DRIVEN = {
+    "left_hip_pitch": ("left_hip_pitch", 1.0),
+    "right_capstan_1": ("right_slide", 1 / 0.025),
+    "left_capstan_2": ("left_ankle", -1 / 0.35),
+}
+
+
+def torque(model, data, motor: str, command: float, speed: float) -> float:
+    """Torque of a motor at an input beside its present angle and at a speed of its own."""
+    joint, ratio = DRIVEN[motor]
+    data.qvel[:], data.ctrl[:] = 0.0, 0.0
+    data.qvel[6 + names.JOINTS.index(joint)] = speed / ratio
+    actuator = model.actuator(motor).id
+    data.ctrl[actuator] = command
     mujoco.mj_forward(model, data)
     return float(data.actuator_force[actuator])
 
 
-@pytest.mark.parametrize("joint", ["left_hip_pitch", "right_slide", "left_ankle"])
-def test_drives_are_pd_bounded_by_effort_and_by_the_torque_speed_line(model, data, joint):
-    name = joint.split("_", 1)[1]
-    gains, limit, drive = ROBOT.gains[name], ROBOT.limits[name], ROBOT.drives[name]
-    error = 0.2 * limit.effort / gains.kp
-    speed = 0.1 * limit.effort / gains.kd * 0.5
+@pytest.mark.parametrize("motor", DRIVEN)
+def test_motors_are_pd_bounded_by_torque_and_by_the_torque_speed_line(model, data, motor):
+    name = "capstan" if "capstan" in motor else "hip_pitch"
+    gains, drive = ROBOT.gains[name], ROBOT.drives[name]
+    error = 0.2 * drive.torque / gains.kp
+    speed = 0.05 * drive.torque / gains.kd
     expected = gains.kp * error - gains.kd * speed
-    assert effort(model, data, joint, error, speed) == pytest.approx(expected, rel=1e-9)
-    large = 50 * limit.effort / gains.kp
-    assert effort(model, data, joint, large, 0.0) == pytest.approx(limit.effort)
-    fast = 0.8 * limit.speed
-    left = drive.stall_ratio * limit.effort * (1 - fast / limit.speed)
-    assert left < limit.effort
-    assert effort(model, data, joint, large, fast) == pytest.approx(left, rel=1e-9)
-    assert effort(model, data, joint, large, limit.speed) == pytest.approx(0.0, abs=1e-9)
+    assert torque(model, data, motor, error, speed) == pytest.approx(expected, rel=1e-9)
+    large = 50 * drive.torque / gains.kp
+    assert torque(model, data, motor, large, 0.0) == pytest.approx(drive.torque)
+    fast = 0.8 * drive.speed
+    left = drive.stall_ratio * drive.torque * (1 - fast / drive.speed)
+    assert left < drive.torque
+    assert torque(model, data, motor, large, fast) == pytest.approx(left, rel=1e-9)
+    assert torque(model, data, motor, large, drive.speed) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_stands_on_two_lines(model, data):
@@ -150,30 +160,138 @@ def test_standing_height_puts_the_lowest_foot_point_on_the_ground():
     assert upright[0] == pytest.approx(nominal_qpos(ROBOT)[2])
 
 
-@pytest.mark.parametrize("joint", ["left_hip_pitch", "right_slide", "left_ankle"])
-def test_torque_drives_have_the_same_limits(joint):
+@pytest.mark.parametrize("motor", DRIVEN)
+def test_torque_motors_have_the_same_limits(motor):
     model = build_model(ROBOT, SimulationOptions(actuation="torque"))
-    data, name = mujoco.MjData(model), joint.split("_", 1)[1]
-    limit, drive = ROBOT.limits[name], ROBOT.drives[name]
-    index, actuator = names.JOINTS.index(joint), model.actuator(joint).id
-
-    def force(torque: float, speed: float) -> float:
-        data.qvel[:], data.ctrl[:] = 0.0, 0.0
-        data.qvel[6 + index], data.ctrl[actuator] = speed, torque
-        mujoco.mj_forward(model, data)
-        return float(data.actuator_force[actuator])
-
-    half, fast = 0.5 * limit.effort, 0.8 * limit.speed
-    assert force(half, 0.0) == pytest.approx(half)
-    assert force(-half, fast) == pytest.approx(-half)
-    assert force(3 * limit.effort, 0.0) == pytest.approx(limit.effort)
-    left = drive.stall_ratio * limit.effort * (1 - fast / limit.speed)
-    assert force(limit.effort, fast) == pytest.approx(left, rel=1e-9)
-    assert force(limit.effort, limit.speed) == pytest.approx(0.0, abs=1e-9)
+    data = mujoco.MjData(model)
+    drive = ROBOT.drives["capstan" if "capstan" in motor else "hip_pitch"]
+    half, fast = 0.5 * drive.torque, 0.8 * drive.speed
+    assert torque(model, data, motor, half, 0.0) == pytest.approx(half)
+    assert torque(model, data, motor, -half, fast) == pytest.approx(-half)
+    assert torque(model, data, motor, 3 * drive.torque, 0.0) == pytest.approx(drive.torque)
+    left = drive.stall_ratio * drive.torque * (1 - fast / drive.speed)
+    assert torque(model, data, motor, drive.torque, fast) == pytest.approx(left, rel=1e-9)
+    assert torque(model, data, motor, drive.torque, drive.speed) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_position_and_torque_drives_differ_in_their_input_only(model):
     torque = build_model(ROBOT, SimulationOptions(actuation="torque"))
-    for field in ("dof_armature", "dof_damping", "jnt_range", "body_mass", "body_inertia"):
+    inertia = ("dof_armature", "tendon_armature", "body_mass", "body_inertia")
+    for field in (*inertia, "dof_damping", "jnt_range", "wrap_prm", "pair_geom1", "pair_geom2"):
         np.testing.assert_array_equal(getattr(torque, field), getattr(model, field))
     assert torque.na == 0
+
+
+# A pose for each of the pairs, as the left leg's part of it and the right leg's: only they touch.
+INWARD = {"hip_yaw": -0.5, "hip_roll": -0.1}
+OUTWARD = {"hip_yaw": -0.5, "hip_roll": 0.21}
+FOOT_AT_TUBE = {"slide": -0.2, "hip_roll": -0.36}
+UPPER_AT_TUBE = {"slide": 0.05, "hip_roll": 0.2}
+TUBE_AT_UPPER = {"slide": -0.1, "hip_roll": 0.33}
+POSES = {
+    ("foot", "foot"): (INWARD, INWARD),
+    ("tube", "tube"): ({"hip_roll": -0.16}, {"hip_roll": -0.16}),
+    ("foot", "tube"): (FOOT_AT_TUBE, {"hip_roll": -0.05}),
+    ("tube", "foot"): ({"hip_roll": -0.05}, FOOT_AT_TUBE),
+    ("upper_foot", "upper_foot"): (OUTWARD, OUTWARD),
+    ("upper_foot", "tube"): (UPPER_AT_TUBE, TUBE_AT_UPPER),
+    ("tube", "upper_foot"): (TUBE_AT_UPPER, UPPER_AT_TUBE),
+    ("tube", "base"): ({"hip_roll": 0.45}, {}),
+    ("base", "tube"): ({}, {"hip_roll": 0.45}),
+}
+
+
+def posed(model, left: dict[str, float], right: dict[str, float]) -> mujoco.MjData:
+    """High above the ground, held by the motors; the right leg mirrors what it is given."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = nominal_qpos(ROBOT)
+    data.qpos[2] += 2.0
+    for side, sign, leg in (("left", 1.0, left), ("right", -1.0, right)):
+        for joint, value in leg.items():
+            turned = sign if joint in ("hip_yaw", "hip_roll") else 1.0
+            data.qpos[7 + names.JOINTS.index(f"{side}_{joint}")] = turned * value
+    data.ctrl[:] = Transmission.of(ROBOT).angles(data.qpos[7:])
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def contact_forces(model, data) -> dict[frozenset[str], float]:
+    """Pair of geoms → greatest normal force [N]."""
+    found, force = {}, np.zeros(6)
+    for index, contact in enumerate(data.contact):
+        pair = frozenset(model.geom(int(geom)).name for geom in contact.geom)
+        mujoco.mj_contactForce(model, data, index, force)
+        found[pair] = max(found.get(pair, 0.0), float(force[0]))
+    return found
+
+
+def geom(side: str, part: str) -> str:
+    return part if part == "base" else f"{side}_{part}"
+
+
+def test_the_poses_are_of_all_pairs_but_those_of_the_hips():
+    found = {frozenset((geom("left", a), geom("right", b))) for a, b in POSES}
+    pairs = {frozenset(pair) for pair in (*names.LEG_PAIRS, *names.BASE_PAIRS)}
+    hips = {frozenset(("left_hip", "right_tube")), frozenset(("right_hip", "left_tube"))}
+    assert found == pairs - hips
+    assert hips < pairs
+
+
+@pytest.mark.parametrize("parts", POSES, ids="-".join)
+def test_legs_that_are_at_the_same_place_touch(model, parts):
+    data = posed(model, *POSES[parts])
+    pair = frozenset((geom("left", parts[0]), geom("right", parts[1])))
+    forces = contact_forces(model, data)
+    assert set(forces) == {pair}
+    assert forces[pair] > 1.0
+    np.testing.assert_allclose(data.qfrc_constraint[:6], 0.0, atol=1e-9)  # inside of the robot
+    lower, upper = joint_range(ROBOT)
+    assert ((data.qpos[7:] >= lower) & (data.qpos[7:] <= upper)).all()
+    for side in names.SIDES:
+        assert not data.sensor(f"{side}_foot_force").data.any(), "not a force of the ground"
+        assert not data.sensor(f"{side}_tube_contact").data.any()
+    assert not data.sensor("base_contact").data.any()
+
+
+@pytest.mark.parametrize("side", names.SIDES)
+def test_a_tube_touches_the_other_hip(model, side):
+    """Only beyond the range of the roll: within it the tube's line passes the hip at 0.117 m."""
+    lying = {"hip_roll": 1.35}
+    data = posed(model, *((lying, {}) if side == "left" else ({}, lying)))
+    other = names.SIDES[1 - names.SIDES.index(side)]
+    assert frozenset((names.tube(side), names.hip(other))) in contact_forces(model, data)
+
+
+def test_in_the_nominal_pose_the_legs_touch_nothing(model):
+    assert posed(model, {}, {}).ncon == 0
+    standing = mujoco.MjData(model)
+    standing.qpos[:] = nominal_qpos(ROBOT)
+    standing.qpos[2] -= 0.001
+    mujoco.mj_forward(model, standing)
+    floor = {frozenset((names.FLOOR, names.foot(side))) for side in names.SIDES}
+    assert set(contact_forces(model, standing)) == floor
+
+
+def test_feet_at_the_same_place_push_each_other_apart(model):
+    """Both feet in the middle: straight down from the hips to y = 0, one ankle turned."""
+    inward = {"hip_roll": -float(np.arcsin(0.1 / 0.679))}  # the foot line is 0.679 m below the hip
+    data = posed(model, {**inward, "ankle": 0.3}, inward)
+    feet = [data.geom(names.foot(side)) for side in names.SIDES]
+    np.testing.assert_allclose(feet[0].xpos, feet[1].xpos, atol=0.015)
+    ids = [model.geom(names.foot(side)).id for side in names.SIDES]
+    before = mujoco.mj_geomDistance(model, data, *ids, 1.0, None)
+    assert before == pytest.approx(-0.012, abs=0.0005), "both radii deep"
+    felt = 0.0
+    for _ in range(40):
+        mujoco.mj_step(model, data)
+        felt = max(
+            felt, contact_forces(model, data).get(frozenset(map(names.foot, names.SIDES)), 0)
+        )
+    assert felt > 2.6, "6 mm at a foot that is held with 200 N m / (0.679 m)²"
+    assert mujoco.mj_geomDistance(model, data, *ids, 1.0, None) > -0.003
+
+
+def test_the_friction_of_legs_is_the_feets(model):
+    assert model.npair == len(names.LEG_PAIRS) + len(names.BASE_PAIRS)
+    np.testing.assert_array_equal(model.pair_friction[:, :2], 0.75)
+    np.testing.assert_array_equal(model.pair_dim, 3)

@@ -40,7 +40,7 @@ def recipes(*overrides: str) -> dict[str, set[str]]:
     [
         ("gait.contact.friction=0.5", ALL),
         ("robot.links.tube.mass=1.0", ALL),
-        ("robot.gains.slide.kp=7000", AFTER_STANDING),
+        ("robot.gains.capstan.kp=2.2", AFTER_STANDING),
         ("robot.contact.friction=0.8", AFTER_STANDING),
         ("library.max_violation=1e-5", ALL - {"gait"}),
         ("env.action.clip=3.0", AFTER_STANDING),
@@ -64,7 +64,7 @@ def test_a_value_reaches_what_depends_on_it(before, override, changed):
 @pytest.mark.parametrize(
     ("override", "changed"),
     [
-        ("robot.gains.slide.kp=7000", True),
+        ("robot.gains.capstan.kp=2.2", True),
         ("train.walking.seed=2", True),
         ("report.video.quality=20", False),
     ],

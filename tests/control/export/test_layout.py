@@ -8,8 +8,9 @@ import pytest
 from slider.control.export.layout import describe, reference_table
 from slider.control.export.terms import MEANINGS
 from slider.env.observations import TERMS
+from slider.robot.names import JOINTS
 from tests.control.export.policies import make_policy
-from tests.env.synthetic import gait_table
+from tests.env.synthetic import gait_table, motor_angles
 
 
 def test_every_term_of_an_observation_is_explained():
@@ -34,14 +35,53 @@ def test_the_terms_tile_the_observation(env):
 
 
 def test_gains_limits_and_scales_are_the_robots():
-    policy = make_policy("robot.gains.slide.kp=7000", "env.action.scale.slide=0.07")
-    joints = {joint["name"]: joint for joint in describe(policy, {})["action"]["joints"]}
+    policy = make_policy("robot.gains.capstan.kp=2.2", "env.action.scale.slide=0.07")
+    action = describe(policy, {})["action"]
+    joints = {joint["name"]: joint for joint in action["joints"]}
     slide, foot = joints["right_slide"], joints["left_upper_foot"]
-    assert (slide["kp"], slide["scale"], slide["unit"]) == (7000.0, 0.07, "m")
-    assert slide["stall_effort"] == 2.0 * slide["effort_limit"] == 800.0
+    assert (slide["scale"], slide["unit"]) == (0.07, "m")
+    assert (slide["lower"], slide["upper"]) == (-0.4, 0.4)
     assert not foot["actuated"]
     assert foot["scale"] == 0.0
     assert list(joints)[:3] == ["left_hip_yaw", "left_hip_roll", "left_hip_pitch"]
+    motors = {motor["name"]: motor for motor in action["motors"]}
+    assert list(motors) == [
+        f"{side}_{motor}"
+        for side in ("left", "right")
+        for motor in ("hip_yaw", "hip_roll", "hip_pitch", "capstan_1", "capstan_2")
+    ]
+    assert motors["left_hip_yaw"] == {
+        "name": "left_hip_yaw",
+        "joints": {"left_hip_yaw": 1.0},
+        "kp": 80.0,
+        "kd": 2.5,
+        "torque_limit": 40.0,
+        "stall_torque": 80.0,
+        "no_load_speed": 15.0,
+        "rotor_inertia": 0.02,
+    }
+    for number, sense in ((1, 1.0), (2, -1.0)):
+        assert motors[f"right_capstan_{number}"] == {
+            "name": f"right_capstan_{number}",
+            "joints": {"right_slide": 1 / 0.025, "right_ankle": sense * 1 / 0.35},
+            "kp": 2.2,
+            "kd": 0.047,
+            "torque_limit": 8.0,
+            "stall_torque": 16.0,
+            "no_load_speed": 120.0,
+            "rotor_inertia": 6.25e-4,
+        }
+
+
+def test_the_motors_take_targets_to_the_angles_that_the_procedure_says():
+    policy = make_policy()
+    targets = np.random.default_rng(2).uniform(-0.3, 0.3, 12)
+    named = dict(zip(JOINTS, targets, strict=True))
+    angles = [
+        sum(share * named[joint] for joint, share in motor["joints"].items())
+        for motor in describe(policy, {})["action"]["motors"]
+    ]
+    np.testing.assert_allclose(angles, motor_angles(targets), rtol=1e-12)
 
 
 def test_a_reflection_undoes_itself():

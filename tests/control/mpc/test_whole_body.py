@@ -13,10 +13,9 @@ from slider.control.mpc.whole_body import WholeBody
 from slider.env.starts import at_rest
 from slider.robot import names
 from tests.control.mpc.test_qp import conditions
-from tests.env.synthetic import config, robot_config
+from tests.env.synthetic import TORQUE_LIMITS, config, motor_torques, robot_config
 
 CONTROL = config().control.tuned.whole_body
-ACTUATED = np.array(names.ACTUATED)
 COUNT = 3
 
 
@@ -116,31 +115,42 @@ def test_a_foot_in_the_air_carries_nothing(dynamics):
         assert force[:2, 2].sum() > 10
 
 
-def test_torque_limits_are_the_drives(nominal):
-    """What the plant makes of a torque that is far too large is the controller's limit."""
-    body = WholeBody(robot_config(), CONTROL)
-    data = mujoco.MjData(nominal.model)
-    rng = np.random.default_rng(1)
-    speeds = rng.uniform(-1.2, 1.2, (6, 10)) * body._speed
-    lower, upper = body.torque_limits(speeds)
-    for i, sign in ((i, sign) for i in range(6) for sign in (-1, 1)):
-        data.qvel[:] = 0.0
-        data.qvel[6 + ACTUATED] = speeds[i]
-        data.ctrl[:] = sign * 1e4
-        mujoco.mj_forward(nominal.model, data)
-        expected = upper[i] if sign > 0 else lower[i]
-        np.testing.assert_allclose(data.actuator_force, expected, rtol=1e-9, atol=1e-9)
-
-
 def test_torques_stay_within_a_share_of_the_limits(dynamics):
-    settings = replace(CONTROL, effort_share=0.16)  # slides: 64 N each
+    settings = replace(CONTROL, effort_share=0.16)  # capstan motors: 1.28 N m each
     body, _, problem = build(dynamics, BOTH, (0.0, 0.0, 8.0), settings)
-    torques, solved = body.solve(problem)
+    efforts, solved = body.solve(problem)
     assert solved.all()
-    lower, upper = body.torque_limits(dynamics.qvel[:, 6 + ACTUATED])
-    assert (torques[:, ACTUATED] <= upper + 1e-4).all()
-    assert (torques[:, ACTUATED] >= lower - 1e-4).all()
-    assert np.abs(torques[:, [3, 9]]).max() == pytest.approx(64.0, rel=0.02), "a limit is active"
+    torques = motor_torques(efforts)
+    assert (np.abs(torques) <= 0.16 * TORQUE_LIMITS + 1e-4).all()
+    capstans = np.abs(torques.reshape(COUNT, 2, 5)[..., 3:])
+    assert capstans.max() == pytest.approx(1.28, abs=1e-4), "a limit is active"
+
+
+def test_the_limit_is_that_of_a_motor_and_not_of_a_joint(dynamics):
+    """Up and forward: one motor gives all it has, slide and ankle far from what each could have."""
+    body, _, problem = build(dynamics, BOTH, (8.0, 0.0, 40.0))
+    efforts, solved = body.solve(problem)
+    assert solved.all()
+    torques = motor_torques(efforts).reshape(COUNT, 2, 5)
+    assert (np.abs(torques) <= TORQUE_LIMITS[:5] + 1e-4).all()
+    np.testing.assert_allclose(torques[..., 4], 8.0, atol=1e-4)
+    assert (torques[..., 3] < 4.0).all(), "its twin has much left"
+    slide, ankle = efforts[:, [3, 9]], efforts[:, [4, 10]]
+    assert (np.abs(slide) < 0.7 * 2 * 8.0 / 0.025).all()
+    assert (np.abs(ankle) < 0.5 * 2 * 8.0 / 0.35).all()
+    np.testing.assert_allclose(0.025 * slide / 2 - 0.35 * ankle / 2, 8.0, atol=1e-4)
+
+
+def test_fast_motors_have_less_torque(dynamics):
+    """At 2.4 m/s capstan motors turn with 96 rad/s of 120: a fifth of 16 N m is left."""
+    qvel = np.zeros_like(dynamics.qvel)
+    qvel[:, [6 + 3, 6 + 9]] = 2.4
+    body, _, problem = build(replace(dynamics, qvel=qvel), BOTH, (0.0, 0.0, 60.0))
+    efforts, solved = body.solve(problem)
+    assert solved.all()
+    capstans = motor_torques(efforts).reshape(COUNT, 2, 5)[..., 3:]
+    assert capstans.max() == pytest.approx(3.2, abs=1e-4)
+    assert capstans.min() > -8.0
 
 
 def test_contact_points_are_the_ends_of_the_line(nominal, dynamics):

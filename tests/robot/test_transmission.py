@@ -1,0 +1,235 @@
+"""Motors and joints: by hand, by virtual work, and as MuJoCo simulates them."""
+
+# pyright: reportAttributeAccessIssue=false
+
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.core.config.compose import compose
+from slider.robot import names
+from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
+from slider.robot.transmission import Transmission, leg_inertia, leg_matrix
+
+ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
+MOTORS = Transmission.of(ROBOT)
+RADIUS, RATIO = 0.025, 0.35  # of the capstan
+TORQUE, STALL, NO_LOAD = 8.0, 16.0, 120.0  # of each of its motors
+ROTOR = 6.25e-4
+SLIDE, ANKLE = names.JOINTS.index("right_slide"), names.JOINTS.index("right_ankle")
+ONE, TWO = names.MOTORS.index("right_capstan_1"), names.MOTORS.index("right_capstan_2")
+PASSIVE = [i for i in range(names.NUM_JOINTS) if i not in names.ACTUATED]
+
+
+def joints(slide: float = 0.0, ankle: float = 0.0) -> np.ndarray:
+    values = np.zeros(names.NUM_JOINTS)
+    values[SLIDE], values[ANKLE] = slide, ankle
+    return values
+
+
+def motors(one: float = 0.0, two: float = 0.0) -> np.ndarray:
+    values = np.zeros(len(names.MOTORS))
+    values[ONE], values[TWO] = one, two
+    return values
+
+
+@pytest.mark.parametrize(
+    ("slide", "ankle", "one", "two"),
+    [
+        (320.0, 0.0, 4.0, 4.0),  # each half of 320 N · 0.025 m
+        (0.0, -16.0, -2.8, 2.8),  # each half of 16 N m · 0.35
+        (320.0, -16.0, 1.2, 6.8),
+        (-400.0, 10.0, -5.0 + 1.75, -5.0 - 1.75),
+    ],
+    ids=["slide", "ankle", "both", "both pull"],
+)
+def test_shares_of_the_motors_by_hand(slide, ankle, one, two):
+    torques = MOTORS.torques(joints(slide, ankle))
+    np.testing.assert_allclose(torques, motors(one, two), atol=1e-12)
+    share, voltage = MOTORS.shares(joints(slide, ankle), joints(0.6, 2.1))
+    np.testing.assert_allclose(share, motors(one / TORQUE, two / TORQUE), atol=1e-12)
+    fast, slow = 0.6 / RADIUS + 2.1 / RATIO, 0.6 / RADIUS - 2.1 / RATIO  # 30 and 18 rad/s
+    expected = motors(one / STALL + fast / NO_LOAD, two / STALL + slow / NO_LOAD)
+    np.testing.assert_allclose(voltage, expected, atol=1e-12)
+
+
+def test_same_sense_is_the_slide_and_opposite_senses_are_the_foot():
+    np.testing.assert_allclose(MOTORS.angles(joints(slide=0.05)), motors(2.0, 2.0))
+    np.testing.assert_allclose(MOTORS.angles(joints(ankle=0.7)), motors(2.0, -2.0))
+    np.testing.assert_allclose(MOTORS.efforts(motors(4.0, 4.0)), joints(slide=320.0), atol=1e-12)
+    expected = joints(ankle=2.8 / RATIO * 2)
+    np.testing.assert_allclose(MOTORS.efforts(motors(2.8, -2.8)), expected, atol=1e-12)
+
+
+def test_hip_motors_are_their_joints_and_upper_feet_have_none():
+    for motor, name in enumerate(names.MOTORS):
+        if name in names.JOINTS:
+            row = np.zeros(names.NUM_JOINTS)
+            row[names.JOINTS.index(name)] = 1.0
+            np.testing.assert_array_equal(MOTORS.matrix[motor], row)
+    assert not MOTORS.matrix[:, PASSIVE].any()
+    assert not MOTORS.inverse[:, PASSIVE].any()
+
+
+def test_motors_do_the_work_of_the_joints():
+    rng = np.random.default_rng(0)
+    efforts, speeds = rng.standard_normal((2, 30, names.NUM_JOINTS))
+    efforts[:, PASSIVE] = 0.0
+    work = (MOTORS.torques(efforts) * MOTORS.angles(speeds)).sum(axis=1)
+    np.testing.assert_allclose(work, (efforts * speeds).sum(axis=1), atol=1e-12)
+    np.testing.assert_allclose(MOTORS.efforts(MOTORS.torques(efforts)), efforts, atol=1e-12)
+
+
+def test_the_full_force_of_the_slide_leaves_nothing_for_the_ankle():
+    most = 2 * TORQUE / RADIUS
+    assert most == 640.0
+    share, _ = MOTORS.shares(joints(most, 0.0), joints())
+    np.testing.assert_allclose(share[[ONE, TWO]], 1.0)
+    share, _ = MOTORS.shares(joints(most, 0.01), joints())
+    assert share.max() > 1.0
+    half, _ = MOTORS.shares(joints(most / 2, TORQUE / RATIO), joints())
+    np.testing.assert_allclose(half[[ONE, TWO]], [1.0, 0.0], atol=1e-12)
+
+
+def test_the_torque_speed_line_by_hand():
+    speeds = np.array([-120.0, -90.0, -60.0, 0.0, 60.0, 90.0, 108.0, 120.0, 150.0, 240.0])
+    most = [8.0, 8.0, 8.0, 8.0, 8.0, 4.0, 1.6, 0.0, -4.0, -8.0]  # 16 (1 − ω / 120) within ±8
+    least = [0.0, -4.0, -8.0, -8.0, -8.0, -8.0, -8.0, -8.0, -8.0, -8.0]
+    for speed, lower, upper in zip(speeds, least, most, strict=True):
+        found = MOTORS.torque_limits(motors(speed, -speed))
+        assert found[0][ONE] == pytest.approx(lower, abs=1e-12)
+        assert found[1][ONE] == pytest.approx(upper, abs=1e-12)
+        assert found[1][TWO] == pytest.approx(-lower, abs=1e-12)  # turns the other way
+
+
+@pytest.mark.parametrize("actuation", ["position", "torque"])
+def test_the_simulated_motors_have_these_limits_at_every_speed(actuation: Actuation):
+    """What the plant makes of inputs that are far too large; both coupled motors at once."""
+    model = build_model(ROBOT, SimulationOptions(actuation=actuation))
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        rates = rng.uniform(-1.0, 1.0, names.NUM_JOINTS)
+        rates *= np.array([18.0, 18.0, 18.0, 2.5, 15.0, 5.0] * 2)
+        lower, upper = MOTORS.torque_limits(MOTORS.angles(rates))
+        for sign, expected in ((1, upper), (-1, lower)):
+            data = in_the_air(model)
+            data.qvel[6:], data.ctrl[:] = rates, sign * 1e5
+            mujoco.mj_forward(model, data)
+            np.testing.assert_allclose(data.actuator_force, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_the_two_limits_couple_in_the_plant():
+    """Full force on the slide: what the ankle is asked for in addition, it takes from the slide."""
+    model = build_model(ROBOT, SimulationOptions(actuation="torque"))
+    data = in_the_air(model)
+    data.ctrl[:] = MOTORS.torques(joints(640.0, 20.0))  # 11.5 and 4.5 N m
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(data.actuator_force, motors(8.0, 4.5), atol=1e-9)
+    np.testing.assert_allclose(
+        data.qfrc_actuator[6:], joints(12.5 / RADIUS, 3.5 / RATIO), atol=1e-9
+    )
+
+
+def in_the_air(model: mujoco.MjModel) -> mujoco.MjData:
+    data = mujoco.MjData(model)
+    data.qpos[:] = nominal_qpos(ROBOT)
+    data.qpos[2] += 1.0
+    return data
+
+
+def full_mass(model: mujoco.MjModel, qpos: np.ndarray) -> np.ndarray:
+    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
+    data.qpos[:] = qpos
+    mujoco.mj_forward(model, data)
+    mujoco.mj_fullM(model, data, mass)
+    return mass
+
+
+def random_pose(rng: np.random.Generator) -> np.ndarray:
+    qpos = nominal_qpos(ROBOT)
+    qpos[2] += 1.0
+    qpos[3:7] = rng.standard_normal(4)
+    qpos[3:7] /= np.linalg.norm(qpos[3:7])
+    qpos[7:] = 0.3 * rng.uniform(-1.0, 1.0, names.NUM_JOINTS)
+    return qpos
+
+
+def test_the_inertia_of_the_joints_is_the_rotors_through_the_transmission():
+    """2 J/r² = 2 kg on the slide and 2 J/n² on the ankle; the plant has it by its tendons."""
+    slide, ankle = 2 * ROTOR / RADIUS**2, 2 * ROTOR / RATIO**2
+    assert slide == pytest.approx(2.0)
+    leg = leg_inertia(ROBOT)
+    np.testing.assert_allclose(leg, np.diag([0.02, 0.02, 0.02, slide, ankle]), atol=1e-12)
+    assert leg_matrix(ROBOT.capstan)[3:, 3:] == pytest.approx(
+        np.array([[1 / RADIUS, 1 / RATIO], [1 / RADIUS, -1 / RATIO]])
+    )
+    with_tendons = build_model(ROBOT, SimulationOptions())
+    without = build_model(ROBOT, SimulationOptions())
+    without.tendon_armature[:] = 0.0
+    expected = np.zeros((18, 18))
+    for first in (9, 15):
+        expected[first, first], expected[first + 1, first + 1] = slide, ankle
+    rng = np.random.default_rng(2)
+    for _ in range(5):
+        qpos = random_pose(rng)
+        added = full_mass(with_tendons, qpos) - full_mass(without, qpos)
+        np.testing.assert_allclose(added, expected, atol=1e-12)
+
+
+def test_unequal_motors_would_couple_slide_and_ankle():
+    """JᵀIJ has off-diagonal entries as soon as the two rotors differ: the tendons are two."""
+    model = build_model(ROBOT, SimulationOptions())
+    bare = build_model(ROBOT, SimulationOptions())
+    bare.tendon_armature[:] = 0.0
+    model.tendon_armature[0] *= 3.0  # left_capstan_1
+    qpos = random_pose(np.random.default_rng(3))
+    added = full_mass(model, qpos) - full_mass(bare, qpos)
+    assert added[9, 10] == pytest.approx(2 * ROTOR / RADIUS / RATIO, abs=1e-12)
+    assert added[15, 16] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_position_loops_of_the_motors_are_those_of_the_joints():
+    """kp (Δs/r ± Δβ/n) through the tendons is 2 kp/r² on the slide, 2 kp/n² on the ankle."""
+    model = build_model(ROBOT, SimulationOptions())
+    kp, kd = ROBOT.gains["capstan"].kp, ROBOT.gains["capstan"].kd
+    hips = [ROBOT.gains[name] for name in ("hip_yaw", "hip_roll", "hip_pitch")]
+    stiff = [*(g.kp for g in hips), 2 * kp / RADIUS**2, 2 * kp / RATIO**2, 0.0] * 2
+    damped = [*(g.kd for g in hips), 2 * kd / RADIUS**2, 2 * kd / RATIO**2, 0.0] * 2
+    assert stiff[3] == pytest.approx(6000.0)
+    rng = np.random.default_rng(4)
+    for _ in range(10):
+        qpos = random_pose(rng)
+        target = qpos[7:] + rng.uniform(-1.0, 1.0, 12) * np.array(
+            [0.1, 0.1, 0.1, 0.01, 0.1, 0.0] * 2
+        )
+        data = mujoco.MjData(model)
+        data.qpos[:], data.qvel[:] = qpos, 0.1 * rng.standard_normal(18)
+        data.ctrl[:] = MOTORS.angles(target)
+        mujoco.mj_forward(model, data)
+        assert (np.abs(data.actuator_force) < 0.9 * MOTORS.torque).all(), "no limit is in the way"
+        expected = np.array(stiff) * (target - qpos[7:]) - np.array(damped) * data.qvel[6:]
+        np.testing.assert_allclose(data.qfrc_actuator[6:], expected, rtol=1e-9, atol=1e-9)
+        assert not data.qfrc_actuator[:6].any()
+
+
+def test_both_inputs_swing_alike():
+    """The position loop on board, and the same loop computed at each step of a torque plant."""
+    options = SimulationOptions(timestep=0.001)
+    position = build_model(ROBOT, options)
+    torque = build_model(ROBOT, replace(options, actuation="torque"))
+    kp = np.array([80.0, 200.0, 200.0, 1.875, 1.875] * 2)
+    kd = np.array([2.5, 5.0, 5.0, 0.047, 0.047] * 2)
+    one, two = in_the_air(position), in_the_air(torque)
+    target = MOTORS.angles(0.05 * np.random.default_rng(5).standard_normal(12))
+    for _ in range(200):
+        one.ctrl[:] = target
+        speed = MOTORS.angles(two.qvel[6:])
+        two.ctrl[:] = kp * (target - MOTORS.angles(two.qpos[7:])) - kd * speed
+        mujoco.mj_step(position, one)
+        mujoco.mj_step(torque, two)
+    moved = np.abs(one.qpos[7:]).max()
+    # The integrator takes the loop's damping implicitly where it is on board.
+    np.testing.assert_allclose(one.qpos[7:], two.qpos[7:], atol=0.005 * moved)

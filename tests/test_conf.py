@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from pipeline.entry import open_pipeline
+from pipeline.stages.gaits import velocities
 from slider.cli import main
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
@@ -38,10 +39,9 @@ def test_every_option_composes(option):
         ("report.sections=[sweep,sweep]", "report.sections: expected each section once"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
-        ("env.action.reach=0", "env.action.reach: expected a positive value, found 0"),
         (
-            "env.observation.command_filter=-0.1",
-            "env.observation.command_filter: expected a value ≥ 0.0, found -0.1",
+            "env.reference.acceleration=-0.1",
+            "env.reference.acceleration: expected a value ≥ 0.0, found -0.1",
         ),
         ("env.phase.halt.below=0.1", "env.phase.halt.above: expected a value ≥ 0.1, found 0.0"),
         ("env.phase.halt=true", "configuration key 'env.phase.halt': Input should be an object"),
@@ -68,6 +68,14 @@ def test_every_option_composes(option):
         ("gait.grid.vx.step=-0.1", "gait.grid.vx.step: expected a positive value, found -0.1"),
         ("gait.grid.vx.stop=-1.0", "gait.grid.vx: expected start ≤ stop"),
         ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
+        ("gait.grid.vx=0.33", "'gait.grid.vx': Input should be an object or a valid array, found"),
+        ("gait.grid.vx=[]", "gait.grid.vx: expected start ≤ stop, or a list"),
+        ("gait.grid.vx=[fast]", "'gait.grid.vx': Input should be an object or a valid number"),
+        (
+            "train.walking.commands.vx=[0.3]",
+            "train.walking.commands.vx: expected values of train.walking.commands.vx.lower, "
+            "train.walking.commands.vx.upper, found [0.3]",
+        ),
         ("env.physics.timestep=-0.005", "env.physics.timestep: expected a positive value"),
         (
             "train.walking.reset.reference_fraction=1.1",
@@ -226,6 +234,16 @@ def test_a_section_needs_its_protocol(capsys):
     assert line.endswith("found sweep")
 
 
+def test_a_list_of_velocities_takes_the_place_of_an_axis():
+    one = compose(["gait.grid.vx=[0.33]"], CONF).gait.grid
+    assert one.vx == [0.33]
+    assert one.vy == compose([], CONF).gait.grid.vy
+    overrides = ["gait.grid.vx.stop=0.5", "gait.grid.vx=[0.2]", "gait.grid.vx=[0.4,0.33]"]
+    last = compose(["experiment=test", *overrides, "gait.grid.vy=[0.0]"], CONF).gait.grid
+    assert (last.vx, last.vy) == ([0.4, 0.33], [0.0])
+    assert velocities(last) == [(0.33, 0.0), (0.4, 0.0)]
+
+
 def test_config_prints_the_resolved_configuration(capsys):
     assert main(["config", "gait.cost=torque", "--conf", str(CONF)]) == 0
     assert "  cost: torque\n" in capsys.readouterr().out
@@ -265,7 +283,7 @@ def test_without_the_library_the_other_rewards_stay():
     walking = compose([], CONF).train.walking.reward
     unguided = compose(["train/walking/reward=unguided"], CONF).train.walking.reward
     guides = {name for name in walking.terms if name.startswith("guide_")}
-    assert set(walking.terms) - guides == set(unguided.terms) - {"height"}
+    assert set(walking.terms) - guides == set(unguided.active) - {"height"}
     for name in set(walking.terms) - guides:
         assert unguided.terms[name] == walking.terms[name], name
     assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)

@@ -1,13 +1,57 @@
-"""The documentation builds as a site without a broken link."""
+"""The documentation builds as a site without a broken link; its robot is the configured one."""
 
 import importlib.util
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from slider.core.config.compose import compose
+from slider.core.config.convert import to_dict
+
 ROOT = Path(__file__).parents[1]
+
+
+def leaves(node: dict[str, Any], prefix: str = "robot") -> dict[str, Any]:
+    found = {}
+    for name, value in node.items():
+        key = f"{prefix}.{name}"
+        found |= leaves(value, key) if isinstance(value, dict) else {key: value}
+    return found
+
+
+def test_the_table_of_the_robot_is_the_configuration():
+    robot = to_dict(compose([], ROOT / "conf").robot)
+    provenance = robot.pop("provenance")
+    robot.pop("name")
+    expected = {}
+    for key, value in leaves(robot).items():
+        path = key.removeprefix("robot.").split(".")
+        tags = [provenance.get(".".join(path[:end])) for end in range(len(path), 0, -1)]
+        text = str(list(value) if isinstance(value, tuple) else value)
+        expected[key] = (text, next(tag for tag in tags if tag is not None))
+    page = (ROOT / "docs" / "robot.md").read_text()
+    rows = re.findall(r"^\| `(robot\.[^`]+)` \| ([^|]+) \| (\w+) \| [^|]+ \|$", page, re.M)
+    assert {key: (value, tag) for key, value, tag in rows} == expected
+    assert len(rows) == len(expected)
+
+
+def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
+    robot = compose([], ROOT / "conf").robot
+    motor, gains = robot.drives["capstan"], robot.gains["capstan"]
+    r, n = robot.capstan.drum_radius, robot.capstan.foot_ratio
+    page = (ROOT / "docs" / "robot.md").read_text()
+    for slide, ankle in (
+        (f"{2 * motor.torque / r:.0f} N", f"{2 * motor.torque / n:.1f} N m"),
+        (f"{motor.speed * r:.1f} m/s", f"{motor.speed * n:.0f} rad/s"),
+        (f"{2 * motor.inertia / r**2:.1f} kg", f"{2 * motor.inertia / n**2:.4f} kg m²"),
+        (f"{2 * gains.kp / r**2:.0f} N/m", f"{2 * gains.kp / n**2:.1f} N m/rad"),
+        (f"{2 * gains.kd / r**2:.1f} N s/m", f"{2 * gains.kd / n**2:.3f} N m s/rad"),
+    ):
+        assert f"| {slide} | {ankle} |" in page
 
 
 @pytest.mark.skipif(importlib.util.find_spec("mkdocs") is None, reason="needs the extra docs")

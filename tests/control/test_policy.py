@@ -185,8 +185,11 @@ def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
         for _ in range(4):
             controller.control(state)
     phases = np.array(seen_phases)
-    steps = 0.02 / (2 * np.array([0.4, 0.36]))
-    np.testing.assert_allclose(phases[:4], np.arange(4)[:, None] * steps, atol=1e-9)
+    # The first period is of standing, then the reference velocity goes to the command.
+    reference = np.minimum(0.4, 0.04 * np.arange(3))[:, None] * [0.0, 1.0]
+    steps = 0.02 / (2 * (0.4 - 0.1 * reference))
+    expected = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    np.testing.assert_allclose(phases[:4], expected, atol=1e-9)
     np.testing.assert_array_equal(phases[4:], phases[:4])
 
 

@@ -23,9 +23,6 @@ from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, MOTORS, 
 
 CONF = Path(__file__).parents[2] / "conf"
 PERMUTATION, SIGN = np.array(MIRROR_PERMUTATION), np.array(MIRROR_SIGN)
-# Of the motors in conf/robot/slider.yaml [N m], [rad/s].
-TORQUE_LIMITS = np.array([40.0, 60.0, 60.0, 8.0, 8.0] * 2)
-SPEED_LIMITS = np.array([15.0, 15.0, 15.0, 120.0, 120.0] * 2)
 SAMPLES = 42
 STEP_TIME = 0.4
 
@@ -37,6 +34,15 @@ def config(*overrides: str) -> Config:
 
 def robot_config() -> RobotConfig:
     return config("experiment=test").robot
+
+
+def of_the_motors(name: str) -> np.ndarray:
+    """A value of the drives for each motor (10,): the two capstan motors are equal."""
+    leg = ("hip_yaw", "hip_roll", "hip_pitch", "capstan", "capstan")
+    return np.array([getattr(robot_config().drives[drive], name) for drive in leg * 2])
+
+
+TORQUE_LIMITS, SPEED_LIMITS = of_the_motors("torque"), of_the_motors("speed")  # [N m], [rad/s]
 
 
 def motor_angles(joints: np.ndarray) -> np.ndarray:
@@ -235,10 +241,11 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         "previous_action": np.zeros((count, NUM_JOINTS)),
         "action_scale": np.full(NUM_JOINTS, 0.3),
         "filtered_velocity": np.zeros((count, 2)),
-        "expected_velocity": np.zeros((count, 2)),
         "phase": np.zeros(count),
     }
     values |= {name: np.asarray(value, dtype=float) for name, value in changes.items()}
+    for name in ("reference_velocity", "expected_velocity"):  # those of a command long since given
+        values.setdefault(name, values["command"][:, :2])
     values["halted"] = np.asarray(changes.get("halted", np.zeros(count)), dtype=bool)
     return View(
         state=state,

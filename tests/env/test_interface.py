@@ -162,34 +162,46 @@ def test_step_response_of_the_velocity_filter():
     assert share == pytest.approx(1 - np.exp(-39 * 0.02 / constant), abs=0.02)
 
 
-def test_the_expected_velocity_follows_a_command_gradually():
-    agent = make_agent(
-        2, "env.observation.command_filter=0.5", "env.observation.velocity_filter=0.5"
-    )
+def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
+    agent = make_agent(2, "env.reference.acceleration=2.0", "env.observation.velocity_filter=0.5")
     agent.reset(np.arange(2), make_state(2), velocity=np.array([[0.0, 0.0], [1.0, 0.1]]))
-    agent.set_velocity_command(np.arange(2), np.array([[1.0, 0.1, 0.0]] * 2))
-    steps, rise = np.arange(1, 101), []
-    for _ in steps:
+    agent.set_velocity_command(np.arange(2), np.array([[1.0, 0.1, 0.0], [0.0, 0.1, 0.0]]))
+    expected = np.array([0.0, 0.0])
+    for k in range(1, 41):
         agent.advance(make_state(2))
-        rise.append(agent.expected_velocity[0].copy())
-        np.testing.assert_allclose(agent.expected_velocity[1], [1.0, 0.1])  # started there
-    gain = 0.02 / 0.5
-    closed = 1 - (1 + gain * steps) * (1 - gain) ** steps  # of two equal filters in series
-    np.testing.assert_allclose(rise, closed[:, None] * [1.0, 0.1], atol=1e-12)
+        risen = min(1.0, 2.0 * 0.02 * k)
+        np.testing.assert_allclose(agent.reference_velocity[0], [risen, min(0.1, 0.04 * k)])
+        np.testing.assert_allclose(agent.reference_velocity[1], [1.0 - risen, 0.1], atol=1e-12)
+        expected = expected + 0.02 / 0.5 * (agent.reference_velocity[0] - expected)
+        np.testing.assert_allclose(agent.expected_velocity[0], expected, atol=1e-12)
 
 
-def test_filters_of_no_duration_pass_everything_at_once():
-    agent = make_agent(1, "env.observation.velocity_filter=0", "env.observation.command_filter=0")
+def test_a_robot_that_lags_does_not_hold_its_reference_back():
+    """Told to stop, a robot that runs on meets the gait of standing, not one of its own speed."""
+    agent = make_agent(1, "env.action.about=gait", "env.reference.acceleration=2.0")
+    running = make_state(1, heading_velocity=[[1.0, 0.0]])
+    agent.set_velocity_command(np.array([0]), np.array([[1.0, 0.0, 0.0]]))
+    agent.reset(np.array([0]), running, phase=0.3, velocity=np.array([[1.0, 0.0]]))
+    agent.set_velocity_command(np.array([0]), np.zeros((1, 3)))
+    for _ in range(26):
+        agent.advance(running)
+    np.testing.assert_array_equal(agent.reference_velocity, [[0.0, 0.0]])
+    gait = gait_table().at(np.zeros(1), np.zeros(1), agent.clock.phase)[:, :NUM_JOINTS]
+    np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), gait, atol=1e-12)
+
+
+def test_without_acceleration_and_filters_everything_passes_at_once():
+    agent = make_agent(1, "env.observation.velocity_filter=0", "env.reference.acceleration=0")
     agent.reset(np.array([0]), make_state(1))
     agent.set_velocity_command(np.array([0]), np.array([[0.7, 0.0, 0.0]]))
-    np.testing.assert_array_equal(agent.expected_velocity, [[0.7, 0.0]])
+    np.testing.assert_array_equal(agent.reference_velocity, [[0.7, 0.0]])
     agent.advance(make_state(1, heading_velocity=[[0.4, 0.2]]))
     np.testing.assert_allclose(agent.filtered_velocity, [[0.4, 0.2]])
     np.testing.assert_array_equal(agent.expected_velocity, [[0.7, 0.0]])
 
 
 def test_resetting_one_robot_leaves_the_others():
-    agent = make_agent(2, "env.observation.command_filter=0.5")
+    agent = make_agent(2)
     moving = make_state(2, heading_velocity=[1.0, 0.0], yaw=0.7)
     agent.reset(np.arange(2), moving, phase=0.1)
     agent.act(np.ones((2, NUM_JOINTS)))
@@ -262,18 +274,6 @@ def test_the_clock_halts_by_the_filtered_velocity_of_the_robot():
     for _ in range(30):
         agent.advance(fast)
     np.testing.assert_array_equal(agent.view(fast).halted, [False, True])
-
-
-def test_the_gait_under_an_action_is_within_reach_of_the_robots_velocity():
-    agent = make_agent(4, "env.action.about=gait", "env.action.reach=0.2")
-    command = np.array([[0.6, 0.0, 0.0], [0.6, 0.0, 0.0], [0.1, 0.05, 0.0], [0.3, 0.0, 0.0]])
-    own = np.array([[0.0, 0.0], [0.5, 0.0], [0.5, -0.3], [0.3, 0.0]])
-    agent.set_velocity_command(np.arange(4), command)
-    agent.reset(np.arange(4), make_state(4), phase=0.3, velocity=own)
-    gait = np.array([[0.2, 0.0], [0.6, 0.0], [0.3, -0.1], [0.3, 0.0]])
-    expected = gait_table().at(gait[:, 0], gait[:, 1], np.full(4, 0.3))[:, :NUM_JOINTS]
-    np.testing.assert_allclose(agent.act(np.zeros((4, NUM_JOINTS))), expected, atol=1e-12)
-    assert np.abs(expected[0] - expected[1]).max() > 0.01
 
 
 def test_a_residual_action_needs_the_gaits():

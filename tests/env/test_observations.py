@@ -38,7 +38,7 @@ PAPER = {
 
 
 def observer(*names: str, scale: float = 1.0, clip: float = 1e6) -> Observer:
-    return Observer(ObservationConfig(dict.fromkeys(names, scale), clip, SCAN, 0.3, 0.3))
+    return Observer(ObservationConfig(dict.fromkeys(names, scale), clip, SCAN, 0.3))
 
 
 def physical_view(mirrored: bool) -> View:
@@ -63,6 +63,7 @@ def physical_view(mirrored: bool) -> View:
         action=actions[0],
         previous_action=actions[1],
         filtered_velocity=filtered,
+        reference_velocity=expected,
         expected_velocity=expected,
         phase=phase,
     )
@@ -123,6 +124,7 @@ def test_values_by_hand():
         state,
         command=[[0.5, -0.1, 0.2, 0.3]],
         action=np.full((1, 12), 2.0),
+        reference_velocity=[[0.3, -0.2]],
         expected_velocity=[[0.4, -0.1]],
         phase=[0.25],
     )
@@ -134,6 +136,7 @@ def test_values_by_hand():
 
     np.testing.assert_allclose(seen("target_linear_velocity"), [0.5, -0.1, 0.0])
     np.testing.assert_allclose(seen("target_angular_velocity"), [0.0, 0.0, 0.2])
+    np.testing.assert_allclose(seen("reference_velocity"), [0.3, -0.2])
     np.testing.assert_allclose(seen("command"), [0.5, -0.1, 0.2, 0.3])
     np.testing.assert_allclose(seen("joint_positions"), np.arange(12) / 10 - 0.1, atol=1e-7)
     np.testing.assert_allclose(seen("previous_action"), 2.0)

@@ -23,7 +23,9 @@ def run(
 ) -> np.ndarray:
     phases = []
     for _ in range(steps):
-        clock.advance(np.array([command]), np.array([mean_speed]), np.array([speed]))
+        clock.advance(
+            np.array([command]), np.array([command[:2]]), np.array([mean_speed]), np.array([speed])
+        )
         phases.append(clock.phase[0])
     return np.array(phases)
 

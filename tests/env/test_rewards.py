@@ -64,16 +64,16 @@ HAND = {  # term → (state, view, parameters, value)
     ),
     "forward_velocity": (
         {"heading_velocity": [0.5, 3.0]},
-        {"command": [[0.2, 0, 0, 0]]},
+        {"command": [[9.0, 0, 0, 0]], "reference_velocity": [[0.2, 0.0]]},
         {},
         1 - np.tanh(0.3),
     ),
     "forward_velocity_filtered": (
         {},
         {
-            "command": [[2.0, 0, 0, 0]],
-            "filtered_velocity": [[1.2, 9.0]],
-            "expected_velocity": [[1.5, 3.0]],
+            "command": [[9.0, 0, 0, 0]],
+            "filtered_velocity": [[1.7, 9.0]],
+            "expected_velocity": [[2.0, 3.0]],
         },
         {"width": 0.01, "relative": 0.02},
         np.exp(-(0.3**2) / (0.01 + 0.02 * 4.0)),
@@ -82,7 +82,7 @@ HAND = {  # term → (state, view, parameters, value)
         {},
         {"filtered_velocity": [[9.0, -0.1]], "expected_velocity": [[2.0, 0.1]]},
         {"width": 0.05},
-        np.exp(-0.04 / 0.05),
+        1 - np.tanh(0.2 / 0.05),
     ),
     "yaw_rate": (
         {"angular_velocity": [3.0, 3.0, 0.4]},
@@ -111,8 +111,8 @@ HAND = {  # term → (state, view, parameters, value)
         12 * 0.09,
     ),
     "roll_pitch_rate": ({"angular_velocity": [0.3, -0.4, 7.0]}, {}, {}, 0.25),
-    "effort": (  # half of a capstan motor's 8 N m, a quarter of a hip's 60 N m
-        {"motor_torques": motor("left_capstan_1", 4.0) + motor("right_hip_roll", -15.0)},
+    "effort": (  # half of a capstan motor's limit, a quarter of a hip's
+        {"motor_torques": motor("left_capstan_1", 4.5) + motor("right_hip_roll", -15.0)},
         {},
         {},
         0.25 + 0.0625,
@@ -123,8 +123,15 @@ HAND = {  # term → (state, view, parameters, value)
             "foot_forces": [50.0, 4.0],
         },
         {},
-        {"loaded": 5.0},
-        0.25,
+        {"loaded": 5.0, "width": 0.5},
+        1 - np.exp(-0.25 / 0.5),
+    ),
+    "airborne": ({"foot_forces": [0.9, 0.2]}, {}, {"unloaded": 1.0}, 1.0),
+    "feet_close": (  # a robot that looks along y: left is −x
+        {"foot_positions": [[-0.02, 0.3, 0.0], [0.01, 0.0, 0.0]], "yaw": np.pi / 2},
+        {},
+        {"least": 0.12},
+        1 - 0.03 / 0.12,
     ),
     "torque_tanh": (
         {"motor_torques": motor("left_capstan_2", 0.3) + motor("right_hip_yaw", -0.4)},

@@ -9,8 +9,9 @@ from slider.core.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv
+from slider.library.lookup import GaitTable
 from slider.robot.kinematics import standing_height
-from tests.env.synthetic import config, gait_table, make_guide
+from tests.env.synthetic import config, gait_table, make_guide, make_library, step_time
 
 EXPERIMENTS = ("default", "commands", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
@@ -65,7 +66,7 @@ def test_builds_resets_and_steps(experiment, training, agent):
         assert (env.episode_length_buf[done == 0] > 0).all()
         falls += int(done.sum())
         logged = {name for name in extras["log"] if name.startswith("/reward/")}
-        assert logged == {f"/reward/{name}" for name in train.reward.terms}
+        assert logged == {f"/reward/{name}" for name in train.reward.active}
         assert all(np.isfinite(value) for value in extras["log"].values())
     assert env.total_diverged == 0
     if agent == "random":
@@ -307,7 +308,7 @@ def test_the_low_passed_velocity_is_that_of_what_is_measured():
         _, _, done, _ = env.step(torch.zeros(NUM_ENVS, 12))
         on, state = done.numpy() == 0, env._measured
         assert on.any()
-        gain, _ = env.cfg.observation.filter_gains(env.cfg.control_period)
+        gain = env.cfg.observation.filter_gain(env.cfg.control_period)
         expected = before + gain * (state.heading_velocity - before)
         found = env._agent.view(state).filtered_velocity
         np.testing.assert_allclose(found[on], expected[on], atol=1e-12)
@@ -320,3 +321,21 @@ def test_every_episode_meets_another_robot():
     before = env._physics.masses.copy()
     env._reset(np.array([2]))
     np.testing.assert_array_equal(np.flatnonzero(env._physics.masses != before), [2])
+
+
+def test_a_library_of_one_gait_guides_at_every_command():
+    """Outside of the grid its border counts: with one velocity, that gait."""
+    library = make_library(((0.33, 0.0),))
+    table = GaitTable.from_library(library)
+    whole = settings("experiment=default")
+    env = WalkingEnv(
+        *(whole.robot, whole.env, whole.train.walking, np.random.default_rng(0)),
+        *(table.times, Guide(library, table)),
+        reference=table.joints,
+    )
+    for _ in range(20):
+        observations, reward, _, _ = env.step(torch.zeros(NUM_ENVS, 12))
+        assert torch.isfinite(observations["policy"]).all()
+        assert torch.isfinite(reward).all()
+    commands = np.array([0.0, 3.0])
+    np.testing.assert_array_equal(table.times.at(commands, 0.0 * commands), step_time(0.33))

@@ -32,7 +32,10 @@ def library(tmp_path_factory) -> LibraryContents:
     samples[GAIT, 4, NUM_JOINTS + JOINTS.index("left_hip_pitch")] = -12.0  # of 15 rad/s
     base = np.zeros_like(arrays["base"])
     base[..., 2], base[..., 3] = 0.64 + 0.045, 1.0
-    return replace(made, arrays=arrays | {"efforts": efforts, "samples": samples, "base": base})
+    motor = replace(made.robot.drives["capstan"], torque=8.0)  # for round numbers
+    robot = replace(made.robot, drives={**made.robot.drives, "capstan": motor})
+    arrays |= {"efforts": efforts, "samples": samples, "base": base}
+    return replace(made, arrays=arrays, robot=robot)
 
 
 def test_shares_of_the_limits(library):

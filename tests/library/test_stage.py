@@ -76,8 +76,20 @@ def test_same_gaits_give_the_same_bytes(gaits, tmp_path: Path):
 def test_a_hole_is_refused_with_the_constraint_that_is_violated(with_a_hole, tmp_path: Path):
     with pytest.raises(UserError, match=r"\(0\.5, 0\.1\).*slide_force 3\.0e-01") as error:
         run(section(), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
-    assert "\n" not in str(error.value)
-    assert "impact" not in str(error.value)
+    message = str(error.value)
+    assert "\n" not in message
+    assert "impact" not in message
+    assert message.startswith("library: 1 of 3 gaits did not converge: ")
+    assert "--config hydra='library.allow_holes=true'" in message
+    assert "interpolated from those around them" in message
+
+
+def test_holes_alone_are_no_library(with_a_hole, tmp_path: Path):
+    """Allowing them would not help, and is not offered."""
+    section = gaits_section([(0.5, 0.1)], allow_holes=True)
+    with pytest.raises(UserError, match="expected at least one gait, none of 1 conv") as error:
+        run(section, {"gaits": [with_a_hole[1]]}, tmp_path / "out", Job(tmp_path))
+    assert "allow_holes" not in str(error.value)
 
 
 def test_an_allowed_hole_is_left_out(with_a_hole, tmp_path: Path):

@@ -40,7 +40,10 @@ def test_overrides_of_the_environment_are_obeyed(tmp_path):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("env.action.reach=9", "env.action.reach=0.5, as in its training, found 9.0"),
+        (
+            "env.reference.acceleration=9",
+            "env.reference.acceleration=2.0, as in its training, found 9.0",
+        ),
         ("env.phase.mirror=false", "env.phase.mirror=True, as in its training, found False"),
         ("env.observation.velocity_filter=0", "env.observation.velocity_filter=0.3"),
         ("env.action.scale.slide=0.5", "env.action.scale.slide=0.06"),
@@ -53,8 +56,7 @@ def test_a_policy_keeps_what_it_sees_and_does(tmp_path, override, message):
 
 
 def test_an_override_of_the_plant_leaves_the_policys_interface(tmp_path, monkeypatch):
-    """Those of `experiment=commands` have a command filter and a clock that halts."""
-    policy = write_policy(tmp_path / "policy.pt", "env.observation.command_filter=0.3")
+    policy = write_policy(tmp_path / "policy.pt", "env.reference.acceleration=1.0")
     environments = []
     monkeypatch.setattr(scenes, "simulate_policy", lambda *given: environments.append(given[2]))
     override = "env.termination.terms.base_height=0.3"

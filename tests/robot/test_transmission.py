@@ -14,7 +14,8 @@ from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
 from slider.robot.transmission import Transmission, leg_inertia, leg_matrix
 
-ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
+CAPSTAN = "{torque: 8.0, speed: 120.0, stall_ratio: 2.0, inertia: 6.25e-4}"  # for round numbers
+ROBOT = compose([f"robot.drives.capstan={CAPSTAN}"], Path(__file__).parents[2] / "conf").robot
 MOTORS = Transmission.of(ROBOT)
 RADIUS, RATIO = 0.025, 0.35  # of the capstan
 TORQUE, STALL, NO_LOAD = 8.0, 16.0, 120.0  # of each of its motors

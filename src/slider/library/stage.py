@@ -44,7 +44,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     holes = [report for i, report in enumerate(reports) if i not in set(good)]
     _log(reports, job)
     if not good or (holes and not config.allow_holes):
-        raise UserError(_describe(holes))
+        raise UserError(_describe(holes, len(good)))
     about = {"robot": section["robot"], "kinematic_map": section["kinematic_map"]}
     about["holes"] = [_hole(report, config) for report in holes]
     about["cost_unit"] = reports[good[0]]["cost_unit"]
@@ -120,17 +120,21 @@ def _acceptable(report: Report, config: LibraryConfig) -> bool:
     return report["converged"] and report["max_violation"] <= config.max_violation
 
 
-def _describe(holes: Sequence[Report]) -> str:
-    """One line with the gaits that did not converge and their worst constraints."""
+def _describe(holes: Sequence[Report], good: int) -> str:
+    """One line: gaits that did not converge, their worst constraints, and how to go on."""
     texts = []
     for report in holes:
         name, value = max(report["residuals"].items(), key=lambda item: item[1])
         texts.append(
             f"({report['vx']:g}, {report['vy']:g}) m/s {report['status']}, {name} {value:.1e}"
         )
+    list_ = "; ".join(texts)
+    if not good:
+        return f"library: expected at least one gait, none of {len(holes)} converged: {list_}"
     return (
-        f"library: {len(holes)} gaits did not converge: {'; '.join(texts)}; "
-        "set library.allow_holes=true to go on without them"
+        f"library: {len(holes)} of {len(holes) + good} gaits did not converge: {list_}; to go on "
+        "without them: --config hydra='library.allow_holes=true'; their commands then get gaits "
+        "interpolated from those around them, or the nearest at the border"
     )
 
 

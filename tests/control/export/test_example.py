@@ -39,11 +39,10 @@ def load_example():
     [
         (),
         ("env=paper",),
-        ("env=robust",),
         ("env.phase.mirror=false",),
         ("env.phase.halt.below=5.0", "env.phase.halt.above=5.0"),
         ("env.action.about=nominal",),
-        ("env.observation.command_filter=0.4",),
+        ("env.reference.acceleration=0",),
     ],
 )
 def test_it_acts_and_moves_like_the_package(tmp_path, overrides):

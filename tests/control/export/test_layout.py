@@ -66,8 +66,8 @@ def test_gains_limits_and_scales_are_the_robots():
             "joints": {"right_slide": 1 / 0.025, "right_ankle": sense * 1 / 0.35},
             "kp": 2.2,
             "kd": 0.047,
-            "torque_limit": 8.0,
-            "stall_torque": 16.0,
+            "torque_limit": 9.0,
+            "stall_torque": 18.0,
             "no_load_speed": 120.0,
             "rotor_inertia": 6.25e-4,
         }

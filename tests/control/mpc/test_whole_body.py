@@ -17,6 +17,7 @@ from tests.env.synthetic import TORQUE_LIMITS, config, motor_torques, robot_conf
 
 CONTROL = config().control.tuned.whole_body
 COUNT = 3
+MOTOR = TORQUE_LIMITS[3]  # of a capstan [N m]
 
 
 @pytest.fixture(scope="module")
@@ -116,14 +117,14 @@ def test_a_foot_in_the_air_carries_nothing(dynamics):
 
 
 def test_torques_stay_within_a_share_of_the_limits(dynamics):
-    settings = replace(CONTROL, effort_share=0.16)  # capstan motors: 1.28 N m each
+    settings = replace(CONTROL, effort_share=0.16)
     body, _, problem = build(dynamics, BOTH, (0.0, 0.0, 8.0), settings)
     efforts, solved = body.solve(problem)
     assert solved.all()
     torques = motor_torques(efforts)
     assert (np.abs(torques) <= 0.16 * TORQUE_LIMITS + 1e-4).all()
     capstans = np.abs(torques.reshape(COUNT, 2, 5)[..., 3:])
-    assert capstans.max() == pytest.approx(1.28, abs=1e-4), "a limit is active"
+    assert capstans.max() == pytest.approx(0.16 * MOTOR, abs=1e-4), "a limit is active"
 
 
 def test_the_limit_is_that_of_a_motor_and_not_of_a_joint(dynamics):
@@ -133,24 +134,24 @@ def test_the_limit_is_that_of_a_motor_and_not_of_a_joint(dynamics):
     assert solved.all()
     torques = motor_torques(efforts).reshape(COUNT, 2, 5)
     assert (np.abs(torques) <= TORQUE_LIMITS[:5] + 1e-4).all()
-    np.testing.assert_allclose(torques[..., 4], 8.0, atol=1e-4)
-    assert (torques[..., 3] < 4.0).all(), "its twin has much left"
+    np.testing.assert_allclose(torques[..., 4], MOTOR, atol=1e-4)
+    assert (torques[..., 3] < 0.5 * MOTOR).all(), "its twin has much left"
     slide, ankle = efforts[:, [3, 9]], efforts[:, [4, 10]]
-    assert (np.abs(slide) < 0.7 * 2 * 8.0 / 0.025).all()
-    assert (np.abs(ankle) < 0.5 * 2 * 8.0 / 0.35).all()
-    np.testing.assert_allclose(0.025 * slide / 2 - 0.35 * ankle / 2, 8.0, atol=1e-4)
+    assert (np.abs(slide) < 0.7 * 2 * MOTOR / 0.025).all()
+    assert (np.abs(ankle) < 0.5 * 2 * MOTOR / 0.35).all()
+    np.testing.assert_allclose(0.025 * slide / 2 - 0.35 * ankle / 2, MOTOR, atol=1e-4)
 
 
 def test_fast_motors_have_less_torque(dynamics):
-    """At 2.4 m/s capstan motors turn with 96 rad/s of 120: a fifth of 16 N m is left."""
+    """At 2.4 m/s capstan motors turn with 96 rad/s of 120: a fifth of the stall torque is left."""
     qvel = np.zeros_like(dynamics.qvel)
     qvel[:, [6 + 3, 6 + 9]] = 2.4
     body, _, problem = build(replace(dynamics, qvel=qvel), BOTH, (0.0, 0.0, 60.0))
     efforts, solved = body.solve(problem)
     assert solved.all()
     capstans = motor_torques(efforts).reshape(COUNT, 2, 5)[..., 3:]
-    assert capstans.max() == pytest.approx(3.2, abs=1e-4)
-    assert capstans.min() > -8.0
+    assert capstans.max() == pytest.approx(0.2 * 2 * MOTOR, abs=1e-4)
+    assert capstans.min() > -MOTOR
 
 
 def test_contact_points_are_the_ends_of_the_line(nominal, dynamics):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import mujoco
 import numpy as np
 
 from slider.control.export import LAYOUT, MODEL, ONNX, POLICY, REFERENCE, TORCH_EXPORT
@@ -62,15 +63,20 @@ def _model_xml(policy: Policy) -> str:
         physics.timestep, physics.solver_iterations, physics.line_search_iterations
     )
     spec = build_spec(policy.robot, options)
-    spec.compile()
-    return _with_all_digits(spec.to_xml(), Transmission.of(policy.robot))
+    model = spec.compile()
+    return _with_all_digits(spec.to_xml(), Transmission.of(policy.robot), model)
 
 
-def _with_all_digits(xml: str, motors: Transmission) -> str:
-    """MuJoCo writes the coefficients of tendons with six digits; a motor's angle needs them all."""
+def _with_all_digits(xml: str, motors: Transmission, model: mujoco.MjModel) -> str:
+    """MuJoCo writes six digits; coefficients of tendons and parameters of motors need them all."""
     root = ElementTree.fromstring(xml)
     for tendon in root.iter("fixed"):
         row = motors.matrix[MOTORS.index(tendon.attrib["name"])]
         for joint in tendon.iter("joint"):
             joint.set("coef", repr(float(row[JOINTS.index(joint.attrib["joint"])])))
+    for motor in root.iter("general"):
+        values = model.actuator(motor.attrib["name"]).gainprm[
+            : len(motor.attrib["gainprm"].split())
+        ]
+        motor.set("gainprm", " ".join(repr(float(value)) for value in values))
     return ElementTree.tostring(root, encoding="unicode")

@@ -18,6 +18,8 @@ from slider.core.config.schema import Config
 from slider.core.config.validation import validate
 from slider.core.errors import UserError
 
+_LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
+
 
 def compose(overrides: Sequence[str], conf: Path) -> Config:
     """Resolve ``conf/config.yaml`` with Hydra overrides such as ``gait.grid.vx.stop=0.6``.
@@ -36,7 +38,7 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
         try:
-            config = hydra_compose("config", overrides=list(overrides))
+            config = hydra_compose("config", overrides=_as_hydra_wants(overrides))
             return cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
         except HydraException as error:
             raise UserError(_explain(error, overrides, conf)) from None
@@ -44,6 +46,15 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(_first_line(error)) from None
         except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
+
+
+def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:
+    """Hydra lets no list take the place of start, stop and step: delete them first."""
+    result = []
+    for text in overrides:
+        axis = _LIST_FOR_AXIS.match(text)
+        result += [f"~{axis.group(1)}", f"+{text}"] if axis else [text]
+    return result
 
 
 def _first_line(error: BaseException) -> str:
@@ -61,6 +72,11 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
         group, _, name = unknown_option.group(1).rpartition("/")
         options = sorted(path.stem for path in (conf / group).glob("*.yaml"))
         return f"unknown option {group}={name}, expected one of: {', '.join(options) or 'none'}"
+    merged = re.search(r"Error merging override ([^=]+)=(.*)", str(error))
+    if merged:
+        key, found = merged.groups()
+        below = [name for name in _known_keys(conf) if name.rpartition(".")[0] == key]
+        return f"{key}: expected values of {', '.join(below)}, found {found}"
     broken = [text for text in overrides if text in str(error)]
     where = f" in override '{broken[0]}'" if broken else ""
     return f"{_first_line(error)}{where} (expected key=value)"

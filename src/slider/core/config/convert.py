@@ -25,7 +25,26 @@ def from_dict(cls: type[T], values: Any) -> T:
     try:
         return TypeAdapter(cls).validate_json(json.dumps(values))
     except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"])
-        found = "" if first["type"] == "missing" else f", found {first['input']!r}"
-        raise UserError(f"configuration key '{key}': {first['msg']}{found}") from None
+        raise UserError(_first_mistake(error, values)) from None
+
+
+def _first_mistake(error: ValidationError, values: Any) -> str:
+    """One line: key, what was expected and what was found."""
+    first, *others = error.errors()
+    place, texts = first["loc"], [first["msg"]]
+    missing = first["type"] == "missing"
+    if not missing and _is_at(values, place[:-1], first["input"]):  # the last part is a type's name
+        place = place[:-1]
+        texts += [other["msg"] for other in others if other["loc"][: len(place)] == place]
+    key = ".".join(str(part) for part in place)
+    expected = " or ".join(dict.fromkeys(texts)).replace(" or Input should be", " or")
+    found = "" if missing else f", found {first['input']!r}"
+    return f"configuration key '{key}': {expected}{found}"
+
+
+def _is_at(values: Any, place: tuple[int | str, ...], value: Any) -> bool:
+    for part in place:
+        if not isinstance(values, dict | list | tuple):
+            return False
+        values = values[part]  # pyright: ignore[reportArgumentType, reportCallIssue]
+    return bool(place) and values == value

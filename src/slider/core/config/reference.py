@@ -10,9 +10,7 @@ from typing import Any
 from slider.core.config.compose import compose
 from slider.core.config.convert import to_dict
 from slider.core.config.evaluation import EvaluationConfig
-from slider.core.config.parameters import Parameter, parameters
 from slider.core.config.schema import Config
-from slider.core.config.units import unit
 
 _BASES = ("base.yaml", "default.yaml")  # their comments are about the defaults, and win
 OPTIONAL = ("finetuning=robust",)  # groups that the default configuration does not have
@@ -57,24 +55,6 @@ def reference(conf: Path) -> str:
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         lines.append("")
     return "\n".join(lines)
-
-
-def robot_table(conf: Path) -> str:
-    """Markdown table of the robot's parameters: value, unit, provenance and comment."""
-    known, comments = parameters(compose([], conf).robot), read_comments(conf)
-    lines = ["| parameter | value | unit | tag | meaning |", "|---|---|---|---|---|"]
-    for item in known:
-        path, group = f"robot.{item.path}", _group(item)
-        siblings = [other.path.rpartition(".")[2] for other in known if _group(other) == group]
-        value = " ".join(f"{number:g}" for number in item.value)
-        meaning = _comment(path, comments).replace("|", "\\|")
-        about = unit(path, siblings, comments)
-        lines.append(f"| `{path}` | {value} | {about} | {item.provenance} | {meaning} |")
-    return "\n".join(lines)
-
-
-def _group(item: Parameter) -> str:
-    return item.path.rpartition(".")[0]
 
 
 def group_entries(group: Any, path: str, comments: Mapping[str, str]) -> Iterator[Entry]:

@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 
 from slider.core import files
@@ -94,13 +93,3 @@ class _Filling:
                 f"expected a column {error} in {report}, found none: it is of another version"
             ) from None
         return text, line(report, target, origin), origin is not None
-
-
-def edited(pages: Sequence[Path]) -> list[str]:
-    """Blocks that somebody edited by hand, as ``PAGE: NAME``."""
-    return [
-        f"{page}: {block.name}"
-        for page in pages
-        for block in _blocks(page, page.read_text(encoding="utf-8"))
-        if block.edited
-    ]

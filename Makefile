@@ -1,6 +1,7 @@
 # make table1                            Table 1 of our controller
 # make table1 HYDRA="experiment=smoke"   with overrides of the configuration
 # make report                           one page about everything, with videos
+# make results                          fill the result tables of README.md and docs/ from reports/
 # make docs                             the documentation as a site
 # make test                              lint, type check and tests
 PYTHON ?= python3
@@ -11,13 +12,16 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
 .DELETE_ON_ERROR:
-.PHONY: table1 report docs install lint test clean
+.PHONY: table1 report results docs install lint test clean
 
 table1: $(STAMP)
 	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/table1.csv --config hydra='$(HYDRA)'
 
 report: $(STAMP)
 	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/index.html --config hydra='$(HYDRA)'
+
+results: $(STAMP) # tables of README.md and docs/, from the finished runs in reports/
+	$(BIN)/slider results
 
 docs: $(STAMP) # site/; a broken link is an error
 	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[docs]'

@@ -23,7 +23,13 @@ from slider.core.errors import UserError
 from slider.core.plan import JobSpec
 
 
-def ablation_job(config: Config, library: JobSpec, overrides: Sequence[str], conf: Path) -> JobSpec:
+def ablation_job(
+    config: Config,
+    library: JobSpec,
+    overrides: Sequence[str],
+    conf: Path,
+    reports: str = "ablation",
+) -> JobSpec:
     """The comparison of all variants; composing these takes about half a second each.
 
     Args:
@@ -31,6 +37,7 @@ def ablation_job(config: Config, library: JobSpec, overrides: Sequence[str], con
         library: its gaits, with whose sway the variants' is compared.
         overrides: with which ``config`` was composed.
         conf: folder of the configuration.
+        reports: name of its files.
 
     Raises:
         UserError: the overrides of a variant do not compose.
@@ -48,12 +55,13 @@ def ablation_job(config: Config, library: JobSpec, overrides: Sequence[str], con
             evaluations += evaluations_of(own, own.evaluation, walking[-1], note)
             runs.append({"variant": name, "seed": seed, "batch": _batch(own.train.walking)})
     section = {
+        "name": reports,
         "runs": runs,
         "commands": settings.commands,
         "variants": {name: to_dict(settings.variants[name]) for name in settings.run},
     }
     inputs = {"library": [library], "walking": walking, "evaluations": evaluations}
-    return job("ablation", "ablation", section, inputs)
+    return job("ablation", reports, section, inputs)
 
 
 def _compose(name: str, variant: VariantConfig, overrides: Sequence[str], conf: Path) -> Config:

@@ -10,7 +10,13 @@ from typing import Any
 
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
-from pipeline.targets import ABLATION_TARGET, ON_DEMAND, SENSITIVITY_TARGET, all_targets
+from pipeline.targets import (
+    ABLATION_TARGET,
+    ON_DEMAND,
+    SEEDS_TARGET,
+    SENSITIVITY_TARGET,
+    all_targets,
+)
 from slider.control.export import FILES as POLICY_FILES
 from slider.core import tracking
 from slider.core.circumstances import note_start, revision
@@ -40,13 +46,16 @@ REPORTS = {
     "figures": tuple(f"reports/figures/{name}" for name in FILES),
     "policy_export": tuple(f"reports/policy/{name}" for name in POLICY_FILES),
     "report": ("reports/index.html",),
-    ABLATION_TARGET: (
-        "reports/ablation.csv",
-        "reports/ablation_curves.csv",
-        "reports/ablation.md",
-        "reports/figures/ablation.svg",
-        "reports/figures/ablation.png",
-    ),
+    **{
+        target: (
+            f"reports/{target}.csv",
+            f"reports/{target}_curves.csv",
+            f"reports/{target}.md",
+            f"reports/figures/{target}.svg",
+            f"reports/figures/{target}.png",
+        )
+        for target in (ABLATION_TARGET, SEEDS_TARGET)
+    },
     SENSITIVITY_TARGET: (
         "reports/sensitivity.csv",
         "reports/sensitivity.md",
@@ -92,6 +101,11 @@ class Pipeline:
         self._plan_also(ABLATION_TARGET)
         return self._manifest(ABLATION_TARGET)
 
+    def seeds_manifest(self, wildcards: Any) -> str:
+        """Manifest of the default from several seeds, with jobs that join the plan likewise."""
+        self._plan_also(SEEDS_TARGET)
+        return self._manifest(SEEDS_TARGET)
+
     def sensitivity_manifest(self, wildcards: Any) -> str:
         """Manifest of the sensitivity, whose jobs join the plan when somebody asks for it."""
         self._plan_also(SENSITIVITY_TARGET)
@@ -133,7 +147,7 @@ class Pipeline:
     def start(self) -> None:
         """Begin this pipeline run; open a session of tracking, if the configuration wants one."""
         artefacts = self.store.root
-        note_start(artefacts)
+        note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
         if not self.config.tracking.enabled:
             return

@@ -10,11 +10,13 @@ from pipeline.ablation import ablation_job
 from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs
 from pipeline.stages.page import report
+from slider.core.config.compose import compose
 from slider.core.config.report import SECTION_INPUTS
 from slider.core.config.schema import Config
 from slider.core.plan import JobSpec
 
 ABLATION_TARGET = "ablation"
+SEEDS_TARGET = "seeds"  # the ablation of the default alone, from several seeds
 SENSITIVITY_TARGET = "sensitivity"
 Targets = Mapping[str, JobSpec]
 
@@ -42,6 +44,11 @@ def _ablation(config: Config, targets: Targets, overrides: Sequence[str], conf: 
     return ablation_job(config, targets["library"], overrides, conf)
 
 
+def _seeds(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
+    own = compose([*overrides, "ablation=seeds", "ablation.run=[default]"], conf)
+    return ablation_job(own, targets["library"], overrides, conf, SEEDS_TARGET)
+
+
 def _sensitivity(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
     return sensitivity_job(config, targets["walking"], conf)
 
@@ -49,5 +56,6 @@ def _sensitivity(config: Config, targets: Targets, overrides: Sequence[str], con
 ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] = {
     SENSITIVITY_TARGET: _sensitivity,  # the quicker one to lay out first
     ABLATION_TARGET: _ablation,
+    SEEDS_TARGET: _seeds,
 }
 """Target → its job, from the configuration, the other targets, its overrides and its folder."""

@@ -1,5 +1,5 @@
 # What each choice of the method is worth, beside the way to Table 1:
-#   snakemake -j2 reports/ablation.csv
+#   snakemake -j2 reports/ablation.csv reports/seeds.csv
 
 
 rule ablation:
@@ -20,5 +20,15 @@ rule publish_ablation:
         marker="artefacts/current/ablation",
     output:
         REPORTS["ablation"],
+    shell:
+        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+
+
+rule publish_seeds:
+    input:
+        manifest=PIPELINE.seeds_manifest,
+        marker="artefacts/current/seeds",
+    output:
+        REPORTS["seeds"],
     shell:
         "{sys.executable} -m slider.cli publish {input.manifest} {output}"

@@ -22,6 +22,7 @@ COMMANDS = {
     "library": ("slider.reports.library_command", "show what is in the gait library"),
     "gait": ("slider.reports.gait_command", "show or export one gait of the library"),
     "policy": ("slider.control.export.command", "show or export a trained policy"),
+    "results": ("slider.reports.results.command", "fill the documentation's result blocks"),
     "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
 }
 

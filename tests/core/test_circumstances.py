@@ -42,7 +42,8 @@ def test_tells_the_commit_and_whether_files_differ(repository):
 
 def test_jobs_belong_to_the_pipeline_run_that_began_last(repository, tmp_path):
     assert circumstances.circumstances(tmp_path) == {}
-    circumstances.note_start(tmp_path)
+    circumstances.note_start(tmp_path, ["gait.cost=torque", "env=paper"])
     first = circumstances.circumstances(tmp_path)
     assert first == circumstances.circumstances(tmp_path)
     assert first["pipeline_started"].endswith("+00:00")
+    assert first["overrides"] == "gait.cost=torque env=paper"

@@ -16,6 +16,7 @@ from tests.reports.test_table1 import make_records, write_evaluation
 
 COMMANDS = [0.2, 0.8]
 SECTION = {
+    "name": "ablation",
     "commands": COMMANDS,
     "variants": {
         "default": {"label": "as it is", "overrides": []},

@@ -120,3 +120,14 @@ def test_the_plan_has_no_ablation_until_somebody_asks(tmp_path, monkeypatch):
     assert Path("artefacts/current/ablation").is_file()
     assert before.keys() < opened.plan.jobs.keys()
     assert str(opened.plan_path) in opened.run
+
+
+def test_the_seeds_stand_beside_the_ablation(tmp_path, monkeypatch):
+    """Both can be asked for at once; `seeds` is the default alone, whatever the ablation runs."""
+    monkeypatch.chdir(tmp_path)
+    opened = open_pipeline({"hydra": "experiment=test"}, CONF)
+    manifests = {opened.ablation_manifest(None), opened.seeds_manifest(None)}
+    assert len(manifests) == 2
+    seeds = opened.plan.jobs[opened.plan.targets["seeds"]]
+    assert seeds.section["name"] == "seeds"
+    assert {run["variant"] for run in seeds.section["runs"]} == {"default"}

@@ -4,6 +4,7 @@ The runner notes these facts beside each result, so that the page can say what p
 """
 
 import subprocess
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -24,17 +25,19 @@ def revision() -> dict[str, str]:
     return {"commit": commit, "dirty": str(dirty).lower()}
 
 
-def note_start(artefacts: Path) -> None:
-    """Begin a pipeline run: jobs from here on belong to it."""
+def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:
+    """Begin a pipeline run with overrides of the configuration: jobs from here on belong to it."""
     now = datetime.now(UTC).isoformat(timespec="milliseconds")
-    files.write_atomic(_start_path(artefacts), now + "\n")
+    files.write_atomic(_start_path(artefacts), f"{now}\n{' '.join(overrides)}\n")
 
 
 def circumstances(artefacts: Path) -> dict[str, str]:
-    """``commit`` and ``dirty``, and ``pipeline_started`` of the run that the job belongs to."""
+    """``commit`` and ``dirty``, and of the run that the job belongs to its start and overrides."""
     path = _start_path(artefacts)
-    started = {"pipeline_started": path.read_text().strip()} if path.is_file() else {}
-    return revision() | started
+    if not path.is_file():
+        return revision()
+    started, _, overrides = path.read_text().partition("\n")
+    return revision() | {"pipeline_started": started, "overrides": overrides.strip()}
 
 
 def _start_path(artefacts: Path) -> Path:

@@ -38,18 +38,18 @@ class Run:
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``ablation.csv``, ``ablation_curves.csv``, ``ablation.md``, ``.svg`` and ``.png``."""
-    runs = _read_runs(section, inputs)
+    """Write ``NAME.csv``, ``NAME_curves.csv``, ``NAME.md``, ``.svg`` and ``.png``."""
+    name, runs = section["name"], _read_runs(section, inputs)
     rows = [row for item in runs for row in item.rows]
-    write_rows(rows, tuple(rows[0]), out / f"{NAME}.csv")
+    write_rows(rows, tuple(rows[0]), out / f"{name}.csv")
     curves = [row for item in runs for row in _curve_rows(item)]
-    write_rows(curves, tuple(curves[0]), out / f"{NAME}_curves.csv")
+    write_rows(curves, tuple(curves[0]), out / f"{name}_curves.csv")
     labels = {name: variant["label"] for name, variant in section["variants"].items()}
-    text = ablation_text.markdown(rows, curves, section["variants"])
-    (out / f"{NAME}.md").write_text(text, encoding="utf-8")
-    _draw(rows, curves, labels, out)
-    job.tracker.log_file(out / f"{NAME}.csv")
-    job.tracker.log_file(out / f"{NAME}.png")
+    text = ablation_text.markdown(name, rows, curves, section["variants"])
+    (out / f"{name}.md").write_text(text, encoding="utf-8")
+    _draw(rows, curves, labels, out / name)
+    job.tracker.log_file(out / f"{name}.csv")
+    job.tracker.log_file(out / f"{name}.png")
     return {"runs": len(runs), "variants": len(labels)}
 
 
@@ -100,11 +100,11 @@ def _curve_rows(item: Run) -> list[Row]:
     ]
 
 
-def _draw(rows: Sequence[Row], curves: Sequence[Row], labels: dict[str, str], out: Path) -> None:
+def _draw(rows: Sequence[Row], curves: Sequence[Row], labels: dict[str, str], path: Path) -> None:
     with style():
         drawn = figure.draw(rows, curves, labels)
         for _ in range(2):  # the second time with the sizes of the first
             drawn.draw_without_rendering()
         drawn.set_layout_engine("none")
     for suffix in ("svg", "png"):
-        save(drawn, out / f"{NAME}.{suffix}")
+        save(drawn, path.with_suffix(f".{suffix}"))

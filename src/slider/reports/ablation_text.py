@@ -28,24 +28,28 @@ _PERCENT = ("success_rate", "tracking_rate", "alternation", "flight", "asymmetry
 
 
 def markdown(
-    rows: Sequence[Row], curves: Sequence[Row], variants: Mapping[str, Mapping[str, Any]]
+    name: str,
+    rows: Sequence[Row],
+    curves: Sequence[Row],
+    variants: Mapping[str, Mapping[str, Any]],
 ) -> str:
     """Page with what the variants are, when they learned to walk, and a table per number."""
     commands = distinct(rows, "command_velocity")
-    tables = [_table(rows, name, variants, commands) for name in METRICS]
+    tables = [_table(rows, metric, variants, commands) for metric in METRICS]
+    title = name.capitalize()
     return "\n".join(
-        ["# Ablation", "", _caption(rows), "", "![Ablation](figures/ablation.png)", ""]
+        [f"# {title}", "", _caption(name, rows), "", f"![{title}](figures/{name}.png)", ""]
         + [_variants(curves, variants), *tables]
     )
 
 
-def _caption(rows: Sequence[Row]) -> str:
+def _caption(name: str, rows: Sequence[Row]) -> str:
     seeds = distinct(rows, "seed")
     over = f"mean of {len(seeds)} seeds (least to greatest)" if len(seeds) > 1 else "one seed"
     return (
         f"Every number: {over}; errors and gait quality are those of surviving robots. Where none "
         "of a seed survived, its error is ∞ and its gait quality is left out. "
-        "`reports/ablation.csv` has them all."
+        f"`reports/{name}.csv` has them all."
     )
 
 

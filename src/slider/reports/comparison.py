@@ -104,7 +104,7 @@ def show(value: Value | None, metric: Metric) -> str:
     if metric.percent:
         text, spread = f"{100 * value.value:.1f} %", f"{100 * value.spread:.1f}"
     else:
-        digits = _decimals(value.value)
+        digits = decimals(value.value)
         text, spread = f"{value.value:.{digits}f}", f"{value.spread:.{digits}f}"
     if not math.isnan(value.spread):
         text = f"{text} ± {spread}"
@@ -149,11 +149,11 @@ def _marked(cells: list[dict[str, str] | None], metric: Metric) -> tuple[Value |
 def _same(value: float, best: float, metric: Metric) -> bool:
     if not math.isfinite(best):
         return False
-    digits = 3 if metric.percent else _decimals(best)
+    digits = 3 if metric.percent else decimals(best)
     return round(value, digits) == round(best, digits)
 
 
-def _decimals(value: float) -> int:
+def decimals(value: float) -> int:
     """Decimals that show three digits of a value, as the paper does, unless it is next to none."""
     if value <= 0:
         return 3

@@ -10,7 +10,7 @@ from slider.reports.page import Cell, Section, Table
 from slider.reports.sections.sources import Sources
 
 _UNKNOWN = "not\u00a0recorded"
-_STAGES = {  # in the order in which they run; others follow
+STAGES = {  # in the order in which they run; others follow
     "gait": "gaits",
     "library": "gait library",
     "standing": "standing",
@@ -63,7 +63,7 @@ def _by_stage(sources: Sources) -> dict[str, list[_Made]]:
         ):
             found[origin["recipe"]] = _Made(origin, facts, folder.name)
     present = {made.origin["stage"] for made in found.values()}
-    order = [*(stage for stage in _STAGES if stage in present), *sorted(present - set(_STAGES))]
+    order = [*(stage for stage in STAGES if stage in present), *sorted(present - set(STAGES))]
     return {
         stage: [made for made in found.values() if made.origin["stage"] == stage] for stage in order
     }
@@ -80,7 +80,7 @@ def _stages(stages: Mapping[str, list[_Made]], started: str | None) -> Table:
         "finished (UTC)",
         "commit",
     ]
-    rows = [_stage(_STAGES.get(name, name), made, started) for name, made in stages.items()]
+    rows = [_stage(STAGES.get(name, name), made, started) for name, made in stages.items()]
     return Table(columns, rows)
 
 
@@ -107,7 +107,7 @@ def _machines(stages: Mapping[str, list[_Made]]) -> list[str]:
     found: dict[str, list[str]] = {}
     for stage, results in stages.items():
         for machine in {made.facts.get("machine", _UNKNOWN) for made in results}:
-            found.setdefault(machine, []).append(_STAGES.get(stage, stage))
+            found.setdefault(machine, []).append(STAGES.get(stage, stage))
     if len(found) == 1:
         return list(found)
     return [f"{machine} ({', '.join(names)})" for machine, names in sorted(found.items())]

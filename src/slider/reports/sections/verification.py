@@ -41,12 +41,13 @@ def section(sources: Sources) -> Section:
         "failures": about["failures"],
         "bounded": sum(q["bound"] is not None for q in about["quantities"].values()),
         "charts": [_map(sources.file("verification", "verification.csv"))],
-        "table": _table(about["quantities"]),
+        "table": bounds_table(about["quantities"]),
     }
     return Section("Verification", "verification.html", values)
 
 
-def _table(quantities: Mapping[str, Mapping[str, Any]]) -> Table:
+def bounds_table(quantities: Mapping[str, Mapping[str, Any]]) -> Table:
+    """Worst value, bound, gait and median of each quantity of ``verification.json``."""
     columns = [
         "check",
         "quantity",

@@ -1,0 +1,1 @@
+"""Result blocks of the documentation: tables that a command writes from a finished run."""

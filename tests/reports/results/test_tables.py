@@ -1,0 +1,118 @@
+"""Each table of the documentation from a report whose numbers are known."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from slider.core.store import Store
+from slider.reports.results.tables import TABLES
+from slider.reports.results.unmade import Unmade
+
+HELDOUT = """\
+controller,case,seconds,vx_before,vx_command,vy_command,success_rate,success_low,success_high,mse_steady,vx,vy,vy_error,heading_error,standing_rate,standing_low,standing_high,fastest,drift,drift_max
+policy,0.3 m/s,66,,0.3,0,1,0.963,1,0.001,0.301,0,0,0.05,,,,,,
+policy,stop from 1.2 m/s,66,1.2,0,0,1,0.963,1,0.0001,0,0,0,0.05,0.98,0.93,0.995,0.12,0.02,0.1
+policy,left,16,,0.6,0.1,1,0.963,1,0.002,0.6,0.09,0.01,0.05,,,,,,
+"""
+SWEEP = """\
+controller,command_velocity,tracking_rate
+policy,0,1
+policy,0.1,0.5
+policy,3,0.95
+mpc_wbc_tuned,0,0.2
+"""
+SEEDS = """\
+variant,seed,command_velocity,success_rate,mse,mse_steady,tracking_rate,alternation,flight,slip,heading_worst,robots_cross,cost_of_transport
+default,1,0.4,1,0.01,0.001,1,1,0,0.03,0.1,0,0.8
+default,2,0.4,0.99,0.02,0.002,1,1,0,0.05,0.2,0,0.9
+default,3,0.4,1,0.03,0.004,1,0.9,0.01,0.04,,0,1.5
+"""
+ABLATION = """\
+# Ablation
+
+Means.
+
+![Ablation](figures/ablation.png)
+
+## Success rate [%]
+
+| variant | 0.4 m/s |
+|---|---|
+| default | 100.0 |
+"""
+SENSITIVITY = """\
+# Sensitivity
+
+## Which guesses carry the result
+
+One of 2 parameters carries it.
+
+![Sensitivity](figures/sensitivity.png)
+
+## The strongest 2 of 2 parameters
+
+A legend.
+
+| parameter |
+|---|
+| `geometry.toe` |
+
+## The unchanged robot
+
+No.
+"""
+
+
+def make(name: str, text: str, folder: Path) -> str:
+    table = TABLES[name]
+    report = folder / table.report
+    report.write_text(text)
+    return table.make(report, Store(folder / "artefacts"))
+
+
+def test_held_out_commands_are_three_tables(tmp_path):
+    speeds, standing, sideways = make("heldout", HELDOUT, tmp_path).split("\n\n**")
+    assert "| 0.3 m/s | 66 | 100 [96.3, 100] | 0.301 | 0.00100 | 0.0500 |" in speeds
+    assert "| stop from 1.2 m/s | 66 | 100 [96.3, 100] | 98 [93, 99.5] | 0.120 |" in standing
+    assert "| left | 16 | 100 [96.3, 100] | 0.0900 | 0.0100 | 0.600 |" in sideways
+
+
+def test_the_highest_tracked_speed_and_what_is_lost_below(tmp_path):
+    lines = make("sweep", SWEEP, tmp_path).splitlines()
+    assert lines[2:] == ["| policy (ours) | 3.0 | 0.1 |", "| MPC + WBC, tuned | none | none |"]
+
+
+def test_seeds_have_a_median_between_least_and_greatest(tmp_path):
+    lines = make("seeds", SEEDS, tmp_path).splitlines()
+    assert lines[0] == "Trainings from the seeds 1, 2, 3: median (least to greatest)."
+    assert "| success [%] | 100 (99–100) |" in lines
+    assert "| MSE from 2 s on [m²/s²] | 0.00200 (0.00100–0.00400) |" in lines
+    assert "| slip of loaded heels and toes [cm/s] | 4.00 (3.00–5.00) |" in lines
+    assert "| tracking [%] | 100 |" in lines
+    assert "| largest heading error, worst robot [rad] | 0.150 (0.100–0.200) |" in lines
+
+
+def test_the_ablation_has_neither_title_nor_figure(tmp_path):
+    text = make("ablation", ABLATION, tmp_path)
+    assert text.startswith("Means.\n\n**Success rate [%]**\n\n| variant | 0.4 m/s |")
+
+
+def test_of_the_sensitivity_the_verdict_and_the_strongest(tmp_path):
+    text = make("sensitivity", SENSITIVITY, tmp_path)
+    assert text.startswith("One of 2 parameters carries it.\n\n**The strongest 2 of 2 parameters**")
+    assert text.endswith("| `geometry.toe` |")
+
+
+def test_the_verification_counts_its_bounds(tmp_path):
+    found = {"worst": 0.5, "vx": 1.2, "vy": -0.1, "median": 0.1, "bound": 0.4, "passed": False}
+    about = {"gaits": 179, "quantities": {"roll_end": found}}
+    text = make("verification", json.dumps(about), tmp_path)
+    assert text.startswith("179 gaits; 0 of 1 bounds hold for all of them.")
+    assert "| roll_end |" in text
+    assert "| 0.5 | ≤ 0.4 | NO | 1.2, -0.1 | 0.1 |" in text
+
+
+def test_times_need_the_store(tmp_path):
+    with pytest.raises(Unmade, match=r"table1\.csv is of no job in the store"):
+        make("times", "controller\n", tmp_path)

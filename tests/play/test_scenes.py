@@ -42,7 +42,7 @@ def test_overrides_of_the_environment_are_obeyed(tmp_path):
     [
         (
             "env.reference.acceleration=9",
-            "env.reference.acceleration=2.0, as in its training, found 9.0",
+            "env.reference.acceleration=2.5, as in its training, found 9.0",
         ),
         ("env.phase.mirror=false", "env.phase.mirror=True, as in its training, found False"),
         ("env.observation.velocity_filter=0", "env.observation.velocity_filter=0.3"),

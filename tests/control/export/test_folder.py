@@ -158,7 +158,7 @@ def test_the_command_exports_and_shows(folder, tmp_path, capsys):
     assert main(["policy", "show", str(folder / "policy.pt")]) == 0
     shown = capsys.readouterr().out
     assert "70 × 24 × 16 × 12, elu" in shown
-    assert "actions about   the gait of the reference velocity, which changes by 2 m/s²" in shown
+    assert "actions about   the gait of the reference velocity, which changes by 2.5 m/s²" in shown
     assert "left_slide" in shown
     assert main(["policy", "show", "--json", str(folder / "policy.pt")]) == 0
     assert json.loads(capsys.readouterr().out)["observation"]["size"] == 70

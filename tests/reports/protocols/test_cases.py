@@ -17,7 +17,7 @@ from slider.evaluation import segments
 from slider.evaluation.profile import commands
 from slider.reports.proportions import wilson
 from slider.reports.protocols import cases
-from tests.env.synthetic import config
+from tests.env.synthetic import config, make_contacts
 
 PERIOD, SECONDS, COUNT = 0.02, 10.0, 4
 STEPS = round(SECONDS / PERIOD)
@@ -51,8 +51,8 @@ def recording(case: CaseConfig, alive: np.ndarray) -> Recording:
         velocity=velocity,
         yaw=zeros,
         position=np.cumsum(velocity, axis=0) * PERIOD,
-        foot_forces=np.zeros((STEPS, COUNT, 2)),
         foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
+        contacts=make_contacts(np.zeros((STEPS, COUNT, 2))),
         power=zeros,
         effort_share=zeros,
         speed_share=zeros,

@@ -10,13 +10,17 @@ from mujoco import rollout
 from slider.cli import main
 from slider.training.benchmark import line
 from slider.training.throughput import Bench
+from tests.env.synthetic import config
 from tests.library.gaits import write_store
-from tests.training.test_trainer import task
+from tests.training.test_trainer import TINY, task
 
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory):
-    return Bench(task(num_envs=8), threads=1, work=tmp_path_factory.mktemp("work"))
+    """Without disturbances: delays come before the physics."""
+    calm = config(*TINY, "train/walking/disturbance=none").train.walking.disturbance
+    settings = task(num_envs=8, disturbance=calm)
+    return Bench(settings, threads=1, work=tmp_path_factory.mktemp("work"))
 
 
 def test_bare_physics_does_the_environments_work(bench):

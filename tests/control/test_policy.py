@@ -169,7 +169,7 @@ def test_a_copy_does_not_change_with_the_actor():
 
 
 def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
-    agent = make_agent(2)
+    agent = make_agent(2, "env.reference.acceleration=2.0")  # 0.04 m/s in a period
     seen_phases = []
 
     def network(observations: torch.Tensor) -> torch.Tensor:

@@ -246,7 +246,7 @@ def with_dummies(workspace: Workspace) -> Workspace:
         (source / "reports" / "figures" / f"{name}.py").write_text(FIGURES)
     (source / "reports" / "protocols").mkdir()
     (source / "reports" / "protocols" / "__init__.py").write_text("")
-    for name in ("speeds", "profile"):
+    for name in ("speeds", "segments", "cases"):
         (source / "reports" / "protocols" / f"{name}.py").write_text(OTHER)
     for name in ("report", "video"):
         (source / "reports" / f"{name}.py").write_text(OTHER)

@@ -136,7 +136,7 @@ def test_a_fixed_step_time_is_kept():
 
 def test_the_capstan_bounds_both_motors():
     """A weaker motor binds: its torques, from slide force and ankle torque, reach the bound."""
-    robot, limit = config().robot, 3.2
+    robot, limit = config().robot, 2.7
     drive = replace(robot.drives["capstan"], torque=limit)
     weak = formulate(replace(robot, drives=robot.drives | {"capstan": drive}), config().gait)
     solve = solve_with(weak).solve(*COMMAND)
@@ -148,7 +148,7 @@ def test_the_capstan_bounds_both_motors():
 
 
 def test_the_share_of_the_bus_bounds_all_motors_at_the_nodes():
-    share = 0.3
+    share = 0.25
     solve = solve_with(formulated(voltage=share)).solve(*COMMAND)
     assert solve.success, solve.status
     transmission = Transmission.of(config().robot)

@@ -14,7 +14,7 @@ from slider.evaluation.table_file import Table
 
 FILE, TRACES = "segments.csv", "traces.npy"
 AXES = ("vx", "vy", "yaw_rate")
-SMOOTHING = 0.5  # means over this time leave most of the sway of a step out [s]
+SMOOTHING = 1.0  # means over this time, more than a stride in place, leave its sway out [s]
 # Of a robot in the settled part of a segment; NaN where it fell before the segment's end.
 MEASURES = (
     *AXES,  # means [m/s, rad/s]

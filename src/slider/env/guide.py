@@ -80,7 +80,7 @@ class Guide:
         return qpos, np.concatenate([base[:, 7:13], joints[:, NUM_POSITIONS:]], axis=1)
 
     def nearest_distance(self, view: View, masked: bool) -> np.ndarray:
-        """‖Ô − Ĝ‖ (N,) to the nearest sample of the command's gait (eq. 3: the nearest gait).
+        """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait in use (eq. 3: the nearest gait).
 
         Args:
             view: N robots.

@@ -76,8 +76,8 @@ class GaitQuality:
             their sum, where a foot that touches down several times in a row counts with the first;
             1 where the feet do not alternate.
         velocity_variance: of the forward velocity about its mean [m²/s²].
-        cost_of_transport: mean absolute power of the drives over m g and the mean speed [-].
-        peak_effort, peak_speed: largest share of a drive's limit [-].
+        cost_of_transport: mean absolute power of the motors over m g and the mean speed [-].
+        peak_effort, peak_speed: largest share of a motor's limit [-].
         leg_distance: least distance of the closest parts of the two legs in the whole rollout [m];
             negative where they pressed on each other.
         legs_touch: share of the whole rollout in which they touch.

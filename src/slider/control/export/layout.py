@@ -31,10 +31,11 @@ VERSION = 5
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
-    "start: clock.phase = 0, previous action = 0, filtered velocity and command = 0, "
+    "start: clock.phase = 0, previous action = 0, filtered, reference and expected velocity = 0, "
     "heading target = yaw; the clock is halted, if it halts at a command of zeros and this is one",
-    "every control_period, from the second step on: advance the clock, the heading target and the "
-    "velocity filters with the present state and the command of the period that is over",
+    "every control_period, from the second step on: advance the clock, the heading target, the "
+    "reference velocity, then the velocity filters with the present state and the command of the "
+    "period that is over",
     "mirrored = clock.mirror and phase >= 0.5 (right stance); never without a clock",
     "o = concatenation of the observation's terms, each value times its scale",
     "if mirrored: o = o[observation.mirror.permutation] * observation.mirror.sign",
@@ -44,7 +45,8 @@ _PROCEDURE = [
     "a[i] = 0 where action.joints[i].scale is 0; a is the next step's previous action",
     "target[i] = clip(reference[i] + scale[i] * a[i], lower[i], upper[i]), held for one control "
     "period by the motors: motor[m] goes to angle sum of joints[name] * target[name], with torque "
-    "kp * (angle - own angle) - kd * own speed, at most torque_limit in size",
+    "kp * (angle - own angle) - kd * own speed, at most torque_limit in size and within the line "
+    "from stall_torque at rest to 0 at no_load_speed",
 ]
 
 
@@ -148,7 +150,7 @@ def reference_table(policy: Policy) -> JointTable:
 
 
 def _reference(policy: Policy) -> dict[str, Any]:
-    """Where a zero action leads, by command and phase."""
+    """Where a zero action leads, by reference velocity and phase."""
     table = reference_table(policy)
     return {
         "file": REFERENCE,

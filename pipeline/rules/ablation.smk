@@ -21,7 +21,7 @@ rule publish_ablation:
     output:
         REPORTS["ablation"],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
 
 
 rule publish_seeds:
@@ -31,4 +31,4 @@ rule publish_seeds:
     output:
         REPORTS["seeds"],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"

@@ -21,7 +21,7 @@ rule publish_figures:
     output:
         REPORTS["figures"],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
 
 
 # Times are a measurement and no result: they are drawn from what is noted beside the gaits.
@@ -31,7 +31,7 @@ rule solve_times:
     output:
         multiext(SOLVE_TIMES, ".svg", ".png", ".md"),
     shell:
-        "{sys.executable} -m slider.cli library times --out {SOLVE_TIMES}"
+        "{sys.executable:q} -m slider.cli library times --out {SOLVE_TIMES}"
 
 
 rule figures:

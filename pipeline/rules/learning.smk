@@ -44,4 +44,4 @@ rule policy:
     output:
         REPORTS["policy_export"],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"

@@ -46,4 +46,4 @@ for protocol in PIPELINE.config.protocols:
         output:
             [captioned(name) for name in protocol_files(protocol)],
         shell:
-            "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+            "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"

@@ -17,7 +17,7 @@ rule publish_table1:
     output:
         [captioned(name) for name in REPORTS["table1"]],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
 
 
 rule report:
@@ -27,7 +27,7 @@ rule report:
     output:
         [captioned(name) for name in REPORTS["report"]],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
 
 
 rule build_report:

@@ -32,4 +32,4 @@ rule publish_sensitivity:
     output:
         [captioned(name) for name in REPORTS["sensitivity"]],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"

@@ -31,7 +31,7 @@ rule publish_verification:
     output:
         REPORTS["verification"],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
 
 
 rule verification_maps:
@@ -52,4 +52,4 @@ rule publish_verification_maps:
     output:
         REPORTS["verification_maps"],
     shell:
-        "{sys.executable} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"

@@ -36,9 +36,12 @@ def test_the_swing_foot_clears_the_ground_and_stays_low(command):
 
 
 def test_neighbouring_velocities_give_neighbouring_gaits():
-    for command, neighbour in (((0.0, 0.0), (0.05, 0.0)), ((0.4, -0.1), (0.4, -0.05))):
+    for command, neighbour, most in (
+        ((0.0, 0.0), (0.05, 0.0), 0.25),  # walking in place leaves the legs a choice
+        ((0.4, -0.1), (0.4, -0.05), 0.15),
+    ):
         first, second = trajectory(*command), trajectory(*neighbour)
-        assert np.abs(first.q - second.q).max() < 0.25  # walking in place leaves the legs a choice
+        assert np.abs(first.q - second.q).max() < most
 
 
 def test_a_walk_in_place_is_symmetric():

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from mkdocs.structure.files import File
 
-from slider.core.config.reference import reference
+from slider.config.reference import reference
 
 ROOT = Path(__file__).parents[1]
 

@@ -14,13 +14,13 @@ from pipeline.stages.entries import job
 from pipeline.stages.evaluation import POLICY, evaluations_of
 from pipeline.stages.gaits import library_job
 from pipeline.stages.training import training_jobs
-from slider.core.config.ablation import AblationConfig, VariantConfig
-from slider.core.config.compose import compose
-from slider.core.config.convert import to_dict
-from slider.core.config.schema import Config
-from slider.core.config.train import TrainConfig
+from slider.artefacts.plan import JobSpec
+from slider.config.ablation import AblationConfig, VariantConfig
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+from slider.config.schema import Config
+from slider.config.train import TrainConfig
 from slider.core.errors import UserError
-from slider.core.plan import JobSpec
 
 
 def ablation_job(

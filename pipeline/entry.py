@@ -17,16 +17,16 @@ from pipeline.targets import (
     SENSITIVITY_TARGET,
     all_targets,
 )
+from slider.artefacts.circumstances import note_start, revision
+from slider.artefacts.plan import Plan, build_plan, write_plan
+from slider.artefacts.store import ARTEFACTS, Store
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+from slider.config.schema import Config
 from slider.control.export import FILES as POLICY_FILES
-from slider.core import tracking
-from slider.core.circumstances import note_start, revision
-from slider.core.config.compose import compose
-from slider.core.config.convert import to_dict
-from slider.core.config.schema import Config
 from slider.core.errors import UserError
-from slider.core.plan import Plan, build_plan, write_plan
-from slider.core.store import ARTEFACTS, Store
 from slider.reports.figures import FILES
+from slider.tracking import session as tracking
 
 OPTION = "hydra"
 _TITLE = 80  # characters

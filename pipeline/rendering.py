@@ -3,7 +3,7 @@
 import ctypes
 from dataclasses import replace
 
-from slider.core.config.schema import Config
+from slider.config.schema import Config
 
 _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 

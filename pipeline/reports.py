@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from slider.artefacts.plan import Plan
+from slider.artefacts.store import Store, parse_manifest
 from slider.core import files
 from slider.core.errors import UserError
-from slider.core.plan import Plan
-from slider.core.store import Store, parse_manifest
 
 
 def marker_path(store: Store, target: str) -> Path:

@@ -14,15 +14,15 @@ from pipeline.stages.entries import job
 from pipeline.stages.evaluation import POLICY, protocol_section
 from pipeline.stages.gaits import gait, gait_section
 from pipeline.stages.sections import robot, without
-from slider.core.config.convert import to_dict
-from slider.core.config.parameters import Parameter, choose, parameters, scaled
-from slider.core.config.reference import read_comments
-from slider.core.config.robot import RobotConfig
-from slider.core.config.schema import Config
-from slider.core.config.units import unit
-from slider.core.config.validation import validate
+from slider.artefacts.plan import JobSpec
+from slider.config.convert import to_dict
+from slider.config.parameters import Parameter, choose, parameters, scaled
+from slider.config.reference import read_comments
+from slider.config.robot import RobotConfig
+from slider.config.schema import Config
+from slider.config.units import unit
+from slider.config.validation import validate
 from slider.core.errors import UserError
-from slider.core.plan import JobSpec
 
 GAITS_ONLY = ("virtual_knee",)
 """Parts of the robot that only the gait solver knows; the simulated one has none of them."""

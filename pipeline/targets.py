@@ -10,10 +10,10 @@ from pipeline.ablation import ablation_job
 from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs
 from pipeline.stages.page import report
-from slider.core.config.compose import compose
-from slider.core.config.report import SECTION_INPUTS
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.compose import compose
+from slider.config.report import SECTION_INPUTS
+from slider.config.schema import Config
 
 ABLATION_TARGET = "ablation"
 SEEDS_TARGET = "seeds"  # the ablation of the default alone, from several seeds

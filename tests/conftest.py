@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.core.runner import limit_threads
+from slider.artefacts.runner import limit_threads
 
 limit_threads(1)  # before torch and casadi are imported: `make test` has a process per core
 

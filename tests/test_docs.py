@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from slider.core.config.compose import compose
-from slider.core.config.convert import to_dict
+from slider.config.compose import compose
+from slider.config.convert import to_dict
 
 ROOT = Path(__file__).parents[1]
 

@@ -6,20 +6,26 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages.entries import ENTRIES
-from slider.core.source import closure
+from slider.artefacts.source import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = ("robot", "gait", "library", "env", "control", "training", "evaluation", "reports")
+GROUND = {"core", "config", "artefacts", "tracking"}
 ALLOWED = {
     "core": {"core"},
-    "verification": {"core", "robot", "gait", "library", "verification"},
-    "play": {"core", *ORDER, "play"},
-} | {name: {"core", *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
+    "config": {"core", "config"},
+    "tracking": {"core", "tracking"},
+    "artefacts": {"core", "tracking", "artefacts"},
+    "verification": {*GROUND, "robot", "gait", "library", "verification"},
+    "play": {*GROUND, *ORDER, "play"},
+    "bench": {*GROUND, *ORDER, "bench"},
+} | {name: {*GROUND, *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 ALLOWED["reports"] |= {"verification"}
+ALLOWED["commands"] = {*ALLOWED, "commands"}
 # The checks of the configuration know the names of joints and of terms.
 EXCEPTIONS = {
-    ("core/config/validation/robot.py", "slider.robot.names"),
-    ("core/config/validation/terms.py", "slider.env"),
+    ("config/validation/robot.py", "slider.robot.names"),
+    ("config/validation/terms.py", "slider.env"),
 }
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 
@@ -61,7 +67,7 @@ def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
     assert "snakemake" not in packages
     assert "pipeline" not in packages
     name = path.relative_to(SOURCE / "slider").as_posix()
-    allowed = name.startswith("core/config/") or name == "core/commands/config.py"
+    allowed = name.startswith("config/") or name == "commands/config.py"
     assert allowed or not packages & {"hydra", "omegaconf"}
 
 
@@ -70,4 +76,4 @@ def test_stages_import_neither_hydra_nor_mlflow_nor_the_machinery(stage):
     found = closure(ENTRIES[stage].partition(":")[0], SOURCE)
     assert not {"hydra", "mlflow", "snakemake"} & set(found.third_party)
     assert stage != "gait" or "torch" not in found.third_party
-    assert not {"slider.core.runner", "slider.core.store"} & set(found.modules)
+    assert not {"slider.artefacts.runner", "slider.artefacts.store"} & set(found.modules)

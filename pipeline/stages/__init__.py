@@ -15,8 +15,8 @@ from pipeline.stages.gaits import figure_jobs, library_job
 from pipeline.stages.protocols import protocol_jobs
 from pipeline.stages.training import policy_export, training_jobs
 from pipeline.stages.verification import verification_jobs
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.schema import Config
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from slider.core.plan import JobSpec
-from slider.core.recipe import code_of
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import code_of
 
 ENTRIES = {
     "gait": "slider.gait.stage:run",

@@ -4,10 +4,10 @@ from typing import Any
 
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only, robot, simulation, without
-from slider.core.config.convert import to_dict
-from slider.core.config.evaluation import CaseConfig, EvaluationConfig
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.convert import to_dict
+from slider.config.evaluation import CaseConfig, EvaluationConfig
+from slider.config.schema import Config
 
 POLICY = "policy"
 BASELINE_PREFIX = "mpc_wbc_"

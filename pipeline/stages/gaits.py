@@ -5,11 +5,11 @@ from typing import Any
 
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only
-from slider.core.config.convert import to_dict
-from slider.core.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig, axis_size
-from slider.core.config.robot import Mechanism
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.convert import to_dict
+from slider.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig, axis_size
+from slider.config.robot import Mechanism
+from slider.config.schema import Config
 
 Velocity = tuple[float, float]
 

@@ -6,10 +6,10 @@ from typing import Any
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import POLICY, controlled, protocol_section
 from pipeline.stages.sections import origin, without
-from slider.core.config.convert import to_dict
-from slider.core.config.report import SECTION_INPUTS
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.convert import to_dict
+from slider.config.report import SECTION_INPUTS
+from slider.config.schema import Config
 
 
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:

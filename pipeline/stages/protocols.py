@@ -2,8 +2,8 @@
 
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import evaluations_of, protocol_section
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.schema import Config
 
 
 def protocol_jobs(config: Config, walking: JobSpec) -> dict[str, JobSpec]:

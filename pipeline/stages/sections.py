@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from slider.core.config.convert import to_dict
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.convert import to_dict
+from slider.config.schema import Config
 
 
 def only(values: dict[str, Any], *names: str) -> dict[str, Any]:

@@ -2,12 +2,12 @@
 
 from pipeline.stages.entries import job
 from pipeline.stages.sections import origin, simulation
-from slider.core.config.convert import to_dict
-from slider.core.config.library_use import uses_library
-from slider.core.config.schema import Config
-from slider.core.config.train import TrainConfig
-from slider.core.config.validation.terms import check_clock
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.convert import to_dict
+from slider.config.library_use import uses_library
+from slider.config.schema import Config
+from slider.config.train import TrainConfig
+from slider.config.validation.terms import check_clock
 
 
 def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str, JobSpec]:

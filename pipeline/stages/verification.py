@@ -2,9 +2,9 @@
 
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only, robot, without
-from slider.core.config.convert import to_dict
-from slider.core.config.schema import Config
-from slider.core.plan import JobSpec
+from slider.artefacts.plan import JobSpec
+from slider.config.convert import to_dict
+from slider.config.schema import Config
 
 _COLLECTED = ("on_failure", "reach", "bounds")  # settings of the collection alone
 

@@ -12,18 +12,18 @@ from collections.abc import Sequence
 from slider.core.errors import UserError
 
 COMMANDS = {
-    "config": ("slider.core.commands.config", "print the resolved configuration"),
-    "run": ("slider.core.commands.run", "run one job of a plan"),
-    "publish": ("slider.core.commands.publish", "copy files of a result out of the store"),
-    "play": ("slider.play.command", "watch a policy, a gait or a random agent"),
-    "store": ("slider.core.commands.store", "list, verify and clean the artefact store"),
-    "benchmark-gaits": ("slider.gait.benchmark", "time the gait optimisation"),
-    "benchmark-training": ("slider.training.benchmark", "time physics, environment and training"),
-    "library": ("slider.reports.library_command", "show what is in the gait library"),
-    "gait": ("slider.reports.gait_command", "show or export one gait of the library"),
-    "policy": ("slider.control.export.command", "show or export a trained policy"),
-    "results": ("slider.reports.results.command", "fill the documentation's result blocks"),
-    "tracking": ("slider.core.commands.tracking", "bring journals to MLflow"),
+    "config": ("slider.commands.config", "print the resolved configuration"),
+    "run": ("slider.commands.run", "run one job of a plan"),
+    "publish": ("slider.commands.publish", "copy files of a result out of the store"),
+    "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
+    "store": ("slider.commands.store", "list, verify and clean the artefact store"),
+    "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
+    "benchmark-training": ("slider.bench.training", "time physics, environment and training"),
+    "library": ("slider.commands.library", "show what is in the gait library"),
+    "gait": ("slider.commands.gait", "show or export one gait of the library"),
+    "policy": ("slider.commands.policy", "show or export a trained policy"),
+    "results": ("slider.commands.results", "fill the documentation's result blocks"),
+    "tracking": ("slider.commands.tracking", "bring journals to MLflow"),
 }
 
 

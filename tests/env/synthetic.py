@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.core.config.compose import compose
-from slider.core.config.env import PhysicsConfig
-from slider.core.config.robot import RobotConfig
-from slider.core.config.schema import Config
+from slider.config.compose import compose
+from slider.config.env import PhysicsConfig
+from slider.config.robot import RobotConfig
+from slider.config.schema import Config
 from slider.env.contacts import CONTACT_FORCE, Contacts
 from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide

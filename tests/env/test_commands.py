@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.core.config.train import CommandConfig, CurriculumConfig, Interval
+from slider.config.train import CommandConfig, CurriculumConfig, Interval
 from slider.env.commands import CommandSampler
 from slider.env.curriculum import Curriculum
 

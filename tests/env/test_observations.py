@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.core.config.env import HeightScan, ObservationConfig
+from slider.config.env import HeightScan, ObservationConfig
 from slider.core.errors import UserError
 from slider.env.observations import TERMS, Observer
 from slider.env.view import View

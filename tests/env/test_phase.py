@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.core.config.env import HaltConfig
+from slider.config.env import HaltConfig
 from slider.env.phase import Clock, standing
 from tests.env.synthetic import STEP_TIME, gait_table
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.core.config.train import RewardConfig, RewardTerm
+from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
 from slider.env.columns import NUM_CHANNELS
 from slider.env.guide import observed_channels

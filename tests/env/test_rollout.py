@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.core.config.env import EnvConfig
+from slider.config.env import EnvConfig
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.state import RobotState

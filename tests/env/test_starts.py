@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.core.config.env import StartNoise
+from slider.config.env import StartNoise
 from slider.env.starts import about, at_rest, joint_range, multiply_quaternions, perturb
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import nominal_qpos

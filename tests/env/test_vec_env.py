@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from slider.core.config.schema import Config
-from slider.core.config.train import TrainConfig
+from slider.config.schema import Config
+from slider.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.env.guide import Guide
 from slider.env.vec_env import WalkingEnv

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from pipeline.stages import table1_jobs
-from slider.core.config.convert import to_dict
+from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.evaluation import baseline, protocol, records
 from slider.reports.rows import table_row

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.core.config.evaluation import CaseConfig, Segment
+from slider.config.evaluation import CaseConfig, Segment
 from slider.evaluation.profile import commands, windows
 
 PERIOD = 0.02

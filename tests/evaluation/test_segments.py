@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.core.config.evaluation import EvaluationConfig, ProfileConfig
+from slider.config.evaluation import EvaluationConfig, ProfileConfig
 from slider.core.errors import UserError
 from slider.env.rollout import Recording
 from slider.evaluation import segments

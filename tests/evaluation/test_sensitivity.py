@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import torch
 
+from slider.config.convert import to_dict
+from slider.config.parameters import scaled
 from slider.control.network import PolicyNetwork
 from slider.control.policy_file import Policy, load_policy, save_policy
-from slider.core.config.convert import to_dict
-from slider.core.config.parameters import scaled
 from slider.core.job import Job
 from slider.evaluation import protocol, records, stage
 from slider.evaluation.protocol import read_protocol

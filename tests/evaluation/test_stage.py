@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 import torch
 
+from slider.config.convert import to_dict
 from slider.control.network import PolicyNetwork
 from slider.control.policy_file import Policy, save_policy
-from slider.core.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.stages.gaits import gait_section
-from slider.core.config.compose import compose
-from slider.core.config.schema import Config
+from slider.config.compose import compose
+from slider.config.schema import Config
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.layout import NODE
 from slider.gait.problem import GaitProblem, build

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from slider.core.config.gait import StepTime
+from slider.config.gait import StepTime
 from slider.gait.dense import dense_nodes, dense_violations
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import DENSE, build

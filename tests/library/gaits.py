@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from slider.core.config.compose import compose
-from slider.core.config.convert import to_dict
+from slider.config.compose import compose
+from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.library.contents import LibraryContents
 from slider.library.schema import ARRAYS

@@ -9,7 +9,7 @@ import pytest
 import xarray
 import zarr
 
-from slider.core.config.convert import to_dict
+from slider.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
 from slider.library.contents import LibraryContents

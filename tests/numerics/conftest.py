@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.core.config.compose import compose
+from slider.config.compose import compose
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory

@@ -6,9 +6,9 @@ import pytest
 
 from pipeline import rendering, targets
 from pipeline.targets import all_targets
-from slider.core.config.compose import compose
-from slider.core.config.report import SECTION_INPUTS
-from slider.core.plan import build_plan
+from slider.artefacts.plan import build_plan
+from slider.config.compose import compose
+from slider.config.report import SECTION_INPUTS
 from slider.reports.sections import SECTIONS
 
 CONF = Path(__file__).parents[2] / "conf"

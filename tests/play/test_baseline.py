@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from slider.cli import main
-from slider.core.config.compose import compose
-from slider.core.config.control import ControlConfig
-from slider.core.config.env import PlantConfig
+from slider.commands.play import BASELINES
+from slider.config.compose import compose
+from slider.config.control import ControlConfig
+from slider.config.env import PlantConfig
 from slider.play.baseline import simulate_baseline
-from slider.play.command import BASELINES
 from slider.play.motion import Simulation
 
 CONF = Path(__file__).parents[2] / "conf"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.cli import main
-from slider.core.config.compose import compose
+from slider.config.compose import compose
 from slider.env.episode import Frame
 from slider.library.lookup import GaitLibrary
 from slider.play import loop

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.core.config.env import TerminationConfig
+from slider.commands.play import add_arguments
+from slider.config.env import TerminationConfig
 from slider.core.errors import UserError
 from slider.play import scenes
-from slider.play.command import add_arguments
 from slider.play.scenes import build
 from tests.control.export.policies import write_policy
 from tests.env.synthetic import CONF

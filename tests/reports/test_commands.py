@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from slider.artefacts.plan import JobSpec, build_plan, write_plan
+from slider.artefacts.recipe import Code
+from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
-from slider.core.plan import JobSpec, build_plan, write_plan
-from slider.core.recipe import Code
-from slider.core.store import Manifest, Store
 from tests.library.gaits import write_store
 
 GAITS = [(0.0, 0.0), (0.5, 0.0), (0.6, 0.1)]

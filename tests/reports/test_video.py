@@ -11,10 +11,10 @@ import pytest
 import torch
 
 from pipeline.rendering import find_renderer
+from slider.config.compose import compose
+from slider.config.convert import to_dict
 from slider.control.network import PolicyNetwork
 from slider.control.policy_file import Policy, save_policy
-from slider.core.config.compose import compose
-from slider.core.config.convert import to_dict
 from slider.env.observations import Observer
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import gait_table

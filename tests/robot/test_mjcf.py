@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.core.config.compose import compose
+from slider.config.compose import compose
 from slider.env.starts import joint_range
 from slider.robot import names
 from slider.robot.kinematics import (

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.core.config.compose import compose
+from slider.config.compose import compose
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, build_model, nominal_qpos
 from slider.robot.transmission import Transmission, leg_inertia, leg_matrix

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from slider.core.config.train import SelectionConfig
+from slider.config.train import SelectionConfig
 from slider.core.job import NoTracker
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics

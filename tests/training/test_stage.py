@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from slider.config.convert import to_dict
+from slider.config.library_use import uses_library
 from slider.control.policy_file import load_policy
-from slider.core.config.convert import to_dict
-from slider.core.config.library_use import uses_library
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
 from slider.training.stage import _task, run_walking

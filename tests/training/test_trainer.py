@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
+from slider.config.train import RewardConfig, RewardTerm, TrainConfig
 from slider.control.policy_file import load_policy
-from slider.core.config.train import RewardConfig, RewardTerm, TrainConfig
 from slider.core.job import Job, NoTracker
 from slider.training.selection import Score
 from slider.training.task import Task

@@ -10,11 +10,11 @@ import numpy as np
 
 from pipeline.stages.gaits import gait_library, gait_section
 from pipeline.stages.verification import verification_jobs
-from slider.core.config.compose import compose
-from slider.core.config.schema import Config
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import Code
+from slider.config.compose import compose
+from slider.config.schema import Config
 from slider.core.job import Job
-from slider.core.plan import JobSpec
-from slider.core.recipe import Code
 from slider.gait import stage as gait_stage
 from slider.library import stage as library_stage
 from slider.verification.gaits import Check, Surroundings, checks

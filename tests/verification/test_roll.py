@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from slider.core.config.verification import IntegratorConfig
+from slider.config.verification import IntegratorConfig
 from slider.verification.roll import RollDynamics, return_map
 from slider.verification.stored import StepMotion
 from tests.verification.sample import config, gaits, pinocchio

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages.entries import ENTRIES
+from slider.artefacts.recipe import SOURCE_ROOT
+from slider.artefacts.source import closure
 from slider.core.errors import UserError
 from slider.core.job import Job
-from slider.core.recipe import SOURCE_ROOT
-from slider.core.source import closure
 from slider.verification import stage
 from slider.verification.quantities import QUANTITIES
 from tests.verification.sample import VELOCITIES, jobs, library

@@ -8,10 +8,10 @@ import pytest
 from pipeline.ablation import ablation_job
 from pipeline.entry import open_pipeline
 from pipeline.stages import entries, table1_jobs
-from slider.core.config.compose import compose
+from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.recipe import Code
+from slider.config.compose import compose
 from slider.core.errors import UserError
-from slider.core.plan import JobSpec, build_plan
-from slider.core.recipe import Code
 
 CONF = Path(__file__).parents[2] / "conf"
 

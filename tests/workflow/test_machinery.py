@@ -24,8 +24,8 @@ RUN_ALL = """
 import sys
 from pathlib import Path
 from pipeline.entry import open_pipeline
-from slider.core.plan import build_plan
-from slider.core.runner import Runner
+from slider.artefacts.plan import build_plan
+from slider.artefacts.runner import Runner
 
 opened = open_pipeline({"hydra": sys.argv[1]}, Path("conf"))
 target = opened.plan.jobs[opened.plan.targets["table1"]]

@@ -8,10 +8,10 @@ from pipeline.entry import open_pipeline
 from pipeline.sensitivity import GAITS_ONLY, sensitivity_job
 from pipeline.stages import entries, table1_jobs
 from pipeline.targets import all_targets
-from slider.core.config.compose import compose
-from slider.core.config.parameters import choose, parameters, scaled
-from slider.core.plan import JobSpec
-from slider.core.recipe import Code
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import Code
+from slider.config.compose import compose
+from slider.config.parameters import choose, parameters, scaled
 from slider.robot.mjcf import SimulationOptions, build_spec
 from tests.workflow.workspace import finished
 

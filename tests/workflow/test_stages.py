@@ -9,9 +9,9 @@ from pipeline.stages import all_jobs, entries, table1_jobs
 from pipeline.stages.gaits import velocities
 from pipeline.stages.page import report
 from pipeline.stages.protocols import protocol_jobs
-from slider.core.config.compose import compose
-from slider.core.plan import JobSpec, build_plan
-from slider.core.recipe import Code
+from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.recipe import Code
+from slider.config.compose import compose
 
 CONF = Path(__file__).parents[2] / "conf"
 ALL = {"gait", "library", "standing", "walking", "evaluation", "table1"}

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from slider.core.locks import exclusive
+from slider.artefacts.locks import exclusive
 
 REPOSITORY = Path(__file__).parents[2]
 COPIED = ("Snakefile", "pipeline", "conf", "src")

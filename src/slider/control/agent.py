@@ -2,10 +2,10 @@
 
 from typing import Any
 
+from slider.config.convert import to_dict
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
 from slider.control.policy_file import Policy
-from slider.core.config.convert import to_dict
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
 from slider.core.dotted import flatten
 from slider.core.errors import UserError
 from slider.env.interface import AgentInterface

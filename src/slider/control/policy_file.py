@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import torch
 
+from slider.config.convert import from_dict, to_dict
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
 from slider.control.network import PolicyNetwork
-from slider.core.config.convert import from_dict, to_dict
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes

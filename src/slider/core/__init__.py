@@ -1,1 +1,1 @@
-"""Configuration, artefact store, recipes, seeding and tracking."""
+"""Errors, files and the protocol between a job and its stage."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.core.config.train import CommandConfig
+from slider.config.train import CommandConfig
 
 
 class CommandSampler:

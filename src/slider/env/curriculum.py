@@ -1,6 +1,6 @@
 """Commands that grow with success."""
 
-from slider.core.config.train import CurriculumConfig
+from slider.config.train import CurriculumConfig
 
 
 class Curriculum:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.env import EnvConfig, PlantConfig
+from slider.config.env import EnvConfig, PlantConfig
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, run_ticks

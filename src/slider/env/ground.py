@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from slider.core.config.disturbance import GroundConfig
+from slider.config.disturbance import GroundConfig
 
 
 class Ground(Protocol):

@@ -5,8 +5,8 @@ Training and evaluation use this same object, so a policy sees the same thing in
 
 import numpy as np
 
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.env.observations import Observer
 from slider.env.phase import Clock

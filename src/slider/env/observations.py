@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.env import ObservationConfig
+from slider.config.env import ObservationConfig
 from slider.core.errors import UserError
 from slider.env.view import View
 from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slider.core.config.env import HaltConfig
+from slider.config.env import HaltConfig
 
 if TYPE_CHECKING:
     from slider.library.step_times import StepTimes

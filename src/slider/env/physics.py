@@ -10,8 +10,8 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from slider.core.config.env import PhysicsConfig
-from slider.core.config.robot import RobotConfig
+from slider.config.env import PhysicsConfig
+from slider.config.robot import RobotConfig
 from slider.env.contacts import Contacts, observe
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slider.core.config.train import RewardConfig
+from slider.config.train import RewardConfig
 from slider.core.errors import UserError
 from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
 from slider.env.phase import standing

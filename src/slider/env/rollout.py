@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from slider.core.config.env import EnvConfig, PlantConfig
+from slider.config.env import EnvConfig, PlantConfig
 from slider.env import terminations
 from slider.env.contacts import Contacts, join
 from slider.env.drive_loads import DriveLoads, over

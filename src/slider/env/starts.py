@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from slider.core.config.env import StartNoise
-from slider.core.config.robot import RobotConfig
+from slider.config.env import StartNoise
+from slider.config.robot import RobotConfig
 from slider.robot.kinematics import (
     quaternion_from_tilt,
     rotation_from_quaternion,

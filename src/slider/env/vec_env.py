@@ -7,9 +7,9 @@ import torch
 from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
-from slider.core.config.train import TrainConfig
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.config.train import TrainConfig
 from slider.env import terminations
 from slider.env.commands import CommandSampler
 from slider.env.curriculum import Curriculum

@@ -3,11 +3,11 @@
 from dataclasses import replace
 from pathlib import Path
 
+from slider.config.control import MpcConfig
+from slider.config.convert import from_dict
+from slider.config.env import PhysicsConfig, PlantConfig
+from slider.config.robot import RobotConfig
 from slider.control.mpc.baseline import Baseline, build_controller
-from slider.core.config.control import MpcConfig
-from slider.core.config.convert import from_dict
-from slider.core.config.env import PhysicsConfig, PlantConfig
-from slider.core.config.robot import RobotConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics

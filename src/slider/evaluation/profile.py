@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.core.config.evaluation import CaseConfig, Segment
+from slider.config.evaluation import CaseConfig, Segment
 
 
 def commands(case: CaseConfig, ramp: float, duration: float, period: float) -> np.ndarray:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from slider.core.config.convert import from_dict
-from slider.core.config.env import EnvConfig, PlantConfig
-from slider.core.config.evaluation import CaseConfig, EvaluationConfig
-from slider.core.config.robot import RobotConfig
+from slider.config.convert import from_dict
+from slider.config.env import EnvConfig, PlantConfig
+from slider.config.evaluation import CaseConfig, EvaluationConfig
+from slider.config.robot import RobotConfig
 from slider.core.job import Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.metrics import gait_quality, tracking

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.core.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
+from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.env.contacts import touchdowns
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording

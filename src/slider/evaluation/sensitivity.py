@@ -8,11 +8,11 @@ from pathlib import Path
 
 import torch
 
+from slider.config.convert import from_dict
+from slider.config.env import EnvConfig
 from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy, load_policy
-from slider.core.config.convert import from_dict
-from slider.core.config.env import EnvConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.physics import BatchedPhysics
 from slider.evaluation.protocol import Protocol, Simulated, evaluate, read_protocol

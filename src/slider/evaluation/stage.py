@@ -4,12 +4,12 @@ from pathlib import Path
 
 import torch
 
+from slider.config.convert import from_dict
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
 from slider.control.policy_file import load_policy
-from slider.core.config.convert import from_dict
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from slider.core.config.robot import Capstan, Drive, Joint
+from slider.config.robot import Capstan, Drive, Joint
 from slider.gait.constraint import Constraint, between
 from slider.gait.leg_map import LegMap
 from slider.gait.symbols import NodeSymbols

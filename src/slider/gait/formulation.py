@@ -10,8 +10,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from slider.core.config.gait import FormulationConfig
-from slider.core.config.robot import Mechanism
+from slider.config.gait import FormulationConfig
+from slider.config.robot import Mechanism
 from slider.gait import drives
 from slider.gait.constraint import Constraint, at_least, between, equality
 from slider.gait.costs import COSTS, NodeMotion

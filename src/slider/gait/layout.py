@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from slider.core.config.gait import FormulationConfig
+from slider.config.gait import FormulationConfig
 from slider.gait.symbols import NodeSymbols
 from slider.gait.transcription import ORDERS, Transcription, bezier_joints, collocated_joints
 from slider.gait.tree import NUM_JOINTS

@@ -9,7 +9,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from slider.core.config.gait import FormulationConfig
+from slider.config.gait import FormulationConfig
 from slider.gait.constraint import Constraint, RowInfo
 from slider.gait.formulation import Formulation
 from slider.gait.layout import Layout

@@ -7,7 +7,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from slider.core.config.gait import SolverConfig, StepTime
+from slider.config.gait import SolverConfig, StepTime
 from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.nlp import Nlp, assemble

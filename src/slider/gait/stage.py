@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from slider.core.config.convert import from_dict
-from slider.core.config.gait import FormulationConfig, SolveConfig
-from slider.core.config.robot import Mechanism
+from slider.config.convert import from_dict
+from slider.config.gait import FormulationConfig, SolveConfig
+from slider.config.robot import Mechanism
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait.costs import COSTS
 from slider.gait.dense import dense_violations

@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from slider.core.current import current_folder
-from slider.core.store import ARTEFACTS, Store
+from slider.artefacts.current import current_folder
+from slider.artefacts.store import ARTEFACTS, Store
 from slider.library.contents import LibraryContents
 
 MAKE_LIBRARY = "snakemake -j2 gait_library"

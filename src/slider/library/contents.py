@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from slider.core.config.convert import from_dict
-from slider.core.config.robot import Mechanism
+from slider.config.convert import from_dict
+from slider.config.robot import Mechanism
 from slider.core.errors import UserError
 from slider.library.lookup import open_library
 from slider.library.mesh import VelocityMesh

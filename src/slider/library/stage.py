@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import zarr
 
-from slider.core.config.convert import from_dict
-from slider.core.config.gait import LibraryConfig
+from slider.config.convert import from_dict
+from slider.config.gait import LibraryConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.schema import (

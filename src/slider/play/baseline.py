@@ -1,10 +1,10 @@
 """The model-predictive baseline."""
 
+from slider.config.control import MpcConfig
+from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import PlantConfig, StartNoise
+from slider.config.robot import RobotConfig
 from slider.control.mpc.baseline import build_controller
-from slider.core.config.control import MpcConfig
-from slider.core.config.disturbance import DisturbanceConfig
-from slider.core.config.env import PlantConfig, StartNoise
-from slider.core.config.robot import RobotConfig
 from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode
 from slider.evaluation.baseline import build_plant

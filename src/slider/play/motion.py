@@ -7,12 +7,12 @@ from typing import Protocol
 import numpy as np
 import torch
 
+from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import EnvConfig, StartNoise
+from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
-from slider.core.config.disturbance import DisturbanceConfig
-from slider.core.config.env import EnvConfig, StartNoise
-from slider.core.config.robot import RobotConfig
 from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface

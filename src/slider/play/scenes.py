@@ -5,16 +5,15 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TypeVar
 
+from slider.artefacts.plan import JobSpec, read_plan
+from slider.artefacts.store import Store
+from slider.config.compose import compose
+from slider.config.env import EnvConfig, PlantConfig
+from slider.config.robot import RobotConfig
 from slider.control.policy_file import load_policy
-from slider.core.config.compose import compose
-from slider.core.config.env import EnvConfig, PlantConfig
-from slider.core.config.robot import RobotConfig
 from slider.core.errors import UserError
-from slider.core.plan import JobSpec, read_plan
-from slider.core.store import Store
 from slider.library.lookup import GaitLibrary
 from slider.play.baseline import simulate_baseline
-from slider.play.command import BASELINES
 from slider.play.motion import Motion, Replay, simulate_ignorant, simulate_policy
 
 Section = TypeVar("Section", EnvConfig, RobotConfig)
@@ -40,7 +39,9 @@ def build(arguments: Namespace) -> Scene:
     if arguments.agent != "policy":
         if arguments.policy is not None:
             raise UserError(f"expected --policy with the agent policy, found {arguments.agent}")
-        return _baseline(arguments) if arguments.agent in BASELINES else _ignorant(arguments)
+        return (
+            _baseline(arguments) if arguments.agent.startswith("mpc_wbc_") else _ignorant(arguments)
+        )
     return _policy(arguments)
 
 

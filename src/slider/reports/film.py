@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from slider.core.config.video import VideoConfig
+from slider.config.video import VideoConfig
 from slider.env.episode import Frame
 from slider.robot.cameras import aim
 

@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from slider.core.config.convert import from_dict
-from slider.core.config.report import ReportConfig
+from slider.config.convert import from_dict
+from slider.config.report import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports.controllers import label, speed
 from slider.reports.page import render_page

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.core.config.convert import from_dict
-from slider.core.config.disturbance import DisturbanceConfig
-from slider.core.config.env import StartNoise
-from slider.core.config.robot import RobotConfig
-from slider.core.config.video import VideoConfig
+from slider.config.convert import from_dict
+from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import StartNoise
+from slider.config.robot import RobotConfig
+from slider.config.video import VideoConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports.controllers import label

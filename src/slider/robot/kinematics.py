@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.core.config.robot import Geometry
+from slider.config.robot import Geometry
 from slider.robot.names import LEG_JOINTS
 
 _YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (

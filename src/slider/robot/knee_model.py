@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.robot import Geometry, Link, Links, VirtualKnee
+from slider.config.robot import Geometry, Link, Links, VirtualKnee
 
 LEG_BODIES = ("yaw", "roll", "thigh", "shank", "foot")
 

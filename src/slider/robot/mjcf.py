@@ -19,7 +19,7 @@ from typing import Literal
 import mujoco
 import numpy as np
 
-from slider.core.config.robot import Link, RobotConfig
+from slider.config.robot import Link, RobotConfig
 from slider.robot import names
 from slider.robot.transmission import Transmission, by_motor
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.robot import Mechanism
+from slider.config.robot import Mechanism
 from slider.robot.knee_model import Body, body_of, joined
 from slider.robot.names import LEG_JOINTS, LEG_MOTORS
 from slider.robot.transmission import leg_inertia

@@ -8,7 +8,7 @@ Apart from the simulated model, so that the looks of a video change nobody's rec
 
 import mujoco
 
-from slider.core.config.robot import RobotConfig
+from slider.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_spec
 

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from slider.core.config.robot import Capstan, Mechanism
+from slider.config.robot import Capstan, Mechanism
 from slider.robot.names import ACTUATED, LEG_JOINTS, LEG_MOTORS, NUM_JOINTS, SIDES
 
 _DRIVEN = np.array(ACTUATED)

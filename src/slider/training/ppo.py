@@ -4,7 +4,7 @@ from typing import Any
 
 import torch
 
-from slider.core.config.train import NetworkConfig, TrainConfig
+from slider.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
 from slider.training.log_writer import TrackerLogWriter
 from slider.training.noise import NoiseBound

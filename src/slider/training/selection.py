@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import torch
 
+from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.config.train import SelectionConfig
 from slider.control.policy import PolicyController
-from slider.core.config.disturbance import DisturbanceConfig
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
-from slider.core.config.train import SelectionConfig
 from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.metrics import gait_quality, tracking

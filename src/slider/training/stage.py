@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from slider.core.config.convert import from_dict
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
-from slider.core.config.train import TrainConfig
+from slider.config.convert import from_dict
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.config.train import TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.training.task import Task, task_of
 from slider.training.trainer import WEIGHTS, Trainer

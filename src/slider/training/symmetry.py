@@ -9,7 +9,7 @@ from typing import Any
 import torch
 from tensordict import TensorDict
 
-from slider.core.config.train import PpoConfig
+from slider.config.train import PpoConfig
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
 

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from slider.core.config.env import EnvConfig
-from slider.core.config.robot import RobotConfig
-from slider.core.config.train import TrainConfig
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.config.train import TrainConfig
 from slider.env.guide import Guide
 from slider.library.joint_table import JointTable
 from slider.library.lookup import GaitLibrary, GaitTable

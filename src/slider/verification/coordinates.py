@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from slider.core.config.robot import Mechanism
+from slider.config.robot import Mechanism
 from slider.robot import knee_map
 from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, NUM_JOINTS, SIDES
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.gait import Posture
-from slider.core.config.robot import Mechanism
+from slider.config.gait import Posture
+from slider.config.robot import Mechanism
 from slider.robot.names import JOINTS, SIDES, leg_joint
 from slider.robot.transmission import Transmission
 from slider.verification.coordinates import with_upper_feet

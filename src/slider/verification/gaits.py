@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from slider.core.config.gait import Posture
-from slider.core.config.robot import RobotConfig
-from slider.core.config.verification import CheckConfig
+from slider.config.gait import Posture
+from slider.config.robot import RobotConfig
+from slider.config.verification import CheckConfig
 from slider.verification import dense, dynamics, periodicity, plant, replay, roll
 from slider.verification.pin_robot import build_robot
 from slider.verification.stored import StoredGait

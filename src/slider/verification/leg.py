@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.core.config.robot import Geometry
+from slider.config.robot import Geometry
 from slider.robot import names
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from slider.core.config.robot import Link, Mechanism
+from slider.config.robot import Link, Mechanism
 
 _UP = np.array([0.0, 0.0, 1.0])
 

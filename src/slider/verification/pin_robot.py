@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from slider.core.config.robot import Geometry, Mechanism
+from slider.config.robot import Geometry, Mechanism
 from slider.robot.names import LEG_JOINTS, SIDES
 from slider.verification.coordinates import (
     Coordinates,

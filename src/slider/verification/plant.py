@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from slider.core.config.robot import RobotConfig
+from slider.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.mjcf import SimulationOptions, build_model

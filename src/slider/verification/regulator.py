@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.robot import Geometry
-from slider.core.config.verification import RegulatorConfig
+from slider.config.robot import Geometry
+from slider.config.verification import RegulatorConfig
 from slider.robot import names
 from slider.verification.leg import level_leg
 from slider.verification.reference import Reference, tilt_of

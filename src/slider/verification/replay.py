@@ -10,8 +10,8 @@ from functools import partial
 import mujoco
 import numpy as np
 
-from slider.core.config.robot import RobotConfig
-from slider.core.config.verification import ReplayConfig
+from slider.config.robot import RobotConfig
+from slider.config.verification import ReplayConfig
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor

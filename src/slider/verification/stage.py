@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from slider.core.config.convert import from_dict
-from slider.core.config.gait import Posture
-from slider.core.config.robot import RobotConfig
-from slider.core.config.verification import CheckConfig
+from slider.config.convert import from_dict
+from slider.config.gait import Posture
+from slider.config.robot import RobotConfig
+from slider.config.verification import CheckConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.verification import neighbours, summary

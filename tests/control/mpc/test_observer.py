@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.config.control import ObserverConfig
+from slider.config.disturbance import DisturbanceConfig
+from slider.config.interval import Interval
 from slider.control.mpc.baseline import build_controller
 from slider.control.mpc.observer import Observer, _rotation_between, _turned
-from slider.core.config.control import ObserverConfig
-from slider.core.config.disturbance import DisturbanceConfig
-from slider.core.config.interval import Interval
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.config.env import StartNoise
+from slider.config.robot import RobotConfig
 from slider.control.mpc.memory import OFF, STAND, WALK
 from slider.control.mpc.velocity import ReferenceVelocity
 from slider.control.mpc.walker import MpcController
-from slider.core.config.env import StartNoise
-from slider.core.config.robot import RobotConfig
 from slider.env.metrics import CONTACT_FORCE
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out

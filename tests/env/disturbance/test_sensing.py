@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from slider.core.config.disturbance import SensingConfig
+from slider.config.disturbance import SensingConfig
 from slider.env.disturbance import sensing
 from slider.env.state import RobotState
 from slider.robot import names

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slider.core.config.convert import to_dict
-from slider.core.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
+from slider.config.convert import to_dict
+from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
 from slider.core.job import Job
 from slider.env.metrics import tracking
 from slider.env.rollout import Recording

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slider.core.config.convert import to_dict
+from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.evaluation import segments
 from slider.reports.protocols import segments as report

@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from slider.core.config.convert import to_dict
+from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.reports.protocols import speeds
 from tests.env.synthetic import config

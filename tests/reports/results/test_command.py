@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from slider import cli
+from slider.artefacts.store import Manifest, Result, Store
 from slider.core import files
-from slider.core.store import Manifest, Result, Store
 from slider.reports.results.blocks import find
 
 TABLE = """\

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.core.store import Store
+from slider.artefacts.store import Store
 from slider.reports.results.tables import TABLES
 from slider.reports.results.unmade import Unmade
 

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from slider.core.config.report import ReportConfig
-from slider.core.config.video import VideoConfig
+from slider.config.report import ReportConfig
+from slider.config.video import VideoConfig
 from slider.reports.sections.sources import Sources
 
 VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)

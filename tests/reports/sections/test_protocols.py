@@ -2,7 +2,7 @@
 
 import base64
 
-from slider.core.config.convert import to_dict
+from slider.config.convert import to_dict
 from slider.reports.page import render_page
 from slider.reports.sections import SECTIONS
 from tests.evaluation.test_segments import protocol

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from slider.config.control import MpcConfig
+from slider.config.env import PhysicsConfig
+from slider.config.robot import RobotConfig
 from slider.control.mpc.clock import TickClock
 from slider.control.mpc.observer import Observer
 from slider.control.mpc.walker import MpcController
-from slider.core.config.control import MpcConfig
-from slider.core.config.env import PhysicsConfig
-from slider.core.config.robot import RobotConfig
 from slider.env.state import RobotState
 
 

@@ -5,14 +5,14 @@ Both give torques (n, 12) [N m or N] and whether the QP has a solution (n,).
 
 import numpy as np
 
+from slider.config.control import MpcConfig
+from slider.config.robot import RobotConfig
 from slider.control.mpc import lip
 from slider.control.mpc.clock import TickClock
 from slider.control.mpc.memory import FEET, Gait
 from slider.control.mpc.motion import Motion, Part, join
 from slider.control.mpc.nominal import Dynamics
 from slider.control.mpc.whole_body import WholeBody
-from slider.core.config.control import MpcConfig
-from slider.core.config.robot import RobotConfig
 
 Solved = tuple[np.ndarray, np.ndarray]
 

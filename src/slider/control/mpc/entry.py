@@ -4,9 +4,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from slider.config.control import EntryConfig, StepConfig
 from slider.control.mpc import lip
 from slider.control.mpc.quintic import follow
-from slider.core.config.control import EntryConfig, StepConfig
 
 
 @dataclass

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.config.control import PlannerConfig, StepConfig
 from slider.control.mpc import lip, qp
-from slider.core.config.control import PlannerConfig, StepConfig
 
 
 @dataclass(frozen=True)

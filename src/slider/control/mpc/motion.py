@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from slider.config.control import TaskConfig, WholeBodyConfig
 from slider.control.mpc.nominal import NUM_DOFS, Dynamics
 from slider.control.mpc.whole_body import Tasks
-from slider.core.config.control import TaskConfig, WholeBodyConfig
 
 Part = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Jacobian (n, r, 18), wanted acceleration less the bias (n, r), weight (r,)."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from slider.config.robot import RobotConfig
 from slider.control.mpc.lip import GRAVITY
-from slider.core.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 

@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from slider.core.config.control import ObserverConfig
-from slider.core.config.env import PhysicsConfig
-from slider.core.config.robot import RobotConfig
+from slider.config.control import ObserverConfig
+from slider.config.env import PhysicsConfig
+from slider.config.robot import RobotConfig
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import multiply_quaternions
 from slider.env.state import RobotState

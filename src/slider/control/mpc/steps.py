@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from slider.config.control import MpcConfig
 from slider.control.mpc import swing
 from slider.control.mpc.clock import TickClock
 from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
 from slider.control.mpc.memory import LEFT, Gait
 from slider.control.mpc.nominal import Dynamics
 from slider.control.mpc.velocity import ReferenceVelocity
-from slider.core.config.control import MpcConfig
 
 
 class Steps:

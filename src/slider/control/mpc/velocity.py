@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from slider.config.control import PlannerConfig
 from slider.control.mpc.memory import Gait, turn
-from slider.core.config.control import PlannerConfig
 
 
 class ReferenceVelocity:

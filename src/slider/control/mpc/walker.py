@@ -9,6 +9,8 @@ says how this compares with what the policy is given.
 
 import numpy as np
 
+from slider.config.control import MpcConfig
+from slider.config.robot import RobotConfig
 from slider.control.mpc import lip
 from slider.control.mpc.clock import TickClock
 from slider.control.mpc.drives import Drives, Solved
@@ -18,8 +20,6 @@ from slider.control.mpc.modes import Modes
 from slider.control.mpc.nominal import Dynamics, NominalModel
 from slider.control.mpc.steps import Steps
 from slider.control.mpc.velocity import ReferenceVelocity
-from slider.core.config.control import MpcConfig
-from slider.core.config.robot import RobotConfig
 from slider.env.contacts import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names

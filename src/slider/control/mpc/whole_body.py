@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from slider.config.control import WholeBodyConfig
+from slider.config.robot import RobotConfig
 from slider.control.mpc import qp
 from slider.control.mpc.nominal import NUM_DOFS, Dynamics
-from slider.core.config.control import WholeBodyConfig
-from slider.core.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.transmission import Transmission
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.core.config.interval import Interval
+from slider.config.interval import Interval
 
 
 class DelayLine:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.core.config.disturbance import DisturbanceConfig
+from slider.config.disturbance import DisturbanceConfig
 
 # Uses of random numbers.
 ROBOT, NOISE, PUSH, GROUND = range(4)

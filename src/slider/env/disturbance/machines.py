@@ -12,8 +12,8 @@ import copy
 import mujoco
 import numpy as np
 
-from slider.core.config.disturbance import DisturbanceConfig
-from slider.core.config.interval import Interval
+from slider.config.disturbance import DisturbanceConfig
+from slider.config.interval import Interval
 from slider.robot import names
 
 _DRIVES = len(names.MOTORS)

@@ -7,7 +7,7 @@ from dataclasses import astuple, replace
 
 import numpy as np
 
-from slider.core.config.disturbance import SensingConfig
+from slider.config.disturbance import SensingConfig
 from slider.env.starts import multiply_quaternions
 from slider.env.state import RobotState, turn_to_heading
 from slider.robot.kinematics import rotation_from_quaternion

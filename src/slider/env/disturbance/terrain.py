@@ -10,8 +10,8 @@ cannot notice; the world that controllers and metrics see goes on.
 import mujoco
 import numpy as np
 
-from slider.core.config.disturbance import GroundConfig
-from slider.core.config.robot import RobotConfig
+from slider.config.disturbance import GroundConfig
+from slider.config.robot import RobotConfig
 from slider.env.ground import UnevenGround
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.core.config.evaluation import CaseConfig
+from slider.config.evaluation import CaseConfig
 from slider.reports.controllers import colour, label
 from slider.reports.figures.style import DARK, new_figure
 

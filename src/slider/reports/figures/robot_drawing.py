@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
-from slider.core.config.robot import Geometry
+from slider.config.robot import Geometry
 from slider.library.contents import LibraryContents
 from slider.reports.figures.style import DARK, LIGHT, MIDDLE
 from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.core.config.convert import from_dict
-from slider.core.config.evaluation import CaseConfig, EvaluationConfig
+from slider.config.convert import from_dict
+from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation import segments
 from slider.evaluation.profile import command

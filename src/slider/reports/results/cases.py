@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from slider.core.store import Store
+from slider.artefacts.store import Store
 from slider.reports.controllers import label
 from slider.reports.protocols.cases import STANDING
 from slider.reports.results.markdown import grid, markdown

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from slider.core.store import Store
+from slider.artefacts.store import Store
 from slider.reports.controllers import PAPER, label, speed
 from slider.reports.results.markdown import grid, markdown
 from slider.reports.results.numbers import NONE, Row, interval, number, percent, read

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from slider.core.store import Store
+from slider.artefacts.store import Store
 from slider.reports.results.unmade import Unmade
 
 _VERDICT, _STRONGEST = "Which guesses carry the result", "The strongest"

@@ -6,10 +6,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.circumstances import revision
+from slider.artefacts.store import Manifest, Store, parse_manifest
 from slider.core import files
-from slider.core.circumstances import revision
 from slider.core.machine import machine
-from slider.core.store import Manifest, Store, parse_manifest
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
 
-from slider.core.store import Store
+from slider.artefacts.store import Store
 from slider.reports.controllers import speed
 from slider.reports.results.markdown import grid, markdown
 from slider.reports.results.numbers import NONE, Kind, Row, read, shown

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from slider.core.store import Store
+from slider.artefacts.store import Store
 from slider.reports.comparison import read_rows
 from slider.reports.controllers import label, speed
 from slider.reports.protocols.speeds import TRACKED_SHARE, highest_tracked

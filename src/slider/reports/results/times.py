@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from slider.core.store import Store
+from slider.artefacts.store import Store
 from slider.reports.results.markdown import grid, markdown
 from slider.reports.results.origin import ancestry, made
 from slider.reports.results.unmade import Unmade

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 
-from slider.core.config.report import PROTOCOL_SECTIONS
+from slider.config.report import PROTOCOL_SECTIONS
 from slider.reports.page import Section
 from slider.reports.sections import (
     ablation,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from slider.core.config.report import ReportConfig
+from slider.config.report import ReportConfig
 from slider.core.job import Inputs
 
 
@@ -19,7 +19,7 @@ class Sources:
         origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
         inputs: input → object folders.
         times: input → for each of its jobs what differs between runs, such as ``wall_s``.
-        page: the same of the page itself; see :mod:`slider.core.circumstances`.
+        page: the same of the page itself; see :mod:`slider.artefacts.circumstances`.
     """
 
     report: ReportConfig

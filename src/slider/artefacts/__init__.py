@@ -1,0 +1,1 @@
+"""The content-addressed store of artefacts, recipes, plans and their execution."""

@@ -1,0 +1,39 @@
+"""The results of the plan that Snakemake laid out last, for people and their commands."""
+
+from pathlib import Path
+
+from slider.artefacts.plan import JobSpec, Plan, read_plan
+from slider.artefacts.store import Manifest, Store
+from slider.core.errors import UserError
+
+
+def current_plan(store: Store) -> Plan | None:
+    """The plan that was laid out last, if there is any."""
+    plans = sorted((store.root / "plans").glob("*.json"), key=lambda path: path.stat().st_mtime)
+    return read_plan(plans[-1]) if plans else None
+
+
+def current_result(store: Store, target: str, command: str) -> tuple[JobSpec, Manifest]:
+    """Job and manifest of a named target of the current plan.
+
+    Raises:
+        UserError: it has not been computed; names the ``command`` that does.
+    """
+    plan = current_plan(store)
+    recipe = plan.targets.get(target) if plan else None
+    job = plan.jobs[recipe] if plan and recipe else None
+    if job is None or not store.manifest_path(job.stage, job.recipe).is_file():
+        raise UserError(f"no {target} of the current configuration yet; make it with `{command}`")
+    return job, store.read_manifest(job.stage, job.recipe)
+
+
+def current_folder(store: Store, target: str, command: str) -> Path:
+    """Object folder of a named target of the current plan; see ``current_result``.
+
+    Raises:
+        UserError: it has not been computed, or its object is gone.
+    """
+    folder = store.object_folder(current_result(store, target, command)[1].result.object)
+    if not folder.is_dir():
+        raise UserError(f"the {target} is gone from the store; make it again with `{command}`")
+    return folder

@@ -1,0 +1,165 @@
+"""The plan: every job that leads to the current results, with all that a job needs to know.
+
+Written when the workflow is read, so that a job depends neither on Hydra nor on what happens to
+the configuration files later.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from slider.artefacts.recipe import Code, recipe_digest
+from slider.core import files
+from slider.core.errors import UserError
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class JobSpec:
+    """One stage with one section: what it runs, on what, and its recipe.
+
+    Attributes:
+        stage: name of the stage.
+        label: what a person calls this job.
+        code: entry point, source digest and versions.
+        section: the stage's own part of the configuration.
+        inputs: name → jobs, in a fixed order.
+        tracked: whether the job is a run of its own in MLflow.
+        recipe: digest of all of these but ``label`` and ``tracked``.
+    """
+
+    stage: str
+    label: str
+    code: Code
+    section: Mapping[str, Any]
+    inputs: Mapping[str, Sequence["JobSpec"]] = field(default_factory=dict)
+    tracked: bool = True
+    recipe: str = ""
+
+    def __post_init__(self) -> None:
+        recipes = {name: [job.recipe for job in jobs] for name, jobs in self.inputs.items()}
+        found = recipe_digest(self.stage, self.section, self.code, recipes)
+        object.__setattr__(self, "recipe", found)
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Jobs by recipe, inputs before those who use them, and the recipe of each named target."""
+
+    jobs: Mapping[str, JobSpec]
+    targets: Mapping[str, str]
+
+
+def build_plan(targets: Mapping[str, JobSpec]) -> Plan:
+    """Collect the jobs that the targets need."""
+    return Plan(_needed(*targets.values()), {name: job.recipe for name, job in targets.items()})
+
+
+def jobs_towards(plan: Plan, recipe: str) -> dict[str, JobSpec]:
+    """Jobs of the first target at the plan's ends that needs the job of a recipe."""
+    needed = [_needed(plan.jobs[target]) for target in plan.targets.values()]
+    inner = [any(jobs.keys() < other.keys() for other in needed) for jobs in needed]
+    ends = [jobs for jobs, within in zip(needed, inner, strict=True) if not within]
+    return next(jobs for jobs in ends if recipe in jobs)
+
+
+def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
+    """The targets and all that they need, inputs first."""
+    jobs: dict[str, JobSpec] = {}
+
+    def visit(job: JobSpec) -> None:
+        if job.recipe in jobs:
+            return
+        for group in job.inputs.values():
+            for item in group:
+                visit(item)
+        jobs[job.recipe] = job
+
+    for target in targets:
+        visit(target)
+    return jobs
+
+
+def write_plan(plan: Plan, folder: Path) -> Path:
+    """Write a plan under the digest of its content, if it is not there yet."""
+    values = _to_values(plan)
+    path = folder / f"{files.digest_value(values)}.json"
+    if not path.is_file():
+        files.write_atomic(path, files.canonical(values) + "\n")
+    return path
+
+
+def read_plan(path: Path) -> Plan:
+    """Read a plan.
+
+    Raises:
+        UserError: the file is missing or is no plan.
+    """
+    try:
+        values = files.read_json(path)
+        return _from_values(values)
+    except (OSError, ValueError, KeyError, TypeError):
+        raise UserError(f"expected a plan, found none at {path}") from None
+
+
+def plan_recipes(path: Path) -> set[str]:
+    """Recipes of a plan, also of one that an earlier version of this package wrote."""
+    return set(files.read_json(path)["jobs"])
+
+
+def _to_values(plan: Plan) -> dict[str, Any]:
+    """Plain values. Parts of sections are stored once: all gaits share all but the velocity."""
+    part_of = _PartDigests()
+    codes: dict[str, Any] = {}
+    jobs = {}
+    for recipe, job in plan.jobs.items():
+        section = {name: part_of(value) for name, value in job.section.items()}
+        codes[job.stage] = asdict(job.code)
+        jobs[recipe] = {
+            "stage": job.stage,
+            "label": job.label,
+            "section": section,
+            "inputs": {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()},
+            "tracked": job.tracked,
+        }
+    return {
+        "schema": SCHEMA,
+        "targets": dict(plan.targets),
+        "codes": codes,
+        "parts": part_of.values,
+        "jobs": jobs,
+    }
+
+
+class _PartDigests:
+    """Name parts by their content; a part that many jobs share is digested once."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, Any] = {}
+        self._known: dict[int, str] = {}
+
+    def __call__(self, value: Any) -> str:
+        if id(value) not in self._known:
+            digest = files.digest_value(value)[:16]
+            # The plan keeps all values alive, so that an id stays that of one value.
+            self.values.setdefault(digest, value)
+            self._known[id(value)] = digest
+        return self._known[id(value)]
+
+
+def _from_values(values: Mapping[str, Any]) -> Plan:
+    jobs: dict[str, JobSpec] = {}
+    for recipe, job in values["jobs"].items():
+        jobs[recipe] = JobSpec(
+            stage=job["stage"],
+            label=job["label"],
+            code=Code(**values["codes"][job["stage"]]),
+            section={name: values["parts"][part] for name, part in job["section"].items()},
+            inputs={name: [jobs[item] for item in items] for name, items in job["inputs"].items()},
+            tracked=job["tracked"],
+        )
+        if jobs[recipe].recipe != recipe:
+            raise ValueError(f"recipe {recipe} does not match its job")
+    return Plan(jobs, values["targets"])

@@ -1,0 +1,203 @@
+"""Run one job of a plan: reuse a known result or compute, publish, then write the manifest."""
+
+import copy
+import importlib
+import os
+import resource
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from slider.artefacts.circumstances import circumstances
+from slider.artefacts.index import Entry, Index
+from slider.artefacts.locks import exclusive
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
+from slider.artefacts.store import Manifest, Result, Store
+from slider.core import files
+from slider.core.errors import UserError
+from slider.core.job import Job, NoTracker, StageFunction, Tracker
+from slider.core.machine import machine
+from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
+
+_LISTED_FILES = 20  # in the description of a run; a Zarr store has more
+
+
+@dataclass(frozen=True)
+class Runner:
+    """Runs jobs against a store, with a number of threads and a place for progress lines."""
+
+    store: Store
+    threads: int = 1
+    progress: Callable[[str], None] = field(default=lambda message: None)
+
+    def run(self, spec: JobSpec) -> str:
+        """Bring the manifest of a job into being; tell in a word or two what was done.
+
+        Raises:
+            UserError: an input is missing or damaged, or the source changed since the plan.
+        """
+        with exclusive(self.store.lock_path, f"{spec.stage}/{spec.recipe}"):
+            index = Index(self.store)
+            key = self._key(spec)
+            known = index.find(key)
+            if known is None:
+                known = Entry(spec.recipe, self._compute(spec))
+                index.add(key, known)
+                outcome = f"{self._sidecar(spec)['wall_s']:.1f} s"
+            else:
+                self._note_reuse(spec, known)
+                outcome = "reused"
+            manifest = Manifest(spec.stage, spec.recipe, _input_recipes(spec), known.result)
+            self.store.write_manifest(manifest)
+            shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
+        return outcome
+
+    def _key(self, spec: JobSpec) -> str:
+        contents = {
+            name: [self._input(job).object for job in jobs] for name, jobs in spec.inputs.items()
+        }
+        return recipe_digest(spec.stage, spec.section, spec.code, contents)
+
+    def _input(self, job: JobSpec) -> Result:
+        result = self.store.read_manifest(job.stage, job.recipe).result
+        if not files.has_files(self.store.object_folder(result.object), result.files):
+            raise UserError(
+                f"expected the {job.stage} result {result.object[:12]} whole, "
+                "found it damaged: run `slider store verify`"
+            )
+        return result
+
+    def _compute(self, spec: JobSpec) -> Result:
+        watch = _Watch()  # before the imports: they are part of what a job costs
+        limit_threads(self.threads)
+        function = _load(spec)
+        job = self._job(spec)
+        tracker = job.tracker
+        try:
+            with self.store.temporary(f"{spec.stage}-{spec.recipe[:12]}") as out:
+                inputs = {
+                    name: [self.store.object_folder(self._input(job).object) for job in jobs]
+                    for name, jobs in spec.inputs.items()
+                }
+                section = copy.deepcopy(dict(spec.section))
+                summary = function(section, inputs, out, job)
+                resumed = bool(job.volatile.get("resumed", False))
+                result = self.store.publish(out, files.plain(summary), resumed)
+        except BaseException:
+            _end(tracker, FAILED, {})
+            raise
+        self._note_computed(spec, job, watch)
+        _end(tracker, FINISHED, self._result_tags(result))
+        return result
+
+    def _result_tags(self, result: Result) -> dict[str, str]:
+        """Links to the result that stay right when the folder moves; MLflow's own are absolute."""
+        path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
+        names = "\n".join(f"* `{path}/{name}`" for name in sorted(result.files)[:_LISTED_FILES])
+        return {
+            "object": result.object,
+            "object.path": path,
+            "resumed": str(result.resumed),
+            "mlflow.note.content": f"Result, below `{self.store.root.name}/`:\n\n{names}",
+        }
+
+    def _job(self, spec: JobSpec) -> Job:
+        work = self.store.work_folder(spec.stage, spec.recipe)
+        work.mkdir(parents=True, exist_ok=True)
+        known = {name: [self._sidecar(job) for job in jobs] for name, jobs in spec.inputs.items()}
+        tracker = _open_tracker(self.store.root, spec)
+        facts = circumstances(self.store.root)
+        return Job(work, self.threads, tracker, self.progress, facts, known)
+
+    def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
+        try:
+            return files.read_json(self.store.sidecar_path(spec.stage, spec.recipe))
+        except (OSError, ValueError):
+            return {}
+
+    def _note_computed(self, spec: JobSpec, job: Job, watch: "_Watch") -> None:
+        facts = {**job.volatile, **watch.facts(), "computed": True, "threads": self.threads}
+        files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
+
+    def _note_reuse(self, spec: JobSpec, known: Entry) -> None:
+        """Keep the facts of the job that computed the result beside the recipe that reuses it."""
+        if known.recipe == spec.recipe:
+            return
+        path = self.store.sidecar_path(spec.stage, known.recipe)
+        origin = files.read_json(path) if path.is_file() else {}
+        facts = origin | {"computed": False, "reused_from": known.recipe, "started": _now()}
+        files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
+
+
+class _Watch:
+    """Times and load of one computation."""
+
+    def __init__(self) -> None:
+        self._started = _now()
+        self._wall = time.perf_counter()
+        self._cpu = _cpu_seconds()
+        self._load = os.getloadavg()[0]
+
+    def facts(self) -> dict[str, Any]:
+        return {
+            "started": self._started,
+            "ended": _now(),
+            "wall_s": round(time.perf_counter() - self._wall, 3),
+            "cpu_s": round(_cpu_seconds() - self._cpu, 3),
+            "load_1min_at_start": round(self._load, 2),
+            "machine": machine(),
+        }
+
+
+def _load(spec: JobSpec) -> StageFunction:
+    module, _, name = spec.code.entry.partition(":")
+    function = getattr(importlib.import_module(module), name)
+    # Checked after the import: what was imported is what the plan names. Without this, an edit
+    # made while the pipeline runs would be stored under the recipe of the old source.
+    if code_of(spec.code.entry, SOURCE_ROOT) != spec.code:
+        raise UserError(
+            f"the source or the packages of stage {spec.stage} changed since the pipeline was "
+            "started: start it again"
+        )
+    return function
+
+
+def limit_threads(threads: int) -> None:
+    """Set the environment of OpenMP and BLAS before the stage imports them."""
+    names = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+    os.environ.update(dict.fromkeys(names, str(threads)))
+    # Spinning threads beside another job slow training down tenfold.
+    os.environ.update(OMP_WAIT_POLICY="PASSIVE", GOMP_SPINCOUNT="0")
+
+
+def _open_tracker(artefacts: Path, spec: JobSpec) -> Tracker:
+    session = current_session(artefacts) if spec.tracked else None
+    if session is None:
+        return NoTracker()
+    tracker = JournalTracker(session / f"{spec.stage}-{spec.recipe[:16]}.jsonl")
+    tracker.begin(spec.label, {"stage": spec.stage, "recipe": spec.recipe})
+    tracker.log_params(spec.section)
+    return tracker
+
+
+def _end(tracker: Tracker, status: str, tags: dict[str, str]) -> None:
+    if isinstance(tracker, JournalTracker):
+        tracker.end(status, tags)
+
+
+def _input_recipes(spec: JobSpec) -> dict[str, list[str]]:
+    return {name: [job.recipe for job in jobs] for name, jobs in spec.inputs.items()}
+
+
+def _cpu_seconds() -> float:
+    usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")

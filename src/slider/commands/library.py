@@ -1,0 +1,64 @@
+"""``slider library``: what is in the gait library, and how long its gaits took to solve."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from slider.artefacts.current import current_result
+from slider.artefacts.store import ARTEFACTS, Store
+from slider.core import files
+from slider.core.errors import UserError
+from slider.library.choose import MAKE_LIBRARY, add_library_arguments, read_library
+from slider.library.contents import LibraryContents
+from slider.library.overview import library_lines
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    actions = parser.add_subparsers(dest="action", required=True)
+    show = actions.add_parser("show", help="grid, holes and their violated constraints, ranges")
+    add_library_arguments(show)
+    times = actions.add_parser("times", help="draw how long the current library's gaits took")
+    times.add_argument("--artefacts", type=Path, default=Path(ARTEFACTS))
+    times.add_argument(
+        "--out",
+        type=Path,
+        default=Path("reports/figures/solve_times"),
+        help="name without ending of the .svg, .png and .md (default: reports/figures/solve_times)",
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print the overview, or draw the solve times."""
+    if arguments.action == "show":
+        print("\n".join(library_lines(read_library(arguments))))
+        return
+    from slider.reports.figures import solve_times
+    from slider.reports.figures.publication import write_figure
+
+    library, times = _solve_times(Store(arguments.artefacts))
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    text = solve_times.caption(times)
+    write_figure(arguments.out, "Solve times", lambda: solve_times.draw(library, times), text)
+    print(f"{arguments.out}.png is ready")
+
+
+def _solve_times(store: Store) -> tuple[LibraryContents, np.ndarray]:
+    """The current library and the processor time (G,) [s] of each gait; NaN where none is known.
+
+    Times differ from run to run, so they stand beside the store's manifests and not in a stage's
+    result.
+    """
+    job, manifest = current_result(store, "library", MAKE_LIBRARY)
+    library = LibraryContents.load(store.object_folder(manifest.result.object) / "library.zarr")
+    known: dict[tuple[float, float], float] = {}
+    for gait in job.inputs["gaits"]:
+        path = store.sidecar_path(gait.stage, gait.recipe)
+        facts = files.read_json(path) if path.is_file() else {}
+        vx, vy = gait.section["velocity"]
+        known[vx, vy] = facts.get("solve_cpu", np.nan)
+    times = np.array([known[vx, vy] for vx, vy in library.velocities.tolist()])
+    if not np.isfinite(times).any():
+        raise UserError(f"expected solve times beside the gaits in {store.root}, found none")
+    return library, times

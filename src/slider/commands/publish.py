@@ -1,0 +1,41 @@
+"""``slider publish``: copy files of a result to where people look for it."""
+
+import argparse
+import os
+import shutil
+from pathlib import Path
+
+from slider.artefacts.store import ARTEFACTS, Store, parse_manifest
+from slider.core.errors import UserError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("manifest", type=Path, help="manifest of the result")
+    parser.add_argument(
+        "targets", type=Path, nargs="+", help="files to write; the result has some of their names"
+    )
+    parser.add_argument(
+        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Copy each file in one step, so that a target is the old file or the new one."""
+    result = parse_manifest(arguments.manifest).result
+    folder = Store(arguments.artefacts).object_folder(result.object)
+    for target in arguments.targets:
+        if target.name not in result.files:
+            raise UserError(f"expected {target.name} in {arguments.manifest}, found none")
+        _copy(folder / target.name, target)
+        print(f"{target} is ready")
+
+
+def _copy(source: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        shutil.copyfile(source, part)
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,102 @@
+"""Compose ``conf/`` with overrides into a typed, checked :class:`Config`."""
+
+import difflib
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, cast
+
+from hydra import compose as hydra_compose
+from hydra import initialize_config_dir
+from hydra.core.global_hydra import GlobalHydra
+from hydra.errors import HydraException
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from slider.config.convert import from_dict
+from slider.config.schema import Config
+from slider.config.validation import validate
+from slider.core.errors import UserError
+
+_LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
+
+
+def compose(overrides: Sequence[str], conf: Path) -> Config:
+    """Resolve ``conf/config.yaml`` with Hydra overrides such as ``gait.grid.vx.stop=0.6``.
+
+    Raises:
+        UserError: an unknown key or group, a wrong type or an impossible value.
+    """
+    config = from_dict(Config, _compose_untyped(overrides, conf))
+    validate(config)
+    return config
+
+
+def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
+    if not (conf / "config.yaml").is_file():
+        raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
+    GlobalHydra.instance().clear()
+    with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
+        try:
+            config = hydra_compose("config", overrides=_as_hydra_wants(overrides))
+            return cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
+        except HydraException as error:
+            raise UserError(_explain(error, overrides, conf)) from None
+        except OmegaConfBaseException as error:
+            raise UserError(_first_line(error)) from None
+        except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
+            raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
+
+
+def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:
+    """Hydra lets no list take the place of start, stop and step: delete them first."""
+    result = []
+    for text in overrides:
+        axis = _LIST_FOR_AXIS.match(text)
+        result += [f"~{axis.group(1)}", f"+{text}"] if axis else [text]
+    return result
+
+
+def _first_line(error: BaseException) -> str:
+    return str(error).strip().splitlines()[0].strip()
+
+
+def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:
+    """One line for a Hydra error, with the nearest known key."""
+    unknown_key = re.search(r"Could not override '([^']+)'", str(error))
+    if unknown_key:
+        key = unknown_key.group(1)
+        return f"unknown configuration key '{key}'{_did_you_mean(key, _known_keys(conf))}"
+    unknown_option = re.search(r"Could not find '([^']+)'", str(error))
+    if unknown_option:
+        group, _, name = unknown_option.group(1).rpartition("/")
+        options = sorted(path.stem for path in (conf / group).glob("*.yaml"))
+        return f"unknown option {group}={name}, expected one of: {', '.join(options) or 'none'}"
+    merged = re.search(r"Error merging override ([^=]+)=(.*)", str(error))
+    if merged:
+        key, found = merged.groups()
+        below = [name for name in _known_keys(conf) if name.rpartition(".")[0] == key]
+        return f"{key}: expected values of {', '.join(below)}, found {found}"
+    broken = [text for text in overrides if text in str(error)]
+    where = f" in override '{broken[0]}'" if broken else ""
+    return f"{_first_line(error)}{where} (expected key=value)"
+
+
+def _did_you_mean(key: str, known: Sequence[str]) -> str:
+    full = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+    by_leaf = [name for name in known if name.rsplit(".", 1)[-1] == key.rsplit(".", 1)[-1]]
+    nearest = full or by_leaf[:1]
+    return f", did you mean '{nearest[0]}'?" if nearest else ""
+
+
+def _known_keys(conf: Path) -> list[str]:
+    return _flatten(_compose_untyped([], conf))
+
+
+def _flatten(node: Any, prefix: str = "") -> list[str]:
+    keys = []
+    for name, value in node.items():
+        keys.append(f"{prefix}{name}")
+        if isinstance(value, dict):
+            keys += _flatten(value, f"{prefix}{name}.")
+    return keys

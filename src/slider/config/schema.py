@@ -1,0 +1,42 @@
+"""Root of the typed configuration."""
+
+from pydantic.dataclasses import dataclass
+
+from slider.config.ablation import AblationConfig
+from slider.config.control import ControlConfig
+from slider.config.env import EnvConfig
+from slider.config.evaluation import EvaluationConfig, ResourcesConfig, TrackingConfig
+from slider.config.gait import GaitConfig, LibraryConfig
+from slider.config.report import ReportConfig
+from slider.config.robot import RobotConfig
+from slider.config.seeds import SeedsConfig
+from slider.config.sensitivity import SensitivityConfig
+from slider.config.strict import STRICT
+from slider.config.train import TrainConfig, TrainingsConfig
+from slider.config.verification import VerificationConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class Config:
+    """Root of the configuration; one field per group of ``conf/``.
+
+    ``evaluation`` is the protocol of Table 1; ``protocols`` are others, each with its own report.
+    ``finetuning`` goes on from the walking policy; its result is then the policy.
+    """
+
+    robot: RobotConfig
+    gait: GaitConfig
+    library: LibraryConfig
+    env: EnvConfig
+    train: TrainingsConfig
+    control: ControlConfig
+    seeds: SeedsConfig
+    evaluation: EvaluationConfig
+    protocols: dict[str, EvaluationConfig]
+    verification: VerificationConfig
+    report: ReportConfig
+    ablation: AblationConfig
+    sensitivity: SensitivityConfig
+    tracking: TrackingConfig
+    resources: ResourcesConfig
+    finetuning: TrainConfig | None = None

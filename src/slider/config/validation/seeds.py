@@ -1,0 +1,62 @@
+"""Checks that what is chosen by and what is reported never use the same seeds."""
+
+from collections.abc import Sequence
+
+from slider.config.ablation import AblationConfig
+from slider.config.schema import Config
+from slider.config.seeds import SeedBlock, SeedsConfig
+from slider.config.train import TrainConfig
+from slider.config.validation.checks import at_least, ordered, require
+
+
+def check_seeds(config: Config) -> None:
+    """Every evaluation is of one block; checkpoints and variants are chosen in development."""
+    seeds = config.seeds
+    _apart(seeds)
+    others = {f"protocols.{name}": protocol for name, protocol in config.protocols.items()}
+    for key, protocol in {"evaluation": config.evaluation, **others}.items():
+        blocks = (seeds.final, seeds.development)
+        _within(f"{key}.seed", protocol.seed, protocol.trials, blocks)
+    _ablation(config.ablation, seeds)
+    trainings = {"train.standing": config.train.standing, "train.walking": config.train.walking}
+    if config.finetuning is not None:
+        trainings["finetuning"] = config.finetuning
+    for key, train in trainings.items():
+        _training(train, seeds, key)
+
+
+def _apart(seeds: SeedsConfig) -> None:
+    for name in ("final", "development"):
+        block: SeedBlock = getattr(seeds, name)
+        at_least(f"seeds.{name}.first", block.first, 0)
+        ordered(f"seeds.{name}", block.first, block.last)
+    apart = seeds.final.last < seeds.development.first or seeds.development.last < seeds.final.first
+    expected = f"no seed of seeds.development ({seeds.development})"
+    require(apart, "seeds.final", expected, seeds.final)
+
+
+def _within(key: str, first: int, trials: int, blocks: Sequence[SeedBlock]) -> None:
+    """All trials draw from one of the blocks."""
+    found = SeedBlock(first, first + trials - 1)
+    inside = any(found.first in block and found.last in block for block in blocks)
+    expected = f"seeds within {' or '.join(map(str, blocks))}"
+    require(inside, key, expected, found)
+
+
+def _ablation(ablation: AblationConfig, seeds: SeedsConfig) -> None:
+    """Several variants are there to be chosen from; one alone, from several seeds, is reported."""
+    compared = len(ablation.run) > 1
+    blocks = (seeds.development,) if compared else (seeds.final, seeds.development)
+    _within("ablation.evaluation_seed", ablation.evaluation_seed, ablation.trials, blocks)
+    for index, seed in enumerate(ablation.seeds):
+        _not_final(f"ablation.seeds[{index}]", seed, seeds)
+
+
+def _training(train: TrainConfig, seeds: SeedsConfig, key: str) -> None:
+    _not_final(f"{key}.seed", train.seed, seeds)
+    _within(f"{key}.selection.seed", train.selection.seed, 1, (seeds.development,))
+
+
+def _not_final(key: str, seed: int, seeds: SeedsConfig) -> None:
+    """A training on the disturbed robots of a reported trial would know them."""
+    require(seed not in seeds.final, key, f"none of seeds.final ({seeds.final})", seed)

@@ -1,1 +1,0 @@
-"""Subcommands of ``slider`` that belong to the pipeline."""

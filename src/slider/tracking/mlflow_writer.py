@@ -1,0 +1,217 @@
+"""The one process that writes to MLflow: it follows the journals of a session.
+
+It runs beside the pipeline, so that runs can be watched while they train, and ends with it. What
+a killed writer leaves behind, the next one brings to its end.
+"""
+
+import json
+import logging
+import os
+import shutil
+import sqlite3
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from slider.core import files
+from slider.tracking.journal import (
+    BEGIN,
+    END,
+    FAILED,
+    FILE,
+    MAIN,
+    METRICS,
+    PARAMS,
+    SESSION_FILE,
+    TABLE,
+)
+from slider.tracking.session import SessionInfo, is_alive, read_session
+
+_PERIOD = 1.0  # between two looks at the journals [s]
+_BATCH = 900  # metrics or, by tens, parameters in one request; MLflow takes 1000 and 100
+_MAX_PARAM = 5000  # characters of a parameter's value
+_PARENT_TAG = "mlflow.parentRunId"
+
+_log = logging.getLogger(__name__)
+
+
+def follow(artefacts: Path, name: str) -> None:
+    """Write a session to MLflow until it ends; first what earlier sessions left behind."""
+    client = _connect(artefacts)
+    for folder in _sessions(artefacts):
+        if folder.name != name and not is_alive(read_session(folder).owner):
+            _close_leftover(client, artefacts, folder)
+    session = _Session(client, artefacts, artefacts / "tracking" / name)
+    while not session.update():
+        time.sleep(_PERIOD)
+    session.close()
+
+
+def _close_leftover(client: Any, artefacts: Path, folder: Path) -> None:
+    try:
+        _Session(client, artefacts, folder).close()
+    except Exception as error:  # must not keep the present session from being written
+        _log.warning("lost the tracking of %s: %s", folder.name, error)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _sessions(artefacts: Path) -> list[Path]:
+    return sorted(path.parent for path in (artefacts / "tracking").glob(f"*/{SESSION_FILE}"))
+
+
+def _connect(artefacts: Path) -> Any:
+    os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
+    from mlflow import MlflowClient
+
+    database = (artefacts / "mlflow.db").resolve()
+    # MLflow tries a broken database again for almost two minutes: ask SQLite first.
+    with closing(sqlite3.connect(database)) as connection:
+        connection.execute("PRAGMA schema_version")
+    return MlflowClient(f"sqlite:///{database}")
+
+
+@dataclass
+class _Position:
+    """How far a journal has been written, and the run that it goes to."""
+
+    run: str = ""
+    offset: int = 0
+    ended: bool = False
+
+
+class _Session:
+    """Journals of one pipeline run on their way to MLflow."""
+
+    def __init__(self, client: Any, artefacts: Path, folder: Path) -> None:
+        self._client = client
+        self._folder = folder
+        self._info: SessionInfo = read_session(folder)
+        self._state_path = folder / "written.json"
+        self._experiment = _experiment(client, artefacts, self._info.experiment)
+        self._positions = self._read_state()
+
+    def update(self) -> bool:
+        """Write what is new; tell whether the session is over."""
+        alive = is_alive(self._info.owner)  # before reading: nothing is missed
+        for path in self._journals():
+            self._update_journal(path)
+        return self._position(MAIN).ended or not alive
+
+    def close(self) -> None:
+        """Write the rest, mark runs that never ended as failed, and forget the session."""
+        self.update()
+        for position in self._positions.values():
+            if position.run and not position.ended:
+                self._client.set_terminated(position.run, FAILED)
+        shutil.rmtree(self._folder)
+
+    def _journals(self) -> list[Path]:
+        """The pipeline's own journal first: its run is the parent of all others."""
+        found = sorted(self._folder.glob("*.jsonl"))
+        return sorted(found, key=lambda path: path.stem != MAIN)
+
+    def _position(self, name: str) -> _Position:
+        return self._positions.setdefault(name, _Position())
+
+    def _read_state(self) -> dict[str, _Position]:
+        if not self._state_path.is_file():
+            return {}
+        values = files.read_json(self._state_path)
+        return {name: _Position(**position) for name, position in values.items()}
+
+    def _write_state(self) -> None:
+        values = {name: vars(position) for name, position in self._positions.items()}
+        files.write_json(self._state_path, values)
+
+    def _update_journal(self, path: Path) -> None:
+        position = self._position(path.stem)
+        events, offset = _read_events(path, position.offset)
+        if not events:
+            return
+        metrics = [event for event in events if event["event"] == METRICS]
+        for event in events:
+            if event["event"] == END:  # metrics of an ended run would reopen nothing: write first
+                self._try(self._log_metrics, position.run, metrics)
+                metrics = []
+            self._try(self._handle, event, position, path.stem)
+        self._try(self._log_metrics, position.run, metrics)
+        position.offset = offset
+        self._write_state()
+
+    def _try(self, write: Callable[..., None], *arguments: Any) -> None:
+        """What MLflow refuses, such as a parameter that changes, must not hold up the rest."""
+        from mlflow.exceptions import MlflowException
+
+        try:
+            write(*arguments)
+        except (MlflowException, OSError, TypeError, ValueError) as error:
+            _log.warning("%s: %s", self._folder.name, error)
+
+    def _handle(self, event: dict[str, Any], position: _Position, name: str) -> None:
+        client, kind = self._client, event["event"]
+        if kind == BEGIN:
+            position.run = self._create_run(event, name)
+        elif kind == PARAMS:
+            self._log_params(position.run, event["values"])
+        elif kind == TABLE:
+            client.log_table(position.run, event["columns"], f"{event['name']}.json")
+        elif kind == FILE:
+            client.log_artifact(position.run, event["path"])
+        elif kind == END:
+            for key, value in event["tags"].items():
+                client.set_tag(position.run, key, value)
+            client.set_terminated(position.run, event["status"], end_time=event["time"])
+            position.ended = True
+
+    def _create_run(self, event: dict[str, Any], name: str) -> str:
+        parent = {} if name == MAIN else {_PARENT_TAG: self._position(MAIN).run}
+        run = self._client.create_run(
+            self._experiment,
+            start_time=event["time"],
+            tags={**self._info.tags, **event["tags"], **parent},
+            run_name=event["name"],
+        )
+        return run.info.run_id
+
+    def _log_params(self, run: str, values: dict[str, str]) -> None:
+        from mlflow.entities import Param
+
+        params = [Param(key, value[:_MAX_PARAM]) for key, value in values.items()]
+        for batch in _batches(params, _BATCH // 10):
+            self._client.log_batch(run, params=batch)
+
+    def _log_metrics(self, run: str, events: Sequence[dict[str, Any]]) -> None:
+        from mlflow.entities import Metric
+
+        metrics = [
+            Metric(key, value, event["time"], event["step"])
+            for event in events
+            for key, value in event["values"].items()
+        ]
+        for batch in _batches(metrics, _BATCH):
+            self._client.log_batch(run, metrics=batch)
+
+
+def _experiment(client: Any, artefacts: Path, name: str) -> str:
+    found = client.get_experiment_by_name(name)
+    if found is not None:
+        return found.experiment_id
+    location = (artefacts / "mlruns").resolve().as_uri()
+    return client.create_experiment(name, artifact_location=location)
+
+
+def _read_events(path: Path, offset: int) -> tuple[list[dict[str, Any]], int]:
+    """Whole lines from an offset on, and the offset behind them."""
+    with path.open("rb") as file:
+        file.seek(offset)
+        content = file.read()
+    whole = content[: content.rfind(b"\n") + 1]
+    return [json.loads(line) for line in whole.splitlines()], offset + len(whole)
+
+
+def _batches(items: Sequence[Any], size: int) -> Iterator[list[Any]]:
+    for first in range(0, len(items), size):
+        yield list(items[first : first + size])

@@ -1,0 +1,197 @@
+"""The runner: cut-off, interrupted jobs, changed sources, damaged inputs."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from slider.artefacts.maintenance import verify
+from slider.artefacts.plan import JobSpec, build_plan, write_plan
+from slider.artefacts.recipe import code_of
+from slider.artefacts.runner import Runner
+from slider.artefacts.store import Store
+from slider.core.errors import UserError
+
+STAGE = """
+import os, signal, time
+from pathlib import Path
+
+
+def first(section, inputs, out, job):
+    (out / "value.txt").write_text(str(section["value"] // 10))
+    job.volatile["solve_s"] = 0.5
+    return {"value": section["value"], "inf": float("inf")}
+
+
+def second(section, inputs, out, job):
+    text = [(folder / "value.txt").read_text() for folder in inputs["values"]]
+    (out / "sum.txt").write_text(",".join(text) + str(job.input_volatile["values"][0]["solve_s"]))
+    return {}
+
+
+def killed(section, inputs, out, job):
+    half = job.work / "checkpoint"
+    job.volatile["resumed"] = half.exists()
+    half.write_text("")
+    (out / "half.txt").write_text("half")
+    if not job.volatile["resumed"]:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {}
+
+
+def slow(section, inputs, out, job):
+    (out / "once.txt").write_text("")
+    with (Path(section["log"])).open("a") as file:
+        file.write("computed\\n")
+    time.sleep(0.5)
+    return {}
+"""
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """Stages in a module of their own beside the real package."""
+    name = f"stages_{tmp_path.name.replace('-', '_')}"
+    root = tmp_path / "source"
+    root.mkdir()
+    (root / f"{name}.py").write_text(STAGE)
+    monkeypatch.syspath_prepend(root)
+    monkeypatch.setattr("slider.artefacts.runner.SOURCE_ROOT", root)
+    code_of.cache_clear()
+    return root, name
+
+
+@pytest.fixture
+def store(tmp_path) -> Store:
+    return Store(tmp_path / "artefacts")
+
+
+def job(package, function: str, section, inputs=None) -> JobSpec:
+    root, name = package
+    code = code_of(f"{name}:{function}", root)
+    return JobSpec(function, function, code, section, inputs or {})
+
+
+def facts(store: Store, spec: JobSpec):
+    return json.loads(store.sidecar_path(spec.stage, spec.recipe).read_text())
+
+
+def test_equal_contents_of_inputs_cut_off_what_follows(package, store):
+    runner = Runner(store)
+    jobs = [job(package, "first", {"value": value}) for value in (10, 11)]
+    ends = [job(package, "second", {}, {"values": [item]}) for item in jobs]
+    assert jobs[0].recipe != jobs[1].recipe
+    outcomes = [runner.run(item) for item in (jobs[0], ends[0], jobs[1], ends[1])]
+    assert outcomes[3] == "reused"
+    assert "reused" not in outcomes[:3]
+    manifests = [store.read_manifest("second", end.recipe) for end in ends]
+    assert manifests[0].result == manifests[1].result
+    assert manifests[1].inputs == {"values": [jobs[1].recipe]}
+    assert facts(store, ends[1])["computed"] is False
+    assert facts(store, ends[1])["reused_from"] == ends[0].recipe
+
+
+def test_lost_manifest_is_written_again_without_computing(package, store):
+    spec = job(package, "first", {"value": 10})
+    Runner(store).run(spec)
+    path = store.manifest_path("first", spec.recipe)
+    text, before = path.read_text(), facts(store, spec)
+    path.unlink()
+    assert Runner(store).run(spec) == "reused"
+    assert path.read_text() == text
+    assert facts(store, spec) == before
+    assert '"inf": "inf"' in text
+
+
+def test_corrupt_object_is_dropped_and_computed_again(package, store):
+    spec = job(package, "first", {"value": 10})
+    Runner(store).run(spec)
+    digest = store.read_manifest("first", spec.recipe).result.object
+    path = store.object_folder(digest) / "value.txt"
+    path.chmod(0o644)
+    path.write_text("?")
+    assert verify(store).objects == [digest]
+    assert Runner(store).run(spec) != "reused"
+    assert store.is_whole(digest)
+
+
+def test_damaged_input_is_refused(package, store):
+    first = job(package, "first", {"value": 10})
+    Runner(store).run(first)
+    digest = store.read_manifest("first", first.recipe).result.object
+    (store.object_folder(digest) / "value.txt").unlink()
+    with pytest.raises(UserError, match="store verify"):
+        Runner(store).run(job(package, "second", {}, {"values": [first]}))
+
+
+def test_source_that_changed_after_planning_is_refused(package, store):
+    spec = job(package, "first", {"value": 10})
+    root, name = package
+    path = root / f"{name}.py"
+    path.write_text(path.read_text().replace("// 10", "// 5"))
+    code_of.cache_clear()
+    with pytest.raises(UserError, match="start it again"):
+        Runner(store).run(spec)
+    assert not store.manifest_path("first", spec.recipe).exists()
+
+
+def command(package, store: Store, spec: JobSpec) -> subprocess.Popen:
+    """The job in a process of its own, with the package's folder as the only source root."""
+    plan = write_plan(build_plan({"end": spec}), store.root / "plans")
+    program = (
+        "import sys; from pathlib import Path; import slider.artefacts.runner as runner;"
+        f"runner.SOURCE_ROOT = Path({str(package[0])!r});"
+        "from slider.cli import main; sys.exit(main())"
+    )
+    arguments = ["run", spec.recipe, "--plan", str(plan), "--artefacts", str(store.root)]
+    env = os.environ | {"PYTHONPATH": str(package[0])}
+    return subprocess.Popen(
+        [sys.executable, "-c", program, *arguments], env=env, stderr=subprocess.PIPE, text=True
+    )
+
+
+def test_killed_job_leaves_nothing_visible_and_resumes(package, store):
+    spec = job(package, "killed", {})
+    first = command(package, store, spec)
+    _, terminal = first.communicate()
+    assert first.returncode == -signal.SIGKILL, terminal
+    assert not (store.root / "objects").exists()
+    assert not store.manifest_path("killed", spec.recipe).exists()
+    second = command(package, store, spec)
+    _, terminal = second.communicate()
+    assert second.returncode == 0, terminal
+    assert json.loads(store.manifest_path("killed", spec.recipe).read_text())["resumed"] is True
+    assert not store.work_folder("killed", spec.recipe).exists()
+    assert facts(store, spec)["resumed"] is True
+
+
+def test_two_processes_with_one_job_compute_it_once(package, store, tmp_path):
+    log = tmp_path / "computed.log"
+    spec = job(package, "slow", {"log": str(log)})
+    processes = [command(package, store, spec) for _ in range(2)]
+    terminals = [process.communicate()[1] for process in processes]
+    assert [process.returncode for process in processes] == [0, 0], terminals
+    assert log.read_text() == "computed\n"
+
+
+def test_failure_shows_the_end_of_the_log_and_where_it_is(package, store):
+    spec = job(package, "first", {})
+    process = command(package, store, spec)
+    _, terminal = process.communicate()
+    assert process.returncode == 1
+    assert "KeyError: 'value'" in terminal
+    assert str(store.log_path("first", spec.recipe)) in terminal
+
+
+def test_collection_waits_for_running_jobs(package, store, tmp_path):
+    spec = job(package, "slow", {"log": str(tmp_path / "log")})
+    process = command(package, store, spec)
+    while not (tmp_path / "log").exists():
+        assert process.poll() is None
+    with pytest.raises(UserError, match="no running job"):
+        verify(store)
+    process.communicate()
+    assert verify(store).objects == []

@@ -1,0 +1,124 @@
+"""The source digest: what counts as a change of a stage's code."""
+
+from pathlib import Path
+
+import pytest
+
+from slider.artefacts.source import closure
+from slider.core.errors import UserError
+
+FILES = {
+    "slider/__init__.py": "",
+    "slider/gait/__init__.py": "",
+    "slider/gait/stage.py": '''"""A stage."""
+import numpy as np
+from slider.gait import solve
+
+
+def run():
+    """Run."""
+    from slider.robot.names import JOINTS  # inside a function
+    return solve.solve(JOINTS)
+''',
+    "slider/gait/solve.py": "import json\nfrom ..robot import names\n\ndef solve(x): return x\n",
+    "slider/robot/__init__.py": "",
+    "slider/robot/names.py": "JOINTS = (1, 2)\n",
+    "slider/env/__init__.py": "",
+    "slider/env/other.py": "import torch\n",
+}
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    for name, text in FILES.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path
+
+
+def digest(root: Path) -> str:
+    return closure("slider.gait.stage", root).digest
+
+
+def test_follows_all_imports_and_nothing_else(root):
+    found = closure("slider.gait.stage", root)
+    assert found.modules == (
+        "slider",
+        "slider.gait",
+        "slider.gait.solve",
+        "slider.gait.stage",
+        "slider.robot",
+        "slider.robot.names",
+    )
+    assert found.third_party == ("numpy",)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("gait/stage.py", "inside a function", "another comment"),
+        ("gait/stage.py", '"""Run."""', '"""Do something else,\n\n    at length.\n    """'),
+        ("gait/stage.py", '"""A stage."""', "# no docstring"),
+        ("gait/solve.py", "return x", "return (x)  # parentheses and\n\n"),
+        ("env/other.py", "import torch", "import casadi"),
+    ],
+)
+def test_ignores_what_does_not_run(root, name, old, new):
+    before = digest(root)
+    path = root / "slider" / name
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    assert digest(root) == before
+
+
+def test_ignores_what_an_editor_leaves(root):
+    before = digest(root)
+    for name in (".stage.py.swp", "stage.py~", "#stage.py#", "__pycache__/stage.cpython-311.pyc"):
+        path = root / "slider" / "gait" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("x")
+    assert digest(root) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("robot/names.py", "JOINTS = (1, 3)\n"),
+        ("robot/__init__.py", "import math\n"),
+        ("gait/__init__.py", "X = 1\n"),
+        ("gait/table.csv", "1,2\n"),
+        ("gait/data/table.csv", "1,2\n"),
+    ],
+)
+def test_sees_every_change_of_what_runs(root, name, text):
+    before = digest(root)
+    path = root / "slider" / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    assert digest(root) != before
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        "if True:\n pass\nelse:\n import casadi",
+        "try:\n pass\nexcept OSError:\n import casadi",
+        "try:\n pass\nfinally:\n import casadi",
+        "for _ in ():\n while True:\n  with open(''):\n   import casadi",
+        "match 1:\n case 2:\n  import casadi",
+        "class A:\n async def f(self):\n  import casadi",
+    ],
+)
+def test_finds_imports_in_every_kind_of_block(root, block):
+    (root / "slider/robot/names.py").write_text(f"{block}\n")
+    assert closure("slider.gait.stage", root).third_party == ("casadi", "numpy")
+
+
+def test_names_the_missing_module_and_the_line_that_does_not_parse(root):
+    with pytest.raises(UserError, match=r"slider\.gait\.nothing"):
+        closure("slider.gait.nothing", root)
+    (root / "slider/robot/names.py").write_text("JOINTS =\n")
+    with pytest.raises(UserError, match=r"slider\.robot\.names, line 1"):
+        digest(root)

@@ -1,0 +1,289 @@
+"""Every file of ``conf/`` composes, every mistake is one line, every robot value has a source."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.entry import open_pipeline
+from pipeline.stages.gaits import velocities
+from slider.cli import main
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+
+CONF = Path(__file__).parents[2] / "conf"
+TAGS = ("paper", "earlier", "assumed")
+
+
+def options() -> list[str]:
+    """``group=name`` for every file but the bases, which only others use."""
+    paths = [path.relative_to(CONF) for path in CONF.rglob("*.yaml") if path.stem != "base"]
+    return sorted(f"{path.parent}={path.stem}" for path in paths if path.parent != Path("."))
+
+
+@pytest.mark.parametrize(
+    "option", sorted({*options()} - {"evaluation=joystick", "evaluation=heldout"})
+)
+def test_every_option_composes(option):
+    compose([option], CONF)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
+        (
+            "report.sections=[sweeps]",
+            "robust, sweep, joystick, heldout, ablation, readings, prov",
+        ),
+        ("report.sections=[sweep,sweep]", "report.sections: expected each section once"),
+        ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
+        ("nonsense=3", "unknown configuration key 'nonsense'"),
+        (
+            "env.reference.acceleration=-0.1",
+            "env.reference.acceleration: expected a value ≥ 0.0, found -0.1",
+        ),
+        ("env.phase.halt.below=0.1", "env.phase.halt.above: expected a value ≥ 0.1, found 0.0"),
+        ("env.phase.halt=true", "configuration key 'env.phase.halt': Input should be an object"),
+        ("finetuning=nope", "unknown option finetuning=nope, expected one of: robust"),
+        ("env.action.clip=${nothing}", "Interpolation key 'nothing' not found"),
+        ("experiment=nope", "unknown option experiment=nope, expected one of: commands"),
+        ("+gait.extra=3", "gait.extra"),
+        ("gait.nodes=many", "'gait.nodes': Input should be a valid integer, found 'many'"),
+        ("gait.nodes=21.5", "'gait.nodes'"),
+        ("tracking.enabled=3", "'tracking.enabled'"),
+        ("evaluation.commands=0.2", "'evaluation.commands'"),
+        ("robot.joints.slide.upper=wide", "'robot.joints.slide.upper'"),
+        ("robot.joints.slide.upper=-0.5", "robot.joints.slide: expected lower < upper"),
+        ("robot.joints.ankle.damping=-1", "robot.joints.ankle.damping: expected a value ≥ 0.0"),
+        ("robot.drives.capstan.torque=0", "robot.drives.capstan.torque: expected a positive"),
+        ("robot.drives.hip_yaw.stall_ratio=0.9", "stall_ratio: expected a value ≥ 1.0, found 0.9"),
+        ("~robot.drives.capstan", "robot.drives: expected hip_yaw, hip_roll, hip_pitch, capstan"),
+        ("+robot.gains.slide={kp: 1.0, kd: 0.1}", "robot.gains: expected hip_yaw, hip_roll, hip_p"),
+        ("robot.gains.slide.kp=9000", "unknown configuration key 'robot.gains.slide.kp'"),
+        ("robot.capstan.drum_radius=0", "robot.capstan.drum_radius: expected a positive value"),
+        ("robot.geometry.tube_radius=0", "robot.geometry.tube_radius: expected a positive value"),
+        ("robot.geometry.base_half_size=[0.07,0,0.06]", "base_half_size[1]: expected a positive"),
+        ("gait.nodes=1001", "gait.nodes: expected an odd number from 5 to 201, found 1001"),
+        ("gait.grid.vx.step=-0.1", "gait.grid.vx.step: expected a positive value, found -0.1"),
+        ("gait.grid.vx.stop=-1.0", "gait.grid.vx: expected start ≤ stop"),
+        ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
+        ("gait.grid.vx=0.33", "'gait.grid.vx': Input should be an object or a valid array, found"),
+        ("gait.grid.vx=[]", "gait.grid.vx: expected start ≤ stop, or a list"),
+        ("gait.grid.vx=[fast]", "'gait.grid.vx': Input should be an object or a valid number"),
+        (
+            "train.walking.commands.vx=[0.3]",
+            "train.walking.commands.vx: expected values of train.walking.commands.vx.lower, "
+            "train.walking.commands.vx.upper, found [0.3]",
+        ),
+        ("env.physics.timestep=-0.005", "env.physics.timestep: expected a positive value"),
+        (
+            "train.walking.reset.reference_fraction=1.1",
+            "train.walking.reset.reference_fraction: expected a share in [0, 1], found 1.1",
+        ),
+        (
+            "train.walking.ppo.averaging=1.0",
+            "train.walking.ppo.averaging: expected a share in [0, 1), found 1.0",
+        ),
+        (
+            "train.walking.network.std_max_final=0.01",
+            "train.walking.network.std_max_final: expected at least 0.05 (std_min), found 0.01",
+        ),
+        ("train.walking.network.calm_from=1.5", "network.calm_from: expected a share"),
+        ("train.walking.network.activation=gelu", "expected one of elu, relu, tanh, found gelu"),
+        ("train.walking.network.hidden=[256,0]", "network.hidden[1]: expected a value ≥ 1"),
+        ("train.standing.network.initial_std=0", "network.initial_std: expected a positive"),
+        ("train.walking.selection.commands=[]", "selection.commands: expected at least one"),
+        ("train.walking.selection.skip=6", "selection.skip: expected a time in [0, 5.98] s"),
+        ("train.walking.selection.fall_weight=0", "selection.fall_weight: expected a positive"),
+        ("train.walking.selection.flight_weight=-1", "flight_weight: expected 0 to 5, half of"),
+        ("train.walking.selection.flight_weight=6", "flight_weight: expected 0 to 5, half of"),
+        ("train.standing.network.hidden=[64]", "as train.walking.network has it, found [64]"),
+        (
+            "train.standing.network.activation=tanh",
+            "train.standing.network.activation: expected elu",
+        ),
+        (
+            "train.walking.reward.terms.heading.params.width=0",
+            "heading.params.width: expected a pos",
+        ),
+        (
+            "train.walking.reward.terms.forward_velocity_filtered.params.relative=-1",
+            "forward_velocity_filtered.params.relative: expected a value ≥ 0",
+        ),
+        ("env.observation.height_scan.points_x=-1", "height_scan.points_x: expected a value ≥ 1"),
+        ("protocols.joystick.profile.settle=2.995", "expected a control period longer than ramp"),
+        ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
+        ("train.walking.commands.standing_fraction=3", "standing_fraction: expected a share in"),
+        ("train.walking.commands.period=-5", "commands.period: expected a value ≥ 0"),
+        ("train.walking.seed=-1", "train.walking.seed: expected an integer in [0, 2⁶³), found -1"),
+        ("train.walking.seed=9223372036854775808", "train.walking.seed: expected an integer in"),
+        ("train.walking.ppo.epochs=0", "train.walking.ppo.epochs: expected a value ≥ 1"),
+        ("train.walking.ppo.gamma=1.5", "ppo.gamma: expected a share in (0, 1], found 1.5"),
+        ("train.walking.ppo.max_grad_norm=0", "ppo.max_grad_norm: expected a positive value"),
+        ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
+        ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms: expected"),
+        ("+train.walking.reward.terms.upright.params.x=1", "terms.upright.params: expected ['w"),
+        ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
+        ("+env.termination.terms.boredom=1.0", "env.termination.terms: expected some of"),
+        ("ablation.seeds=[1,-2]", "ablation.seeds[1]: expected a value ≥ 0, found -2"),
+        ("evaluation.seed=-5", "evaluation.seed: expected a value ≥ 0, found -5"),
+        ("evaluation.steady_from=9.999", "evaluation.steady_from: expected a time in [0, 9.98] s"),
+        ("evaluation.commands=[0.2,0.2]", "evaluation.commands: expected each once"),
+        ("evaluation.controllers=[policy,policy]", "evaluation.controllers: expected each once"),
+        ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
+        ("control.tuned.substeps=2", "control.tuned.substeps: expected a control rate of at least"),
+        ("control.tuned.substeps=3", "control.tuned.substeps: expected a divisor of"),
+        ("control.observer.observer.delay=0.012", "observer.delay: expected a multiple of 0.005"),
+        ("control.observer.observer.velocity=0", "velocity: expected a share in (0, 1], found 0"),
+        ("control.literal.step.time=0.6", "control.literal.step: expected lower ≤ upper"),
+        ("control.tuned.step.switching=luck", "control.tuned.step.switching"),
+        (
+            "evaluation.disturbance.delay.upper=0.012",
+            "evaluation.disturbance.delay.upper: expected a multiple of 0.005, found 0.012",
+        ),
+        ("evaluation.disturbance.delay={lower: -0.005, upper: 0.0}", "delay.lower: expected"),
+        ("evaluation.disturbance.mass={lower: 1.1, upper: 0.9}", "mass: expected lower ≤ upper"),
+        ("evaluation.disturbance.motor_gain.lower=0", "motor_gain.lower: expected a positive"),
+        ("evaluation.disturbance.friction={lower: 0, upper: 1}", "friction.lower: expected a pos"),
+        ("evaluation.disturbance.centre_of_mass=-0.01", "centre_of_mass: expected a value ≥ 0"),
+        ("evaluation.disturbance.sensing.orientation=-1", "sensing.orientation: expected a value"),
+        ("train.walking.disturbance.push.interval=0.03", "push.interval: expected a multiple of"),
+        ("evaluation.disturbance.ground.cell=0.3", "ground.period: expected a multiple of 0.3"),
+        ("evaluation.disturbance.ground.period=200", "ground.period: expected at most 400 cells"),
+        ("evaluation/disturbance=rough", "unknown option evaluation/disturbance=rough"),
+        ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy, mpc"),
+        ("evaluation=joystick", "evaluation.profile: expected none (the commands of Table 1"),
+        ("protocols.sweep.commands=[]", "protocols.sweep.commands: expected at least one command"),
+        ("protocols.joystick.commands=[1.0]", "protocols.joystick.commands: expected none with a"),
+        ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
+        ("protocols.joystick.profile.cases=[]", "joystick.profile.cases: expected at least one"),
+        (
+            "protocols.joystick.profile.cases=[{name: a, segments: []}]",
+            "joystick.profile.cases[0].segments: expected at least one segment, found none",
+        ),
+        (
+            "protocols.heldout.profile.rows=segments",
+            "heldout.profile.cases: expected one case where rows are its segments, found ['0.0 m/s",
+        ),
+        ("protocols.heldout.profile.rows=all", "rows: expected one of segments, cases, found all"),
+        ("protocols.heldout.duration=9.0", "cases[12].segments[1]: expected a control period long"),
+        ("protocols.sweap.trials=3", "did you mean 'protocols.sweep.trials'?"),
+        ("gait.cost=cheap", "gait.cost: expected one of paper, torque, transport, found cheap"),
+        ("gait.step_time.upper=nan", "a finite number"),
+        ("what", "what"),
+        ("gait=[1]", "gait"),
+    ],
+)
+def test_every_mistake_is_one_line(override, message, capsys):
+    assert main(["config", override, "--conf", str(CONF)]) == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert message in lines[0]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"hydar": "gait.nodes=5"}, "unknown --config name 'hydar'"),
+        ({"hydra": 3}, "expected text of the form key=value, found 3"),
+        ({"hydra": ["gait.nodes=5"]}, "expected text of the form key=value"),
+        ({"hydra": "gait.cost='paper"}, "No closing quotation in"),
+        ({"hydra": "gait.cost='paper"}, "a space before or after them keeps them"),
+        ({"hydra": "gait.nods=3"}, "did you mean 'gait.nodes'?"),
+        ({"hydra": "env=paper"}, "walking: reward.terms: expected env.phase.enabled for "),
+        ({"hydra": "env/phase=none env.action.about=nominal"}, "standing: env.observation.terms:"),
+    ],
+)
+def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as caught:
+        open_pipeline(settings, CONF)
+    assert caught.value.code == 1
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert message in lines[0]
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_fine_tuning_wants_what_the_walking_training_wanted():
+    overrides = ["train.walking.seed=3", "train.walking.commands.vx.upper=1.2"]
+    config = compose(["experiment=commands", "finetuning=robust", *overrides], CONF)
+    walking, tuning = config.train.walking, config.finetuning
+    assert tuning is not None
+    assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.commands, walking.reward)
+    assert tuning.episode_length == walking.episode_length == 10.0
+    assert tuning.commands.yaw_rate.upper > 0
+    assert tuning.selection.commands == walking.selection.commands
+    assert 0.0 in tuning.selection.commands
+    paper = compose(["experiment=paper", "finetuning=robust"], CONF)
+    assert paper.finetuning is not None
+    assert paper.finetuning.guide == paper.train.walking.guide
+    assert paper.finetuning.reset == paper.train.walking.reset
+    assert tuning.reward.terms["stand_still"].weight > 0
+    own = compose(["finetuning=robust", "finetuning.reward.terms.heading.weight=0.7"], CONF)
+    assert own.finetuning is not None
+    assert own.finetuning.reward.terms["heading"].weight == 0.7
+
+
+def test_a_section_needs_its_protocol(capsys):
+    overrides = ["~protocols.sweep", "report.sections=[sweep]"]
+    assert main(["config", *overrides, "--conf", str(CONF)]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "learning, robust, joystick, heldout, ablation" in line
+    assert line.endswith("found sweep")
+
+
+def test_a_list_of_velocities_takes_the_place_of_an_axis():
+    one = compose(["gait.grid.vx=[0.33]"], CONF).gait.grid
+    assert one.vx == [0.33]
+    assert one.vy == compose([], CONF).gait.grid.vy
+    overrides = ["gait.grid.vx.stop=0.5", "gait.grid.vx=[0.2]", "gait.grid.vx=[0.4,0.33]"]
+    last = compose(["experiment=test", *overrides, "gait.grid.vy=[0.0]"], CONF).gait.grid
+    assert (last.vx, last.vy) == ([0.4, 0.33], [0.0])
+    assert velocities(last) == [(0.33, 0.0), (0.4, 0.0)]
+
+
+def test_config_prints_the_resolved_configuration(capsys):
+    assert main(["config", "gait.cost=torque", "--conf", str(CONF)]) == 0
+    assert "  cost: torque\n" in capsys.readouterr().out
+
+
+def leaves(node: Any, prefix: str = "") -> list[str]:
+    if not isinstance(node, dict):
+        return [prefix]
+    return [leaf for name, value in node.items() for leaf in leaves(value, f"{prefix}.{name}")]
+
+
+def test_every_robot_parameter_has_a_source():
+    robot = to_dict(compose([], CONF).robot)
+    provenance = robot.pop("provenance")
+    robot.pop("name")
+    assert set(provenance.values()) <= set(TAGS)
+    paths = [leaf.removeprefix(".") for leaf in leaves(robot)]
+    for path in paths:
+        parts = path.split(".")
+        prefixes = [".".join(parts[:end]) for end in range(1, len(parts) + 1)]
+        assert any(prefix in provenance for prefix in prefixes), f"{path} has no source"
+    for name in provenance:
+        assert any(f"{path}.".startswith(f"{name}.") for path in paths), f"{name} is no parameter"
+
+
+def test_one_override_of_the_network_is_for_all_trainings():
+    sizes = ("train.walking.network.hidden=[64,32]", "train.walking.network.activation=tanh")
+    whole = compose(["finetuning=robust", *sizes], CONF)
+    assert whole.finetuning is not None
+    for train in (whole.train.standing, whole.train.walking, whole.finetuning):
+        assert (train.network.hidden, train.network.activation) == ([64, 32], "tanh")
+    scratch = ["train.pretraining=false", "train.standing.network.hidden=[8]"]
+    assert compose(scratch, CONF).train.standing.network.hidden == [8]
+
+
+def test_without_the_library_the_other_rewards_stay():
+    walking = compose([], CONF).train.walking.reward
+    unguided = compose(["train/walking/reward=unguided"], CONF).train.walking.reward
+    guides = {name for name in walking.terms if name.startswith("guide_")}
+    assert set(walking.terms) - guides == set(unguided.active) - {"height"}
+    for name in set(walking.terms) - guides:
+        assert unguided.terms[name] == walking.terms[name], name
+    assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)

@@ -1,0 +1,117 @@
+"""The robot's parameters are found whatever they are called; changing one leaves the others."""
+
+from pathlib import Path
+
+import pytest
+
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+from slider.config.parameters import choose, parameters, scaled, tag
+from slider.config.robot import RobotConfig
+from slider.core.errors import UserError
+
+CONF = Path(__file__).parents[2] / "conf"
+
+
+@pytest.fixture(scope="module")
+def robot() -> RobotConfig:
+    return compose([], CONF).robot
+
+
+def numbers(node: object) -> int:
+    """Numbers in nested values, counted without regard to names."""
+    if isinstance(node, dict):
+        return sum(numbers(value) for value in node.values())
+    if isinstance(node, (list, tuple)):
+        return sum(numbers(value) for value in node)
+    return int(isinstance(node, float))
+
+
+def test_every_number_is_in_one_parameter(robot):
+    found = parameters(robot)
+    assert len({item.path for item in found}) == len(found)
+    assert sum(len(item.value) for item in found) == numbers(to_dict(robot))
+    assert not any(item.path.startswith(("provenance", "name")) for item in found)
+
+
+def test_the_tag_is_that_of_the_longest_path(robot):
+    tags = {"links": "assumed", "links.roll": "earlier", "links.roll.com": "assumed"}
+    assert tag(tags, "links.base.mass") == "assumed"
+    assert tag(tags, "links.roll.mass") == "earlier"
+    assert tag(tags, "links.roll.com") == "assumed"
+    assert tag(tags, "links.rolled") == "assumed"  # no part of links.roll
+    assert tag(tags, "contact.friction") == ""
+    assert {item.provenance for item in parameters(robot)} == {"paper", "earlier", "assumed"}
+
+
+def test_assumed_are_exactly_those_that_the_file_says(robot):
+    """Groups of the file against single lines, by another way: shorter paths are overridden."""
+    expected: dict[str, str] = {}
+    paths = [item.path for item in parameters(robot)]
+    for name in sorted(robot.provenance, key=len):
+        for path in paths:
+            if path == name or path.startswith(f"{name}."):
+                expected[path] = robot.provenance[name]
+    assumed = {item.path for item in choose(parameters(robot), ["assumed"], [])}
+    assert assumed == {path for path, name in expected.items() if name == "assumed"}
+    assert {"geometry.toe", "links.base.mass", "links.base.inertia"} <= assumed
+    assert not {"geometry.foot_radius", "links.foot.mass", "geometry.leg_length"} & assumed
+
+
+def test_named_paths_are_parameters_or_groups(robot):
+    found = parameters(robot)
+    assert [p.path for p in choose(found, ["assumed"], ["geometry.toe"])] == ["geometry.toe"]
+    base = choose(found, ["assumed"], ["links.base"])
+    assert [item.path.rpartition(".")[2] for item in base] == ["mass", "com", "inertia"]
+    assert choose(found, ["paper"], ["links.base"]) == []
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.2])
+def test_one_parameter_changes_and_nothing_else(robot, factor):
+    before = {item.path: item.value for item in parameters(robot)}
+    for path in before:
+        changed = scaled(robot, path, factor)
+        after = {item.path: item.value for item in parameters(changed)}
+        assert after.pop(path) == pytest.approx([factor * v for v in before[path]], rel=1e-9)
+        assert after == {name: value for name, value in before.items() if name != path}
+        assert changed.provenance == robot.provenance
+
+
+def test_a_vector_varies_as_a_whole_and_digits_stay_short(robot):
+    changed = scaled(robot, "links.base.inertia", 1.2)
+    assert changed.links.base.inertia == (0.036, 0.0216, 0.0336)
+
+
+def test_zeros_are_known_as_such(robot):
+    zero = {item.path for item in parameters(robot) if item.zero}
+    assert "links.roll.com" in zero
+    assert "links.base.com" not in zero  # one of its numbers is not
+    for path in zero:
+        assert scaled(robot, path, 1.2) == robot
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("sensitivity.change=1.0", "sensitivity.change: expected a share in (0, 1)"),
+        ("sensitivity.change=0", "sensitivity.change: expected a share in (0, 1)"),
+        ("sensitivity.commands=[]", "sensitivity.commands: expected at least one command"),
+        ("sensitivity.commands=[1.2,1.2]", "sensitivity.commands: expected each once"),
+        ("sensitivity.robots=0", "sensitivity.robots: expected a value ≥ 1, found 0"),
+        ("sensitivity.duration=1.0", "sensitivity.steady_from: expected a time in [0, 0.98] s"),
+        ("sensitivity.parameters=[legs]", "numbers of the robot tagged assumed, found legs"),
+        ("sensitivity.parameters=[geometry.foot_radius]", "tagged assumed, found geometry.foot"),
+        ("sensitivity.provenance=[guessed]", "sensitivity.provenance: expected one of earlier"),
+        ("sensitivity.provenance=[]", "sensitivity.provenance: expected at least one tag"),
+    ],
+)
+def test_every_mistake_is_one_line(override, message):
+    with pytest.raises(UserError) as error:
+        compose([override], CONF)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_something_must_be_looked_at():
+    with pytest.raises(UserError, match="expected one of gaits and policy true, found both false"):
+        compose(["sensitivity.gaits=false", "sensitivity.policy=false"], CONF)

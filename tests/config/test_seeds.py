@@ -1,0 +1,118 @@
+"""What is reported and what is chosen by draw from different seeds, in every experiment."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline.ablation import ablation_job
+from pipeline.stages import entries, table1_jobs
+from pipeline.stages.protocols import protocol_jobs
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import Code
+from slider.config.compose import compose
+from slider.core.errors import UserError
+
+CONF = Path(__file__).parents[2] / "conf"
+EXPERIMENTS = sorted(path.stem for path in (CONF / "experiment").glob("*.yaml"))
+FINETUNED = "finetuning=robust"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _constant_code():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
+        yield
+
+
+def drawn(reports: list[JobSpec]) -> set[int]:
+    """Seeds that the evaluations of reports draw from."""
+    found: set[int] = set()
+    for job in (job for report in reports for job in report.inputs["evaluations"]):
+        protocol = job.section["evaluation"]
+        found |= set(range(protocol["seed"], protocol["seed"] + protocol["trials"]))
+    return found
+
+
+def checked(report: JobSpec) -> set[int]:
+    """Seeds of the checks that pick the checkpoints of its policy, pre-training included."""
+    found: set[int] = set()
+    waiting = [report]
+    while waiting:
+        job = waiting.pop()
+        waiting += [item for group in job.inputs.values() for item in group]
+        if "train" in job.section:
+            found.add(job.section["train"]["selection"]["seed"])
+    return found
+
+
+def ablation(*overrides: str) -> JobSpec:
+    config = compose(overrides, CONF)
+    return ablation_job(config, table1_jobs(config)["library"], overrides, CONF)
+
+
+@pytest.mark.parametrize("experiment", EXPERIMENTS)
+def test_no_reported_seed_is_chosen_by(experiment):
+    given = [f"experiment={experiment}"]
+    config = compose(given, CONF)
+    jobs = table1_jobs(config)
+    protocols = protocol_jobs(config, jobs["walking"])
+    seeds = ablation(*given, "ablation=seeds", "ablation.run=[default]")
+    final = drawn([jobs["table1"], *protocols.values(), seeds])
+
+    compared = ablation(*given, "ablation.run=[default,without_pretraining]")
+    development = table1_jobs(compose([*given, "evaluation=development"], CONF))["table1"]
+    chosen = drawn([compared, development]) | checked(jobs["table1"]) | checked(compared)
+    chosen |= checked(table1_jobs(compose([*given, FINETUNED], CONF))["table1"])
+
+    assert len(final) >= 2
+    assert len(chosen) >= 2
+    assert not final & chosen
+    assert final <= set(range(config.seeds.final.first, config.seeds.final.last + 1))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (
+            ["seeds.final={first: 1500, last: 2500}"],
+            r"^seeds\.final: expected no seed of seeds\.development \(1000 to 1999\), "
+            r"found 1500 to 2500$",
+        ),
+        (["seeds.development.last=999"], r"seeds\.development: expected lower ≤ upper"),
+        (
+            ["evaluation.seed=1995"],
+            r"^evaluation\.seed: expected seeds within 20260 to 21259 or 1000 to 1999, "
+            r"found 1995 to 2004$",
+        ),
+        (["protocols.sweep.seed=5"], r"^protocols\.sweep\.seed: expected seeds within"),
+        (
+            ["ablation.evaluation_seed=20260"],
+            r"^ablation\.evaluation_seed: expected seeds within 1000 to 1999, found 20260 to 20260",
+        ),
+        (["ablation=seeds", "ablation.run=[default,paper]"], r"^ablation\.evaluation_seed: expect"),
+        (
+            ["train.walking.selection.seed=20261"],
+            r"^train\.walking\.selection\.seed: expected seeds within 1000 to 1999, found",
+        ),
+        (
+            [FINETUNED, "finetuning.selection.seed=3"],
+            r"^finetuning\.selection\.seed: expected seeds within 1000 to 1999",
+        ),
+        (
+            ["train.walking.seed=20262"],
+            r"^train\.walking\.seed: expected none of seeds\.final \(20260 to 21259\), found 20262",
+        ),
+        (["ablation.seeds=[1,21259]"], r"^ablation\.seeds\[1\]: expected none of seeds\.final"),
+    ],
+)
+def test_seeds_of_another_block_are_one_line(overrides, message):
+    with pytest.raises(UserError, match=message) as error:
+        compose(overrides, CONF)
+    assert "\n" not in str(error.value)
+
+
+def test_one_value_moves_a_block():
+    moved = compose(["seeds.final={first: 50000, last: 50099}"], CONF)
+    assert {moved.evaluation.seed, *(p.seed for p in moved.protocols.values())} == {50000}
+    seeds = compose(["ablation=seeds", "seeds.final.first=20300"], CONF)
+    assert seeds.ablation.evaluation_seed == 20300

@@ -1,0 +1,103 @@
+"""Journals of jobs, the writer that brings them to MLflow, and what a crash leaves behind."""
+
+import logging
+import os
+from pathlib import Path
+
+import pytest
+from mlflow import MlflowClient
+
+from slider.tracking import session as tracking
+from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
+from slider.tracking.mlflow_writer import follow
+
+NOBODY = 2**22 + 1  # above the largest process id of Linux
+RUN = {"name": "pipeline", "tags": {"plan": "p"}, "params": {"gait": {"nodes": 21}}}
+
+
+@pytest.fixture
+def artefacts(tmp_path: Path, monkeypatch) -> Path:
+    monkeypatch.setattr(tracking, "_spawn_writer", lambda *_: None)  # tests call follow()
+    return tmp_path / "artefacts"
+
+
+def start(artefacts: Path, owner: int) -> Path:
+    info = tracking.SessionInfo("slider", owner, {"git.dirty": "false"})
+    return tracking.start(artefacts, info, RUN).folder
+
+
+def runs(artefacts: Path):
+    client = MlflowClient(f"sqlite:///{artefacts / 'mlflow.db'}")
+    experiment = client.get_experiment_by_name("slider")
+    assert experiment is not None
+    found = client.search_runs([experiment.experiment_id])
+    return client, {run.info.run_name: run for run in found}
+
+
+def test_one_parent_with_a_child_per_job(artefacts, tmp_path):
+    folder = start(artefacts, os.getpid())
+    assert current_session(artefacts) == folder
+    job = JournalTracker(folder / "walking-1.jsonl")
+    job.begin("walking", {"stage": "walking"})
+    job.log_params({"train": {"seed": 1, "hidden": [32, 32]}})
+    for step in range(1500):
+        job.log_metrics({"reward": step / 2, "loss": float("nan")}, step)
+    job.log_table({"vx": [0.0, 0.1], "cost": [1.0, float("inf")]}, "gaits")
+    (tmp_path / "note.txt").write_text("note")
+    job.log_file(tmp_path / "note.txt")
+    (tmp_path / "note.txt").unlink()
+    job.end(FINISHED, {"object": "abc"})
+    broken = JournalTracker(folder / "evaluation-1.jsonl")
+    broken.begin("evaluation", {"stage": "evaluation"})
+    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
+    tracking.stop(artefacts)
+    assert current_session(artefacts) is None
+    follow(artefacts, folder.name)
+    client, found = runs(artefacts)
+    assert not folder.exists()
+    states = {name: run.info.status for name, run in found.items()}
+    assert states == {"pipeline": FINISHED, "walking": FINISHED, "evaluation": FAILED}
+    walking = found["walking"]
+    assert walking.data.tags["mlflow.parentRunId"] == found["pipeline"].info.run_id
+    assert walking.data.tags["object"] == "abc"
+    assert walking.data.tags["git.dirty"] == "false"
+    assert walking.data.params == {"train.seed": "1", "train.hidden": "[32, 32]"}
+    assert found["pipeline"].data.params == {"gait.nodes": "21"}
+    assert len(client.get_metric_history(walking.info.run_id, "reward")) == 1500
+    assert walking.data.metrics["reward"] == 749.5
+    names = {item.path for item in client.list_artifacts(walking.info.run_id)}
+    assert names == {"gaits.json", "note.txt"}
+
+
+def test_runs_of_a_killed_pipeline_end_as_failed_with_the_next(artefacts):
+    killed = start(artefacts, NOBODY)
+    JournalTracker(killed / "walking-1.jsonl").begin("walking", {})
+    (killed / "walking-1.jsonl").open("a").write('{"event": "metr')  # cut short
+    killed = killed.rename(killed.with_name("20000101T000000-1"))
+    folder = start(artefacts, os.getpid())
+    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
+    follow(artefacts, folder.name)
+    client, found = runs(artefacts)
+    assert found["walking"].info.status == FAILED
+    pipelines = client.search_runs(["1"], "attributes.run_name = 'pipeline'")
+    assert sorted(run.info.status for run in pipelines) == [FAILED, FINISHED]
+    assert not killed.exists()
+
+
+def test_writer_ends_with_its_owner(artefacts):
+    folder = start(artefacts, NOBODY)
+    follow(artefacts, folder.name)
+    assert runs(artefacts)[1]["pipeline"].info.status == FAILED
+
+
+def test_a_broken_tracker_is_one_warning(tmp_path, caplog):
+    tracker = JournalTracker(tmp_path / "no" / "folder.jsonl")
+    with caplog.at_level(logging.WARNING):
+        tracker.log_metrics({"reward": 1.0}, 0)
+        tracker.log_file(tmp_path / "nothing")
+        tracker.log_table({"x": [object()]}, "x")
+    assert len(caplog.records) == 1
+
+
+def test_no_session_no_journal(tmp_path):
+    assert current_session(tmp_path) is None

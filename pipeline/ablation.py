@@ -102,4 +102,4 @@ def _trained(train: TrainConfig, samples: int, settings: AblationConfig, seed: i
 
 def _batch(train: TrainConfig) -> int:
     """Samples of one iteration."""
-    return train.num_envs * train.steps_per_iteration
+    return train.robots * train.steps_per_iteration

@@ -129,7 +129,7 @@ def rollout(config: Config, changed: RobotConfig, walking: JobSpec) -> JobSpec:
         trials=1,
         robots=settings.robots,
         duration=settings.duration,
-        steady_from=settings.steady_from,
+        warm_up=settings.warm_up,
     )
     section = {
         "robot": robot(replace(config, robot=replace(changed, **own))),

@@ -19,7 +19,7 @@ from tests.training.test_trainer import TINY, task
 def bench(tmp_path_factory):
     """Without disturbances: delays come before the physics."""
     calm = config(*TINY, "train/walking/disturbance=none").train.walking.disturbance
-    settings = task(num_envs=8, disturbance=calm)
+    settings = task(robots=8, disturbance=calm)
     return Bench(settings, threads=1, work=tmp_path_factory.mktemp("work"))
 
 

@@ -47,7 +47,7 @@ def test_every_option_composes(option):
         ("env.phase.halt=true", "configuration key 'env.phase.halt': Input should be an object"),
         ("finetuning=nope", "unknown option finetuning=nope, expected one of: robust"),
         ("env.action.clip=${nothing}", "Interpolation key 'nothing' not found"),
-        ("experiment=nope", "unknown option experiment=nope, expected one of: commands"),
+        ("experiment=nope", "unknown option experiment=nope, expected one of: default"),
         ("+gait.extra=3", "gait.extra"),
         ("gait.nodes=many", "'gait.nodes': Input should be a valid integer, found 'many'"),
         ("gait.nodes=21.5", "'gait.nodes'"),
@@ -82,19 +82,19 @@ def test_every_option_composes(option):
             "train.walking.reset.reference_fraction: expected a share in [0, 1], found 1.1",
         ),
         (
-            "train.walking.ppo.averaging=1.0",
-            "train.walking.ppo.averaging: expected a share in [0, 1), found 1.0",
+            "train.walking.ppo.actor_ema=1.0",
+            "train.walking.ppo.actor_ema: expected a share in [0, 1), found 1.0",
         ),
         (
-            "train.walking.network.std_max_final=0.01",
-            "train.walking.network.std_max_final: expected at least 0.05 (std_min), found 0.01",
+            "train.walking.network.std_final=0.01",
+            "train.walking.network.std_final: expected at least 0.05 (std_min), found 0.01",
         ),
-        ("train.walking.network.calm_from=1.5", "network.calm_from: expected a share"),
+        ("train.walking.network.anneal_from=1.5", "network.anneal_from: expected a share"),
         ("train.walking.network.activation=gelu", "expected one of elu, relu, tanh, found gelu"),
         ("train.walking.network.hidden=[256,0]", "network.hidden[1]: expected a value ≥ 1"),
         ("train.standing.network.initial_std=0", "network.initial_std: expected a positive"),
         ("train.walking.selection.commands=[]", "selection.commands: expected at least one"),
-        ("train.walking.selection.skip=6", "selection.skip: expected a time in [0, 5.98] s"),
+        ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
         ("train.walking.selection.fall_weight=0", "selection.fall_weight: expected a positive"),
         ("train.walking.selection.flight_weight=-1", "flight_weight: expected 0 to 5, half of"),
         ("train.walking.selection.flight_weight=6", "flight_weight: expected 0 to 5, half of"),
@@ -112,7 +112,7 @@ def test_every_option_composes(option):
             "forward_velocity_filtered.params.relative: expected a value ≥ 0",
         ),
         ("env.observation.height_scan.points_x=-1", "height_scan.points_x: expected a value ≥ 1"),
-        ("protocols.joystick.profile.settle=2.995", "expected a control period longer than ramp"),
+        ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
         ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
         ("train.walking.commands.standing_fraction=3", "standing_fraction: expected a share in"),
         ("train.walking.commands.period=-5", "commands.period: expected a value ≥ 0"),
@@ -128,7 +128,7 @@ def test_every_option_composes(option):
         ("+env.termination.terms.boredom=1.0", "env.termination.terms: expected some of"),
         ("ablation.seeds=[1,-2]", "ablation.seeds[1]: expected a value ≥ 0, found -2"),
         ("evaluation.seed=-5", "evaluation.seed: expected a value ≥ 0, found -5"),
-        ("evaluation.steady_from=9.999", "evaluation.steady_from: expected a time in [0, 9.98] s"),
+        ("evaluation.warm_up=9.999", "evaluation.warm_up: expected a time in [0, 9.98] s"),
         ("evaluation.commands=[0.2,0.2]", "evaluation.commands: expected each once"),
         ("evaluation.controllers=[policy,policy]", "evaluation.controllers: expected each once"),
         ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
@@ -192,7 +192,7 @@ def test_every_mistake_is_one_line(override, message, capsys):
         ({"hydra": "gait.cost='paper"}, "a space before or after them keeps them"),
         ({"hydra": "gait.nods=3"}, "did you mean 'gait.nodes'?"),
         ({"hydra": "env=paper"}, "walking: reward.terms: expected env.phase.enabled for "),
-        ({"hydra": "env/phase=none env.action.about=nominal"}, "standing: env.observation.terms:"),
+        ({"hydra": "env/phase=none env.action.offset=nominal"}, "standing: env.observation.terms:"),
     ],
 )
 def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
@@ -208,7 +208,7 @@ def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
 
 def test_a_fine_tuning_wants_what_the_walking_training_wanted():
     overrides = ["train.walking.seed=3", "train.walking.commands.vx.upper=1.2"]
-    config = compose(["experiment=commands", "finetuning=robust", *overrides], CONF)
+    config = compose(["experiment=turning", "finetuning=robust", *overrides], CONF)
     walking, tuning = config.train.walking, config.finetuning
     assert tuning is not None
     assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.commands, walking.reward)

@@ -98,7 +98,7 @@ def test_zeros_are_known_as_such(robot):
         ("sensitivity.commands=[]", "sensitivity.commands: expected at least one command"),
         ("sensitivity.commands=[1.2,1.2]", "sensitivity.commands: expected each once"),
         ("sensitivity.robots=0", "sensitivity.robots: expected a value ≥ 1, found 0"),
-        ("sensitivity.duration=1.0", "sensitivity.steady_from: expected a time in [0, 0.98] s"),
+        ("sensitivity.duration=1.0", "sensitivity.warm_up: expected a time in [0, 0.98] s"),
         ("sensitivity.parameters=[legs]", "numbers of the robot tagged assumed, found legs"),
         ("sensitivity.parameters=[geometry.foot_radius]", "tagged assumed, found geometry.foot"),
         ("sensitivity.provenance=[guessed]", "sensitivity.provenance: expected one of earlier"),

@@ -194,7 +194,7 @@ def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
 
 
 def test_a_network_of_zeros_holds_the_nominal_pose():
-    agent, physics = make_agent(3, "env.action.about=nominal"), make_physics(3)
+    agent, physics = make_agent(3, "env.action.offset=nominal"), make_physics(3)
     controller = PolicyController(lambda seen: torch.zeros(len(seen), 12), agent)
     state = physics.read()
     controller.reset(state, np.zeros((3, 3)))

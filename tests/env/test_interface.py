@@ -26,7 +26,7 @@ PAPER = ("env=paper", "train/standing=paper", "train/walking=paper")
 
 
 def at_phase(phase: float, count: int = 3) -> AgentInterface:
-    agent = make_agent(count, "env.action.about=nominal")
+    agent = make_agent(count, "env.action.offset=nominal")
     agent.reset(np.arange(count), make_state(count), phase=phase)
     return agent
 
@@ -50,7 +50,7 @@ def test_the_same_action_in_right_stance_gives_mirrored_targets():
 
 def test_without_a_mirror_phase_does_not_matter():
     action = np.random.default_rng(0).uniform(-1, 1, (3, NUM_JOINTS))
-    agent = make_agent(3, "env.phase.mirror=false", "env.action.about=nominal")
+    agent = make_agent(3, "env.phase.mirror=false", "env.action.offset=nominal")
     agent.reset(np.arange(3), make_state(3), phase=np.array([0.1, 0.6, 0.9]))
     targets = agent.act(np.tile(action[0], (3, 1)))
     np.testing.assert_array_equal(targets[0], targets[1])
@@ -179,7 +179,7 @@ def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
 
 def test_a_robot_that_lags_does_not_hold_its_reference_back():
     """Told to stop, a robot that runs on meets the gait of standing, not one of its own speed."""
-    agent = make_agent(1, "env.action.about=gait", "env.reference.acceleration=2.0")
+    agent = make_agent(1, "env.action.offset=gait", "env.reference.acceleration=2.0")
     running = make_state(1, heading_velocity=[[1.0, 0.0]])
     agent.set_velocity_command(np.array([0]), np.array([[1.0, 0.0, 0.0]]))
     agent.reset(np.array([0]), running, phase=0.3, velocity=np.array([[1.0, 0.0]]))
@@ -237,7 +237,7 @@ def test_a_clock_needs_step_times():
 @pytest.mark.parametrize("phase", [0.1, 0.6])
 def test_a_residual_action_is_about_the_gait(phase):
     """No action is the gait at command and phase; any other moves it as it moves the nominal."""
-    agents = [make_agent(3, f"env.action.about={origin}") for origin in ("gait", "nominal")]
+    agents = [make_agent(3, f"env.action.offset={origin}") for origin in ("gait", "nominal")]
     command = np.array([[0.2, 0.0, 0.0], [0.5, 0.05, 0.0], [1.7, 0.0, 0.0]])
     for agent in agents:
         agent.set_velocity_command(np.arange(3), command)
@@ -253,7 +253,7 @@ def test_a_residual_action_is_about_the_gait(phase):
 
 def test_a_halted_robot_acts_about_standing_on_both_feet():
     """Between the two changes of feet: its own mirror image, wherever the clock has halted."""
-    agent = make_agent(3, *HALT, "env.action.about=gait")
+    agent = make_agent(3, *HALT, "env.action.offset=gait")
     agent.reset(np.arange(3), make_state(3), phase=np.array([0.0, 0.5, 0.3]))
     targets = agent.act(np.zeros((3, NUM_JOINTS)))
     np.testing.assert_array_equal(agent.view(make_state(3)).halted, [True, True, False])
@@ -278,6 +278,6 @@ def test_the_clock_halts_by_the_filtered_velocity_of_the_robot():
 
 
 def test_a_residual_action_needs_the_gaits():
-    settings = config("experiment=test", "env.action.about=gait")
-    with pytest.raises(UserError, match=r"env\.action\.about=gait: expected the gaits"):
+    settings = config("experiment=test", "env.action.offset=gait")
+    with pytest.raises(UserError, match=r"env\.action\.offset=gait: expected the gaits"):
         AgentInterface(settings.robot, settings.env, 2, gait_table().times)

@@ -13,9 +13,9 @@ from slider.library.lookup import GaitTable
 from slider.robot.kinematics import standing_height
 from tests.env.synthetic import config, gait_table, make_guide, make_library, step_time
 
-EXPERIMENTS = ("default", "commands", "robust", "paper", "paper_alive", "smoke", "test")
+EXPERIMENTS = ("default", "turning", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
-FEW = (f"train.standing.num_envs={NUM_ENVS}", f"train.walking.num_envs={NUM_ENVS}")
+FEW = (f"train.standing.robots={NUM_ENVS}", f"train.walking.robots={NUM_ENVS}")
 
 
 def settings(*overrides: str) -> Config:

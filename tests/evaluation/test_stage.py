@@ -161,8 +161,10 @@ def test_a_policy_of_the_same_terms_in_another_order_is_refused(walking, tmp_pat
 def test_a_policy_about_another_origin_is_refused(walking, tmp_path):
     (tmp_path / "out").mkdir()
     other = section()
-    other["env"]["action"]["about"] = "nominal"
-    with pytest.raises(UserError, match=r"policy: expected env\.action\.about=gait.*found nominal"):
+    other["env"]["action"]["offset"] = "nominal"
+    with pytest.raises(
+        UserError, match=r"policy: expected env\.action\.offset=gait.*found nominal"
+    ):
         stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
 
 

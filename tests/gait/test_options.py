@@ -24,9 +24,9 @@ def formulated(**changes: Any) -> Formulation:
     return formulate(config().robot, replace(config().gait, **changes))
 
 
-def solve_with(form: Formulation, ladder=("cold",), step_time: StepTime | None = None):
+def solve_with(form: Formulation, guesses=("cold",), step_time: StepTime | None = None):
     gait = config().gait
-    settings = replace(gait.solver, ladder=list(ladder))
+    settings = replace(gait.solver, guesses=list(guesses))
     return GaitSolver(build(form), settings, step_time or gait.step_time)
 
 
@@ -81,13 +81,13 @@ def _cost(name: str, variables: np.ndarray) -> float:
 
 
 def test_the_ramp_arrives_where_the_cold_start_does():
-    ramp = solve_with(formulated(), ladder=("ramp",)).solve(*COMMAND)
+    ramp = solve_with(formulated(), guesses=("ramp",)).solve(*COMMAND)
     assert [attempt.name for attempt in ramp.attempts] == ["ramp"]
     assert ramp.success
     assert ramp.cost == pytest.approx(solved(*COMMAND).cost, rel=5e-3)
 
 
-ENDS = {"cold": (3.0, True), "brisk": (1.0, False), "crouched": (2.0, True)}
+ENDS = {"cold": (3.0, True), "fast": (1.0, False), "crouched": (2.0, True)}
 
 
 class Told(GaitSolver):
@@ -102,7 +102,7 @@ class Told(GaitSolver):
 
 @pytest.mark.parametrize(("keep", "cost", "tried"), [("first", 3.0, 1), ("best", 2.0, 3)])
 def test_the_best_of_several_starts_is_kept(keep, cost, tried):
-    settings = replace(config().gait.solver, ladder=list(ENDS), keep=keep)
+    settings = replace(config().gait.solver, guesses=list(ENDS), keep=keep)
     solve = Told(problem(), settings, config().gait.step_time).solve(*COMMAND)
     assert (solve.cost, solve.success, len(solve.attempts)) == (cost, True, tried)
     assert (solve.variables == cost).all()
@@ -110,7 +110,7 @@ def test_the_best_of_several_starts_is_kept(keep, cost, tried):
 
 def test_the_ladder_goes_on_after_a_failure():
     gait = config().gait
-    settings = replace(gait.solver, ladder=["cold", "crouched"], max_iterations=2)
+    settings = replace(gait.solver, guesses=["cold", "crouched"], max_iterations=2)
     solve = GaitSolver(problem(), settings, gait.step_time).solve(*COMMAND)
     assert [attempt.name for attempt in solve.attempts] == ["cold", "crouched"]
     assert not solve.success

@@ -55,7 +55,7 @@ def test_the_gait_converges_and_times_stay_outside(gait):
 
 
 def test_a_gait_that_does_not_converge_is_a_result(tmp_path: Path):
-    summary, _ = solve_into(tmp_path / "short", 0.6, 0.1, max_iterations=3, ladder=["cold"])
+    summary, _ = solve_into(tmp_path / "short", 0.6, 0.1, max_iterations=3, guesses=["cold"])
     assert summary["status"] == "Maximum_Iterations_Exceeded"
     assert not summary["converged"]
     report = json.loads((tmp_path / "short" / REPORT).read_text())

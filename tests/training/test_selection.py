@@ -21,7 +21,7 @@ SETTINGS = SelectionConfig(
     robots=2,
     seed=1900,
     duration=1.0,
-    skip=0.2,
+    warm_up=0.2,
     fall_weight=10.0,
     flight_weight=3.0,
 )

@@ -18,7 +18,7 @@ from tests.training.test_trainer import TINY, same
 
 ALONE = (
     "env/phase=fixed",
-    "env.action.about=nominal",
+    "env.action.offset=nominal",
     "train/walking/reward=unguided",
     "train.walking.reset.reference_fraction=0",
 )
@@ -46,7 +46,7 @@ def library(tmp_path_factory) -> Path:
         ((*ALONE, "train.walking.reset.reference_fraction=0.1"), False, True),
         ((*ALONE, "env/phase=clock"), True, True),
         ((*ALONE, "env/phase=none"), False, False),
-        ((*ALONE, "env.action.about=gait"), True, True),
+        ((*ALONE, "env.action.offset=gait"), True, True),
         (("env=paper", "train/standing=paper", "train/walking=paper"), False, True),
     ],
 )
@@ -89,11 +89,11 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
 def _tiny_finetuning(iterations: int) -> list[str]:
     values = {
         "iterations": iterations,
-        "num_envs": 8,
+        "robots": 8,
         "steps_per_iteration": 8,
         "selection.robots": 1,
         "selection.duration": 0.2,
-        "selection.skip": 0.1,
+        "selection.warm_up": 0.1,
     }
     return [f"finetuning.{name}={value}" for name, value in values.items()]
 
@@ -105,7 +105,7 @@ def test_a_guide_without_a_library_is_refused(tmp_path):
 
 def test_actions_about_the_gait_get_the_gaits(library, tmp_path):
     inputs = {"library": [library]}
-    assert _task(section("env.action.about=nominal"), inputs, guided=True).reference is None
-    task = _task(section("env.action.about=gait"), inputs, guided=True)
+    assert _task(section("env.action.offset=nominal"), inputs, guided=True).reference is None
+    task = _task(section("env.action.offset=gait"), inputs, guided=True)
     assert task.reference is not None
     assert task.reference.positions.shape == (3, 1, 42, 12)

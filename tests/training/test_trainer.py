@@ -19,13 +19,13 @@ from tests.env.synthetic import config, gait_table, make_guide
 
 TINY = (
     "experiment=test",
-    "train.standing.num_envs=8",
-    "train.walking.num_envs=8",
+    "train.standing.robots=8",
+    "train.walking.robots=8",
     "train.walking.selection.interval=1",
     "train.standing.selection.duration=0.2",
     "train.walking.selection.duration=0.2",
-    "train.standing.selection.skip=0.1",
-    "train.walking.selection.skip=0.1",
+    "train.standing.selection.warm_up=0.1",
+    "train.walking.selection.warm_up=0.1",
 )
 
 
@@ -89,7 +89,7 @@ def test_standing_is_learned_in_half_a_minute(tmp_path):
         task(
             "standing",
             iterations=75,
-            num_envs=128,
+            robots=128,
             steps_per_iteration=24,
             reward=RewardConfig(terms, scale=1.0, floor=0.0, on_fall=-1.0),
             network=replace(standing.network, hidden=[64, 64]),
@@ -311,10 +311,10 @@ def test_the_best_policy_is_exported_not_the_last(tmp_path):
     assert not torch.equal(exported.mlp[0].weight, weights[2]["mlp.0.weight"])
 
 
-@pytest.mark.parametrize("averaging", [0.0, 0.9])
-def test_the_average_of_the_actor_is_exported(tmp_path, averaging):
+@pytest.mark.parametrize("actor_ema", [0.0, 0.9])
+def test_the_average_of_the_actor_is_exported(tmp_path, actor_ema):
     """Weights after each update enter an average, which is what is judged, kept and resumed."""
-    ppo = replace(config(*TINY).train.walking.ppo, averaging=averaging)
+    ppo = replace(config(*TINY).train.walking.ppo, actor_ema=actor_ema)
     trainer = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
     seen, update = [], trainer._algorithm.update
 
@@ -327,11 +327,11 @@ def test_the_average_of_the_actor_is_exported(tmp_path, averaging):
     trainer.run()
     expected = seen[0]
     for later in seen[1:]:
-        expected = {k: averaging * v + (1 - averaging) * later[k] for k, v in expected.items()}
+        expected = {k: actor_ema * v + (1 - actor_ema) * later[k] for k, v in expected.items()}
     found = trainer._algorithm.averaged_actor.state_dict()
     for name in ("mlp.0.weight", "mlp.4.bias", "obs_normalizer._mean"):
         torch.testing.assert_close(found[name], expected[name])
-    assert same(found, actor(trainer)) == (averaging == 0.0)
+    assert same(found, actor(trainer)) == (actor_ema == 0.0)
     resumed = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
     resumed._resume()
     assert same(resumed._algorithm.averaged_actor.state_dict(), found)
@@ -342,8 +342,8 @@ def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
         config(*TINY).train.walking.network,
         initial_std=0.5,
         std_max=0.4,
-        std_max_final=0.1,
-        calm_from=0.5,
+        std_final=0.1,
+        anneal_from=0.5,
     )
     train = {"iterations": 4, "network": network}
     trainer = Trainer(task(**train), job(tmp_path))
@@ -364,11 +364,11 @@ def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
     assert len(iterations(resumed)) == 4
 
 
-@pytest.mark.parametrize("part", ["averaging", "checks"])
+@pytest.mark.parametrize("part", ["actor_ema", "checks"])
 def test_neither_the_average_nor_the_checks_change_the_learning(tmp_path, part):
     walking = config(*TINY).train.walking
     choices = {
-        "averaging": [{"ppo": replace(walking.ppo, averaging=share)} for share in (0.0, 0.9)],
+        "actor_ema": [{"ppo": replace(walking.ppo, actor_ema=share)} for share in (0.0, 0.9)],
         "checks": [{"selection": replace(walking.selection, interval=k)} for k in (1, 2)],
     }
     one, other = (

@@ -41,7 +41,7 @@ def two() -> JobSpec:
 def samples(job: JobSpec) -> Iterator[int]:
     for walking in job.inputs["walking"]:
         train = walking.section["train"]
-        yield train["iterations"] * train["num_envs"] * train["steps_per_iteration"]
+        yield train["iterations"] * train["robots"] * train["steps_per_iteration"]
 
 
 def test_every_run_has_a_training_and_an_evaluation_per_command(two):

@@ -84,7 +84,7 @@ def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table
     [
         ("protocols.sweep.trials=3", {"sweep"}),
         ("protocols.sweep.commands=[0.4]", {"sweep"}),
-        ("protocols.joystick.profile.settle=0.1", {"joystick"}),
+        ("protocols.joystick.profile.warm_up=0.1", {"joystick"}),
         ("protocols.heldout.duration=1.4", {"heldout"}),
         ("evaluation.trials=3", set()),
         ("train.walking.seed=3", {"sweep", "robust", "joystick", "heldout"}),
@@ -120,7 +120,7 @@ def test_a_case_is_a_job_that_does_not_know_of_the_others():
     after = evaluations("heldout", f"protocols.heldout.profile.cases=[{other},{one}]")
     assert after["0.3 m/s"] == before["0.3 m/s"]
     assert after["0.5 m/s"] not in before.values()
-    moved = evaluations("heldout", "protocols.heldout.profile.settle=0.3")
+    moved = evaluations("heldout", "protocols.heldout.profile.warm_up=0.3")
     assert not set(moved.values()) & set(before.values())
 
 
@@ -166,7 +166,7 @@ def test_a_wider_grid_keeps_its_gaits(before):
 
 
 def test_grids_share_their_velocities():
-    paper = velocities(compose(["gait/grid=default"], CONF).gait.grid)
+    paper = velocities(compose(["gait/grid=paper"], CONF).gait.grid)
     extended = velocities(compose(["gait/grid=extended"], CONF).gait.grid)
     assert len(paper) == len(set(paper)) == 125
     assert paper == sorted(paper)
@@ -181,7 +181,7 @@ def jobs_of(*overrides: str) -> dict[str, JobSpec]:
 
 ALONE = (
     "env/phase=fixed",
-    "env.action.about=nominal",
+    "env.action.offset=nominal",
     "train/walking/reward=unguided",
     "train.walking.reset.reference_fraction=0",
 )

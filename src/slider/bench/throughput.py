@@ -86,7 +86,7 @@ class Bench:
             task.reference,
         )
         self._actions = task.train.network.initial_std * torch.randn(
-            _RECORDED, task.train.num_envs, NUM_JOINTS
+            _RECORDED, task.train.robots, NUM_JOINTS
         )
         self._physics = self._env.physics
         self._pool = rollout.Rollout(nthread=threads)
@@ -115,7 +115,7 @@ class Bench:
         bare, environment, loop = (rates[name] for name in ("bare", "environment", precision))
         total = sum(watch.seconds.values())
         return Throughput(
-            num_envs=self._task.train.num_envs,
+            num_envs=self._task.train.robots,
             precision=precision,
             bare=_median(bare),
             environment=_median(environment),
@@ -173,7 +173,7 @@ class Bench:
         def learn() -> int:
             with contextlib.redirect_stdout(io.StringIO()), watch.watching(methods):
                 runner.learn(1)
-            return self._task.train.num_envs * self._task.train.steps_per_iteration
+            return self._task.train.robots * self._task.train.steps_per_iteration
 
         return learn
 

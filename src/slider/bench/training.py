@@ -90,7 +90,7 @@ def _measure(
     from slider.training.ppo import use_bfloat16
     from slider.training.task import task_of
 
-    train = replace(config.train.walking, num_envs=num_envs)
+    train = replace(config.train.walking, robots=num_envs)
     task = task_of(config.robot, config.env, train, path)
     precisions = arguments.precision or PRECISIONS[: 2 if use_bfloat16("auto") else 1]
     with tempfile.TemporaryDirectory() as work:

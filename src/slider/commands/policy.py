@@ -111,7 +111,7 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
 
 
 def _origin(layout: dict[str, Any]) -> str:
-    if layout["action"]["about"] == "nominal":
+    if layout["action"]["offset"] == "nominal":
         return "the nominal pose"
     acceleration = layout["reference"]["acceleration"]
     return f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"

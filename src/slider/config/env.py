@@ -21,11 +21,11 @@ class PhysicsConfig:
 class ActionConfig:
     """Desired joint position = origin + scale · clip(action); scale [rad or m] per leg joint.
 
-    ``about`` says what the origin is: the ``nominal`` pose, or the ``gait`` of the reference
+    ``offset`` says what the origin is: the ``nominal`` pose, or the ``gait`` of the reference
     velocity at the clock's phase, so that the action is a residual.
     """
 
-    about: str
+    offset: str
     clip: float
     scale: dict[str, float]
 

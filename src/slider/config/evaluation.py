@@ -36,14 +36,14 @@ class ProfileConfig:
 
     Attributes:
         ramp: how long a command takes to get from one segment's to the next one's [s].
-        settle: start of each segment that does not count for its errors [s].
+        warm_up: start of each segment that does not count for its errors [s].
         window: moving average over which velocities are drawn [s].
         rows: of the report's table: ``segments`` of its only case, or ``cases`` by their last one.
         cases: each is a rollout of its own.
     """
 
     ramp: float
-    settle: float
+    warm_up: float
     window: float
     rows: str = "segments"
     cases: list[CaseConfig] = field(default_factory=list)
@@ -61,7 +61,7 @@ class EvaluationConfig:
     trials: int
     robots: int
     duration: float
-    steady_from: float
+    warm_up: float
     tracking_tolerance: float
     tracking_relative: float
     seed: int

@@ -102,7 +102,7 @@ class SolverConfig:
     max_iterations: int
     tolerance: float
     constraint_tolerance: float
-    ladder: list[str]
+    guesses: list[str]
     keep: str
 
 

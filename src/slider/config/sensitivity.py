@@ -14,7 +14,7 @@ class SensitivityConfig:
         provenance: tags of the parameters that vary.
         parameters: restricts them to these dotted paths below ``robot``; empty for all.
         commands: forward velocities [m/s].
-        robots, duration, steady_from: of the rollouts of each changed robot; [s].
+        robots, duration, warm_up: of the rollouts of each changed robot; [s].
         gaits, policy: whether gaits are solved and the policy is rolled out.
     """
 
@@ -24,6 +24,6 @@ class SensitivityConfig:
     commands: list[float]
     robots: int
     duration: float
-    steady_from: float
+    warm_up: float
     gaits: bool
     policy: bool

@@ -80,8 +80,8 @@ class NetworkConfig:
     """Actor and critic: multilayer perceptrons of the same shape.
 
     The standard deviation of the action noise is learned between ``std_min`` and a bound:
-    ``std_max`` until the share ``calm_from`` of the iterations, then falling geometrically to
-    ``std_max_final``.
+    ``std_max`` until the share ``anneal_from`` of the iterations, then falling geometrically to
+    ``std_final``.
     """
 
     hidden: list[int]
@@ -89,8 +89,8 @@ class NetworkConfig:
     initial_std: float
     std_min: float
     std_max: float
-    std_max_final: float
-    calm_from: float
+    std_final: float
+    anneal_from: float
     output_scale: float
 
 
@@ -98,7 +98,7 @@ class NetworkConfig:
 class PpoConfig:
     """Proximal policy optimisation with generalised advantage estimation.
 
-    ``averaging`` is the share of the old average of the actor that an update leaves; the average
+    ``actor_ema`` is the share of the old average of the actor that an update leaves; the average
     is what is exported.
     """
 
@@ -116,7 +116,7 @@ class PpoConfig:
     precision: str
     symmetry: str
     symmetry_weight: float
-    averaging: float
+    actor_ema: float
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -128,7 +128,7 @@ class SelectionConfig:
     robots: int
     seed: int
     duration: float
-    skip: float
+    warm_up: float
     fall_weight: float
     flight_weight: float
 
@@ -138,7 +138,7 @@ class TrainConfig:
     """One training run."""
 
     iterations: int
-    num_envs: int
+    robots: int
     steps_per_iteration: int
     episode_length: float
     seed: int

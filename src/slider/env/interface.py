@@ -52,9 +52,9 @@ class AgentInterface:
     ) -> None:
         if config.phase.enabled and times is None:
             raise UserError("env.phase.enabled: expected the step times of a gait library")
-        about_gait = config.action.about == "gait"
+        about_gait = config.action.offset == "gait"
         if about_gait and reference is None:
-            raise UserError("env.action.about=gait: expected the gaits of a library, found none")
+            raise UserError("env.action.offset=gait: expected the gaits of a library, found none")
         self._reference = reference if about_gait else None
         self.observer = Observer(config.observation)
         self.num_robots = num_robots

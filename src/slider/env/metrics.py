@@ -20,8 +20,8 @@ class Tracking:
     Attributes:
         survived: no termination.
         squared_error: mean over all control steps of (forward velocity − command)² [m²/s²].
-        squared_error_steady: the same from ``steady_from`` on.
-        mean_velocity: mean forward velocity from ``steady_from`` on [m/s].
+        squared_error_steady: the same from ``warm_up`` on.
+        mean_velocity: mean forward velocity from ``warm_up`` on [m/s].
         tracked: survived and the mean velocity is close enough to the mean command from then on.
     """
 
@@ -32,14 +32,12 @@ class Tracking:
     tracked: np.ndarray
 
 
-def tracking(
-    recording: Recording, steady_from: float, tolerance: float, relative: float
-) -> Tracking:
+def tracking(recording: Recording, warm_up: float, tolerance: float, relative: float) -> Tracking:
     """Velocity tracking; tracked means |mean v − command| ≤ max(tolerance, relative·|command|).
 
-    The command is the forward one; where it changes, its mean from ``steady_from`` on counts.
+    The command is the forward one; where it changes, its mean from ``warm_up`` on counts.
     """
-    first = round(steady_from / recording.period)
+    first = round(warm_up / recording.period)
     survived = recording.survived
     forward = recording.velocity[:, :, 0]
     command = recording.command[:, :, 0]
@@ -58,7 +56,7 @@ def tracking(
 
 @dataclass(frozen=True)
 class GaitQuality:
-    """How a robot walks, per robot (N,), from ``steady_from`` on; NaN where a robot fell.
+    """How a robot walks, per robot (N,), from ``warm_up`` on; NaN where a robot fell.
 
     Attributes:
         flight: share of time with no foot on the ground, bounces left out; see
@@ -102,9 +100,9 @@ class GaitQuality:
     legs_cross: np.ndarray
 
 
-def gait_quality(recording: Recording, steady_from: float) -> GaitQuality:
+def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     """Quality of the gait: contacts at every simulation step, motion at every control step."""
-    step, tick = round(steady_from / recording.period), round(steady_from / recording.timestep)
+    step, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
     numbers = (
         _support(recording, tick)
         | _stepping(recording, tick)

@@ -55,7 +55,7 @@ class WalkingEnv(VecEnv):
         reference: JointTable | None = None,
     ) -> None:
         terminations.check(config.termination.terms)
-        self.num_envs = train.num_envs
+        self.num_envs = train.robots
         self.num_actions = NUM_JOINTS
         self.max_episode_length = round(train.episode_length / config.control_period)
         self.episode_length_buf = torch.zeros(self.num_envs, dtype=torch.long)

@@ -21,12 +21,12 @@ def commands(case: CaseConfig, ramp: float, duration: float, period: float) -> n
     return before + share[:, None] * (values[current] - before)
 
 
-def windows(case: CaseConfig, settle: float, duration: float, period: float) -> list[slice]:
-    """Control steps of each segment but for its first ``settle`` seconds."""
+def windows(case: CaseConfig, warm_up: float, duration: float, period: float) -> list[slice]:
+    """Control steps of each segment but for its first ``warm_up`` seconds."""
     starts = [segment.time for segment in case.segments]
     ends = [*starts[1:], duration]
     return [
-        slice(round((start + settle) / period), round(end / period))
+        slice(round((start + warm_up) / period), round(end / period))
         for start, end in zip(starts, ends, strict=True)
     ]
 

@@ -86,9 +86,9 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
     config = protocol.config
     recording = _simulate(protocol, simulated, job)
     tracked = tracking(
-        recording, config.steady_from, config.tracking_tolerance, config.tracking_relative
+        recording, config.warm_up, config.tracking_tolerance, config.tracking_relative
     )
-    quality = gait_quality(recording, config.steady_from)
+    quality = gait_quality(recording, config.warm_up)
     table = records.build(config.trials, config.robots, tracked, quality, recording.diverged)
     records.write(table, out / records.FILE)
     np.save(out / VELOCITIES, _traces(recording))

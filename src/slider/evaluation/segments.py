@@ -35,8 +35,8 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
     ``segment`` is the number of the segment; ``survived`` is true for robots that stood until its
     end, whatever happened later.
     """
-    settle, count = profile_of(protocol).settle, protocol.trials * protocol.robots
-    windows = profiles.windows(case, settle, protocol.duration, recording.period)
+    warm_up, count = profile_of(protocol).warm_up, protocol.trials * protocol.robots
+    windows = profiles.windows(case, warm_up, protocol.duration, recording.period)
     parts = []
     touchdown = _touchdowns(recording)
     for index, window in enumerate(windows):

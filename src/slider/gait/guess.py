@@ -27,7 +27,7 @@ class Start:
 
 STARTS = {
     "cold": Start(crouch=0.6, stride=0.6),
-    "brisk": Start(crouch=0.6, stride=0.45),
+    "fast": Start(crouch=0.6, stride=0.45),
     "crouched": Start(crouch=0.9, stride=0.6),
 }
 

@@ -147,7 +147,7 @@ class GaitSolver:
         """
         wall, cpu = time.perf_counter(), time.process_time()
         outcomes: list[_Outcome] = []
-        for rung in self._config.ladder:
+        for rung in self._config.guesses:
             outcomes.append(self._attempt(rung, vx, vy))
             if outcomes[-1].success and self._config.keep == "first":
                 break

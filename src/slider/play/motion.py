@@ -133,7 +133,7 @@ def simulate_ignorant(
 ) -> Simulation:
     """An agent that holds the nominal pose, or one whose actions are uniform in ±1."""
     times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
-    env = replace(env, action=replace(env.action, about="nominal"))
+    env = replace(env, action=replace(env.action, offset="nominal"))
     agent = AgentInterface(robot, env, 1, times)
     generator = torch.Generator().manual_seed(seed)
 

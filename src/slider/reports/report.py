@@ -50,4 +50,4 @@ def _facts(configuration: Mapping[str, Any]) -> dict[str, str]:
 
 def _samples(train: Mapping[str, Any]) -> int:
     """Control steps of a training, or of none."""
-    return math.prod(train.get(n, 0) for n in ("iterations", "num_envs", "steps_per_iteration"))
+    return math.prod(train.get(n, 0) for n in ("iterations", "robots", "steps_per_iteration"))

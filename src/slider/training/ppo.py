@@ -6,9 +6,9 @@ import torch
 
 from slider.config.train import NetworkConfig, TrainConfig
 from slider.core.job import Tracker
+from slider.training.annealed_ppo import AnnealedPPO
 from slider.training.log_writer import TrackerLogWriter
 from slider.training.noise import NoiseBound
-from slider.training.settling import SettlingPPO
 from slider.training.symmetry import symmetry_config
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
@@ -60,12 +60,12 @@ def _distribution(network: NetworkConfig) -> dict[str, Any]:
 def _algorithm(train: TrainConfig) -> dict[str, Any]:
     ppo = train.ppo
     return {
-        "class_name": SettlingPPO,
-        "averaging": ppo.averaging,
+        "class_name": AnnealedPPO,
+        "actor_ema": ppo.actor_ema,
         "noise": NoiseBound(
             train.network.std_max,
-            train.network.std_max_final,
-            train.network.calm_from,
+            train.network.std_final,
+            train.network.anneal_from,
             train.iterations,
         ),
         "num_learning_epochs": ppo.epochs,

@@ -75,8 +75,8 @@ class Selector:
         recording = roll_out(
             controller, self._physics, self._env, self._start, self._command, config.duration
         )
-        tracked = tracking(recording, config.skip, 0.1, 0.1)
-        quality = gait_quality(recording, config.skip)
+        tracked = tracking(recording, config.warm_up, 0.1, 0.1)
+        quality = gait_quality(recording, config.warm_up)
         command = self._command[:, 0]
         success = float(tracked.survived.mean())
         error = _mean(tracked.squared_error_steady / (0.01 + 0.01 * command**2))

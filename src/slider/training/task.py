@@ -43,7 +43,7 @@ def task_of(
     gaits = GaitLibrary.load(library)
     table = GaitTable.from_library(gaits)
     guide = Guide(gaits, table, train.guide.gait) if guided else None
-    reference = table.joints if env.action.about == "gait" else None
+    reference = table.joints if env.action.offset == "gait" else None
     return Task(robot, env, train, _times(env, table), guide, reference)
 
 

@@ -14,9 +14,9 @@ from slider.control.network import UNVARIED, from_actor
 from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
 from slider.env.vec_env import WalkingEnv
+from slider.training.annealed_ppo import AnnealedPPO
 from slider.training.ppo import NORMALISER_EPSILON, runner_config, use_bfloat16
 from slider.training.selection import Score, Selector
-from slider.training.settling import SettlingPPO
 from slider.training.task import Task
 
 CHECKPOINT = "checkpoint.pt"
@@ -53,7 +53,7 @@ class Trainer:
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
-        self._algorithm = cast(SettlingPPO, self._runner.alg)
+        self._algorithm = cast(AnnealedPPO, self._runner.alg)
         self._shrink_first_actions()
         self._selector = Selector(
             task.robot,
@@ -129,7 +129,7 @@ class Trainer:
     def _report(self, score: Score, pace: float) -> None:
         train = self._task.train
         left = pace * (train.iterations - self._iteration)
-        rate = train.num_envs * train.steps_per_iteration / pace
+        rate = train.robots * train.steps_per_iteration / pace
         error = f"speed error {score.speed_error:.3f} m/s, score {score.value:.3f}"
         self._job.progress(
             f"iteration {self._iteration}/{train.iterations}, {rate / 1e3:.1f} k steps/s, "

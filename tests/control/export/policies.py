@@ -16,7 +16,7 @@ def make_policy(*overrides: str) -> Policy:
     """Untrained, with small actions, so that the robot moves and does not fall at once."""
     whole = config("experiment=test", *overrides)
     times = gait_table().times if whole.env.phase.enabled else None
-    reference = gait_table().joints if whole.env.action.about == "gait" else None
+    reference = gait_table().joints if whole.env.action.offset == "gait" else None
     layout = AgentInterface(whole.robot, whole.env, 1, times, reference).observer.layout
     size = sum(layout.values())
     torch.manual_seed(0)

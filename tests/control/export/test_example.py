@@ -41,7 +41,7 @@ def load_example():
         ("env=paper",),
         ("env.phase.mirror=false",),
         ("env.phase.halt.below=5.0", "env.phase.halt.above=5.0"),
-        ("env.action.about=nominal",),
+        ("env.action.offset=nominal",),
         ("env.reference.acceleration=0",),
     ],
 )

@@ -100,12 +100,12 @@ def test_a_policy_without_a_clock_says_so():
 
 
 def test_a_zero_action_is_the_nominal_pose_or_the_gait():
-    plain, about = make_policy("env.action.about=nominal"), make_policy("env.action.about=gait")
+    plain, about = make_policy("env.action.offset=nominal"), make_policy("env.action.offset=gait")
     gaits = gait_table().joints
     assert about.reference is not None
     np.testing.assert_array_equal(reference_table(about).positions, gaits.positions)
     found = describe(about, {})["reference"]
-    assert [describe(p, {})["action"]["about"] for p in (plain, about)] == ["nominal", "gait"]
+    assert [describe(p, {})["action"]["offset"] for p in (plain, about)] == ["nominal", "gait"]
     assert found["shape"] == list(gaits.positions.shape)
     assert found["vx"] == gaits.times.vx.tolist()
     zero = np.zeros(1)

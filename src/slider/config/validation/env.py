@@ -46,6 +46,6 @@ def _physics(env: EnvConfig) -> None:
 def _action(env: EnvConfig) -> None:
     check_joints("env.action.scale", env.action.scale)
     positive("env.action.clip", env.action.clip)
-    one_of("env.action.about", env.action.about, ("nominal", "gait"))
-    possible = env.phase.enabled or env.action.about == "nominal"
-    require(possible, "env.action.about", "nominal where there is no phase", env.action.about)
+    one_of("env.action.offset", env.action.offset, ("nominal", "gait"))
+    possible = env.phase.enabled or env.action.offset == "nominal"
+    require(possible, "env.action.offset", "nominal where there is no phase", env.action.offset)

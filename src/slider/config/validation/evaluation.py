@@ -44,7 +44,7 @@ def _protocol(
     distinct(f"{key}.controllers", protocol.controllers, "each once")
     all_at_least(key, protocol, ("trials", "robots"), 1)
     at_least(f"{key}.seed", protocol.seed, 0)
-    period(f"{key}.steady_from", protocol.steady_from, protocol.duration, control_period)
+    period(f"{key}.warm_up", protocol.warm_up, protocol.duration, control_period)
 
 
 def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> None:
@@ -59,7 +59,7 @@ def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> No
 
 
 def _profile(profile: ProfileConfig, duration: float, control_period: float, key: str) -> None:
-    all_at_least(key, profile, ("ramp", "settle"), 0.0)
+    all_at_least(key, profile, ("ramp", "warm_up"), 0.0)
     positive(f"{key}.window", profile.window)
     one_of(f"{key}.rows", profile.rows, ("segments", "cases"))
     some(f"{key}.cases", profile.cases, "case")
@@ -67,7 +67,7 @@ def _profile(profile: ProfileConfig, duration: float, control_period: float, key
     distinct(f"{key}.cases", names, "each name once")
     possible = profile.rows == "cases" or len(names) == 1
     require(possible, f"{key}.cases", "one case where rows are its segments", names)
-    shortest = max(profile.ramp, profile.settle) + control_period
+    shortest = max(profile.ramp, profile.warm_up) + control_period
     for index, case in enumerate(profile.cases):
         _segments(case, duration, shortest, f"{key}.cases[{index}].segments")
 
@@ -77,7 +77,7 @@ def _segments(case: CaseConfig, duration: float, shortest: float, key: str) -> N
     distinct(key, [segment.name for segment in case.segments], "each name once")
     times = [segment.time for segment in case.segments]
     require(times[0] == 0.0, f"{key}[0].time", "0 s", times[0])
-    expected = f"a control period longer than ramp and settle ({shortest:g} s)"
+    expected = f"a control period longer than ramp and warm_up ({shortest:g} s)"
     for index, (start, end) in enumerate(pairwise([*times, duration])):
         length = end - start
         require(length >= shortest - 1e-9, f"{key}[{index}]", expected, f"{length:g} s")

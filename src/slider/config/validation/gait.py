@@ -82,7 +82,7 @@ def _posture(posture: Posture) -> None:
 def _solver(solver: SolverConfig) -> None:
     key = "gait.solver"
     at_least(f"{key}.max_iterations", solver.max_iterations, 1)
-    some(f"{key}.ladder", solver.ladder, "rung")
-    for rung in solver.ladder:
-        one_of(f"{key}.ladder", rung, ("cold", "brisk", "crouched", "ramp"))
+    some(f"{key}.guesses", solver.guesses, "rung")
+    for rung in solver.guesses:
+        one_of(f"{key}.guesses", rung, ("cold", "fast", "crouched", "ramp"))
     one_of(f"{key}.keep", solver.keep, ("first", "best"))

@@ -26,8 +26,8 @@ def check_sensitivity(config: Config) -> None:
     some(f"{KEY}.commands", settings.commands, "command")
     distinct(f"{KEY}.commands", settings.commands, "each once")
     at_least(f"{KEY}.robots", settings.robots, 1)
-    steady, end = settings.steady_from, settings.duration
-    period(f"{KEY}.steady_from", steady, end, config.env.control_period)
+    steady, end = settings.warm_up, settings.duration
+    period(f"{KEY}.warm_up", steady, end, config.env.control_period)
     expected = "one of gaits and policy true"
     require(settings.gaits or settings.policy, KEY, expected, "both false")
 

@@ -58,7 +58,7 @@ def _same_network(walking: NetworkConfig, other: NetworkConfig, key: str) -> Non
 def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     at_least(f"{key}.iterations", train.iterations, 0)
     require(0 <= train.seed < 2**63, f"{key}.seed", "an integer in [0, 2⁶³)", train.seed)
-    all_at_least(key, train, ("num_envs", "steps_per_iteration"), 1)
+    all_at_least(key, train, ("robots", "steps_per_iteration"), 1)
     at_least(f"{key}.episode_length", train.episode_length, env.control_period)
     _commands(train.commands, f"{key}.commands")
     one_of(f"{key}.guide.gait", train.guide.gait, ("interpolated", "nearest"))
@@ -89,7 +89,7 @@ def _ppo(ppo: PpoConfig, key: str) -> None:
     all_at_least(key, ppo, ("value_coefficient", "entropy_coefficient"), 0)
     share(f"{key}.gamma", ppo.gamma)
     fraction(f"{key}.lam", ppo.lam)
-    require(0 <= ppo.averaging < 1, f"{key}.averaging", "a share in [0, 1)", ppo.averaging)
+    require(0 <= ppo.actor_ema < 1, f"{key}.actor_ema", "a share in [0, 1)", ppo.actor_ema)
 
 
 def _selection(selection: SelectionConfig, env: EnvConfig, key: str) -> None:
@@ -104,7 +104,7 @@ def _selection(selection: SelectionConfig, env: EnvConfig, key: str) -> None:
         expected,
         selection.flight_weight,
     )
-    period(f"{key}.skip", selection.skip, selection.duration, env.control_period)
+    period(f"{key}.warm_up", selection.warm_up, selection.duration, env.control_period)
 
 
 def _network(network: NetworkConfig, key: str) -> None:
@@ -114,10 +114,10 @@ def _network(network: NetworkConfig, key: str) -> None:
     one_of(f"{key}.activation", network.activation, ("elu", "relu", "tanh"))
     all_positive(key, network, ("initial_std", "std_min", "output_scale"))
     expected = f"at least {network.std_min} (std_min)"
-    for name in ("std_max", "std_max_final"):
+    for name in ("std_max", "std_final"):
         bound = getattr(network, name)
         require(bound >= network.std_min, f"{key}.{name}", expected, bound)
-    share(f"{key}.calm_from", network.calm_from)
+    share(f"{key}.anneal_from", network.anneal_from)
 
 
 def _commands(commands: CommandConfig, key: str) -> None:
@@ -144,8 +144,8 @@ def _symmetry(train: TrainConfig, env: EnvConfig, key: str) -> None:
 
 
 def _mini_batches(train: TrainConfig, key: str) -> None:
-    batch, found = train.num_envs * train.steps_per_iteration, train.ppo.mini_batches
-    size = f"{key.partition('.ppo')[0]}.num_envs"
-    require(batch > 1, size, "at least 2 samples (num_envs × steps_per_iteration)", batch)
-    expected = f"1 to {batch} (num_envs × steps_per_iteration)"
+    batch, found = train.robots * train.steps_per_iteration, train.ppo.mini_batches
+    size = f"{key.partition('.ppo')[0]}.robots"
+    require(batch > 1, size, "at least 2 samples (robots × steps_per_iteration)", batch)
+    expected = f"1 to {batch} (robots × steps_per_iteration)"
     require(1 <= found <= batch, key, expected, found)

@@ -27,7 +27,7 @@ from slider.robot.names import (
 from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
-VERSION = 5
+VERSION = 6
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
@@ -133,7 +133,7 @@ def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
 def _action(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
     return {
         "size": len(JOINTS),
-        "about": policy.env.action.about,
+        "offset": policy.env.action.offset,
         "clip": policy.env.action.clip,
         "joints": [_joint(policy, agent, index) for index in range(len(JOINTS))],
         "motors": _motors(policy),

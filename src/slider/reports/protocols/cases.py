@@ -41,7 +41,7 @@ _INTERVALS = {
 _CAPTION = """\
 {trials} trials of {robots} robots per controller and case, {duration:g} s each, from rest. A robot
 survives a case if it stays up for all of it. The other numbers are those of survivors, from
-{settle:g} s after the case's last command on. Where that command is zero, a robot stands if all
+{warm_up:g} s after the case's last command on. Where that command is zero, a robot stands if all
 means of its velocity over {smoothing:g} s stay below {standing:g} m/s; `fastest` is the largest of
 these means over all robots, and `drift` how far the base got, on average. Brackets hold Wilson's
 95 % interval. `reports/{name}.csv` has all numbers.
@@ -115,7 +115,7 @@ def _text(name: str, protocol: EvaluationConfig, rows: list[Row]) -> str:
         trials=protocol.trials,
         robots=protocol.robots,
         duration=protocol.duration,
-        settle=segments.profile_of(protocol).settle,
+        warm_up=segments.profile_of(protocol).warm_up,
         smoothing=segments.SMOOTHING,
         standing=STANDING,
     )

@@ -22,7 +22,7 @@ leftward velocity and yaw rate: mean and one standard deviation between the robo
 up, each a moving average over {window:g} s, since a walking base sways within a step. Below, the
 share of robots that are still up.
 
-In the tables a segment counts from {settle:g} s after its start; the numbers are means over the
+In the tables a segment counts from {warm_up:g} s after its start; the numbers are means over the
 robots that are up at its end. Errors are |mean − command| of vx and vy [m/s] and of the yaw rate
 [rad/s]; `heading` is the largest deviation from the commanded heading, the integral of the yaw
 rate [rad]; `touchdowns` are those of both feet per second; `displacement` is how far the base
@@ -77,7 +77,7 @@ def _text(name: str, protocol: EvaluationConfig, rows: list[Row]) -> str:
         trials=protocol.trials,
         robots=protocol.robots,
         window=profile.window,
-        settle=profile.settle,
+        warm_up=profile.warm_up,
     )
     lines = [_TITLE.format(name=name), "", f"![{name}](figures/{name}.png)", "", caption]
     for controller in dict.fromkeys(str(row["controller"]) for row in rows):

@@ -64,7 +64,7 @@ def _text(section: Section, highest: dict[str, float | None]) -> str:
         trials=protocol["trials"],
         robots=protocol["robots"],
         duration=protocol["duration"],
-        steady=protocol["steady_from"],
+        steady=protocol["warm_up"],
         tolerance=protocol["tracking_tolerance"],
         relative=protocol["tracking_relative"],
         share=TRACKED_SHARE,

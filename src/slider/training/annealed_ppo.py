@@ -19,11 +19,11 @@ from slider.training.noise import NoiseBound
 AVERAGE = "average_state_dict"
 
 
-class SettlingPPO(PPO):
+class AnnealedPPO(PPO):
     """PPO with bounded action noise and an exponential moving average of the actor.
 
     Args:
-        averaging: share of the old average that an update leaves; at 0 the average is the actor.
+        actor_ema: share of the old average that an update leaves; at 0 the average is the actor.
         noise: bound of the noise over the updates.
 
     Other arguments are those of rsl-rl's ``PPO``, with a ``log`` standard deviation. The learning
@@ -34,14 +34,14 @@ class SettlingPPO(PPO):
         self,
         actor: MLPModel,
         *arguments: Any,
-        averaging: float,
+        actor_ema: float,
         noise: NoiseBound,
         **settings: Any,
     ) -> None:
         super().__init__(actor, *arguments, **settings)
         self._noise = noise
         self._average = AveragedModel(
-            actor, multi_avg_fn=get_ema_multi_avg_fn(averaging), use_buffers=True
+            actor, multi_avg_fn=get_ema_multi_avg_fn(actor_ema), use_buffers=True
         )
 
     @property

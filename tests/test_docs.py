@@ -33,7 +33,7 @@ def test_the_table_of_the_robot_is_the_configuration():
         tags = [provenance.get(".".join(path[:end])) for end in range(len(path), 0, -1)]
         text = str(list(value) if isinstance(value, tuple) else value)
         expected[key] = (text, next(tag for tag in tags if tag is not None))
-    page = (ROOT / "docs" / "robot.md").read_text()
+    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
     rows = re.findall(r"^\| `(robot\.[^`]+)` \| ([^|]+) \| (\w+) \| [^|]+ \|$", page, re.M)
     assert {key: (value, tag) for key, value, tag in rows} == expected
     assert len(rows) == len(expected)
@@ -43,7 +43,7 @@ def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
     robot = compose([], ROOT / "conf").robot
     motor, gains = robot.drives["capstan"], robot.gains["capstan"]
     r, n = robot.capstan.drum_radius, robot.capstan.foot_ratio
-    page = (ROOT / "docs" / "robot.md").read_text()
+    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
     for slide, ankle in (
         (f"{2 * motor.torque / r:.0f} N", f"{2 * motor.torque / n:.1f} N m"),
         (f"{motor.speed * r:.1f} m/s", f"{motor.speed * n:.0f} rad/s"),

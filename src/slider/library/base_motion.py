@@ -1,4 +1,4 @@
-"""Blending the motion of the base: position, quaternion, velocities (docs/gait-library.md)."""
+"""Blending the motion of the base: position, quaternion, velocities (docs/reference/gait-library.md)."""
 
 import numpy as np
 

@@ -59,12 +59,7 @@ def _pictures(scene: Scene, frames: list[Frame]) -> list[Image.Image]:
     model = build_scene(scene.robot, *_SIZE)
     try:
         pictures = list(film.render(model, frames, _SIZE, ("side",)))
-    except (
-        ImportError,
-        RuntimeError,
-        AttributeError,
-        FatalError,
-    ) as error:  # what broken OpenGL raises
+    except (ImportError, RuntimeError, AttributeError, FatalError) as error:  # broken OpenGL
         raise UserError(
             f"expected to render without a display, found: {error}; MUJOCO_GL=osmesa may work"
         ) from None

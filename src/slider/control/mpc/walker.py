@@ -3,7 +3,7 @@
 Told to stand it stands on both feet; told to go it sways into the sideways orbit and walks; told to
 stop it steps until it can be caught on both feet.
 
-It is given the true state, contact flags and a nominal model of the robot; ``docs/baseline.md``
+It is given the true state, contact flags and a nominal model of the robot; ``docs/explanation/baseline.md``
 says how this compares with what the policy is given.
 """
 

@@ -39,6 +39,13 @@ def test_the_table_of_the_robot_is_the_configuration():
     assert len(rows) == len(expected)
 
 
+def test_the_mass_is_that_of_the_links():
+    links = to_dict(compose([], ROOT / "conf").robot)["links"]
+    mass = sum(link["mass"] * (1 if name == "base" else 2) for name, link in links.items())
+    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
+    assert f"The total mass is {mass:.2f} kg." in page
+
+
 def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
     robot = compose([], ROOT / "conf").robot
     motor, gains = robot.drives["capstan"], robot.gains["capstan"]

@@ -13,6 +13,7 @@ from slider.config.compose import compose
 from slider.config.convert import to_dict
 
 ROOT = Path(__file__).parents[1]
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def leaves(node: dict[str, Any], prefix: str = "robot") -> dict[str, Any]:
@@ -59,6 +60,16 @@ def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
         (f"{2 * gains.kd / r**2:.1f} N s/m", f"{2 * gains.kd / n**2:.3f} N m s/rad"),
     ):
         assert f"| {slide} | {ankle} |" in page
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_a_link_leads_to_a_file(page):
+    targets = re.findall(r"\]\((?![a-z]+:|#)([^)#\s]+)", page.read_text())
+    assert not [target for target in targets if not (page.parent / target).exists()]
+
+
+def test_the_picture_of_the_readme_is_small():
+    assert (ROOT / "docs" / "images" / "walk.webp").stat().st_size < 500_000
 
 
 @pytest.mark.skipif(importlib.util.find_spec("mkdocs") is None, reason="needs the extra docs")

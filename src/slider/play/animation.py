@@ -51,7 +51,7 @@ def repeats_at(frames: list[Frame]) -> int:
 
 
 def _pictures(scene: Scene, frames: list[Frame]) -> list[Image.Image]:
-    from mujoco import FatalError
+    from mujoco import FatalError  # pyright: ignore[reportAttributeAccessIssue]
 
     from slider.reports import film
     from slider.robot.scene import build_scene

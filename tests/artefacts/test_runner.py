@@ -147,7 +147,8 @@ def command(package, store: Store, spec: JobSpec) -> subprocess.Popen:
         "from slider.cli import main; sys.exit(main())"
     )
     arguments = ["run", spec.recipe, "--plan", str(plan), "--artefacts", str(store.root)]
-    env = os.environ | {"PYTHONPATH": str(package[0])}
+    paths = filter(None, (str(package[0]), os.environ.get("PYTHONPATH")))
+    env = os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
     return subprocess.Popen(
         [sys.executable, "-c", program, *arguments], env=env, stderr=subprocess.PIPE, text=True
     )

@@ -53,7 +53,7 @@ def verify(store: Store) -> Removed:
     Raises:
         UserError: a job is running.
     """
-    with nobody_else(store.lock_path):
+    with nobody_else(store.locks):
         corrupt = [digest for digest in _objects(store) if not store.is_whole(digest)]
         for digest in corrupt:
             store.drop_object(digest)
@@ -68,7 +68,7 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
     """
     if keep < 1:
         raise UserError(f"--keep: expected at least 1 plan, found {keep}")
-    with nobody_else(store.lock_path):
+    with nobody_else(store.locks):
         plans = sorted(_plans(store), key=lambda path: path.stat().st_mtime, reverse=True)
         recipes = _reached(plans[:keep])
         manifests = [path for path in store.manifests() if path.stem not in recipes]

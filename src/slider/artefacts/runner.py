@@ -41,7 +41,7 @@ class Runner:
         Raises:
             UserError: an input is missing or damaged, or the source changed since the plan.
         """
-        with exclusive(self.store.lock_path, f"{spec.stage}/{spec.recipe}"):
+        with exclusive(self.store.locks, spec.recipe):
             index = Index(self.store)
             key = self._key(spec)
             known = index.find(key)

@@ -73,9 +73,9 @@ class Store:
         return self.root / "work" / stage / recipe
 
     @property
-    def lock_path(self) -> Path:
-        """File of the locks between processes."""
-        return self.root / "lock"
+    def locks(self) -> Path:
+        """Folder of the locks between processes."""
+        return self.root / "locks"
 
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:

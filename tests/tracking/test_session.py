@@ -84,6 +84,18 @@ def test_runs_of_a_killed_pipeline_end_as_failed_with_the_next(artefacts):
     assert not killed.exists()
 
 
+@pytest.mark.parametrize("content", [b"{}", b"[]", b"\xff"])
+def test_an_unreadable_session_does_not_hold_up_the_next(artefacts, content):
+    broken = artefacts / "tracking" / "20000101T000000-1"
+    broken.mkdir(parents=True)
+    (broken / "session.json").write_bytes(content)
+    folder = start(artefacts, os.getpid())
+    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
+    follow(artefacts, folder.name)
+    assert runs(artefacts)[1]["pipeline"].info.status == FINISHED
+    assert not broken.exists()
+
+
 def test_writer_ends_with_its_owner(artefacts):
     folder = start(artefacts, NOBODY)
     follow(artefacts, folder.name)
@@ -100,4 +112,7 @@ def test_a_broken_tracker_is_one_warning(tmp_path, caplog):
 
 
 def test_no_session_no_journal(tmp_path):
+    assert current_session(tmp_path) is None
+    (tmp_path / "tracking").mkdir()
+    (tmp_path / "tracking" / "current").write_bytes(b"\xff")
     assert current_session(tmp_path) is None

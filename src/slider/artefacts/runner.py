@@ -7,13 +7,12 @@ import resource
 import shutil
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from slider.artefacts.circumstances import circumstances
-from slider.artefacts.index import Entry, Index
 from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
@@ -42,18 +41,16 @@ class Runner:
             UserError: an input is missing or damaged, or the source changed since the plan.
         """
         with exclusive(self.store.locks, spec.recipe):
-            index = Index(self.store)
-            key = self._key(spec)
-            known = index.find(key)
+            key, inputs = self._key(spec), _input_recipes(spec)
+            known = self.store.known(key)
             if known is None:
-                known = Entry(spec.recipe, self._compute(spec))
-                index.add(key, known)
+                known = Manifest(spec.stage, spec.recipe, inputs, self._compute(spec))
+                self.store.remember(key, known)
                 outcome = f"{self._sidecar(spec)['wall_s']:.1f} s"
             else:
                 self._note_reuse(spec, known)
                 outcome = "reused"
-            manifest = Manifest(spec.stage, spec.recipe, _input_recipes(spec), known.result)
-            self.store.write_manifest(manifest)
+            self.store.write_manifest(replace(known, recipe=spec.recipe, inputs=inputs))
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
         return outcome
 
@@ -65,7 +62,7 @@ class Runner:
 
     def _input(self, job: JobSpec) -> Result:
         result = self.store.read_manifest(job.stage, job.recipe).result
-        if not files.has_files(self.store.object_folder(result.object), result.files):
+        if not self.store.has(result):
             raise UserError(
                 f"expected the {job.stage} result {result.object[:12]} whole, "
                 "found it damaged: run `slider store verify`"
@@ -115,21 +112,25 @@ class Runner:
         return Job(work, self.threads, tracker, self.progress, facts, known)
 
     def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
+        return self._facts(spec.stage, spec.recipe)
+
+    def _facts(self, stage: str, recipe: str) -> dict[str, Any]:
+        """What is noted beside a manifest; nothing where that is missing or damaged."""
         try:
-            return files.read_json(self.store.sidecar_path(spec.stage, spec.recipe))
+            facts = files.read_json(self.store.sidecar_path(stage, recipe))
         except (OSError, ValueError):
             return {}
+        return facts if isinstance(facts, dict) else {}
 
     def _note_computed(self, spec: JobSpec, job: Job, watch: "_Watch") -> None:
         facts = {**job.volatile, **watch.facts(), "computed": True, "threads": self.threads}
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 
-    def _note_reuse(self, spec: JobSpec, known: Entry) -> None:
+    def _note_reuse(self, spec: JobSpec, known: Manifest) -> None:
         """Keep the facts of the job that computed the result beside the recipe that reuses it."""
         if known.recipe == spec.recipe:
             return
-        path = self.store.sidecar_path(spec.stage, known.recipe)
-        origin = files.read_json(path) if path.is_file() else {}
+        origin = self._facts(known.stage, known.recipe)
         facts = origin | {"computed": False, "reused_from": known.recipe, "started": _now()}
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 

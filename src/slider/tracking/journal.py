@@ -88,9 +88,10 @@ class JournalTracker:
 def current_session(artefacts: Path) -> Path | None:
     """Folder of the pipeline run that is being tracked, if there is one."""
     try:
-        session = artefacts / "tracking" / (artefacts / "tracking" / "current").read_text().strip()
+        name = (artefacts / "tracking" / "current").read_text(errors="replace").strip()
     except OSError:
         return None
+    session = artefacts / "tracking" / name
     return session if (session / SESSION_FILE).is_file() else None
 
 

@@ -42,7 +42,7 @@ def follow(artefacts: Path, name: str) -> None:
     """Write a session to MLflow until it ends; first what earlier sessions left behind."""
     client = _connect(artefacts)
     for folder in _sessions(artefacts):
-        if folder.name != name and not is_alive(read_session(folder).owner):
+        if folder.name != name:
             _close_leftover(client, artefacts, folder)
     session = _Session(client, artefacts, artefacts / "tracking" / name)
     while not session.update():
@@ -52,7 +52,8 @@ def follow(artefacts: Path, name: str) -> None:
 
 def _close_leftover(client: Any, artefacts: Path, folder: Path) -> None:
     try:
-        _Session(client, artefacts, folder).close()
+        if not is_alive(read_session(folder).owner):
+            _Session(client, artefacts, folder).close()
     except Exception as error:  # must not keep the present session from being written
         _log.warning("lost the tracking of %s: %s", folder.name, error)
         shutil.rmtree(folder, ignore_errors=True)

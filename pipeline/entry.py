@@ -95,7 +95,9 @@ class Pipeline:
         if not self.config.tracking.enabled:
             return
         tags = {_TAGS[name]: value for name, value in revision().items()}
-        info = tracking.SessionInfo(self.config.tracking.experiment, os.getpid(), tags)
+        experiment = self.config.tracking.experiment
+        apart = {"gait": f"{experiment}-gaits"}
+        info = tracking.SessionInfo(experiment, os.getpid(), tags, apart)
         tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides)}
         run = {"name": self._title(), "tags": tags, "params": to_dict(self.config)}
         self.session = tracking.start(artefacts, info, run)

@@ -14,6 +14,7 @@ from slider.core.errors import UserError
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
+    "runs": ("slider.commands.runs", "browse the runs in MLflow"),
     "store": ("slider.commands.store", "list, verify and clean the artefact store"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.training", "time physics, environment and training"),

@@ -6,7 +6,7 @@ import os
 import resource
 import shutil
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,8 +22,6 @@ from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
 from slider.core.machine import machine
 from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
-
-_LISTED_FILES = 20  # in the description of a run; a Zarr store has more
 
 
 @dataclass(frozen=True)
@@ -86,22 +84,25 @@ class Runner:
                 resumed = bool(job.volatile.get("resumed", False))
                 result = self.store.publish(out, files.plain(summary), resumed)
         except BaseException:
-            _end(tracker, FAILED, {})
+            if isinstance(tracker, JournalTracker):
+                tracker.end(FAILED, {})
             raise
         self._note_computed(spec, job, watch)
-        _end(tracker, FINISHED, self._result_tags(result))
+        if isinstance(tracker, JournalTracker):
+            noted = {f"volatile/{name}": value for name, value in _numbers(job.volatile).items()}
+            tracker.log_metrics(_numbers(summary) | noted, 0)
+            self._end(tracker, result)
         return result
 
-    def _result_tags(self, result: Result) -> dict[str, str]:
-        """Links to the result that stay right when the folder moves; MLflow's own are absolute."""
+    def _end(self, tracker: JournalTracker, result: Result) -> None:
+        """Close the run with its numbers and a path that stays right when the folder moves."""
         path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
-        names = "\n".join(f"* `{path}/{name}`" for name in sorted(result.files)[:_LISTED_FILES])
-        return {
-            "object": result.object,
-            "object.path": path,
-            "resumed": str(result.resumed),
-            "mlflow.note.content": f"Result, below `{self.store.root.name}/`:\n\n{names}",
-        }
+        tags = {"object": result.object, "object.path": path, "resumed": str(result.resumed)}
+        names = sorted({name.partition("/")[0] for name in result.files})
+        lines = "\n".join(f"* `{path}/{name}`" for name in names)
+        facts = ", ".join(f"{k} **{v:.4g}**" for k, v in _numbers(result.summary).items())
+        note = f"{facts}\n\nResult, below `{self.store.root.name}/`:\n\n{lines}".lstrip()
+        tracker.end(FINISHED, tags, note)
 
     def _job(self, spec: JobSpec) -> Job:
         work = self.store.work_folder(spec.stage, spec.recipe)
@@ -181,14 +182,15 @@ def _open_tracker(artefacts: Path, spec: JobSpec) -> Tracker:
     if session is None:
         return NoTracker()
     tracker = JournalTracker(session / f"{spec.stage}-{spec.recipe[:16]}.jsonl")
-    tracker.begin(spec.label, {"stage": spec.stage, "recipe": spec.recipe})
+    needs = dict.fromkeys(job.stage for jobs in spec.inputs.values() for job in jobs)
+    tracker.begin(spec.label, {"stage": spec.stage, "recipe": spec.recipe}, list(needs))
     tracker.log_params(spec.section)
     return tracker
 
 
-def _end(tracker: Tracker, status: str, tags: dict[str, str]) -> None:
-    if isinstance(tracker, JournalTracker):
-        tracker.end(status, tags)
+def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
+    """What of a result can stand in a column of numbers."""
+    return {name: float(value) for name, value in facts.items() if isinstance(value, int | float)}
 
 
 def _input_recipes(spec: JobSpec) -> dict[str, list[str]]:

@@ -169,9 +169,7 @@ class _Session:
         elif kind == FILE:
             client.log_artifact(position.run, event["path"])
         elif kind == END:
-            note = "\n\n".join(filter(None, [position.note, event.get("note")]))
-            for key, value in (event["tags"] | ({_NOTE_TAG: note} if note else {})).items():
-                client.set_tag(position.run, key, value)
+            self._log_tags(position, event)
             client.set_terminated(position.run, event["status"], end_time=event["time"])
             position.ended = True
 
@@ -193,6 +191,13 @@ class _Session:
         names = [self._info.apart[s] for s in event.get("needs", ()) if s in self._info.apart]
         links = [f"[{name}](#{page(self._experiments[name])})" for name in names]
         return f"Made from the runs of {', '.join(links)}." if links else ""
+
+    def _log_tags(self, position: _Position, event: dict[str, Any]) -> None:
+        from mlflow.entities import RunTag
+
+        note = "\n\n".join(filter(None, [position.note, event.get("note")]))
+        tags = event["tags"] | ({_NOTE_TAG: note} if note else {})
+        self._client.log_batch(position.run, tags=[RunTag(k, v) for k, v in tags.items()])
 
     def _log_params(self, run: str, values: dict[str, str]) -> None:
         from mlflow.entities import Param

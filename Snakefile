@@ -6,7 +6,7 @@ from pathlib import Path
 sys.path.insert(0, workflow.basedir)
 
 from pipeline.console import calm
-from pipeline.entry import REPORTS, open_pipeline, protocol_files
+from pipeline.entry import open_pipeline
 
 
 report: "pipeline/captions/workflow.rst"
@@ -22,20 +22,14 @@ wildcard_constraints:
 
 # Here, since Snakemake forgets a default target that an included file sets.
 rule all:
+    """Table 1."""
     default_target: True
     input:
-        REPORTS["table1"],
+        PIPELINE.reports["table1"],
 
 
+include: "pipeline/rules/stages.smk"
 include: "pipeline/rules/reports.smk"
-include: "pipeline/rules/gaits.smk"
-include: "pipeline/rules/learning.smk"
-include: "pipeline/rules/evaluation.smk"
-include: "pipeline/rules/protocols.smk"
-include: "pipeline/rules/verification.smk"
-include: "pipeline/rules/figures.smk"
-include: "pipeline/rules/ablation.smk"
-include: "pipeline/rules/sensitivity.smk"
 
 
 onstart:

@@ -3,72 +3,26 @@
 import os
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
-from pipeline.targets import (
-    ABLATION_TARGET,
-    ON_DEMAND,
-    SEEDS_TARGET,
-    SENSITIVITY_TARGET,
-    all_targets,
-)
+from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
-from slider.artefacts.plan import Plan, build_plan, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.control.export import FILES as POLICY_FILES
 from slider.core.errors import UserError
-from slider.reports.figures import FILES
 from slider.tracking import session as tracking
 
 OPTION = "hydra"
 _TITLE = 80  # characters
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
-# What people read, by target: copies out of the store.
-REPORTS = {
-    "table1": (
-        "reports/table1.csv",
-        "reports/gait_quality.csv",
-        "reports/table1.md",
-        "reports/table1.tex",
-    ),
-    "verification": tuple(f"reports/verification.{suffix}" for suffix in ("csv", "json", "md")),
-    "verification_maps": tuple(
-        f"reports/figures/verification_maps.{suffix}" for suffix in ("svg", "png", "md")
-    ),
-    "figures": tuple(f"reports/figures/{name}" for name in FILES),
-    "policy_export": tuple(f"reports/policy/{name}" for name in POLICY_FILES),
-    "report": ("reports/index.html",),
-    **{
-        target: (
-            f"reports/{target}.csv",
-            f"reports/{target}_curves.csv",
-            f"reports/{target}.md",
-            f"reports/figures/{target}.svg",
-            f"reports/figures/{target}.png",
-        )
-        for target in (ABLATION_TARGET, SEEDS_TARGET)
-    },
-    SENSITIVITY_TARGET: (
-        "reports/sensitivity.csv",
-        "reports/sensitivity.md",
-        "reports/figures/sensitivity.svg",
-        "reports/figures/sensitivity.png",
-    ),
-}
-
-
-def protocol_files(name: str) -> tuple[str, ...]:
-    """What people read of a protocol beside that of Table 1."""
-    table = tuple(f"reports/{name}.{suffix}" for suffix in ("csv", "md"))
-    return table + tuple(f"reports/figures/{name}.{suffix}" for suffix in ("svg", "png"))
 
 
 @dataclass
@@ -84,41 +38,28 @@ class Pipeline:
     session: tracking.Session | None = field(default=None)
 
     @property
+    def reports(self) -> dict[str, tuple[str, ...]]:
+        """Files that people read, by target."""
+        return report_files(self.config)
+
+    @property
     def run(self) -> str:
         """Shell command that runs a job; the recipe follows."""
         return f"{shlex.quote(sys.executable)} -m slider.cli run --plan {self.plan_path}"
 
-    def manifest(self, target: str) -> str:
-        """Manifest of a named target."""
-        return self._manifest(target)
-
-    def ablation_manifest(self, wildcards: Any) -> str:
-        """Manifest of the ablation, whose jobs join the plan when somebody asks for it.
+    def manifest(self, target: str) -> Callable[[Any], str]:
+        """Input function: the manifest of a target, whose jobs join the plan if they are not in it.
 
         Raises:
-            UserError: a variant does not compose.
+            UserError: a variant of the ablation does not compose.
         """
-        self._plan_also(ABLATION_TARGET)
-        return self._manifest(ABLATION_TARGET)
 
-    def seeds_manifest(self, wildcards: Any) -> str:
-        """Manifest of the default from several seeds, with jobs that join the plan likewise."""
-        self._plan_also(SEEDS_TARGET)
-        return self._manifest(SEEDS_TARGET)
+        def find(wildcards: Any) -> str:
+            if target in ON_DEMAND:
+                self._plan_also(target)
+            return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
-    def sensitivity_manifest(self, wildcards: Any) -> str:
-        """Manifest of the sensitivity, whose jobs join the plan when somebody asks for it."""
-        self._plan_also(SENSITIVITY_TARGET)
-        return self._manifest(SENSITIVITY_TARGET)
-
-    def _manifest(self, target: str) -> str:
-        job = self.plan.jobs[self.plan.targets[target]]
-        return str(self.store.manifest_path(job.stage, job.recipe))
-
-    def manifests(self, stage: str) -> list[str]:
-        """Manifests of all jobs of a stage."""
-        jobs = (job for job in self.plan.jobs.values() if job.stage == stage)
-        return [str(self.store.manifest_path(stage, job.recipe)) for job in jobs]
+        return find
 
     def inputs(self, wildcards: Any) -> list[str]:
         """Manifests that the job of a recipe needs.
@@ -132,8 +73,10 @@ class Pipeline:
         job = self.plan.jobs.get(wildcards.recipe)
         if job is None:
             raise UserError(f"expected a recipe of the current plan, found {wildcards.recipe}")
-        groups = job.inputs.values()
-        return [str(self.store.manifest_path(i.stage, i.recipe)) for jobs in groups for i in jobs]
+        return [self._manifest(item) for jobs in job.inputs.values() for item in jobs]
+
+    def _manifest(self, job: JobSpec) -> str:
+        return str(self.store.manifest_path(job.stage, job.recipe))
 
     def _plan_also(self, target: str) -> None:
         """Add the jobs of a target on demand to the plan, once."""
@@ -152,7 +95,9 @@ class Pipeline:
         if not self.config.tracking.enabled:
             return
         tags = {_TAGS[name]: value for name, value in revision().items()}
-        info = tracking.SessionInfo(self.config.tracking.experiment, os.getpid(), tags)
+        experiment = self.config.tracking.experiment
+        apart = {"gait": f"{experiment}-gaits"}
+        info = tracking.SessionInfo(experiment, os.getpid(), tags, apart)
         tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides)}
         run = {"name": self._title(), "tags": tags, "params": to_dict(self.config)}
         self.session = tracking.start(artefacts, info, run)
@@ -189,8 +134,7 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
     store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
-    reports = REPORTS | {name: protocol_files(name) for name in config.protocols}
-    for target, names in reports.items():
+    for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
     return path

@@ -1,4 +1,4 @@
-"""Everything that can be asked for, the page among it; the ablation where the page shows it.
+"""Everything that can be asked for and its files; the ablation too where the page shows it.
 
 Targets of many jobs, ``ON_DEMAND``, are laid out only when somebody asks for them.
 """
@@ -14,6 +14,8 @@ from slider.artefacts.plan import JobSpec
 from slider.config.compose import compose
 from slider.config.report import SECTION_INPUTS
 from slider.config.schema import Config
+from slider.control.export import FILES as POLICY_FILES
+from slider.reports.figures import FILES as FIGURES
 
 ABLATION_TARGET = "ablation"
 SEEDS_TARGET = "seeds"  # the ablation of the default alone, from several seeds
@@ -59,3 +61,31 @@ ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] 
     SEEDS_TARGET: _seeds,
 }
 """Target → its job, from the configuration, the other targets, its overrides and its folder."""
+
+
+def report_files(config: Config) -> dict[str, tuple[str, ...]]:
+    """What people read of each target below the working directory: copies out of the store."""
+    return {
+        "table1": _reports("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
+        "report": _reports("index.html"),
+        "policy_export": _reports(*(f"policy/{name}" for name in POLICY_FILES)),
+        "figures": _reports(*(f"figures/{name}" for name in FIGURES)),
+        "verification": _reports(*(f"verification.{suffix}" for suffix in ("csv", "json", "md"))),
+        "verification_maps": _reports(*_drawn("verification_maps"), "figures/verification_maps.md"),
+        **{
+            name: _reports(f"{name}.csv", f"{name}_curves.csv", f"{name}.md", *_drawn(name))
+            for name in (ABLATION_TARGET, SEEDS_TARGET)
+        },
+        **{
+            name: _reports(f"{name}.csv", f"{name}.md", *_drawn(name))
+            for name in (SENSITIVITY_TARGET, *config.protocols)
+        },
+    }
+
+
+def _reports(*names: str) -> tuple[str, ...]:
+    return tuple(f"reports/{name}" for name in names)
+
+
+def _drawn(name: str) -> tuple[str, str]:
+    return f"figures/{name}.svg", f"figures/{name}.png"

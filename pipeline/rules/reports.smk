@@ -1,52 +1,51 @@
 # Reports that people read: copies out of the store.
+SOLVE_TIMES = "reports/figures/solve_times"
+CAPTIONS = Path(workflow.basedir) / "pipeline" / "captions"
 
 
 def captioned(name):
-    """A file that `snakemake --report` shows, with its caption."""
-    caption = f"../captions/{Path(name).stem}.rst"
-    return report(
-        name, caption=caption, category="Results", labels={"file": Path(name).name}
-    )
+    """A file that `snakemake --report` shows, if it has a caption."""
+    caption = CAPTIONS / f"{Path(name).stem}.rst"
+    if not caption.is_file():
+        return name
+    labels = {"file": Path(name).name}
+    return report(name, caption=caption, category="Results", labels=labels)
 
 
-rule publish_table1:
+for target, names in PIPELINE.reports.items():
+
+    rule:
+        name:
+            f"publish_{target}"
+        input:
+            manifest=PIPELINE.manifest(target),
+            # Which result is the current one, also when its manifest is older than the reports.
+            marker=f"artefacts/current/{target}",
+        output:
+            [captioned(name) for name in names],
+        localrule: True
+        shell:
+            "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
+
+
+rule policy:
+    """The walking policy, with all that its use elsewhere takes."""
     input:
-        manifest=PIPELINE.manifest("table1"),
-        # Which table is the current one, also when its manifest is older than the reports.
-        marker="artefacts/current/table1",
-    output:
-        [captioned(name) for name in REPORTS["table1"]],
-    shell:
-        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
+        PIPELINE.reports["policy_export"],
 
 
-rule report:
+# Times are a measurement and no result: they are drawn from what is noted beside the gaits.
+rule solve_times:
     input:
-        manifest=PIPELINE.manifest("report"),
-        marker="artefacts/current/report",
+        PIPELINE.manifest("library"),
     output:
-        [captioned(name) for name in REPORTS["report"]],
+        multiext(SOLVE_TIMES, ".svg", ".png", ".md"),
     shell:
-        "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
+        "{sys.executable:q} -m slider.cli library times --out {SOLVE_TIMES}"
 
 
-rule build_report:
+rule figures:
+    """Pictures of the gait library."""
     input:
-        PIPELINE.inputs,
-    output:
-        "artefacts/report/{recipe}.json",
-    log:
-        "artefacts/logs/report/{recipe}.log",
-    shell:
-        "{PIPELINE.run} {wildcards.recipe}"
-
-
-rule video:
-    input:
-        PIPELINE.inputs,
-    output:
-        "artefacts/video/{recipe}.json",
-    log:
-        "artefacts/logs/video/{recipe}.log",
-    shell:
-        "{PIPELINE.run} {wildcards.recipe}"
+        PIPELINE.reports["figures"],
+        rules.solve_times.output,

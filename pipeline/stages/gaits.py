@@ -52,8 +52,7 @@ def gait_section(config: Config) -> dict[str, Any]:
 def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
     """One gait; it does not know of the other velocities."""
     label = f"gait {velocity[0]:.2f} {velocity[1]:+.2f} m/s"
-    # 125 runs would bury the others: the library stage records the gaits as a table.
-    return job("gait", label, shared | {"velocity": list(velocity)}, tracked=False)
+    return job("gait", label, shared | {"velocity": list(velocity)})
 
 
 def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:

@@ -13,9 +13,8 @@ from slider.core.errors import UserError
 
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
-    "run": ("slider.commands.run", "run one job of a plan"),
-    "publish": ("slider.commands.publish", "copy files of a result out of the store"),
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
+    "runs": ("slider.commands.runs", "browse the runs in MLflow"),
     "store": ("slider.commands.store", "list, verify and clean the artefact store"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.training", "time physics, environment and training"),
@@ -23,20 +22,27 @@ COMMANDS = {
     "gait": ("slider.commands.gait", "show or export one gait of the library"),
     "policy": ("slider.commands.policy", "show or export a trained policy"),
     "results": ("slider.commands.results", "fill the documentation's result blocks"),
+}
+INTERNAL = {
+    "run": ("slider.commands.run", "run one job of a plan"),
+    "publish": ("slider.commands.publish", "copy files of a result out of the store"),
     "tracking": ("slider.commands.tracking", "bring journals to MLflow"),
 }
+"""What the pipeline calls; no help lists it."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand; bad input is one line and status 1."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     name = arguments[0] if arguments else ""
-    if name not in COMMANDS:
+    known = COMMANDS | INTERNAL
+    if name not in known:
         _overview().parse_args(arguments)
         _overview().print_help()
         return 1
-    module = importlib.import_module(COMMANDS[name][0])
-    parser = argparse.ArgumentParser(f"slider {name}", description=COMMANDS[name][1])
+    place, text = known[name]
+    module = importlib.import_module(place)
+    parser = argparse.ArgumentParser(f"slider {name}", description=text)
     module.add_arguments(parser)
     try:
         return module.run(parser.parse_args(arguments[1:])) or 0

@@ -47,3 +47,5 @@ def test_jobs_belong_to_the_pipeline_run_that_began_last(repository, tmp_path):
     assert first == circumstances.circumstances(tmp_path)
     assert first["pipeline_started"].endswith("+00:00")
     assert first["overrides"] == "gait.cost=torque env=paper"
+    (tmp_path / "current" / "started").write_bytes(b"\xff\n")
+    assert circumstances.circumstances(tmp_path)["overrides"] == ""

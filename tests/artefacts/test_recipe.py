@@ -4,9 +4,7 @@ from importlib import metadata
 
 import pytest
 
-from slider.artefacts import versions as versions_module
-from slider.artefacts.recipe import Code, recipe_digest
-from slider.artefacts.versions import ABSENT, version, versions
+from slider.artefacts.recipe import ABSENT, Code, distribution, recipe_digest, versions
 from slider.core.errors import UserError
 from slider.core.files import digest_value
 
@@ -40,9 +38,10 @@ def test_not_a_number_is_refused():
 
 
 def test_version_by_package_name_even_where_the_distribution_is_called_otherwise():
-    assert version("casadi") == metadata.version("casadi")
-    assert version("rsl_rl") == metadata.version("rsl-rl-lib")
-    assert version("yaml") == metadata.version("PyYAML")
+    found = versions(("casadi", "rsl_rl", "yaml"))
+    assert found["casadi"] == metadata.version("casadi")
+    assert found["rsl_rl"] == metadata.version("rsl-rl-lib")
+    assert found["yaml"] == metadata.version("PyYAML")
 
 
 def test_optional_package_that_is_not_installed():
@@ -52,10 +51,12 @@ def test_optional_package_that_is_not_installed():
 def test_package_without_distribution_is_refused(tmp_path, monkeypatch):
     (tmp_path / "orphan.py").write_text("")
     monkeypatch.syspath_prepend(tmp_path)
-    versions_module.version.cache_clear()
     with pytest.raises(UserError, match="orphan"):
-        version("orphan")
+        versions(("orphan",))
 
 
 def test_a_package_below_a_prefix_belongs_to_its_distribution():
-    assert version("pinocchio") == metadata.version("pin")
+    found = distribution("pinocchio")
+    assert found is not None
+    assert found.name == "pin"
+    assert versions(("pinocchio",))["pinocchio"] == metadata.version("pin")

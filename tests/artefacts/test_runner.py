@@ -106,6 +106,21 @@ def test_lost_manifest_is_written_again_without_computing(package, store):
     assert '"inf": "inf"' in text
 
 
+@pytest.mark.parametrize("content", ["{", "[]", '{"files": []}'])
+def test_a_broken_index_entry_or_fact_is_computed_again(package, store, content):
+    spec = job(package, "first", {"value": 10})
+    Runner(store).run(spec)
+    (entry,) = store.index()
+    for path in (entry, store.sidecar_path("first", spec.recipe)):
+        path.write_text(content)
+    assert Runner(store).run(spec) != "reused"
+    assert facts(store, spec)["computed"] is True
+    store.sidecar_path("first", spec.recipe).write_text(content)
+    following = job(package, "second", {}, {"values": [spec]})
+    with pytest.raises(KeyError, match="solve_s"):  # of the stage: it is told nothing
+        Runner(store).run(following)
+
+
 def test_corrupt_object_is_dropped_and_computed_again(package, store):
     spec = job(package, "first", {"value": 10})
     Runner(store).run(spec)
@@ -147,7 +162,8 @@ def command(package, store: Store, spec: JobSpec) -> subprocess.Popen:
         "from slider.cli import main; sys.exit(main())"
     )
     arguments = ["run", spec.recipe, "--plan", str(plan), "--artefacts", str(store.root)]
-    env = os.environ | {"PYTHONPATH": str(package[0])}
+    paths = filter(None, (str(package[0]), os.environ.get("PYTHONPATH")))
+    env = os.environ | {"PYTHONPATH": os.pathsep.join(paths)}
     return subprocess.Popen(
         [sys.executable, "-c", program, *arguments], env=env, stderr=subprocess.PIPE, text=True
     )

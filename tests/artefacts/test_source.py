@@ -75,7 +75,8 @@ def test_ignores_what_does_not_run(root, name, old, new):
 
 def test_ignores_what_an_editor_leaves(root):
     before = digest(root)
-    for name in (".stage.py.swp", "stage.py~", "#stage.py#", "__pycache__/stage.cpython-311.pyc"):
+    names = (".stage.py.swp", "stage.py~", "#stage.py#", "__pycache__/stage.cpython-311.pyc")
+    for name in (*names, "py.typed"):
         path = root / "slider" / "gait" / name
         path.parent.mkdir(exist_ok=True)
         path.write_text("x")

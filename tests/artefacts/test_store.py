@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.index import Entry, Index
 from slider.artefacts.maintenance import collect, summarise, verify
 from slider.artefacts.plan import JobSpec, build_plan, read_plan, write_plan
 from slider.artefacts.recipe import Code
@@ -32,8 +31,9 @@ def publish(store: Store, content: str, name: str = "deep/data.txt"):
 
 def add(store: Store, spec: JobSpec, content: str):
     result = publish(store, content)
-    Index(store).add(spec.recipe, Entry(spec.recipe, result))
-    store.write_manifest(Manifest(spec.stage, spec.recipe, {}, result))
+    manifest = Manifest(spec.stage, spec.recipe, {}, result)
+    store.remember(spec.recipe, manifest)
+    store.write_manifest(manifest)
     return result
 
 
@@ -110,6 +110,36 @@ def test_manifest_round_trip_holds_nothing_volatile(store):
     ]
 
 
+BROKEN = {
+    "bytes": b"\xff\xfe",
+    "no mapping": b"[]",
+    "files": {"files": []},
+    "size": {"files": {"deep/data.txt": {"sha256": "0", "size": "1"}}},
+    "file": {"files": {"deep/data.txt": 3}},
+    "object": {"object": 3},
+    "other object": {"object": "0" * 64},
+    "summary": {"summary": "fine"},
+    "inputs": {"inputs": []},
+    "stage": {"stage": 3},
+}
+
+
+@pytest.mark.parametrize("change", BROKEN.values(), ids=list(BROKEN))
+def test_what_is_no_manifest_is_one_line_and_counts_as_absent(store, change):
+    job = spec(1)
+    add(store, job, "A")
+    path, entry = store.manifest_path("gait", job.recipe), store.index_path(job.recipe)
+    for broken in (path, entry):
+        text = json.dumps(files.read_json(broken) | change) if isinstance(change, dict) else ""
+        broken.write_bytes(text.encode() or change)
+    with pytest.raises(UserError, match="expected a manifest, found something else in"):
+        parse_manifest(path)
+    assert store.known(job.recipe) is None
+    assert summarise(store) == []
+    assert verify(store).manifests == [f"gait/{job.recipe}.json"]
+    assert not entry.exists()
+
+
 def test_infinities_are_written_as_standard_json(tmp_path):
     files.write_json(tmp_path / "x.json", {"mse": float("inf"), "n": (1, 2)})
     assert files.read_json(tmp_path / "x.json") == {"mse": "inf", "n": [1, 2]}
@@ -130,10 +160,10 @@ def test_manifest_without_its_object_is_dropped(store):
 def test_index_forgets_an_object_that_is_gone(store):
     job = spec(1)
     result = add(store, job, "A")
-    assert Index(store).find(job.recipe) == Entry(job.recipe, result)
+    assert store.known(job.recipe) == Manifest("gait", job.recipe, {}, result)
     store.drop_object(result.object)
-    assert Index(store).find(job.recipe) is None
-    assert Index(store).find("0" * 64) is None
+    assert store.known(job.recipe) is None
+    assert store.known("0" * 64) is None
 
 
 def test_verify_drops_exactly_what_is_corrupt(store):
@@ -145,8 +175,8 @@ def test_verify_drops_exactly_what_is_corrupt(store):
     removed = verify(store)
     assert removed.objects == [lost.object]
     assert removed.manifests == [f"gait/{bad.recipe}.json"]
-    assert Index(store).find(bad.recipe) is None
-    assert Index(store).find(good.recipe) is not None
+    assert store.known(bad.recipe) is None
+    assert store.known(good.recipe) is not None
     assert store.is_whole(kept.object)
     assert verify(store).objects == []
 
@@ -170,9 +200,12 @@ def test_collect_keeps_what_the_latest_plans_reach(store):
     assert not store.object_folder(old_result.object).exists()
     assert store.is_whole(new_result.object)
     assert [kind.manifests for kind in summarise(store)] == [1]
-    assert Index(store).find(old.recipe) is None
+    assert store.known(old.recipe) is None
     with pytest.raises(UserError, match="at least 1"):
         collect(store, keep=0)
+    path.write_bytes(b"\xff")
+    with pytest.raises(UserError, match="expected a plan, found none at"):
+        collect(store, keep=1)
 
 
 def test_plan_round_trip(tmp_path):

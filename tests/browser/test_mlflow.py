@@ -1,6 +1,5 @@
 """MLflow's own pages on what the pipeline recorded."""
 
-import os
 import socket
 import sqlite3
 import subprocess
@@ -16,37 +15,36 @@ from tests.browser.conftest import PATIENCE
 
 pytestmark = pytest.mark.workflow
 
-# Its workers for jobs (evaluations by language models) are seven more imports of MLflow.
-SETTINGS = {"MLFLOW_DISABLE_TELEMETRY": "true", "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
-
 
 @dataclass(frozen=True)
 class Server:
     address: str
+    start: str  # the page that the command names
     runs: dict[str, str]  # name of the latest run → its id
     experiment: str
 
 
 @pytest.fixture(scope="module")
 def server(finished):
-    """``mlflow ui`` on the loopback interface, stopped at the end."""
+    """``slider runs``, stopped at the end."""
     database = finished.artefacts / "mlflow.db"
     with closing(sqlite3.connect(database)) as connection:
         rows = connection.execute(
             "SELECT name, run_uuid, experiment_id FROM runs ORDER BY start_time"
         ).fetchall()
-    port = _free_port()
-    arguments = ["--backend-store-uri", f"sqlite:///{database}", "--host", "127.0.0.1"]
+    arguments = ["--artefacts", str(finished.artefacts), "--port", str(_free_port())]
     process = subprocess.Popen(
-        [sys.executable, "-m", "mlflow", "ui", *arguments, "--port", str(port), "--workers", "1"],
-        env=os.environ | SETTINGS,
-        stdout=subprocess.DEVNULL,
+        [sys.executable, "-m", "slider.cli", "runs", *arguments],
+        stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
+        text=True,
     )
     try:
-        address = f"http://127.0.0.1:{port}"
+        assert process.stdout is not None
+        start = process.stdout.readline().removeprefix("open ").strip()
+        address = start.partition("/#")[0]
         _wait_for(f"{address}/health")
-        yield Server(address, {name: run for name, run, _ in rows}, str(rows[-1][2]))
+        yield Server(address, start, {name: run for name, run, _ in rows}, str(rows[0][2]))
     finally:
         process.terminate()
         assert process.wait(PATIENCE) == 0
@@ -70,7 +68,7 @@ def _wait_for(address: str) -> None:
 
 
 def test_lists_the_pipeline_run_with_its_children(server, visit):
-    found = visit(f"{server.address}/#/experiments/{server.experiment}/runs")
+    found = visit(server.start)
     page = found.page
     page.get_by_role("link", name="pipeline").first.wait_for()
     rows = page.get_by_role("row")
@@ -80,6 +78,24 @@ def test_lists_the_pipeline_run_with_its_children(server, visit):
     page.wait_for_function(f"() => document.querySelectorAll('[role=row]').length > {before}")
     outside = [r for r in found.requests if not r.startswith((server.address, "data:", "blob:"))]
     assert outside == []
+
+
+def test_opens_on_the_runs_of_trainings(server, visit):
+    """Not on traces of language models, MLflow's own choice."""
+    page = visit(server.start).page
+    page.get_by_role("link", name="pipeline").first.wait_for()
+    assert f"/experiments/{server.experiment}/runs" in page.url
+    page.get_by_role("link", name="Models").wait_for()  # in the menu of trainings alone
+
+
+def test_the_library_leads_to_its_gaits(server, visit):
+    run = f"{server.address}/#/experiments/{server.experiment}/runs/{server.runs['gait library']}"
+    page = visit(run).page
+    link = page.get_by_role("link", name="slider-gaits").first
+    link.wait_for()
+    gaits = visit(f"{server.address}/{link.get_attribute('href')}").page
+    gaits.get_by_role("link", name="gait 0.40 +0.00 m/s").first.wait_for()
+    assert gaits.get_by_role("link", name="walking").count() == 0
 
 
 def test_opens_a_learning_curve(server, visit):

@@ -22,13 +22,14 @@ def artefacts(tmp_path: Path, monkeypatch) -> Path:
 
 
 def start(artefacts: Path, owner: int) -> Path:
-    info = tracking.SessionInfo("slider", owner, {"git.dirty": "false"})
+    apart = {"gait": "slider-gaits"}
+    info = tracking.SessionInfo("slider", owner, {"git.dirty": "false"}, apart)
     return tracking.start(artefacts, info, RUN).folder
 
 
-def runs(artefacts: Path):
+def runs(artefacts: Path, name: str = "slider"):
     client = MlflowClient(f"sqlite:///{artefacts / 'mlflow.db'}")
-    experiment = client.get_experiment_by_name("slider")
+    experiment = client.get_experiment_by_name(name)
     assert experiment is not None
     found = client.search_runs([experiment.experiment_id])
     return client, {run.info.run_name: run for run in found}
@@ -69,6 +70,30 @@ def test_one_parent_with_a_child_per_job(artefacts, tmp_path):
     assert names == {"gaits.json", "note.txt"}
 
 
+def test_many_runs_stand_in_an_experiment_of_their_own(artefacts):
+    """Gaits: their library links to them, and they name the pipeline's run."""
+    folder = start(artefacts, os.getpid())
+    for name, stage, needs in (("gait 0.2", "gait", []), ("gait library", "library", ["gait"])):
+        job = JournalTracker(folder / f"{stage}-1.jsonl")
+        job.begin(name, {"stage": stage}, needs)
+        job.end(FINISHED, {}, "Result.")
+    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
+    follow(artefacts, folder.name)
+    client, found = runs(artefacts)
+    assert set(found) == {"pipeline", "gait library"}
+    apart = runs(artefacts, "slider-gaits")[1]
+    assert set(apart) == {"gait 0.2"}
+    tags = apart["gait 0.2"].data.tags
+    assert tags["pipeline"] == found["pipeline"].info.run_id
+    assert "mlflow.parentRunId" not in tags
+    experiment = client.get_experiment_by_name("slider-gaits")
+    assert experiment is not None
+    assert experiment.tags["mlflow.experimentKind"] == "custom_model_development"
+    note = found["gait library"].data.tags["mlflow.note.content"]
+    assert f"(#/experiments/{experiment.experiment_id}/runs" in note
+    assert note.endswith("\n\nResult.")
+
+
 def test_runs_of_a_killed_pipeline_end_as_failed_with_the_next(artefacts):
     killed = start(artefacts, NOBODY)
     JournalTracker(killed / "walking-1.jsonl").begin("walking", {})
@@ -82,6 +107,18 @@ def test_runs_of_a_killed_pipeline_end_as_failed_with_the_next(artefacts):
     pipelines = client.search_runs(["1"], "attributes.run_name = 'pipeline'")
     assert sorted(run.info.status for run in pipelines) == [FAILED, FINISHED]
     assert not killed.exists()
+
+
+@pytest.mark.parametrize("content", [b"{}", b"[]", b"\xff"])
+def test_an_unreadable_session_does_not_hold_up_the_next(artefacts, content):
+    broken = artefacts / "tracking" / "20000101T000000-1"
+    broken.mkdir(parents=True)
+    (broken / "session.json").write_bytes(content)
+    folder = start(artefacts, os.getpid())
+    JournalTracker(folder / "main.jsonl").end(FINISHED, {})
+    follow(artefacts, folder.name)
+    assert runs(artefacts)[1]["pipeline"].info.status == FINISHED
+    assert not broken.exists()
 
 
 def test_writer_ends_with_its_owner(artefacts):
@@ -100,4 +137,7 @@ def test_a_broken_tracker_is_one_warning(tmp_path, caplog):
 
 
 def test_no_session_no_journal(tmp_path):
+    assert current_session(tmp_path) is None
+    (tmp_path / "tracking").mkdir()
+    (tmp_path / "tracking" / "current").write_bytes(b"\xff")
     assert current_session(tmp_path) is None

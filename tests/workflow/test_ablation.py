@@ -117,7 +117,7 @@ def test_the_plan_has_no_ablation_until_somebody_asks(tmp_path, monkeypatch):
     before = dict(opened.plan.jobs)
     assert "ablation" not in opened.plan.targets
     assert not Path("artefacts/current/ablation").exists()
-    manifest = opened.ablation_manifest(None)
+    manifest = opened.manifest("ablation")(None)
     assert Path(manifest).stem == opened.plan.targets["ablation"]
     assert Path("artefacts/current/ablation").is_file()
     assert before.keys() < opened.plan.jobs.keys()
@@ -128,7 +128,7 @@ def test_the_seeds_stand_beside_the_ablation(tmp_path, monkeypatch):
     """Both can be asked for at once; `seeds` is the default alone, whatever the ablation runs."""
     monkeypatch.chdir(tmp_path)
     opened = open_pipeline({"hydra": "experiment=test"}, CONF)
-    manifests = {opened.ablation_manifest(None), opened.seeds_manifest(None)}
+    manifests = {opened.manifest("ablation")(None), opened.manifest("seeds")(None)}
     assert len(manifests) == 2
     seeds = opened.plan.jobs[opened.plan.targets["seeds"]]
     assert seeds.section["name"] == "seeds"

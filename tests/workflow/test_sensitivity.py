@@ -145,11 +145,11 @@ def test_the_plan_has_no_changed_robot_until_somebody_asks(tmp_path, monkeypatch
     opened = open_pipeline({"hydra": "experiment=test"}, CONF)
     before = dict(opened.plan.jobs)
     assert "sensitivity" not in opened.plan.targets
-    manifest = opened.sensitivity_manifest(None)
+    manifest = opened.manifest("sensitivity")(None)
     assert Path(manifest).stem == opened.plan.targets["sensitivity"]
     assert before.keys() < opened.plan.jobs.keys()
     assert "ablation" not in opened.plan.targets
-    opened.ablation_manifest(None)
+    opened.manifest("ablation")(None)
     assert {"ablation", "sensitivity"} <= opened.plan.targets.keys()
 
 

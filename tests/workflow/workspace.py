@@ -222,7 +222,7 @@ def finished(folder: Path) -> Workspace:
     runs it while the others wait. Copy it before you change it.
     """
     done, workspace = folder / "finished.done", Workspace(folder / "finished")
-    with exclusive(folder / "finished.lock", "finished"):
+    with exclusive(folder, "finished"):
         if not done.exists():
             shutil.rmtree(workspace.folder, ignore_errors=True)
             run = copy_repository(workspace.folder).snakemake(TABLE, PAGE)

@@ -36,7 +36,7 @@ def circumstances(artefacts: Path) -> dict[str, str]:
     path = _start_path(artefacts)
     if not path.is_file():
         return revision()
-    started, _, overrides = path.read_text().partition("\n")
+    started, _, overrides = path.read_text(errors="replace").partition("\n")
     return revision() | {"pipeline_started": started, "overrides": overrides.strip()}
 
 

@@ -1,40 +1,70 @@
 """Locks between processes: one job per recipe, and no clean-up while jobs run.
 
-All are byte ranges of one file, so that no litter of lock files stays behind. They vanish with
-the process that holds them, however it ends.
+The operating system holds them: they vanish with the process that holds them, however it ends.
 """
 
-import fcntl
-import hashlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 from slider.core.errors import UserError
 
-
-@contextmanager
-def exclusive(path: Path, name: str) -> Iterator[None]:
-    """Wait until no other process holds the lock of this name."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    offset = int(hashlib.sha256(name.encode()).hexdigest()[:15], 16)
-    # Closing any handle of the file drops all locks of a process: open it only here, once.
-    with path.open("ab") as file:
-        fcntl.lockf(file, fcntl.LOCK_EX, 1, offset)
-        yield
+_GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
 
 
 @contextmanager
-def nobody_else(path: Path) -> Iterator[None]:
+def exclusive(folder: Path, name: str) -> Iterator[None]:
+    """Wait until no other process holds the lock of this name, nor all of them.
+
+    Raises:
+        UserError: there is no place for a lock file.
+    """
+    with _held(folder, name):
+        with _held(folder, _GATE):
+            pass
+        try:
+            yield
+        finally:
+            _path(folder, name).unlink(missing_ok=True)  # who waits for it sees that and goes on
+
+
+@contextmanager
+def nobody_else(folder: Path) -> Iterator[None]:
     """Hold every lock at once.
 
     Raises:
-        UserError: some job is running.
+        UserError: some job is running, or there is no place for a lock file.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("ab") as file:
+    with ExitStack() as held:
         try:
-            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise UserError(f"expected no running job in {path.parent}, found one") from None
+            held.enter_context(_held(folder, _GATE, timeout=0))
+            for path in folder.glob("*.lock"):
+                if path.stem != _GATE:
+                    held.enter_context(_held(folder, path.stem, timeout=0))
+                    held.callback(path.unlink, missing_ok=True)  # left by a killed job
+        except Timeout:
+            raise UserError(f"expected no running job in {folder.parent}, found one") from None
         yield
+
+
+@contextmanager
+def _held(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
+    path = _path(folder, name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(path, timeout)
+        lock.acquire()
+    except Timeout:  # an OSError, too
+        raise
+    except OSError as error:
+        raise UserError(f"expected a lock file at {path}, found: {error.strerror}") from None
+    try:
+        yield
+    finally:
+        lock.release()
+
+
+def _path(folder: Path, name: str) -> Path:
+    return folder / f"{name}.lock"

@@ -1,14 +1,13 @@
 """Care of the store: list, verify, remove what no recent plan reaches."""
 
 import shutil
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from slider.artefacts.index import Index, read_entry
 from slider.artefacts.locks import nobody_else
 from slider.artefacts.plan import plan_recipes
-from slider.artefacts.store import Store, parse_manifest
+from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -35,9 +34,8 @@ def summarise(store: Store) -> list[Kind]:
     """Count manifests, objects and bytes per stage."""
     sizes: dict[str, dict[str, int]] = {}
     counts: dict[str, int] = {}
-    for path in store.manifests():
-        result = parse_manifest(path).result
-        stage = path.parent.name
+    for manifest in filter(None, map(store.usable, store.manifests())):
+        stage, result = manifest.stage, manifest.result
         counts[stage] = counts.get(stage, 0) + 1
         size = sum(facts["size"] for facts in result.files.values())
         sizes.setdefault(stage, {})[result.object] = size
@@ -53,43 +51,36 @@ def verify(store: Store) -> Removed:
     Raises:
         UserError: a job is running.
     """
-    with nobody_else(store.lock_path):
+    with nobody_else(store.locks):
         corrupt = [digest for digest in _objects(store) if not store.is_whole(digest)]
         for digest in corrupt:
             store.drop_object(digest)
-        return Removed(corrupt, _drop_references(store, lambda name: not _is_there(store, name)))
+        return Removed(corrupt, _names(store, _drop_dangling(store)))
 
 
 def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
     """Remove objects and manifests that none of the ``keep`` latest plans reaches, and litter.
 
     Raises:
-        UserError: a job is running, or no plan would be kept.
+        UserError: a job is running, no plan would be kept, or one cannot be read.
     """
     if keep < 1:
         raise UserError(f"--keep: expected at least 1 plan, found {keep}")
-    with nobody_else(store.lock_path):
+    with nobody_else(store.locks):
         plans = sorted(_plans(store), key=lambda path: path.stat().st_mtime, reverse=True)
-        recipes = _reached(plans[:keep])
+        recipes = set().union(*map(plan_recipes, plans[:keep]))
         manifests = [path for path in store.manifests() if path.stem not in recipes]
-        kept = {parse_manifest(p).result.object for p in store.manifests() if p.stem in recipes}
+        reached = (store.usable(path) for path in store.manifests() if path.stem in recipes)
+        kept = {manifest.result.object for manifest in reached if manifest}
         objects = [digest for digest in _objects(store) if digest not in kept]
         if not dry_run:
-            _remove(store, plans[keep:], manifests, objects, recipes)
-        return Removed(objects, [str(path.relative_to(store.root)) for path in manifests])
-
-
-def _remove(
-    store: Store, plans: list[Path], manifests: list[Path], objects: list[str], recipes: set[str]
-) -> None:
-    for path in manifests:  # before their objects: a manifest without its object is a lie
-        _drop_manifest(store, path)
-    for digest in objects:
-        store.drop_object(digest)
-    for path in plans:
-        path.unlink(missing_ok=True)
-    _drop_references(store, lambda name: not _is_there(store, name))
-    _drop_litter(store, recipes)
+            for path in (*manifests, *plans[keep:]):  # before their objects: none must dangle
+                path.unlink(missing_ok=True)
+            for digest in objects:
+                store.drop_object(digest)
+            _drop_dangling(store)
+            _drop_litter(store, recipes)
+        return Removed(objects, _names(store, manifests))
 
 
 def _drop_litter(store: Store, recipes: set[str]) -> None:
@@ -105,32 +96,14 @@ def _drop_litter(store: Store, recipes: set[str]) -> None:
             path.unlink(missing_ok=True)
 
 
-def _drop_references(store: Store, gone: Callable[[str], bool]) -> list[str]:
+def _drop_dangling(store: Store) -> list[Path]:
     """Drop index entries and manifests whose object is gone; list the manifests."""
-    for path in Index(store).paths():
-        entry = read_entry(path)
-        if entry is None or gone(entry.result.object):
-            path.unlink(missing_ok=True)
-    dropped = [path for path in store.manifests() if _is_void(path, gone)]
-    for path in dropped:
-        _drop_manifest(store, path)
-    return [str(path.relative_to(store.root)) for path in dropped]
+    store.drop_dangling(store.index())
+    return store.drop_dangling(store.manifests())
 
 
-def _is_void(path: Path, gone: Callable[[str], bool]) -> bool:
-    try:
-        return gone(parse_manifest(path).result.object)
-    except UserError:
-        return True
-
-
-def _drop_manifest(store: Store, path: Path) -> None:
-    path.unlink(missing_ok=True)
-    store.sidecar_path(path.parent.name, path.stem).unlink(missing_ok=True)
-
-
-def _is_there(store: Store, digest: str) -> bool:
-    return store.object_folder(digest).is_dir()
+def _names(store: Store, paths: Iterable[Path]) -> list[str]:
+    return [path.relative_to(store.root).as_posix() for path in paths]
 
 
 def _objects(store: Store) -> list[str]:
@@ -139,7 +112,3 @@ def _objects(store: Store) -> list[str]:
 
 def _plans(store: Store) -> list[Path]:
     return list((store.root / "plans").glob("*.json"))
-
-
-def _reached(plans: Iterable[Path]) -> set[str]:
-    return set().union(*map(plan_recipes, plans))

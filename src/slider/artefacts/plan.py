@@ -100,13 +100,20 @@ def read_plan(path: Path) -> Plan:
     try:
         values = files.read_json(path)
         return _from_values(values)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise UserError(f"expected a plan, found none at {path}") from None
 
 
 def plan_recipes(path: Path) -> set[str]:
-    """Recipes of a plan, also of one that an earlier version of this package wrote."""
-    return set(files.read_json(path)["jobs"])
+    """Recipes of a plan, also of one that an earlier version of this package wrote.
+
+    Raises:
+        UserError: the file is no plan.
+    """
+    try:
+        return set(files.read_json(path)["jobs"])
+    except (OSError, ValueError, KeyError, TypeError):
+        raise UserError(f"expected a plan, found none at {path}") from None
 
 
 def _to_values(plan: Plan) -> dict[str, Any]:

@@ -1,17 +1,21 @@
 """Recipes: digests of everything that may change the result of a stage."""
 
+import importlib.util
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import slider
 from slider.artefacts.source import closure
-from slider.artefacts.versions import versions
+from slider.core.errors import UserError
 from slider.core.files import digest_value
 
 SOURCE_ROOT = Path(slider.__file__).parent.parent
+ABSENT = "absent"
 
 Groups = Mapping[str, Sequence[str]]
 """Name of an input → digests, in order."""
@@ -45,3 +49,45 @@ def recipe_digest(stage: str, section: Any, code: Code, inputs: Groups) -> str:
     """
     groups = {name: list(digests) for name, digests in inputs.items()}
     return digest_value([stage, section, code.entry, code.source, code.versions, groups])
+
+
+def versions(packages: Sequence[str]) -> dict[str, str]:
+    """Version of Python (major.minor) and of each importable top-level package, sorted.
+
+    One that is not installed is ``absent``.
+
+    Raises:
+        UserError: a package can be imported, but no distribution owns up to it.
+    """
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    return {"python": python} | {name: _version(name) for name in sorted(packages)}
+
+
+def _version(package: str) -> str:
+    found = distribution(package)
+    return found.version if found else ABSENT
+
+
+@cache
+def distribution(package: str) -> metadata.Distribution | None:
+    """Distribution that provides an importable package, if that is installed.
+
+    Raises:
+        UserError: the package can be imported, but no distribution owns up to it.
+    """
+    try:
+        return metadata.distribution(package)
+    except metadata.PackageNotFoundError:
+        return _search(package) if importlib.util.find_spec(package) else None
+
+
+def _search(package: str) -> metadata.Distribution:
+    # metadata.packages_distributions() parses every list of files and takes 0.7 s; the
+    # names of two of ten packages differ from their distribution's, so a text search will do.
+    # The packages of cmeel (pinocchio) are one folder of site-packages below another.
+    markers = (f"\n{package}/", f"\n{package}.py,", f"/site-packages/{package}/__init__.py,")
+    for found in metadata.distributions():
+        record = "\n" + (found.read_text("RECORD") or "")
+        if any(marker in record for marker in markers):
+            return found
+    raise UserError(f"expected an installed distribution with package {package}, found none")

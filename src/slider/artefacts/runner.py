@@ -6,14 +6,13 @@ import os
 import resource
 import shutil
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from slider.artefacts.circumstances import circumstances
-from slider.artefacts.index import Entry, Index
 from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
@@ -23,8 +22,6 @@ from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
 from slider.core.machine import machine
 from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
-
-_LISTED_FILES = 20  # in the description of a run; a Zarr store has more
 
 
 @dataclass(frozen=True)
@@ -41,19 +38,17 @@ class Runner:
         Raises:
             UserError: an input is missing or damaged, or the source changed since the plan.
         """
-        with exclusive(self.store.lock_path, f"{spec.stage}/{spec.recipe}"):
-            index = Index(self.store)
-            key = self._key(spec)
-            known = index.find(key)
+        with exclusive(self.store.locks, spec.recipe):
+            key, inputs = self._key(spec), _input_recipes(spec)
+            known = self.store.known(key)
             if known is None:
-                known = Entry(spec.recipe, self._compute(spec))
-                index.add(key, known)
+                known = Manifest(spec.stage, spec.recipe, inputs, self._compute(spec))
+                self.store.remember(key, known)
                 outcome = f"{self._sidecar(spec)['wall_s']:.1f} s"
             else:
                 self._note_reuse(spec, known)
                 outcome = "reused"
-            manifest = Manifest(spec.stage, spec.recipe, _input_recipes(spec), known.result)
-            self.store.write_manifest(manifest)
+            self.store.write_manifest(replace(known, recipe=spec.recipe, inputs=inputs))
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
         return outcome
 
@@ -65,7 +60,7 @@ class Runner:
 
     def _input(self, job: JobSpec) -> Result:
         result = self.store.read_manifest(job.stage, job.recipe).result
-        if not files.has_files(self.store.object_folder(result.object), result.files):
+        if not self.store.has(result):
             raise UserError(
                 f"expected the {job.stage} result {result.object[:12]} whole, "
                 "found it damaged: run `slider store verify`"
@@ -89,22 +84,25 @@ class Runner:
                 resumed = bool(job.volatile.get("resumed", False))
                 result = self.store.publish(out, files.plain(summary), resumed)
         except BaseException:
-            _end(tracker, FAILED, {})
+            if isinstance(tracker, JournalTracker):
+                tracker.end(FAILED, {})
             raise
         self._note_computed(spec, job, watch)
-        _end(tracker, FINISHED, self._result_tags(result))
+        if isinstance(tracker, JournalTracker):
+            noted = {f"volatile/{name}": value for name, value in _numbers(job.volatile).items()}
+            tracker.log_metrics(_numbers(summary) | noted, 0)
+            self._end(tracker, result)
         return result
 
-    def _result_tags(self, result: Result) -> dict[str, str]:
-        """Links to the result that stay right when the folder moves; MLflow's own are absolute."""
+    def _end(self, tracker: JournalTracker, result: Result) -> None:
+        """Close the run with its numbers and a path that stays right when the folder moves."""
         path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
-        names = "\n".join(f"* `{path}/{name}`" for name in sorted(result.files)[:_LISTED_FILES])
-        return {
-            "object": result.object,
-            "object.path": path,
-            "resumed": str(result.resumed),
-            "mlflow.note.content": f"Result, below `{self.store.root.name}/`:\n\n{names}",
-        }
+        tags = {"object": result.object, "object.path": path, "resumed": str(result.resumed)}
+        names = sorted({name.partition("/")[0] for name in result.files})
+        lines = "\n".join(f"* `{path}/{name}`" for name in names)
+        facts = ", ".join(f"{k} **{v:.4g}**" for k, v in _numbers(result.summary).items())
+        note = f"{facts}\n\nResult, below `{self.store.root.name}/`:\n\n{lines}".lstrip()
+        tracker.end(FINISHED, tags, note)
 
     def _job(self, spec: JobSpec) -> Job:
         work = self.store.work_folder(spec.stage, spec.recipe)
@@ -115,21 +113,25 @@ class Runner:
         return Job(work, self.threads, tracker, self.progress, facts, known)
 
     def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
+        return self._facts(spec.stage, spec.recipe)
+
+    def _facts(self, stage: str, recipe: str) -> dict[str, Any]:
+        """What is noted beside a manifest; nothing where that is missing or damaged."""
         try:
-            return files.read_json(self.store.sidecar_path(spec.stage, spec.recipe))
+            facts = files.read_json(self.store.sidecar_path(stage, recipe))
         except (OSError, ValueError):
             return {}
+        return facts if isinstance(facts, dict) else {}
 
     def _note_computed(self, spec: JobSpec, job: Job, watch: "_Watch") -> None:
         facts = {**job.volatile, **watch.facts(), "computed": True, "threads": self.threads}
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 
-    def _note_reuse(self, spec: JobSpec, known: Entry) -> None:
+    def _note_reuse(self, spec: JobSpec, known: Manifest) -> None:
         """Keep the facts of the job that computed the result beside the recipe that reuses it."""
         if known.recipe == spec.recipe:
             return
-        path = self.store.sidecar_path(spec.stage, known.recipe)
-        origin = files.read_json(path) if path.is_file() else {}
+        origin = self._facts(known.stage, known.recipe)
         facts = origin | {"computed": False, "reused_from": known.recipe, "started": _now()}
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 
@@ -180,14 +182,15 @@ def _open_tracker(artefacts: Path, spec: JobSpec) -> Tracker:
     if session is None:
         return NoTracker()
     tracker = JournalTracker(session / f"{spec.stage}-{spec.recipe[:16]}.jsonl")
-    tracker.begin(spec.label, {"stage": spec.stage, "recipe": spec.recipe})
+    needs = dict.fromkeys(job.stage for jobs in spec.inputs.values() for job in jobs)
+    tracker.begin(spec.label, {"stage": spec.stage, "recipe": spec.recipe}, list(needs))
     tracker.log_params(spec.section)
     return tracker
 
 
-def _end(tracker: Tracker, status: str, tags: dict[str, str]) -> None:
-    if isinstance(tracker, JournalTracker):
-        tracker.end(status, tags)
+def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
+    """What of a result can stand in a column of numbers."""
+    return {name: float(value) for name, value in facts.items() if isinstance(value, int | float)}
 
 
 def _input_recipes(spec: JobSpec) -> dict[str, list[str]]:

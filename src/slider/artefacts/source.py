@@ -107,8 +107,8 @@ def _data_files(folder: Path) -> Iterator[Path]:
 
 
 def _is_no_data(name: str) -> bool:
-    """Python, and what editors leave beside a file while it is open."""
-    endings = (".py", ".pyc", "~", ".bak", ".orig", ".rej", ".tmp")
+    """Python, its marker of types, and what editors leave beside a file while it is open."""
+    endings = (".py", ".pyc", ".typed", "~", ".bak", ".orig", ".rej", ".tmp")
     return name.endswith(endings) or name.startswith((".", "#"))
 
 

@@ -73,9 +73,9 @@ class Store:
         return self.root / "work" / stage / recipe
 
     @property
-    def lock_path(self) -> Path:
-        """File of the locks between processes."""
-        return self.root / "lock"
+    def locks(self) -> Path:
+        """Folder of the locks between processes."""
+        return self.root / "locks"
 
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:
@@ -124,13 +124,7 @@ class Store:
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""
-        values = {
-            "schema": SCHEMA,
-            "stage": manifest.stage,
-            "recipe": manifest.recipe,
-            "inputs": {name: list(recipes) for name, recipes in manifest.inputs.items()},
-        } | result_values(manifest.result)
-        files.write_json(self.manifest_path(manifest.stage, manifest.recipe), values)
+        _write(self.manifest_path(manifest.stage, manifest.recipe), manifest)
 
     def read_manifest(self, stage: str, recipe: str) -> Manifest:
         """Read the manifest of a recipe.
@@ -143,21 +137,46 @@ class Store:
     def manifests(self) -> list[Path]:
         """Every manifest of the store."""
         found = self.root.glob("*/" + "[0-9a-f]" * 64 + ".json")
-        return sorted(path for path in found if path.parent.name not in ("plans", "index"))
+        return sorted(path for path in found if path.parent.name != "plans")
+
+    def index_path(self, key: str) -> Path:
+        """File of the index behind the early cut-off: the first manifest of a key."""
+        return self.root / "index" / key[:2] / f"{key}.json"
+
+    def index(self) -> list[Path]:
+        """Every entry of the index."""
+        return sorted((self.root / "index").glob("*/*.json"))
+
+    def remember(self, key: str, manifest: Manifest) -> None:
+        """Add a computed result to the index.
+
+        A recipe names the way to a result, down to the recipes of the inputs; a key names their
+        contents. After a refactoring that leaves these as they were, recipes differ, keys do not.
+        """
+        _write(self.index_path(key), manifest)
+
+    def known(self, key: str) -> Manifest | None:
+        """Manifest of the first job with a key, if its object is there."""
+        return self.usable(self.index_path(key))
+
+    def usable(self, path: Path) -> Manifest | None:
+        """A manifest whose object is there with all files in their sizes."""
+        try:
+            manifest = parse_manifest(path)
+        except UserError:
+            return None
+        return manifest if self.has(manifest.result) else None
+
+    def has(self, result: Result) -> bool:
+        """Tell whether the object of a result is there with all files in their sizes."""
+        return files.has_files(self.object_folder(result.object), result.files)
 
     def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
         """Remove the manifests whose object is gone, so that nobody trusts them; list them."""
-        dropped = [path for path in paths if path.is_file() and not self._has_object(path)]
+        dropped = [path for path in paths if path.is_file() and self.usable(path) is None]
         for path in dropped:
             path.unlink(missing_ok=True)
         return dropped
-
-    def _has_object(self, path: Path) -> bool:
-        try:
-            result = parse_manifest(path).result
-        except UserError:
-            return False
-        return files.has_files(self.object_folder(result.object), result.files)
 
 
 def parse_manifest(path: Path) -> Manifest:
@@ -167,24 +186,30 @@ def parse_manifest(path: Path) -> Manifest:
         UserError: there is none, or it is not one of ours.
     """
     try:
-        values = files.read_json(path)
-        return Manifest(values["stage"], values["recipe"], values["inputs"], parse_result(values))
+        return _parse(files.read_json(path))
     except FileNotFoundError:
         raise UserError(f"expected a manifest, found none at {path}") from None
-    except (ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise UserError(f"expected a manifest, found something else in {path}") from None
 
 
-def result_values(result: Result) -> dict[str, Any]:
-    """Plain values of a result; ``resumed`` appears only when it is true."""
-    values = asdict(result)
-    if not values.pop("resumed"):
-        return values
-    return values | {"resumed": True}
-
-
-def parse_result(values: Mapping[str, Any]) -> Result:
-    """Result from its plain values."""
-    return Result(
+def _parse(values: Any) -> Manifest:
+    result = Result(
         values["object"], values["files"], values["summary"], values.get("resumed", False)
     )
+    manifest = Manifest(values["stage"], values["recipe"], values["inputs"], result)
+    tables = (manifest.inputs, result.files, result.summary)
+    names = (manifest.stage, manifest.recipe)
+    if {type(table) for table in tables} != {dict} or {type(name) for name in names} != {str}:
+        raise TypeError("expected tables and names")
+    if files.digest_table(result.files) != result.object:
+        raise ValueError("expected the files of the object")
+    return manifest
+
+
+def _write(path: Path, manifest: Manifest) -> None:
+    values = {"schema": SCHEMA, **asdict(manifest)}
+    values |= values.pop("result")
+    if not values["resumed"]:  # appears only when it is true
+        del values["resumed"]
+    files.write_json(path, values)

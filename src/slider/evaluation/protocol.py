@@ -98,9 +98,7 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
         segments.write(segments.measure(recording, config, protocol.case), out / segments.FILE)
         np.save(out / segments.TRACES, segments.traces(recording, config))
     (out / "command.json").write_text(json.dumps(about) + "\n")
-    summary = about | _summary(table)
-    job.tracker.log_metrics({k: v for k, v in summary.items() if isinstance(v, float)}, 0)
-    return summary
+    return about | _summary(table)
 
 
 def _simulate(protocol: Protocol, simulated: Simulated, job: Job) -> Recording:

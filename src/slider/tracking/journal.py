@@ -41,13 +41,13 @@ class JournalTracker:
         self._path = path
         self._broken = False
 
-    def begin(self, name: str, tags: Mapping[str, str]) -> None:
-        """Open the run under a name."""
-        self._append(BEGIN, lambda: {"name": name, "tags": dict(tags)})
+    def begin(self, name: str, tags: Mapping[str, str], needs: Sequence[str] = ()) -> None:
+        """Open the run under a name; ``needs`` are the stages whose results it uses."""
+        self._append(BEGIN, lambda: {"name": name, "tags": dict(tags), "needs": list(needs)})
 
-    def end(self, status: str, tags: Mapping[str, str]) -> None:
-        """Close the run as ``FINISHED`` or ``FAILED``."""
-        self._append(END, lambda: {"status": status, "tags": dict(tags)})
+    def end(self, status: str, tags: Mapping[str, str], note: str = "") -> None:
+        """Close the run as ``FINISHED`` or ``FAILED``, with a note in Markdown."""
+        self._append(END, lambda: {"status": status, "tags": dict(tags), "note": note})
 
     def log_params(self, params: Mapping[str, Any]) -> None:
         """Record nested parameters of the run."""
@@ -88,9 +88,10 @@ class JournalTracker:
 def current_session(artefacts: Path) -> Path | None:
     """Folder of the pipeline run that is being tracked, if there is one."""
     try:
-        session = artefacts / "tracking" / (artefacts / "tracking" / "current").read_text().strip()
+        name = (artefacts / "tracking" / "current").read_text(errors="replace").strip()
     except OSError:
         return None
+    session = artefacts / "tracking" / name
     return session if (session / SESSION_FILE).is_file() else None
 
 

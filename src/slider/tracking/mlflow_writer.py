@@ -30,10 +30,13 @@ from slider.tracking.journal import (
 )
 from slider.tracking.session import SessionInfo, is_alive, read_session
 
+DATABASE = "mlflow.db"  # below artefacts/
 _PERIOD = 1.0  # between two looks at the journals [s]
 _BATCH = 900  # metrics or, by tens, parameters in one request; MLflow takes 1000 and 100
 _MAX_PARAM = 5000  # characters of a parameter's value
 _PARENT_TAG = "mlflow.parentRunId"
+_NOTE_TAG = "mlflow.note.content"
+_KIND = ("mlflow.experimentKind", "custom_model_development")  # else for language models
 
 _log = logging.getLogger(__name__)
 
@@ -42,7 +45,7 @@ def follow(artefacts: Path, name: str) -> None:
     """Write a session to MLflow until it ends; first what earlier sessions left behind."""
     client = _connect(artefacts)
     for folder in _sessions(artefacts):
-        if folder.name != name and not is_alive(read_session(folder).owner):
+        if folder.name != name:
             _close_leftover(client, artefacts, folder)
     session = _Session(client, artefacts, artefacts / "tracking" / name)
     while not session.update():
@@ -52,7 +55,8 @@ def follow(artefacts: Path, name: str) -> None:
 
 def _close_leftover(client: Any, artefacts: Path, folder: Path) -> None:
     try:
-        _Session(client, artefacts, folder).close()
+        if not is_alive(read_session(folder).owner):
+            _Session(client, artefacts, folder).close()
     except Exception as error:  # must not keep the present session from being written
         _log.warning("lost the tracking of %s: %s", folder.name, error)
         shutil.rmtree(folder, ignore_errors=True)
@@ -66,7 +70,7 @@ def _connect(artefacts: Path) -> Any:
     os.environ["MLFLOW_DISABLE_TELEMETRY"] = "true"
     from mlflow import MlflowClient
 
-    database = (artefacts / "mlflow.db").resolve()
+    database = (artefacts / DATABASE).resolve()
     # MLflow tries a broken database again for almost two minutes: ask SQLite first.
     with closing(sqlite3.connect(database)) as connection:
         connection.execute("PRAGMA schema_version")
@@ -75,11 +79,12 @@ def _connect(artefacts: Path) -> Any:
 
 @dataclass
 class _Position:
-    """How far a journal has been written, and the run that it goes to."""
+    """How far a journal has been written, the run that it goes to, and what that is noted with."""
 
     run: str = ""
     offset: int = 0
     ended: bool = False
+    note: str = ""
 
 
 class _Session:
@@ -90,7 +95,9 @@ class _Session:
         self._folder = folder
         self._info: SessionInfo = read_session(folder)
         self._state_path = folder / "written.json"
-        self._experiment = _experiment(client, artefacts, self._info.experiment)
+        info = self._info
+        names = dict.fromkeys([info.experiment, *info.apart.values()])
+        self._experiments = {name: _experiment(client, artefacts, name) for name in names}
         self._positions = self._read_state()
 
     def update(self) -> bool:
@@ -153,6 +160,7 @@ class _Session:
     def _handle(self, event: dict[str, Any], position: _Position, name: str) -> None:
         client, kind = self._client, event["event"]
         if kind == BEGIN:
+            position.note = self._note(event)
             position.run = self._create_run(event, name)
         elif kind == PARAMS:
             self._log_params(position.run, event["values"])
@@ -161,20 +169,35 @@ class _Session:
         elif kind == FILE:
             client.log_artifact(position.run, event["path"])
         elif kind == END:
-            for key, value in event["tags"].items():
-                client.set_tag(position.run, key, value)
+            self._log_tags(position, event)
             client.set_terminated(position.run, event["status"], end_time=event["time"])
             position.ended = True
 
     def _create_run(self, event: dict[str, Any], name: str) -> str:
+        apart = self._info.apart.get(event["tags"].get("stage"))
         parent = {} if name == MAIN else {_PARENT_TAG: self._position(MAIN).run}
+        if apart is not None:  # pages show parents beside their children: not in two experiments
+            parent = {"pipeline": self._position(MAIN).run}
         run = self._client.create_run(
-            self._experiment,
+            self._experiments[apart or self._info.experiment],
             start_time=event["time"],
             tags={**self._info.tags, **event["tags"], **parent},
             run_name=event["name"],
         )
         return run.info.run_id
+
+    def _note(self, event: dict[str, Any]) -> str:
+        """Links to the experiments in which runs stand that a run used."""
+        names = [self._info.apart[s] for s in event.get("needs", ()) if s in self._info.apart]
+        links = [f"[{name}](#{page(self._experiments[name])})" for name in names]
+        return f"Made from the runs of {', '.join(links)}." if links else ""
+
+    def _log_tags(self, position: _Position, event: dict[str, Any]) -> None:
+        from mlflow.entities import RunTag
+
+        note = "\n\n".join(filter(None, [position.note, event.get("note")]))
+        tags = event["tags"] | ({_NOTE_TAG: note} if note else {})
+        self._client.log_batch(position.run, tags=[RunTag(k, v) for k, v in tags.items()])
 
     def _log_params(self, run: str, values: dict[str, str]) -> None:
         from mlflow.entities import Param
@@ -195,12 +218,17 @@ class _Session:
             self._client.log_batch(run, metrics=batch)
 
 
+def page(experiment: str) -> str:
+    """Part of MLflow's address that lists runs; without a type it shows another page."""
+    return f"/experiments/{experiment}/runs?workflowType=machine_learning"
+
+
 def _experiment(client: Any, artefacts: Path, name: str) -> str:
     found = client.get_experiment_by_name(name)
-    if found is not None:
-        return found.experiment_id
     location = (artefacts / "mlruns").resolve().as_uri()
-    return client.create_experiment(name, artifact_location=location)
+    experiment = found.experiment_id if found else client.create_experiment(name, location)
+    client.set_experiment_tag(experiment, *_KIND)
+    return experiment
 
 
 def _read_events(path: Path, offset: int) -> tuple[list[dict[str, Any]], int]:

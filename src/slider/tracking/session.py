@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +29,13 @@ class SessionInfo:
         experiment: name of the MLflow experiment.
         owner: process whose end ends the session.
         tags: of all runs, such as the commit.
+        apart: stage → experiment of its own, for many runs that would bury the others.
     """
 
     experiment: str
     owner: int
     tags: Mapping[str, str]
+    apart: Mapping[str, str] = field(default_factory=dict)
 
 
 def start(artefacts: Path, info: SessionInfo, run: Mapping[str, Any]) -> "Session":

@@ -1,0 +1,31 @@
+"""The command line: what people are shown, and what the pipeline calls."""
+
+import pytest
+
+from slider.cli import COMMANDS, INTERNAL, main
+
+
+def test_help_lists_what_people_use(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["--help"])
+    assert end.value.code == 0
+    text = capsys.readouterr().out
+    listed = {line.split()[0] for line in text.partition("commands:")[2].splitlines() if line}
+    assert listed == set(COMMANDS)
+
+
+@pytest.mark.parametrize("name", COMMANDS | INTERNAL)
+def test_every_command_has_help_of_its_own(name, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([name, "--help"])
+    assert end.value.code == 0
+    assert f"usage: slider {name}" in capsys.readouterr().out
+
+
+def test_an_unknown_command_names_those_of_people(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["walk"])
+    assert end.value.code == 2
+    text = capsys.readouterr().err
+    assert "invalid choice: 'walk'" in text
+    assert "publish" not in text

@@ -1,0 +1,72 @@
+"""What pyproject.toml declares is what is imported, and constraints.txt pins it."""
+
+import ast
+import re
+import sys
+import tomllib
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+
+from slider.artefacts.recipe import distribution
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+EXTRAS = {name: list(map(Requirement, r)) for name, r in PROJECT["optional-dependencies"].items()}
+REQUIRED = list(map(Requirement, PROJECT["dependencies"]))
+OURS = {"slider", "pipeline", "tests"}
+
+
+def normal(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def names(requirements: list[Requirement]) -> set[str]:
+    return {normal(requirement.name) for requirement in requirements}
+
+
+def imported(*folders: str) -> set[str]:
+    """Top-level third-party packages that the Python files of some folders import."""
+    found: set[str] = set()
+    for path in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found.add((node.module or "").partition(".")[0])
+    return found - OURS - sys.stdlib_module_names
+
+
+def providers(package: str) -> set[str]:
+    """Distributions with a package: several share a name space such as ``mlflow``."""
+    known = metadata.packages_distributions().get(package)
+    found = None if known else distribution(package)
+    return set(map(normal, known or ([found.name] if found else [])))
+
+
+def test_what_is_imported_is_declared():
+    declared = names(REQUIRED) | names(EXTRAS["verify"])
+    missing = {name for name in imported("src", "pipeline") if not providers(name) & declared}
+    assert missing == set()
+
+
+def test_what_tests_import_is_declared():
+    declared = names(REQUIRED) | names(EXTRAS["test"])
+    missing = {name for name in imported("tests") if not providers(name) & declared}
+    assert missing == set()
+
+
+def test_what_is_declared_is_imported():
+    used = set().union(*map(providers, imported("src", "pipeline")))
+    assert names(REQUIRED) - used == set()
+    assert names(EXTRAS["verify"]) - used == set()
+
+
+@pytest.mark.parametrize("requirement", [*REQUIRED, *EXTRAS["test"], *EXTRAS["docs"]], ids=str)
+def test_a_pinned_version_is_in_the_declared_range(requirement: Requirement):
+    lines = (ROOT / "constraints.txt").read_text().splitlines()
+    pinned = dict(line.split("==") for line in lines if "==" in line)
+    versions = {normal(name): version for name, version in pinned.items()}
+    assert requirement.specifier.contains(versions[normal(requirement.name)])

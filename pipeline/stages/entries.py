@@ -26,7 +26,7 @@ ENTRIES = {
     "sensitivity_policy": "slider.evaluation.sensitivity:run",
     "sensitivity": "slider.reports.sensitivity:run",
     "video": "slider.reports.video:run",
-    "report": "slider.reports.report:run",
+    "report": "slider.reports.page:run",
 }
 """Stage → entry point ``module:function``."""
 

@@ -1,4 +1,4 @@
-"""Tables in CSV files: named columns of numbers, with 9 digits."""
+"""Columns of numbers in CSV files, with 9 digits."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -7,33 +7,29 @@ import numpy as np
 
 from slider.core.errors import UserError
 
-Table = dict[str, np.ndarray]
+Columns = dict[str, np.ndarray]
 
 
-def write(table: Table, columns: Iterable[str], path: Path) -> None:
-    """Write some columns of a table."""
-    names = tuple(columns)
-    rows = [",".join(names)]
-    for values in zip(*(table[name] for name in names), strict=True):
-        rows.append(",".join(_text(value) for value in values))
+def write(columns: Columns, path: Path) -> None:
+    """Write columns of equal length; flags become 0 and 1."""
+    rows = [",".join(columns)]
+    rows += [",".join(map(_text, values)) for values in zip(*columns.values(), strict=True)]
     path.write_text("\n".join(rows) + "\n")
 
 
-def read(path: Path, columns: Iterable[str], flags: Iterable[str]) -> Table:
-    """Read a file back; columns ``flags`` are bool, the others float.
+def read(path: Path, expected: Iterable[str] = (), flags: Iterable[str] = ()) -> Columns:
+    """Read a file back; columns ``flags`` are bool, the others float, empty cells NaN.
 
     Raises:
-        UserError: the file has other columns.
+        UserError: the file has other columns than ``expected``, if any are.
     """
-    names = tuple(columns)
+    names = tuple(expected)
     header, *rows = path.read_text().splitlines()
-    if tuple(header.split(",")) != names:
+    if names and tuple(header.split(",")) != names:
         raise UserError(f"{path}: expected the columns {','.join(names)}, found {header}")
-    values = np.array([[float(x) for x in row.split(",")] for row in rows])
-    table: Table = dict(zip(names, values.T, strict=True))
-    for name in flags:
-        table[name] = table[name].astype(bool)
-    return table
+    values = np.array([[float(text or "nan") for text in row.split(",")] for row in rows])
+    columns: Columns = dict(zip(header.split(","), values.T, strict=True))
+    return columns | {name: columns[name].astype(bool) for name in flags}
 
 
 def _text(value: np.generic) -> str:

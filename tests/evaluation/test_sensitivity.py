@@ -12,8 +12,9 @@ from slider.config.parameters import scaled
 from slider.control.network import PolicyNetwork
 from slider.control.policy_file import Policy, load_policy, save_policy
 from slider.core.job import Job
-from slider.evaluation import protocol, records, stage
+from slider.evaluation import protocol, stage
 from slider.evaluation.protocol import read_protocol
+from slider.evaluation.results import ROBOTS, Evaluation
 from slider.evaluation.sensitivity import folder_name, run, simulate
 from slider.robot.mjcf import nominal_qpos
 from tests.env.synthetic import config, gait_table, make_agent
@@ -65,9 +66,9 @@ def test_records_of_each_command_have_a_folder(walking, tmp_path):
     summary = run_in(tmp_path / "out", walking)
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"0.2", "0.4"}
     for command, success in zip(COMMANDS, summary["success_rate"], strict=True):
-        table = records.read(tmp_path / "out" / folder_name(command) / records.FILE)
-        assert len(table["robot"]) == 3
-        assert success == table["survived"].mean()
+        robots = Evaluation.load(tmp_path / "out" / folder_name(command)).robots
+        assert len(robots.survived) == 3
+        assert success == robots.survived.mean()
 
 
 def test_on_its_own_robot_it_is_the_evaluation(walking, tmp_path):
@@ -76,8 +77,8 @@ def test_on_its_own_robot_it_is_the_evaluation(walking, tmp_path):
     for command in COMMANDS:
         own = section() | {"command": command}
         stage.run(own, {"walking": [walking]}, tmp_path / "evaluation", Job(tmp_path))
-        expected = (tmp_path / "evaluation" / records.FILE).read_bytes()
-        assert (tmp_path / "out" / folder_name(command) / records.FILE).read_bytes() == expected
+        expected = (tmp_path / "evaluation" / ROBOTS).read_bytes()
+        assert (tmp_path / "out" / folder_name(command) / ROBOTS).read_bytes() == expected
 
 
 def test_the_plant_is_the_changed_robot_and_the_agent_keeps_its_own(walking):

@@ -39,7 +39,7 @@ class Quantity:
             return "∞"
         shown = self.scale * value
         if self.share:
-            return f"{shown:.1f}".removesuffix(".0")
+            return "< 0.1" if 0 < shown < 0.05 else f"{shown:.1f}".removesuffix(".0")
         found = f"{shown:.{decimals(abs(shown))}f}"
         return found if float(found) else "0"
 

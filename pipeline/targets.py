@@ -14,7 +14,7 @@ from slider.artefacts.plan import JobSpec
 from slider.config.compose import compose
 from slider.config.schema import Config
 from slider.config.validation.checks import one_of
-from slider.reports.sections import OPTIONAL, SECTIONS
+from slider.reports.sections.registry import OPTIONAL, SECTIONS
 
 ABLATION_TARGET = "ablation"
 SEEDS_TARGET = "seeds"  # the ablation of the default alone, from several seeds

@@ -9,7 +9,7 @@ from pipeline.stages.sections import origin, without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.reports.sections import OPTIONAL, SECTIONS
+from slider.reports.sections.registry import OPTIONAL, SECTIONS
 
 VIDEOS = "videos"
 

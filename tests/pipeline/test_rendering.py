@@ -9,7 +9,7 @@ from pipeline.targets import all_targets
 from slider.artefacts.plan import build_plan
 from slider.config.compose import compose
 from slider.core.errors import UserError
-from slider.reports.sections import SECTIONS
+from slider.reports.sections.registry import SECTIONS
 
 CONF = Path(__file__).parents[2] / "conf"
 

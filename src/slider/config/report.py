@@ -8,7 +8,7 @@ from slider.config.video import VideoConfig
 
 @dataclass(frozen=True, config=STRICT)
 class ReportConfig:
-    """Sections of the page in order, see ``slider.reports.sections``, and their settings."""
+    """Sections of the page in order, and their settings."""
 
     sections: list[str]
     tracking_commands: list[float]

@@ -16,7 +16,7 @@ from slider.config.convert import from_dict
 from slider.config.report import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports.controllers import label, speed
-from slider.reports.sections import SECTIONS, Sources
+from slider.reports.sections.registry import SECTIONS, Sources
 
 PAGE = "index.html"
 _TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"

@@ -45,7 +45,7 @@ def test_names_what_failed(found):
     assert table["mirror_cost"][4:] == ["0.9", "≤ 0.1", "NO", "0.5, 0.1", "0.7"]
     assert table["roll_end"][4:] == ["0.5", "–", "–", "0, 0", "0.5"]
     page = html(verification=section)
-    assert "2 values are beyond their bounds" in html
+    assert "2 values are beyond their bounds" in page
     assert '<td data-key="" class="failed">NO</td>' in page
 
 

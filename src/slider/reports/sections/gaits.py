@@ -13,7 +13,7 @@ from plotly.subplots import make_subplots
 
 from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour
-from slider.reports.sections import Sources
+from slider.reports.sections.registry import Sources
 from slider.reports.table import Text
 from slider.robot.names import CHANNELS
 

@@ -71,8 +71,8 @@ def write_pictures(stem: Path, draw: Callable[[], Figure]) -> None:
     """Write ``stem``.svg and .png; ``draw`` is called in the common style."""
     with style():
         figure = draw()
-        for _ in range(1 + bool(figure.subfigs)):  # these need the sizes of a first time
-            figure.draw_without_rendering()  # lay it out once, for both files
+        for _ in range(2):  # lay it out for both files; the second time with the sizes of the first
+            figure.draw_without_rendering()
         figure.set_layout_engine("none")
         _round_layout(figure)
         for suffix in ("svg", "png"):

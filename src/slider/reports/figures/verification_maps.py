@@ -45,13 +45,19 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     library = LibraryContents.load(inputs["library"][0] / "library.zarr")
     table = read_table(inputs["verification"][0] / TABLE)
     maps = [
-        VelocityMap(QUANTITIES[name].meaning, _column(library, table, name), QUANTITIES[name].unit)
+        VelocityMap(QUANTITIES[name].meaning, _column(library, table, name), unit(name))
         for name in MAPS
     ]
     title = "Verification over the commanded velocity"
     write_figure(out / NAME, title, lambda: draw_maps(library, maps), CAPTION)
     job.tracker.log_file(out / f"{NAME}.png")
     return {"maps": len(maps)}
+
+
+def unit(name: str) -> str:
+    """Unit of a quantity; nothing for plain numbers."""
+    found = QUANTITIES[name].unit
+    return "" if found in ("-", "1") else found
 
 
 def read_table(path: Path) -> dict[tuple[float, float], rows.Row]:

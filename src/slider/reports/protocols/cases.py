@@ -16,7 +16,7 @@ from slider.reports import rows as tables
 from slider.reports.controllers import label
 from slider.reports.figures.protocols import draw_cases
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import QUANTITIES
+from slider.reports.quantities import QUANTITIES, Quantity
 from slider.reports.rows import NAN, Row, by
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
 
@@ -118,7 +118,7 @@ def case_tables(rows: list[Row]) -> Iterator[Table]:
 
 def _table(title: str, rows: list[Row], columns: Sequence[str]) -> Table:
     names = ("success_rate", *columns)
-    heads = ["case", "time [s]", *(QUANTITIES[name].heading for name in names)]
+    heads = ["case", "time [s]", *(_quantity(name).heading for name in names)]
     body = [
         [Cell(row["case"], row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
         + [_cell(row, name) for name in names]
@@ -128,10 +128,14 @@ def _table(title: str, rows: list[Row], columns: Sequence[str]) -> Table:
 
 
 def _cell(row: Row, name: str) -> Cell:
-    quantity, ends = QUANTITIES[name], name.removesuffix("_rate")
+    quantity, ends = _quantity(name), name.removesuffix("_rate")
     if not name.endswith("_rate"):
         return Cell.of(quantity, row[name])
     return Cell(quantity.between(row[name], row[f"{ends}_low"], row[f"{ends}_high"]), row[name])
+
+
+def _quantity(name: str) -> Quantity:
+    return QUANTITIES[MEANS.get(name, name)]
 
 
 def _stands(row: Row) -> bool:

@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from slider.reports.figures.verification_maps import CAPTION, NAME
+from slider.reports.figures.verification_maps import CAPTION, NAME, unit
 from slider.reports.sections.registry import Sources
 from slider.reports.table import Cell, Picture, Table, Text, Written
 from slider.verification.quantities import QUANTITIES
@@ -62,19 +62,13 @@ def _row(name: str, found: Mapping[str, Any]) -> list[Cell]:
         Cell(str(about.check), about.check),
         Cell(name, name),
         Cell(about.meaning, about.meaning),
-        Cell(_unit(name)),
+        Cell(unit(name)),
         _number(found["worst"]),
         Cell("–") if bound is None else Cell(f"{sign} {bound:g}", bound),
         Cell(_HOLDS[found["passed"]], failed=found["passed"] is False),
         Cell(f"{found['vx']:g}, {found['vy']:g}", found["vx"]),
         _number(found["median"]),
     ]
-
-
-def _unit(name: str) -> str:
-    """Unit of a quantity; nothing for plain numbers."""
-    unit = QUANTITIES[name].unit
-    return "" if unit in ("-", "1") else unit
 
 
 def _number(value: float | None) -> Cell:

@@ -108,7 +108,7 @@ class SolverConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
-    """What a gait is, the same for all commanded velocities; see ``docs/method.md``.
+    """What a gait is, the same for all commanded velocities; see ``docs/explanation/method.md``.
 
     ``voltage``: share of the bus that motors may use at the nodes; the rest is for between them.
     """

@@ -57,11 +57,11 @@ def test_a_page_has_the_inputs_of_its_sections_only():
     [
         (
             ["report.sections=[sweeps]"],
-            "robust, sweep, joystick, heldout, ablation, readings, prov",
+            "readings, provenance, robust, sweep, joystick, heldout, found sweeps",
         ),
         (
             ["~protocols.sweep", "report.sections=[sweep]"],
-            "learning, robust, joystick, heldout, .*",
+            "learning, .*robust, joystick, heldout, found sweep",
         ),
     ],
 )

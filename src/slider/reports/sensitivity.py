@@ -7,7 +7,7 @@ from typing import Any
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import Evaluation
-from slider.evaluation.sensitivity import folder_name
+from slider.evaluation.stage import folder_name
 from slider.reports import rows as tables
 from slider.reports.figures import sensitivity as figure
 from slider.reports.figures.style import write_pictures

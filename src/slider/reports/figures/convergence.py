@@ -18,15 +18,21 @@ def draw(library: LibraryContents) -> Figure:
     """Three maps, and the worst residual of each constraint over all gaits."""
     figure = new_figure(8.6)
     panels = figure.subplots(4, 1, height_ratios=(1, 1, 1, 3.2))
-    arrays = library.arrays
-    item = VelocityMap("IPOPT iterations", arrays["iterations"], "iterations")
-    draw_map(panels[0], library, item)
-    residual = np.maximum(arrays["max_violation"], _FLOOR)
-    item = VelocityMap("worst residual", residual, "SI unit of\nthe constraint", logarithmic=True)
-    draw_map(panels[1], library, item)
+    for axes, item in zip(panels[:2], solver_maps(library), strict=True):
+        draw_map(axes, library, item)
     _outcomes(panels[2], library)
     _residuals(panels[3], library)
     return figure
+
+
+def solver_maps(library: LibraryContents) -> list[VelocityMap]:
+    """Iterations and worst residual of each gait."""
+    residual = np.maximum(library.arrays["max_violation"], _FLOOR)
+    unit = "SI unit of\nthe constraint"
+    return [
+        VelocityMap("IPOPT iterations", library.arrays["iterations"], "iterations"),
+        VelocityMap("worst residual", residual, unit, logarithmic=True),
+    ]
 
 
 def caption(library: LibraryContents) -> str:

@@ -63,15 +63,20 @@ def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
 
 
 def draw(library: LibraryContents) -> Figure:
-    """What the library alone can give: cost, step time and use of the drives."""
-    maps = [
+    """What the library alone can give, one map below the other."""
+    return draw_maps(library, library_maps(library))
+
+
+def library_maps(library: LibraryContents) -> list[VelocityMap]:
+    """Cost, step time, base height and use of the drives."""
+    return [
         VelocityMap("cost", library.arrays["cost"], library.cost_unit),
         VelocityMap("step time", library.arrays["step_time"].mean(axis=1), "s"),
+        VelocityMap("base height", library.arrays["base"][:, :, 2].mean(axis=1), "m"),
         VelocityMap("motor torque", 100 * loads.torque_share(library), "% of limit"),
         VelocityMap("motor voltage", 100 * loads.voltage_share(library), "% of the bus"),
         VelocityMap("slide speed", loads.slide_speed(library), "m/s"),
     ]
-    return draw_maps(library, maps)
 
 
 def draw_maps(library: LibraryContents, maps: Sequence[VelocityMap]) -> Figure:

@@ -15,10 +15,10 @@ from slider.evaluation.segments import SMOOTHING, profile_of
 from slider.reports import rows as tables
 from slider.reports.controllers import label
 from slider.reports.figures.protocols import draw_cases
-from slider.reports.figures.style import write_pictures
+from slider.reports.protocols import write
 from slider.reports.quantities import QUANTITIES, Quantity
 from slider.reports.rows import NAN, Row, by
-from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.reports.table import Cell, Picture, Table, Text, Written
 
 STANDING = 0.1  # a robot that stands is slower than this [m/s]
 MEANS = {  # column of the table → measure of the last segment
@@ -44,11 +44,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
     rows = read_rows(inputs["evaluations"], protocol)
-    tables.write(rows, out / f"{name}.csv")
-    write_pictures(out / name, lambda: draw_cases(rows))
-    text = document(f"Cases: {name}", blocks(name, out / f"{name}.svg", rows, protocol))
-    (out / f"{name}.md").write_text(text, encoding="utf-8")
-    job.tracker.log_file(out / f"{name}.png")
+    shown = blocks(name, out / f"{name}.svg", rows, protocol)
+    write(out / name, "Cases", rows, lambda: draw_cases(rows), shown, job)
     groups = by(rows, "controller").items()
     least = {controller: min(r["success_rate"] for r in mine) for controller, mine in groups}
     return {"rows": len(rows), "success_rate": least}

@@ -12,10 +12,10 @@ from slider.evaluation.segments import profile_of
 from slider.reports import rows as tables
 from slider.reports.controllers import label
 from slider.reports.figures.protocols import draw_segments
-from slider.reports.figures.style import write_pictures
+from slider.reports.protocols import write
 from slider.reports.quantities import QUANTITIES
 from slider.reports.rows import Row, by
-from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.reports.table import Cell, Picture, Table, Text, Written
 
 _CAPTION = """\
 {trials} trials of {robots} robots per controller. Commanded (black) and measured forward and
@@ -44,12 +44,10 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
     (case,) = profile_of(protocol).cases
     rows = read_rows(inputs["evaluations"], protocol)
-    tables.write(rows, out / f"{name}.csv")
     evaluations = [Evaluation.load(folder) for folder in inputs["evaluations"]]
-    write_pictures(out / name, lambda: draw_segments(evaluations, case, protocol.duration))
-    text = document(f"Changing commands: {name}", blocks(name, out / f"{name}.svg", rows, protocol))
-    (out / f"{name}.md").write_text(text, encoding="utf-8")
-    job.tracker.log_file(out / f"{name}.png")
+    shown = blocks(name, out / f"{name}.svg", rows, protocol)
+    title, seconds = "Changing commands", protocol.duration
+    write(out / name, title, rows, lambda: draw_segments(evaluations, case, seconds), shown, job)
     last = {row["controller"]: row["success_rate"] for row in rows}  # of the last segment
     return {"rows": len(rows), "success_rate": last}
 

@@ -11,9 +11,9 @@ from slider.reports import rows as tables
 from slider.reports.comparison import comparisons
 from slider.reports.controllers import label, speed
 from slider.reports.figures.protocols import draw_speeds
-from slider.reports.figures.style import write_pictures
+from slider.reports.protocols import write
 from slider.reports.rows import NAN, Row, by, distinct
-from slider.reports.table import Cell, Picture, Table, Tables, Text, Written, document
+from slider.reports.table import Cell, Picture, Table, Tables, Text, Written
 
 TRACKED_SHARE = 0.9  # of the robots that must track a command for it to count as tracked
 _CAPTION = """\
@@ -33,12 +33,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
     rows = read_rows(inputs["evaluations"], protocol)
-    tables.write(rows, out / f"{name}.csv")
-    write_pictures(out / name, lambda: draw_speeds(rows))
-    title = f"Mean speed over the commanded speed: {name}"
-    text = document(title, blocks(name, out / f"{name}.svg", rows, protocol))
-    (out / f"{name}.md").write_text(text, encoding="utf-8")
-    job.tracker.log_file(out / f"{name}.png")
+    shown = blocks(name, out / f"{name}.svg", rows, protocol)
+    title = "Mean speed over the commanded speed"
+    write(out / name, title, rows, lambda: draw_speeds(rows), shown, job)
     highest = highest_tracked(rows)
     known = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
     job.tracker.log_metrics(known, 0)

@@ -2,81 +2,67 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-import zarr
 from plotly.subplots import make_subplots
 
+from slider.library.contents import LibraryContents
 from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour
+from slider.reports.figures.convergence import solver_maps
+from slider.reports.figures.maps import library_maps
 from slider.reports.sections.registry import Sources
 from slider.reports.table import Text
 from slider.robot.names import CHANNELS
 
 MAP, CYCLE = "gait-map", "limit-cycle"
+Cycles = Mapping[str, np.ndarray]  # title → (G, curves, S, 2), closed curves
 _FIRST_SHOWN = (0.6, 0.0)  # the cycle drawn before anything is hovered [m/s]
-
-
-@dataclass(frozen=True)
-class _Gaits:
-    """What is drawn of G gaits with S samples each."""
-
-    velocities: np.ndarray  # (G, 2) [m/s]
-    quantities: dict[str, np.ndarray]  # title → (G,)
-    cycles: dict[str, np.ndarray]  # title → (G, curves, S, 2), closed curves
 
 
 def blocks(sources: Sources) -> Iterator[Text | Chart]:
     """A map whose colour can be chosen; hovering a gait draws its limit cycle beside it."""
-    gaits = _read(sources.file("library", "library.zarr"))
-    first = int(np.argmin(np.linalg.norm(gaits.velocities - _FIRST_SHOWN, axis=1)))
+    library = LibraryContents.load(sources.file("library", "library.zarr"))
+    first = int(np.argmin(np.linalg.norm(library.velocities - _FIRST_SHOWN, axis=1)))
     yield Text(
-        f"{len(gaits.velocities)} gaits. Move the pointer over a gait, or tap it, to see its limit "
-        "cycle. The menu above the map chooses the colour."
+        f"{len(library)} gaits. Move the pointer over a gait, or tap it, to see its limit cycle. "
+        "The menu above the map chooses the colour."
     )
-    titles = _titles(gaits)
+    titles = [f"{x:.2f}, {y:+.2f} m/s" for x, y in library.velocities]
+    cycles = _cycles(library.arrays["samples"], library.arrays["roll"])
     yield chart(
         MAP,
-        _map_figure(gaits.velocities, gaits.quantities),
+        _map_figure(library.velocities, _quantities(library)),
         "Gaits of the library at their commanded velocities.",
         height=360,
         linked=CYCLE,
-        details=_details(gaits, titles),
+        details=_details(cycles, titles),
         shown=titles[first],
     )
     yield chart(
         CYCLE,
-        _cycle_figure(gaits, first),
+        _cycle_figure(cycles, first),
         "Limit cycles of the gait under the pointer: positions against velocities over one walk "
         "of two steps; straight jumps are the impacts.",
         height=360,
     )
 
 
-def _read(path: Path) -> _Gaits:
-    group = zarr.open_group(path, mode="r")
-
-    def array(name: str) -> np.ndarray:
-        return np.asarray(group[name][...])  # type: ignore[index]
-
-    step_time, cost, base = array("step_time"), array("cost"), array("base")
-    torques, velocities = array("knee_torques"), array("velocities")
-    quantities = {
-        "step time [s]": step_time.mean(axis=1),
-        "cost, log10": np.log10(cost),
-        "peak joint torque [N m]": np.abs(torques).max(axis=(1, 2)),
-        "base height [m]": base[:, :, 2].mean(axis=1),
-        "worst violation, log10": np.log10(np.maximum(array("max_violation"), 1e-16)),
-        "iterations": array("iterations").astype(float),
-    }
-    return _Gaits(velocities, quantities, _cycles(array("samples"), array("roll")))
+def _quantities(library: LibraryContents) -> dict[str, np.ndarray]:
+    """Title → numbers (G,), those of the figures' maps."""
+    found = {}
+    for item in (*library_maps(library), *solver_maps(library)):
+        unit = "" if item.unit == item.name.split()[-1] else f" [{item.unit}]".replace("\n", " ")
+        if item.logarithmic:
+            found[f"{item.name}{unit}, log10"] = np.log10(item.values)
+        else:
+            found[f"{item.name}{unit}"] = np.asarray(item.values, dtype=float)
+    return found
 
 
-def _cycles(samples: np.ndarray, roll: np.ndarray) -> dict[str, np.ndarray]:
+def _cycles(samples: np.ndarray, roll: np.ndarray) -> Cycles:
     """Phase portraits (G, curves, S, 2): the unactuated roll, then joints of both legs."""
     # The second step is stored reflected, which turns the sign of a roll.
     unreflected = roll[..., :2] * np.array([1.0, -1.0])[None, :, None, None]
@@ -163,9 +149,9 @@ def _texts(values: list[float | None]) -> list[str]:
     return ["–" if value is None else f"{value:.4g}" for value in values]
 
 
-def _cycle_figure(gaits: _Gaits, index: int) -> go.Figure:
-    figure = make_subplots(1, len(gaits.cycles), subplot_titles=list(gaits.cycles))
-    for column, portraits in enumerate(gaits.cycles.values(), start=1):
+def _cycle_figure(cycles: Cycles, index: int) -> go.Figure:
+    figure = make_subplots(1, len(cycles), subplot_titles=list(cycles))
+    for column, portraits in enumerate(cycles.values(), start=1):
         for curve, portrait in enumerate(portraits[index]):
             figure.add_scatter(
                 x=np.round(portrait[:, 0], 4),
@@ -184,16 +170,12 @@ def _cycle_figure(gaits: _Gaits, index: int) -> go.Figure:
     return figure
 
 
-def _titles(gaits: _Gaits) -> list[str]:
-    return [f"{x:.2f}, {y:+.2f} m/s" for x, y in gaits.velocities]
-
-
-def _details(gaits: _Gaits, titles: list[str]) -> str:
+def _details(cycles: Cycles, titles: list[str]) -> str:
     """For each gait its title, and x and y of each curve of the figure of cycles, as JSON."""
     curves = [
         [
             np.round(portrait, 4).T.tolist()
-            for portraits in gaits.cycles.values()
+            for portraits in cycles.values()
             for portrait in portraits[index]
         ]
         for index in range(len(titles))

@@ -6,6 +6,7 @@ the declarations alone.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,7 @@ class Sources:
 
 
 Blocks = Iterable[Any]
+Draw = Callable[[Sources], Blocks]
 
 
 @dataclass(frozen=True)
@@ -52,26 +54,22 @@ class PageSection:
         needs: names of its inputs: a target of ``pipeline/targets.py``, such as ``verification``;
             a group of a target's own inputs, such as ``table1.evaluations``; or ``videos``. With a
             question mark at its end one that a configuration may be without.
-        about: a sentence on what it is about, for sections that are made alike.
         blocks: see ``templates/blocks.html``.
     """
 
     title: str
     needs: tuple[str, ...]
-    about: str
-    blocks: Callable[[Sources], Blocks]
+    blocks: Draw
 
 
 SECTIONS: dict[str, PageSection] = {}
 
 
-def section(
-    title: str, *needs: str, about: str = ""
-) -> Callable[[Callable[[Sources], Blocks]], Callable[[Sources], Blocks]]:
+def section(title: str, *needs: str) -> Callable[[Draw], Draw]:
     """Declare the section that is called as the function."""
 
-    def declare(blocks: Callable[[Sources], Blocks]) -> Callable[[Sources], Blocks]:
-        SECTIONS[blocks.__name__] = PageSection(title, needs, about, blocks)
+    def declare(blocks: Draw) -> Draw:
+        SECTIONS[blocks.__name__] = PageSection(title, needs, blocks)
         return blocks
 
     return declare
@@ -125,50 +123,6 @@ def learning(sources: Sources) -> Blocks:
     return blocks(sources)
 
 
-@section(
-    "Disturbed robots",
-    "robust",
-    "robust.evaluations",
-    about="Noise, delay, pushes, and robots and ground that differ from those of the training.",
-)
-def robust(sources: Sources) -> Blocks:
-    """The protocol of that name."""
-    return _protocol("robust", sources)
-
-
-@section(
-    "Sweep of the commanded speed",
-    "sweep",
-    "sweep.evaluations",
-    about="Every command from standing to the fastest.",
-)
-def sweep(sources: Sources) -> Blocks:
-    """The protocol of that name."""
-    return _protocol("sweep", sources)
-
-
-@section(
-    "Changing commands",
-    "joystick",
-    "joystick.evaluations",
-    about="Commands as from a joystick, changing on the way.",
-)
-def joystick(sources: Sources) -> Blocks:
-    """The protocol of that name."""
-    return _protocol("joystick", sources)
-
-
-@section(
-    "Held-out commands",
-    "heldout",
-    "heldout.evaluations",
-    about="Speeds between those that checkpoints are chosen by, a minute of each, stops, sideways.",
-)
-def heldout(sources: Sources) -> Blocks:
-    """The protocol of that name."""
-    return _protocol("heldout", sources)
-
-
 @section("Ablation", "ablation")
 def ablation(sources: Sources) -> Blocks:
     """What each choice of the method is worth."""
@@ -205,7 +159,7 @@ def provenance(sources: Sources) -> Blocks:
     return blocks(sources)
 
 
-def _protocol(name: str, sources: Sources) -> Blocks:
+def _protocol(name: str, about: str, sources: Sources) -> Blocks:
     """The figure of a protocol's report, and its tables; its settings tell the kind."""
     from slider.config.convert import from_dict
     from slider.config.evaluation import EvaluationConfig
@@ -216,6 +170,23 @@ def _protocol(name: str, sources: Sources) -> Blocks:
     kinds = {"": speeds, "segments": segments, "cases": cases}
     kind = kinds[protocol.profile.rows if protocol.profile else ""]
     rows = kind.read_rows(sources.inputs[f"{name}.evaluations"], protocol)
-    last = protocol.seed + protocol.trials - 1
-    yield Text(f"{SECTIONS[name].about} Seeds {protocol.seed} to {last}.")
+    yield Text(f"{about} Seeds {protocol.seed} to {protocol.seed + protocol.trials - 1}.")
     yield from kind.blocks(name, sources.file(name, f"{name}.svg"), rows, protocol)
+
+
+for _name, _title, _about in (
+    (
+        "robust",
+        "Disturbed robots",
+        "Noise, delay, pushes, and robots and ground that differ from those of the training.",
+    ),
+    ("sweep", "Sweep of the commanded speed", "Every command from standing to the fastest."),
+    ("joystick", "Changing commands", "Commands as from a joystick, changing on the way."),
+    (
+        "heldout",
+        "Held-out commands",
+        "Speeds between those that checkpoints are chosen by, a minute of each, stops, sideways.",
+    ),
+):
+    _needs = (_name, f"{_name}.evaluations")
+    SECTIONS[_name] = PageSection(_title, _needs, partial(_protocol, _name, _about))

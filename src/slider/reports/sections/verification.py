@@ -34,7 +34,8 @@ def blocks(sources: Sources) -> Iterator[Written]:
     yield Picture(sources.file(NAME, f"{NAME}.svg"), CAPTION)
     yield Text(
         "Worst value over all gaits, the gait that has it, and the median; without a bound a "
-        "quantity is reported only. The numbers of the checks are those of `docs/reference/verification.md`."
+        "quantity is reported only. The numbers of the checks are those of "
+        "`docs/reference/verification.md`."
     )
     yield bounds_table(about["quantities"])
 

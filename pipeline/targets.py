@@ -9,13 +9,14 @@ from pathlib import Path
 from pipeline.ablation import ablation_job
 from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs
-from pipeline.stages.page import report
+from pipeline.stages.page import VIDEOS, needs, report
 from slider.artefacts.plan import JobSpec
 from slider.config.compose import compose
-from slider.config.report import SECTION_INPUTS
 from slider.config.schema import Config
+from slider.config.validation.checks import one_of
 from slider.control.export import FILES as POLICY_FILES
 from slider.reports.figures import FILES as FIGURES
+from slider.reports.sections.registry import OPTIONAL, SECTIONS
 
 ABLATION_TARGET = "ablation"
 SEEDS_TARGET = "seeds"  # the ablation of the default alone, from several seeds
@@ -32,14 +33,26 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
         conf: folder of the configuration.
 
     Raises:
-        UserError: the page shows the ablation, and a variant does not compose.
+        UserError: there is no such section, or it shows the ablation and a variant of it does not
+            compose.
     """
     targets = all_jobs(config)
-    needed = {name for section in config.report.sections for name in SECTION_INPUTS[section]}
-    if ABLATION_TARGET in needed:
-        job = ablation_job(config, targets["library"], overrides, conf)
-        targets[ABLATION_TARGET] = job
+    _check_sections(config, targets)
+    for name in ON_DEMAND.keys() & {need.partition(".")[0] for need in needs(config)}:
+        targets[name] = ON_DEMAND[name](config, targets, overrides, conf)
     return targets | {"report": report(config, targets)}
+
+
+def _check_sections(config: Config, targets: Targets) -> None:
+    """Each section exists, and so do its inputs: a configuration may lack a protocol."""
+    offered = {*targets, *ON_DEMAND, VIDEOS}
+    known = [
+        name
+        for name, section in SECTIONS.items()
+        if all(n.endswith(OPTIONAL) or n.partition(".")[0] in offered for n in section.needs)
+    ]
+    for name in config.report.sections:
+        one_of("report.sections", name, known)
 
 
 def _ablation(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:

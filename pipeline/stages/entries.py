@@ -23,10 +23,10 @@ ENTRIES = {
     "figures": "slider.reports.figures.stage:run",
     "policy_export": "slider.control.export.stage:run",
     "ablation": "slider.reports.ablation:run",
-    "sensitivity_policy": "slider.evaluation.sensitivity:run",
+    "sensitivity_policy": "slider.evaluation.stage:run_changed",
     "sensitivity": "slider.reports.sensitivity:run",
     "video": "slider.reports.video:run",
-    "report": "slider.reports.report:run",
+    "report": "slider.reports.page:run",
 }
 """Stage → entry point ``module:function``."""
 

@@ -8,22 +8,32 @@ from pipeline.stages.evaluation import POLICY, controlled, protocol_section
 from pipeline.stages.sections import origin, without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
-from slider.config.report import SECTION_INPUTS
 from slider.config.schema import Config
+from slider.reports.sections.registry import OPTIONAL, SECTIONS
+
+VIDEOS = "videos"
 
 
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     """The page; its sections say what it needs."""
-    available = _available(targets) | {"videos": _videos(config, targets["walking"])}
-    absent = {"standing", "untuned"} - targets.keys()
-    names = [name for section in config.report.sections for name in SECTION_INPUTS[section]]
-    inputs = {name: available[name] for name in dict.fromkeys(names) if name not in absent}
+    available = _available(targets) | {VIDEOS: _videos(config, targets["walking"])}
+    inputs = {}
+    for need in needs(config):
+        name = need.removesuffix(OPTIONAL)
+        if name == need or name in available:
+            inputs[name] = available[name]
     section = {
         "report": to_dict(config.report),
         "configuration": _shown(config, inputs),
         "origins": {name: [origin(made) for made in jobs] for name, jobs in inputs.items()},
     }
     return job("report", "report", section, inputs)
+
+
+def needs(config: Config) -> list[str]:
+    """What the sections of the page need, each once."""
+    names = (need for section in config.report.sections for need in SECTIONS[section].needs)
+    return list(dict.fromkeys(names))
 
 
 def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:

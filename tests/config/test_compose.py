@@ -32,10 +32,6 @@ def test_every_option_composes(option):
     ("override", "message"),
     [
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
-        (
-            "report.sections=[sweeps]",
-            "robust, sweep, joystick, heldout, ablation, readings, prov",
-        ),
         ("report.sections=[sweep,sweep]", "report.sections: expected each section once"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
@@ -224,14 +220,6 @@ def test_a_fine_tuning_wants_what_the_walking_training_wanted():
     own = compose(["finetuning=robust", "finetuning.reward.terms.heading.weight=0.7"], CONF)
     assert own.finetuning is not None
     assert own.finetuning.reward.terms["heading"].weight == 0.7
-
-
-def test_a_section_needs_its_protocol(capsys):
-    overrides = ["~protocols.sweep", "report.sections=[sweep]"]
-    assert main(["config", *overrides, "--conf", str(CONF)]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert "learning, robust, joystick, heldout, ablation" in line
-    assert line.endswith("found sweep")
 
 
 def test_a_list_of_velocities_takes_the_place_of_an_axis():

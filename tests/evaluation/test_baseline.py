@@ -1,6 +1,5 @@
 """The baseline's stage: the policy's protocol on torque drives."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +8,8 @@ import pytest
 from pipeline.stages import table1_jobs
 from slider.config.convert import to_dict
 from slider.core.job import Job
-from slider.evaluation import baseline, protocol, records
-from slider.reports.rows import table_row
+from slider.evaluation import baseline, protocol
+from slider.evaluation.results import COLUMNS, Evaluation
 from tests.env.synthetic import config
 
 PROTOCOL = ("experiment=test", "evaluation.duration=0.6")
@@ -36,18 +35,16 @@ def run(out, setting: str = "tuned", **changes):
 
 
 @pytest.mark.parametrize("setting", ["literal", "tuned"])
-def test_records_are_those_of_the_policy_and_make_a_row(tmp_path, setting):
+def test_records_are_those_of_the_policy(tmp_path, setting):
     summary, job = run(tmp_path / "out", setting)
-    found = records.read(tmp_path / "out" / records.FILE)
-    assert tuple(found) == records.COLUMNS
-    assert len(found["trial"]) == 6
+    found = Evaluation.load(tmp_path / "out")
+    assert tuple(found.robots.columns) == COLUMNS
+    assert len(found.robots.survived) == 6
     assert summary["success_rate"] == 1.0
     assert summary["controller"] == f"mpc_wbc_{setting}"
     assert {"model", "assembly", "solution"} <= set(job.volatile["tick_us"])
-    about = json.loads((tmp_path / "out" / "command.json").read_text())
-    row = table_row(about["controller"], about["command"], found)
-    assert row["controller"] == f"mpc_wbc_{setting}"
-    assert row["success_rate"] == 1.0
+    assert found.controller == f"mpc_wbc_{setting}"
+    assert found.robots.success.value == 1.0
 
 
 def test_same_input_same_bytes(tmp_path):

@@ -3,13 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from slider.config.evaluation import EvaluationConfig, ProfileConfig
-from slider.core.errors import UserError
 from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.profile import commands
+from slider.evaluation.results import SEGMENT_COLUMNS
 from tests.env.synthetic import config, make_contacts
 from tests.evaluation.test_profile import PERIOD, case
 
@@ -52,10 +51,15 @@ def recording() -> Recording:
     )
 
 
+def measured(rollout: Recording) -> dict[str, np.ndarray]:
+    """Measures (3, N) of the three segments."""
+    found = segments.measure(rollout, protocol(), case())
+    return {name: np.stack([s.columns[name] for s in found]) for name in found[0].columns}
+
+
 def test_measures_by_hand():
-    table = segments.measure(recording(), protocol(), case())
-    assert tuple(table) == segments.COLUMNS
-    shaped = {name: values.reshape(3, COUNT) for name, values in table.items()}
+    shaped = measured(recording())
+    assert tuple(shaped) == SEGMENT_COLUMNS
     np.testing.assert_array_equal(shaped["trial"][0], [0, 0, 1, 1])
     np.testing.assert_array_equal(shaped["survived"][:, 2], [True, False, False])
     np.testing.assert_allclose(shaped["vx_error"][1], [0.0, 0.1, np.nan, 0.4], atol=1e-12)
@@ -84,21 +88,9 @@ def test_traces_are_smooth_means_of_those_that_are_up():
     assert np.isnan(none[:, 3:9]).all()
 
 
-def test_a_table_survives_its_file(tmp_path):
-    table = segments.measure(recording(), protocol(), case())
-    segments.write(table, tmp_path / "segments.csv")
-    found = segments.read(tmp_path / "segments.csv")
-    for name in segments.COLUMNS:
-        np.testing.assert_allclose(found[name], table[name], rtol=1e-8, atol=1e-12)
-    (tmp_path / "segments.csv").write_text("a,b\n1,2\n")
-    with pytest.raises(UserError, match="expected the columns"):
-        segments.read(tmp_path / "segments.csv")
-
-
 def test_the_fastest_half_second_is_within_the_segment():
     rollout = recording()
     rollout.velocity[:75, 0] = 9.0  # before the second segment has settled
     rollout.velocity[99, 0] = (5.4, 0.0)  # one step of 25
-    table = segments.measure(rollout, protocol(), case())
-    fastest = table["fastest"].reshape(3, COUNT)
+    fastest = measured(rollout)["fastest"]
     np.testing.assert_allclose(fastest[1], [0.6, np.hypot(0.5, 0.1), np.nan, 0.0], atol=1e-12)

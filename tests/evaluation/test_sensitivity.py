@@ -10,11 +10,12 @@ import torch
 from slider.config.convert import to_dict
 from slider.config.parameters import scaled
 from slider.control.network import PolicyNetwork
-from slider.control.policy_file import Policy, load_policy, save_policy
+from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
-from slider.evaluation import protocol, records, stage
+from slider.evaluation import protocol, stage
 from slider.evaluation.protocol import read_protocol
-from slider.evaluation.sensitivity import folder_name, run, simulate
+from slider.evaluation.results import ROBOTS, Evaluation
+from slider.evaluation.stage import folder_name, run_changed, simulate
 from slider.robot.mjcf import nominal_qpos
 from tests.env.synthetic import config, gait_table, make_agent
 
@@ -58,16 +59,24 @@ def walking(tmp_path_factory) -> Path:
 
 def run_in(folder: Path, walking: Path, robot=WHOLE.robot) -> dict:
     folder.mkdir()
-    return run(section(robot), {"walking": [walking]}, folder, Job(folder))
+    return run_changed(section(robot), {"walking": [walking]}, folder, Job(folder))
+
+
+def on(robot, walking: Path):
+    """The policy on some robots of a kind."""
+    values = section(robot) | {"command": 0.2}
+    test = read_protocol(values)
+    inputs = {"walking": [walking]}
+    return simulate(values, inputs, test.count, test.disturbance, changed=True)
 
 
 def test_records_of_each_command_have_a_folder(walking, tmp_path):
     summary = run_in(tmp_path / "out", walking)
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"0.2", "0.4"}
     for command, success in zip(COMMANDS, summary["success_rate"], strict=True):
-        table = records.read(tmp_path / "out" / folder_name(command) / records.FILE)
-        assert len(table["robot"]) == 3
-        assert success == table["survived"].mean()
+        robots = Evaluation.load(tmp_path / "out" / folder_name(command)).robots
+        assert len(robots.survived) == 3
+        assert success == robots.survived.mean()
 
 
 def test_on_its_own_robot_it_is_the_evaluation(walking, tmp_path):
@@ -76,19 +85,17 @@ def test_on_its_own_robot_it_is_the_evaluation(walking, tmp_path):
     for command in COMMANDS:
         own = section() | {"command": command}
         stage.run(own, {"walking": [walking]}, tmp_path / "evaluation", Job(tmp_path))
-        expected = (tmp_path / "evaluation" / records.FILE).read_bytes()
-        assert (tmp_path / "out" / folder_name(command) / records.FILE).read_bytes() == expected
+        expected = (tmp_path / "evaluation" / ROBOTS).read_bytes()
+        assert (tmp_path / "out" / folder_name(command) / ROBOTS).read_bytes() == expected
 
 
 def test_the_plant_is_the_changed_robot_and_the_agent_keeps_its_own(walking):
     """A longer leg: the robot stands higher, the policy's nominal height stays."""
-    policy = load_policy(walking / "policy.pt")
-    test = read_protocol(section(LONG) | {"command": 0.2})
-    simulated = simulate(policy, test, WHOLE.env)
+    simulated = on(LONG, walking)
     own, other = nominal_qpos(WHOLE.robot)[2], nominal_qpos(LONG)[2]
     assert other == pytest.approx(own + 0.05 * WHOLE.robot.geometry.leg_length)
     assert simulated.physics.nominal[2] == other
-    assert simulated.physics.robot == test.robot
+    assert simulated.physics.robot == LONG
     agent = simulated.controller._agent
     assert agent.nominal_height == own
     np.testing.assert_array_equal(agent.nominal, nominal_qpos(WHOLE.robot)[7:])
@@ -96,7 +103,6 @@ def test_the_plant_is_the_changed_robot_and_the_agent_keeps_its_own(walking):
 
 def test_narrower_joints_of_the_plant_do_not_narrow_the_targets(walking):
     """The policy commands what it did on its own robot; the plant's own stops hold the joint."""
-    policy = load_policy(walking / "policy.pt")
     paths = [
         path
         for path, value in _joint_ranges(to_dict(WHOLE.robot))
@@ -106,8 +112,7 @@ def test_narrower_joints_of_the_plant_do_not_narrow_the_targets(walking):
     narrow = scaled(WHOLE.robot, paths[0], 0.01)
     targets = []
     for robot in (WHOLE.robot, narrow):
-        test = read_protocol(section(robot) | {"command": 0.2})
-        agent = simulate(policy, test, WHOLE.env).controller._agent
+        agent = on(robot, walking).controller._agent
         targets.append(agent.act(np.full((3, 12), 5.0)))
     np.testing.assert_array_equal(*targets)
 

@@ -14,7 +14,8 @@ from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
-from slider.evaluation import baseline, protocol, records, segments, stage
+from slider.evaluation import baseline, protocol, results, stage
+from slider.evaluation.results import Evaluation
 from tests.env.synthetic import config, gait_table, make_agent, stand
 
 WHOLE = ("experiment=test", "evaluation.duration=0.6")
@@ -65,7 +66,7 @@ def run(walking, out, seconds: float = 0.6, command: float = 0.2, **changes):
     summary = stage.run(
         section(command, duration=seconds, **changes), {"walking": [walking]}, out, job
     )
-    return summary, records.read(out / records.FILE)
+    return summary, Evaluation.load(out).robots.columns
 
 
 def test_files_and_columns(walking, tmp_path):
@@ -74,7 +75,7 @@ def test_files_and_columns(walking, tmp_path):
     assert names == {"robots.csv", "velocity.npy", "command.json"}
     about = json.loads((tmp_path / "out" / "command.json").read_text())
     assert about == {"controller": "policy", "command": 0.2}
-    assert tuple(table) == records.COLUMNS
+    assert tuple(table) == results.COLUMNS
     assert {len(column) for column in table.values()} == {TRIALS * ROBOTS}
     np.testing.assert_array_equal(table["trial"], [0, 0, 0, 1, 1, 1])
     np.testing.assert_array_equal(table["robot"], [0, 1, 2, 0, 1, 2])
@@ -134,7 +135,7 @@ def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, monk
 def test_a_robots_result_does_not_depend_on_the_others(walking, tmp_path):
     _, many = run(walking, tmp_path / "many", trials=3)
     _, few = run(walking, tmp_path / "few", trials=2)
-    for name in records.COLUMNS:
+    for name in results.COLUMNS:
         np.testing.assert_allclose(many[name][: 2 * ROBOTS], few[name], rtol=1e-5, atol=1e-7)
 
 
@@ -179,9 +180,11 @@ def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
     expected = {"robots.csv", "velocity.npy", "command.json", "segments.csv", "traces.npy"}
     assert names == expected
     assert summary["command"] is None
-    table = segments.read(tmp_path / "out" / segments.FILE)
-    assert len(table["robot"]) == 2 * whole.trials * whole.robots
-    traces = np.load(tmp_path / "out" / segments.TRACES)
+    found = Evaluation.load(tmp_path / "out")
+    assert found.case == case.name
+    assert [len(s.survived) for s in found.segments] == 2 * [whole.trials * whole.robots]
+    traces = found.traces
+    assert traces is not None
     assert traces.shape == (60, 10)
     np.testing.assert_allclose(traces[-1, :3], [0.4, 0.1, 0.3], atol=1e-7)
 

@@ -8,8 +8,8 @@ from pipeline import rendering, targets
 from pipeline.targets import all_targets
 from slider.artefacts.plan import build_plan
 from slider.config.compose import compose
-from slider.config.report import SECTION_INPUTS
-from slider.reports.sections import SECTIONS
+from slider.core.errors import UserError
+from slider.reports.sections.registry import SECTIONS
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -48,19 +48,35 @@ def test_without_a_renderer_there_is_a_page_and_no_video_job():
 
 def test_a_page_has_the_inputs_of_its_sections_only():
     _, report = stages("report.sections=[table1,learning]")
-    assert set(report.inputs) == {"table1", "standing", "walking"}
+    names = {"table1.evaluations", "table1.library", "standing", "walking"}
+    assert set(report.inputs) == names
 
 
-def test_every_section_declares_its_inputs():
-    assert set(SECTIONS) == set(SECTION_INPUTS)
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (
+            ["report.sections=[sweeps]"],
+            "readings, provenance, robust, sweep, joystick, heldout, found sweeps",
+        ),
+        (
+            ["~protocols.sweep", "report.sections=[sweep]"],
+            "learning, .*robust, joystick, heldout, found sweep",
+        ),
+    ],
+)
+def test_a_section_that_is_not_there_is_one_line(overrides, message):
+    with pytest.raises(UserError, match=rf"report.sections: expected one of .*{message}") as error:
+        stages(*overrides)
+    assert "\n" not in str(error.value)
 
 
 def test_a_section_pulls_in_what_it_declares():
     _, report = stages("report.sections=[table1]")
-    assert set(report.inputs) == {"table1"}
+    assert set(report.inputs) == {"table1.evaluations", "table1.library"}
     wanted = f"report.sections=[{','.join(SECTIONS)}]"
     _, report = stages(wanted)
-    declared = {name for names in SECTION_INPUTS.values() for name in names}
+    declared = {name.rstrip("?") for section in SECTIONS.values() for name in section.needs}
     assert set(report.inputs) == declared - {"untuned"}  # there is no fine-tuning
     assert {job.stage for job in report.inputs["verification.gaits"]} == {"verification_gaits"}
     assert {origin["stage"] for origin in report.section["origins"]["library.gaits"]} == {"gait"}
@@ -81,5 +97,6 @@ def test_a_page_shows_the_settings_of_its_protocols_only():
     _, report = stages("report.sections=[sweep,joystick]")
     assert report.section["configuration"]["protocols"].keys() == {"sweep", "joystick"}
     assert {job.stage for job in report.inputs["joystick"]} == {"segments"}
+    assert {job.stage for job in report.inputs["joystick.evaluations"]} == {"evaluation"}
     _, report = stages()
     assert "protocols" not in report.section["configuration"]

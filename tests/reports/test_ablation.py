@@ -9,10 +9,11 @@ import pytest
 from slider.core.job import Job
 from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import gait_numbers
-from slider.reports.ablation import read_curve, run
-from slider.reports.seeds import spread
+from slider.reports.ablation import check_rows, run, spread
+from slider.reports.quantities import Quantity
+from slider.training.results import Training
+from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
-from tests.reports.test_table1 import make_records, write_evaluation
 
 COMMANDS = [0.2, 0.8]
 SECTION = {
@@ -51,7 +52,7 @@ def inputs(tmp_path_factory) -> dict[str, list[Path]]:
     for index in range(len(walking)):
         for command in COMMANDS:
             alive = [[0, 0]] if (index, command) == (3, 0.8) else [[1, 1]]
-            errors = make_records(alive, [[1.0 + index, 1.0 + index]])
+            errors = make_robots(alive, [[1.0 + index, 1.0 + index]])
             evaluations.append(write_evaluation(folder / f"e{len(evaluations)}", command, errors))
     library = write_store(folder / "gaits", [(0.0, 0.0), (1.0, 0.0)]).parent
     return {"walking": walking, "evaluations": evaluations, "library": [library]}
@@ -93,17 +94,18 @@ def test_curves_are_over_samples_and_have_no_error_without_survivors(out, inputs
         ("0", ""),
         ("0.96", "0.2"),
     ]
-    curve = read_curve(inputs["walking"][2] / "selection.csv", 10)
-    assert np.isnan(curve["flight"]).tolist() == [True, False]
+    checks = list(check_rows(Training.load(inputs["walking"][2]), 10))
+    assert [check["samples"] for check in checks] == [50, 100]
+    assert np.isnan([check["flight"] for check in checks]).tolist() == [True, False]
 
 
 def test_the_page_says_what_differs_and_how_seeds_spread(out):
     text = (out / "ablation.md").read_text()
     assert "| hard | never | `gait.cost=torque` `env=paper` |" in text
-    assert "| as it is | 0.75 (0.5–1) | none |" in text
-    assert "| as it is | 0.15 (0.1–0.2) | 0.15 (0.1–0.2) |" in text
-    assert "| hard | 100.0 (100.0–100.0) | 50.0 (0.0–100.0) |" in text
-    assert "| hard | 0.35 (0.3–0.4) | ∞ (0.3–∞) |" in text
+    assert "| as it is | 0.750 (0.500–1.00) | none |" in text
+    assert "| as it is | 0.150 (0.100–0.200) | 0.150 (0.100–0.200) |" in text
+    assert "| hard | 100 | 50 (0–100) |" in text
+    assert "| hard | 0.350 (0.300–0.400) | ∞ (0.300–∞) |" in text
 
 
 def test_same_input_same_bytes(out, inputs, tmp_path):
@@ -117,7 +119,6 @@ def test_same_input_same_bytes(out, inputs, tmp_path):
 
 
 def test_what_is_unknown_does_not_count():
-    found = spread([1.0, float("nan"), 4.0])
-    assert found is not None
-    assert (found.mean, found.lower, found.upper, found.count) == (2.5, 1.0, 4.0, 2)
-    assert spread([float("nan")]) is None
+    found = spread(Quantity("any"), [1.0, float("nan"), 4.0])
+    assert (found.text, found.key) == ("2.50 (1.00–4.00)", 2.5)
+    assert spread(Quantity("any"), [float("nan")]).text == "–"

@@ -4,18 +4,20 @@ import math
 
 import pytest
 
-from slider.reports import controllers, table1_text
-from slider.reports.comparison import METRICS, Value, compare, show
+from slider.reports import controllers
+from slider.reports.comparison import METRICS, compare, comparisons
+from slider.reports.table import markdown
 
+NAN = math.nan
 SUCCESS, STEADY, WHOLE, TRACKING = METRICS
 
 
 def row(controller, command, source="measured", **values):
     names = ("success_rate", "mse", "mse_steady", "tracking_rate")
     names = [*names, *(f"{name}_std" for name in names), "success_low", "success_high"]
-    cells = dict.fromkeys(names, "")
-    cells |= {"controller": controller, "source": source, "command_velocity": str(command)}
-    return cells | {name: str(value) for name, value in values.items()}
+    cells = dict.fromkeys(names, NAN)
+    cells |= {"controller": controller, "source": source, "command_velocity": command}
+    return cells | values
 
 
 ROWS = [
@@ -24,49 +26,49 @@ ROWS = [
     row("policy", 0.2, success_rate=1, mse=0.001, mse_steady=0.0005),
     row("guided_drl", 0.2, "paper", success_rate=1, mse=0.0317),
     row("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221),
-    row("mpc_wbc", 1.0, "paper", success_rate=0, mse="inf"),
+    row("mpc_wbc", 1.0, "paper", success_rate=0, mse=math.inf),
 ]
 
 
 def test_commands_are_sorted_and_controllers_keep_the_order_of_the_table():
     table = compare(ROWS, SUCCESS)
-    assert table.commands == (0.2, 1.0)
-    assert table.controllers[0] == controllers.label("policy")
-    assert len(table.controllers) == 4
-    assert table.rows[0][1] is None  # not evaluated at 0.2 m/s
+    assert [row[0].key for row in table.rows] == [0.2, 1.0]
+    assert table.columns[1] == controllers.label("policy")
+    assert len(table.columns) == 1 + 4
+    assert table.rows[0][2].text == "–"  # not evaluated at 0.2 m/s
 
 
 def test_marks_all_who_share_the_best_value():
-    best = [value.best for value in compare(ROWS, SUCCESS).rows[1]]
+    best = [cell.best for cell in compare(ROWS, SUCCESS).rows[1][1:]]
     assert best == [True, False, True, False]
 
 
 def test_the_paper_can_win():
-    best = [value.best for value in compare(ROWS, WHOLE).rows[1]]
+    best = [cell.best for cell in compare(ROWS, WHOLE).rows[1][1:]]
     assert best == [False, False, True, False]
 
 
 def test_an_error_of_few_survivors_is_not_the_best():
     for success, wins in ((0.001, False), (0.995, True)):
         rows = [*ROWS, row("other", 1.0, success_rate=success, mse=1e-6)]
-        best = [value.best for value in compare(rows, WHOLE).rows[1]]
+        best = [cell.best for cell in compare(rows, WHOLE).rows[1][1:]]
         assert best == [False, False, not wins, False, wins]
 
 
 def test_the_papers_error_stands_beside_both_of_ours():
     steady, whole = compare(ROWS, STEADY).rows[1], compare(ROWS, WHOLE).rows[1]
-    assert steady[2].value == whole[2].value == 0.0221
-    assert (steady[0].value, whole[0].value) == (0.00271, 0.0246)
+    assert steady[3].key == whole[3].key == 0.0221
+    assert (steady[1].key, whole[1].key) == (0.00271, 0.0246)
 
 
 def test_a_metric_that_the_paper_does_not_have_is_ours_alone():
     rows = [row("policy", 1.0, tracking_rate=0.9), *ROWS[3:]]
-    assert compare(rows, TRACKING).controllers == (controllers.label("policy"),)
+    assert compare(rows, TRACKING).columns[1:] == [controllers.label("policy")]
 
 
 def test_nobody_is_best_where_nobody_survives():
-    rows = [row("policy", 1.0, mse="inf"), row("mpc_wbc", 1.0, "paper", mse="inf")]
-    assert not any(value.best for value in compare(rows, WHOLE).rows[0])
+    rows = [row("policy", 1.0, mse=math.inf), row("mpc_wbc", 1.0, "paper", mse=math.inf)]
+    assert not any(cell.best for cell in compare(rows, WHOLE).rows[0])
 
 
 @pytest.mark.parametrize(
@@ -82,28 +84,32 @@ def test_nobody_is_best_where_nobody_survives():
     ],
 )
 def test_prints_three_digits(value, spread, metric, text):
-    assert show(Value(value, spread, False), metric) == text
+    cells = {metric: value, f"{metric}_std": spread}
+    assert compare([row("policy", 1.0, **cells)], metric).rows[0][1].text == text
 
 
 def test_success_has_its_interval_and_the_papers_has_none():
     rows = [row("policy", 1.0, success_rate=0.996, success_low=0.98981, success_high=0.99844)]
     rows.append(row("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221))
-    ours, papers = compare(rows, SUCCESS).rows[0]
-    assert show(ours, SUCCESS) == "99.6 % [99.0, 99.8]"
-    assert show(papers, SUCCESS) == "100.0 %"
+    _, ours, papers = compare(rows, SUCCESS).rows[0]
+    assert ours.text == "99.6 % [99.0, 99.8]"
+    assert papers.text == "100.0 %"
     assert (ours.best, papers.best) == (False, True)
-    assert "99.6 % [99.0, 99.8]" in table1_text.markdown(rows)
-    assert "99.6 \\% [99.0, 99.8]" in table1_text.latex(rows)
+    assert "99.6 \\% [99.0, 99.8]" in compare(rows, SUCCESS).latex
+
+
+def test_of_one_controller_nothing_is_best():
+    assert not any(cell.best for cell in compare(ROWS[:1], SUCCESS).rows[0])
 
 
 def test_markdown_has_one_row_per_command_and_metric():
-    lines = table1_text.markdown(ROWS).splitlines()
+    lines = markdown(comparisons(ROWS)).splitlines()
     assert "| 1.0 | 0.0246 | 0.500 | **0.0221** | ∞ |" in lines
     assert sum(line.startswith("| 0.2 |") for line in lines) == len(METRICS)
 
 
 def test_latex_is_escaped_and_balanced():
-    text = table1_text.latex(ROWS)
+    text = "".join(table.latex for table in comparisons(ROWS))
     assert "0.0246 & 0.500 & \\textbf{0.0221} & $\\infty$ \\\\" in text
     assert "100.0 \\%" in text
     assert text.count("\\begin{tabular}") == text.count("\\end{tabular}") == len(METRICS)

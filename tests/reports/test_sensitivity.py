@@ -10,7 +10,7 @@ from slider.core.job import Job
 from slider.reports.sensitivity import COLUMNS, read_rows, run
 from slider.reports.sensitivity_effects import carrying, effects, limit, nominals
 from slider.reports.sensitivity_text import verdict
-from tests.reports.test_table1 import make_records, write_evaluation
+from tests.evaluation.test_results import make_robots, write_evaluation
 
 COMMANDS = [1.2, 3.0]
 # Cost of the gaits at both commands (None: does not converge); survivors of 20 at both.
@@ -65,7 +65,7 @@ def inputs(tmp_path_factory) -> dict[str, list[Path]]:
         rollouts.append(folder / f"rollout{len(rollouts)}")
         for command, count in zip(COMMANDS, pair, strict=True):
             alive = [[1] * count + [0] * (20 - count)]
-            table = make_records(alive, [[0.1] * 20])
+            table = make_robots(alive, [[0.1] * 20])
             write_evaluation(rollouts[-1] / f"{command:g}", command, table)
     return {"gaits": gaits, "rollouts": rollouts}
 

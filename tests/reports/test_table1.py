@@ -1,23 +1,19 @@
 """The table's numbers from records whose answers are known; the paper's beside them."""
 
 import csv
-import json
 import shutil
-from dataclasses import fields
 from importlib.resources import files
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from slider.core.job import Job
-from slider.env.metrics import GaitQuality, Tracking
-from slider.evaluation import records
+from slider.evaluation.results import QUALITY, Evaluation, Robots
 from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import gait_numbers
 from slider.reports import table1
-from slider.reports.proportions import wilson
 from slider.reports.rows import quality_row, table_row
+from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
 
 # Design, section 3: success with its interval, MSE with and without the start, tracking; spreads.
@@ -33,68 +29,18 @@ COLUMNS = [
 ]
 
 
-def make_records(survived: list[list[int]], error: list[list[float]]) -> records.Records:
-    """Trials (rows) of robots (columns); steady errors are a tenth, the first robot tracks."""
-    alive = np.array(survived, dtype=bool)
-    errors = np.where(alive, np.array(error, dtype=float), np.nan).ravel()
-    tracked = alive & (np.arange(alive.shape[1]) == 0)
-    tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
-    quality = GaitQuality(*(errors * k for k in range(len(fields(GaitQuality)))))
-    return records.build(*alive.shape, tracking, quality, np.zeros(alive.size, dtype=bool))
-
-
-def write_evaluation(folder: Path, command: float, table: records.Records) -> Path:
-    folder.mkdir(parents=True)
-    records.write(table, folder / records.FILE)
-    about = {"controller": "policy", "command": command}
-    (folder / "command.json").write_text(json.dumps(about))
-    return folder
-
-
-def test_a_row_by_hand():
-    table = make_records([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
-    row = table_row("policy", 0.6, table)
+def test_a_row_has_the_numbers_of_its_evaluation():
+    found = make_robots([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
+    row = table_row(Evaluation("policy", 0.6, found))
     assert (row["controller"], row["source"], row["command_velocity"]) == (
         "policy",
         "measured",
         0.6,
     )
-    assert row["success_rate"] == pytest.approx(5 / 8)
-    assert (row["success_low"], row["success_high"]) == wilson(5, 8)  # robots, not trials
-    assert row["tracking_rate"] == pytest.approx(2 / 8)
-    assert row["mse"] == pytest.approx((1 + 2 + 3 + 4 + 8) / 5)
-    assert row["mse_steady"] == pytest.approx(0.36)
-    # Spread: standard deviation over trials of their means, 0.75 and 0.5; 2 and 6.
-    assert row["success_rate_std"] == pytest.approx(0.25 / np.sqrt(2))
-    assert row["mse_std"] == pytest.approx(4 / np.sqrt(2))
-    assert row["mse_steady_std"] == pytest.approx(0.4 / np.sqrt(2))
-    assert row["tracking_rate_std"] == 0.0
-
-
-def test_the_spread_is_over_trials_not_robots():
-    same_trials = make_records([[1, 1], [1, 1], [1, 1]], [[1, 5], [5, 1], [1, 5]])
-    assert table_row("policy", 0.6, same_trials)["mse_std"] == 0.0
-
-
-def test_none_survives():
-    row = table_row("policy", 3.0, make_records([[0, 0], [0, 0]], [[1, 1], [1, 1]]))
-    assert row["success_rate"] == 0.0
-    assert row["mse"] == row["mse_steady"] == float("inf")
-    assert row["mse_std"] == row["mse_steady_std"] == ""
-    assert row["success_rate_std"] == 0.0
-
-
-def test_a_trial_without_survivors_has_no_part_in_the_spread_of_errors():
-    table = make_records([[1, 1], [0, 0], [1, 1]], [[1, 1], [7, 7], [3, 3]])
-    row = table_row("policy", 3.0, table)
-    assert row["mse"] == 2.0
-    assert row["mse_std"] == pytest.approx(np.sqrt(2))
-    assert row["success_rate_std"] == pytest.approx(np.std([1, 0, 1], ddof=1))
-
-
-def test_one_trial_has_no_spread():
-    row = table_row("policy", 0.2, make_records([[1, 1]], [[1, 2]]))
-    assert [row[name] for name in COLUMNS if name.endswith("_std")] == [""] * 4
+    assert (row["success_rate"], row["success_rate_std"]) == found.success[:2]
+    assert (row["success_low"], row["success_high"]) == found.success.interval
+    for name in ("tracking_rate", "mse", "mse_steady"):
+        assert (row[name], row[f"{name}_std"]) == getattr(found, name)[:2]
 
 
 def test_the_papers_rows_are_the_papers():
@@ -107,7 +53,7 @@ def test_the_papers_rows_are_the_papers():
         assert row["controller"] == printed["controller"]
         for name in ("command_velocity", "success_rate", "mse"):
             assert row[name] == float(printed[name])
-        assert {row[name] for name in COLUMNS[4:] if name != "mse"} == {""}
+        assert np.isnan([row[name] for name in COLUMNS[4:] if name != "mse"]).all()
 
 
 def test_some_of_the_papers_numbers():
@@ -119,8 +65,8 @@ def test_some_of_the_papers_numbers():
 
 
 def test_the_stage(tmp_path):
-    walks = make_records([[1, 1], [1, 0]], [[0.5, 0.25], [0.125, 1]])
-    falls = make_records([[0, 0], [0, 0]], [[1, 1], [1, 1]])
+    walks = make_robots([[1, 1], [1, 0]], [[0.5, 0.25], [0.125, 1]])
+    falls = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
     inputs = [
         write_evaluation(tmp_path / "a", 0.2, walks),
         write_evaluation(tmp_path / "b", 3.0, falls),
@@ -142,14 +88,14 @@ def test_the_stage(tmp_path):
     assert [row["command_velocity"] for row in quality] == ["0.2", "3"]
     assert float(quality[0]["mean_velocity"]) == pytest.approx(1 + 0.875 / 3, rel=1e-5)
     assert float(quality[0]["double_support"]) == pytest.approx(0.875 / 3, rel=1e-5)
-    assert {quality[1][name] for name in records.QUALITY} == {""}
+    assert {quality[1][name] for name in QUALITY} == {""}
     assert {row["reference_velocity_variance"] for row in quality} == {""}, "there is no library"
 
 
 def test_extremes_are_those_of_all_robots_that_survive():
     """Three robots, the last of which fell."""
-    table = make_records([[1, 1, 0]], [[1, 2, 9]])
-    table |= {
+    table = make_robots([[1, 1, 0]], [[1, 2, 9]])
+    columns = table.columns | {
         "heading": np.array([0.1, 0.3, np.nan]),
         "peak_effort": np.array([0.5, 0.9, np.nan]),
         "peak_speed": np.array([0.8, 0.2, np.nan]),
@@ -158,22 +104,22 @@ def test_extremes_are_those_of_all_robots_that_survive():
         "legs_touch": np.array([0.0, 0.2, np.nan]),
         "legs_cross": np.array([0.1, 0.3, np.nan]),
     }
-    row = quality_row("policy", 0.6, table)
+    row = quality_row(Evaluation("policy", 0.6, Robots(columns)))
     assert (row["heading"], row["heading_worst"]) == (pytest.approx(0.2), 0.3)
     assert (row["peak_effort"], row["peak_speed"]) == (0.9, 0.8)
     assert row["slip"] == pytest.approx(0.03)
     assert row["leg_distance"] == -0.01
     assert (row["legs_touch"], row["robots_touch"]) == (pytest.approx(0.1), 0.5)
     assert (row["legs_cross"], row["robots_cross"]) == (pytest.approx(0.2), 1.0)
-    assert set(quality_row("policy", 0.6, make_records([[0]], [[1]])).values()) == {
-        "policy",
-        0.6,
-        "",
-    }
+    controller, command, *others = quality_row(
+        Evaluation("policy", 0.6, make_robots([[0]], [[1]]))
+    ).values()
+    assert (controller, command) == ("policy", 0.6)
+    assert np.isnan(others).all()
 
 
 def test_same_input_same_bytes(tmp_path):
-    source = write_evaluation(tmp_path / "a", 0.2, make_records([[1, 1]], [[1, 2]]))
+    source = write_evaluation(tmp_path / "a", 0.2, make_robots([[1, 1]], [[1, 2]]))
     shutil.copytree(source, tmp_path / "copy")
     tables = []
     for folder in (source, tmp_path / "copy"):
@@ -187,7 +133,7 @@ def test_same_input_same_bytes(tmp_path):
 @pytest.mark.parametrize("name", ["velocity_variance", "touchdown_rate"])
 def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path, name):
     store = write_store(tmp_path / "gaits", [(0.0, 0.0), (1.0, 0.0)])
-    found = make_records([[1, 1]], [[1, 2]])
+    found = make_robots([[1, 1]], [[1, 2]])
     inputs = [write_evaluation(tmp_path / str(v), v, found) for v in (0.2, 0.4, 3.0)]
     out = tmp_path / "out"
     out.mkdir()

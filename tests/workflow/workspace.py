@@ -234,6 +234,7 @@ def finished(folder: Path) -> Workspace:
 def with_dummies(workspace: Workspace) -> Workspace:
     """Put stages in miniature in the place of the real ones."""
     source = workspace.folder / "src" / "slider"
+    sections = (source / "reports" / "sections" / "registry.py").read_text()
     for name, text in DUMMIES.items():
         shutil.rmtree(source / name, ignore_errors=True)
         (source / name).mkdir()
@@ -248,7 +249,10 @@ def with_dummies(workspace: Workspace) -> Workspace:
     (source / "reports" / "protocols" / "__init__.py").write_text("")
     for name in ("speeds", "segments", "cases"):
         (source / "reports" / "protocols" / f"{name}.py").write_text(OTHER)
-    for name in ("report", "video"):
+    (source / "reports" / "sections").mkdir()
+    (source / "reports" / "sections" / "__init__.py").write_text("")
+    (source / "reports" / "sections" / "registry.py").write_text(sections)
+    for name in ("page", "video"):
         (source / "reports" / f"{name}.py").write_text(OTHER)
     (source / "gait" / "tiny.py").write_text(
         "def speed(section):\n    return sum(section['velocity'])\n"

@@ -34,13 +34,13 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.action == "show":
         print("\n".join(library_lines(read_library(arguments))))
         return
-    from slider.reports.figures import solve_times
-    from slider.reports.figures.publication import write_figure
+    from slider.reports.figures import convergence
+    from slider.reports.figures.style import write_figure
 
     library, times = _solve_times(Store(arguments.artefacts))
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    text = solve_times.caption(times)
-    write_figure(arguments.out, "Solve times", lambda: solve_times.draw(library, times), text)
+    text = convergence.times_caption(times)
+    write_figure(arguments.out, "Solve times", lambda: convergence.draw_times(library, times), text)
     print(f"{arguments.out}.png is ready")
 
 

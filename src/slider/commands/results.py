@@ -10,8 +10,7 @@ from slider.core.errors import UserError
 from slider.reports.results import blocks
 from slider.reports.results.blocks import Block
 from slider.reports.results.origin import line, made
-from slider.reports.results.tables import TABLES
-from slider.reports.results.unmade import Unmade
+from slider.reports.results.tables import TABLES, Unmade
 
 REPORTS = "reports"
 
@@ -76,7 +75,7 @@ class _Filling:
 
     def _make(self, name: str) -> tuple[str, str, bool] | None:
         table = TABLES[name]
-        report, target = self._reports / table.report, f"{REPORTS}/{table.target or table.report}"
+        report, target = self._reports / table.report, f"{REPORTS}/{table.target}"
         try:
             if not report.is_file():
                 raise Unmade(f"{report} is missing")

@@ -1,7 +1,6 @@
 """The protocol, the same for every controller: plant, starts, command, termination, records."""
 
-import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +16,9 @@ from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.starts import at_rest
-from slider.evaluation import profile, records, segments
+from slider.evaluation import profile, results, segments
+from slider.evaluation.results import Evaluation
 from slider.evaluation.segments import profile_of
-
-VELOCITIES = "velocity.npy"
 
 
 @dataclass(frozen=True)
@@ -89,16 +87,17 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
         recording, config.warm_up, config.tracking_tolerance, config.tracking_relative
     )
     quality = gait_quality(recording, config.warm_up)
-    table = records.build(config.trials, config.robots, tracked, quality, recording.diverged)
-    records.write(table, out / records.FILE)
-    np.save(out / VELOCITIES, _traces(recording))
-    about = {"controller": protocol.controller, "command": protocol.command}
+    found = results.robots(config.trials, config.robots, tracked, quality, recording.diverged)
+    evaluation = Evaluation(protocol.controller, protocol.command, found, _traces(recording))
     if protocol.case is not None:
-        about["case"] = protocol.case.name
-        segments.write(segments.measure(recording, config, protocol.case), out / segments.FILE)
-        np.save(out / segments.TRACES, segments.traces(recording, config))
-    (out / "command.json").write_text(json.dumps(about) + "\n")
-    return about | _summary(table)
+        evaluation = replace(
+            evaluation,
+            case=protocol.case.name,
+            segments=tuple(segments.measure(recording, config, protocol.case)),
+            traces=segments.traces(recording, config),
+        )
+    evaluation.save(out)
+    return _summary(evaluation)
 
 
 def _simulate(protocol: Protocol, simulated: Simulated, job: Job) -> Recording:
@@ -141,11 +140,13 @@ def _traces(recording: Recording) -> np.ndarray:
     return np.stack([forward.mean(axis=1), forward.std(axis=1)], axis=1).astype(np.float32)
 
 
-def _summary(table: records.Records) -> dict[str, Any]:
-    survivors = table["survived"]
-    steady = table["squared_error_steady"][survivors]
-    return {
-        "success_rate": float(survivors.mean()),
-        "mse_steady": float(steady.mean()) if survivors.any() else None,
-        "blow_ups": int(table["diverged"].sum()),
+def _summary(evaluation: Evaluation) -> dict[str, Any]:
+    robots = evaluation.robots
+    about = {"controller": evaluation.controller, "command": evaluation.command}
+    if evaluation.case:
+        about["case"] = evaluation.case
+    return about | {
+        "success_rate": robots.success.value,
+        "mse_steady": robots.mse_steady.value if robots.survived.any() else None,
+        "blow_ups": int(robots.columns["diverged"].sum()),
     }

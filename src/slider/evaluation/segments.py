@@ -1,39 +1,22 @@
 """What happened in each segment of a changing command: per robot, and as traces over time."""
 
-from pathlib import Path
-
 import numpy as np
 
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
+from slider.core.columns import Columns
 from slider.env.contacts import touchdowns
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
 from slider.evaluation import profile as profiles
-from slider.evaluation import table_file
-from slider.evaluation.table_file import Table
+from slider.evaluation.results import AXES, MEASURES, Robots
 
-FILE, TRACES = "segments.csv", "traces.npy"
-AXES = ("vx", "vy", "yaw_rate")
 SMOOTHING = 1.0  # means over this time, more than a stride in place, leave its sway out [s]
-# Of a robot in the settled part of a segment; NaN where it fell before the segment's end.
-MEASURES = (
-    *AXES,  # means [m/s, rad/s]
-    *(f"{axis}_error" for axis in AXES),  # |mean − command| [m/s, rad/s]
-    "vx_mse",  # mean of (vx − command)² [m²/s²]
-    "heading_error",  # largest |yaw − commanded yaw| [rad]
-    "touchdown_rate",  # of both feet [1/s]
-    "displacement",  # of the base, from first to last moment [m]
-    "fastest",  # largest |mean (vx, vy)| over any ``SMOOTHING`` of it [m/s]
-)
-COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
-FLAGS = ("survived",)
 
 
-def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> Table:
-    """Columns ``COLUMNS`` of length segments · robots, all robots of a segment together.
+def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> list[Robots]:
+    """Robots of each segment with their ``MEASURES``.
 
-    ``segment`` is the number of the segment; ``survived`` is true for robots that stood until its
-    end, whatever happened later.
+    They survive a segment if they stand until its end, whatever happens later.
     """
     warm_up, count = profile_of(protocol).warm_up, protocol.trials * protocol.robots
     windows = profiles.windows(case, warm_up, protocol.duration, recording.period)
@@ -48,8 +31,9 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
             "survived": survived,
         }
         values = _measures(recording, touchdown, window)
-        parts.append(part | {n: np.where(survived, values[n], np.nan) for n in MEASURES})
-    return {name: np.concatenate([part[name] for part in parts]) for name in COLUMNS}
+        found = {name: np.where(survived, values[name], np.nan) for name in MEASURES}
+        parts.append(Robots(part | found))
+    return parts
 
 
 def _touchdowns(recording: Recording) -> np.ndarray:
@@ -58,7 +42,7 @@ def _touchdowns(recording: Recording) -> np.ndarray:
     return count.reshape(len(recording.alive), -1, count.shape[1]).sum(axis=1)
 
 
-def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> Table:
+def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> Columns:
     seconds = (window.stop - window.start) * recording.period
     velocity, command = _velocities(recording)[window], recording.command[window]
     position = recording.position[window]
@@ -125,17 +109,3 @@ def profile_of(protocol: EvaluationConfig) -> ProfileConfig:
     """The profile of a protocol that has one."""
     assert protocol.profile is not None
     return protocol.profile
-
-
-def write(table: Table, path: Path) -> None:
-    """Write a CSV file; floating-point numbers keep 9 digits."""
-    table_file.write(table, COLUMNS, path)
-
-
-def read(path: Path) -> Table:
-    """Read a CSV file back.
-
-    Raises:
-        UserError: the file has other columns.
-    """
-    return table_file.read(path, COLUMNS, FLAGS)

@@ -1,4 +1,9 @@
-"""The stage ``evaluation``: the learned policy at one command."""
+"""The stages ``evaluation`` and ``sensitivity_policy``: the learned policy in the protocol.
+
+The latter has another robot than the policy was trained on. The plant, its starts and its drives
+are those of the changed robot. What the policy believes stays that of its training: nominal pose,
+ranges of its joint targets, scales, reference gaits and clock.
+"""
 
 from pathlib import Path
 
@@ -24,10 +29,36 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return evaluate(protocol, simulated, out, job)
 
 
+def run_changed(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Roll the policy out at each command, with the results of each in a folder of its own."""
+    torch.set_num_threads(job.threads)
+    rates = []
+    for command in section["commands"]:
+        protocol = read_protocol(section | {"command": command})
+        disturbance = protocol.disturbance
+        simulated = simulate(section, inputs, protocol.count, disturbance, job.threads, True)
+        folder = out / folder_name(command)
+        folder.mkdir()
+        rates.append(evaluate(protocol, simulated, folder, job)["success_rate"])
+    return {"success_rate": rates}
+
+
+def folder_name(command: float) -> str:
+    """Folder of the results at a command [m/s]."""
+    return f"{command:g}"
+
+
 def simulate(
-    section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int = 1
+    section: Section,
+    inputs: Inputs,
+    count: int,
+    disturbance: Disturbance,
+    threads: int = 1,
+    changed: bool = False,
 ) -> Simulated:
     """The policy of the walking stage on ``count`` robots.
+
+    On a ``changed`` one it keeps to what it knows of its own.
 
     Raises:
         UserError: the policy is for other observations or actions.
@@ -35,5 +66,6 @@ def simulate(
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbance)
     policy = load_policy(inputs["walking"][0] / "policy.pt")
-    controller = PolicyController(policy.network, agent_of(policy, robot, env, count))
+    agent = agent_of(policy, policy.robot if changed else robot, env, count)
+    controller = PolicyController(policy.network, agent)
     return Simulated(controller, physics, env)

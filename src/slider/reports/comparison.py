@@ -1,160 +1,91 @@
-"""Table 1 as people compare it: one row per command, one column per controller."""
+"""Table 1 as people compare it: a table per quantity, commands down, controllers across."""
 
-import csv
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
-from slider.reports.controllers import PAPER, label
+from slider.reports.controllers import PAPER, label, speed
+from slider.reports.quantities import QUANTITIES, decimals
+from slider.reports.rows import Row
+from slider.reports.table import Cell, Table
 
+METRICS = {"success_rate": "success_rate", "mse_steady": "mse", "mse": "mse", "tracking_rate": ""}
+"""Column of the table → that of the paper's rows.
+
+The paper does not say whether its MSE has the start in it: it stands beside both of ours.
+"""
 _COMPARABLE = 0.01  # an error is best only where as many survive as in the best, up to this share
-_MOST_DECIMALS = 6  # a robot that stands still has errors of 1e-10 m²/s²
 
 
-@dataclass(frozen=True)
-class Metric:
-    """A column of Table 1.
+def comparisons(rows: Sequence[Row]) -> list[Table]:
+    """All metrics of rows as those of ``table1.csv``."""
+    return [compare(rows, name) for name in METRICS]
 
-    Attributes:
-        name: of the column; the spread is in ``<name>_std``.
-        title: heading, with its unit.
-        higher_is_better: or lower.
-        percent: whether it is shown in percent.
-        paper_column: what the paper printed under this heading, or empty.
-        interval: columns with the ends of its 95 % interval, or nothing.
+
+def compare(rows: Sequence[Row], name: str) -> Table:
+    """One metric; measured controllers first, in the order of the rows.
+
+    The best of a line are marked, and all that look the same when printed.
     """
-
-    name: str
-    title: str
-    higher_is_better: bool
-    percent: bool
-    paper_column: str
-    interval: tuple[str, str] | None = None
-
-
-METRICS = (
-    Metric(
-        "success_rate",
-        "Success rate",
-        True,
-        True,
-        "success_rate",
-        ("success_low", "success_high"),
-    ),
-    # The paper does not say whether its MSE has the start in it: it stands beside both of ours.
-    Metric("mse_steady", "Velocity MSE from 2 s on [m²/s²]", False, False, "mse"),
-    Metric(
-        "mse", "Velocity MSE over all 10 s, start from rest included [m²/s²]", False, False, "mse"
-    ),
-    Metric("tracking_rate", "Tracking rate", True, True, ""),
-)
+    cells = {(row["source"], row["controller"], row["command_velocity"]): row for row in rows}
+    controllers = list(dict.fromkeys((source, controller) for source, controller, _ in cells))
+    if not METRICS[name]:
+        controllers = [item for item in controllers if item[0] != PAPER]
+    commands = sorted({command for source, _, command in cells if source != PAPER})
+    body = [
+        [Cell(speed(v), v), *_marked([cells.get((*one, v)) for one in controllers], name)]
+        for v in commands
+    ]
+    heads = ["command [m/s]", *(label(controller, source) for source, controller in controllers)]
+    quantity = QUANTITIES[name]
+    return Table(heads, body, quantity.title if quantity.share else quantity.heading)
 
 
-@dataclass(frozen=True)
-class Value:
-    """One cell: a number, its spread over trials (NaN if not stated), whether none is better.
-
-    ``interval`` are the ends of its 95 % interval, where it has one.
-    """
-
-    value: float
-    spread: float
-    best: bool
-    interval: tuple[float, float] | None = None
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """A metric for all commands (rows) and controllers (columns); None where there is no value."""
-
-    metric: Metric
-    commands: tuple[float, ...]
-    controllers: tuple[str, ...]
-    rows: tuple[tuple[Value | None, ...], ...]
-
-
-def read_rows(path: Path) -> list[dict[str, str]]:
-    """Rows of ``table1.csv``."""
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def compare(rows: Sequence[dict[str, str]], metric: Metric) -> Comparison:
-    """Put controllers side by side: measured ones first, in the order of the table."""
-    columns = list(dict.fromkeys((row["source"], row["controller"]) for row in rows))
-    if not metric.paper_column:
-        columns = [column for column in columns if column[0] != PAPER]
-    ours = {float(row["command_velocity"]) for row in rows if row["source"] != PAPER}
-    cells = {
-        (row["source"], row["controller"], float(row["command_velocity"])): row for row in rows
-    }
-    commands = tuple(sorted(ours))
-    table = tuple(_marked([cells.get((*c, v)) for c in columns], metric) for v in commands)
-    names = tuple(label(controller, source) for source, controller in columns)
-    return Comparison(metric, commands, names, table)
-
-
-def show(value: Value | None, metric: Metric) -> str:
-    """Text of a cell, such as ``99.6 % ± 0.5 [99.0, 99.8]`` or ``0.00837 ± 0.00003``."""
-    if value is None:
-        return "–"
-    if math.isinf(value.value):
-        return "∞"
-    if metric.percent:
-        text, spread = f"{100 * value.value:.1f} %", f"{100 * value.spread:.1f}"
-    else:
-        digits = decimals(value.value)
-        text, spread = f"{value.value:.{digits}f}", f"{value.spread:.{digits}f}"
-    if not math.isnan(value.spread):
-        text = f"{text} ± {spread}"
-    if value.interval is None:
-        return text
-    low, high = (f"{100 * end:.1f}" for end in value.interval)
-    return f"{text} [{low}, {high}]"
-
-
-def _value(row: dict[str, str] | None, metric: Metric) -> Value | None:
-    """Not yet marked."""
-    if row is None:
-        return None
-    paper = row["source"] == PAPER
-    text = row[metric.paper_column] if paper and metric.paper_column else row[metric.name]
-    if not text:
-        return None
-    spread = "" if paper else row[f"{metric.name}_std"]
-    ends = [float(row[name]) for name in metric.interval or () if row[name]]
-    interval = (ends[0], ends[1]) if ends else None
-    return Value(float(text), float(spread) if spread else math.nan, False, interval)
-
-
-def _marked(cells: list[dict[str, str] | None], metric: Metric) -> tuple[Value | None, ...]:
-    """Mark the best of a row, and all that look the same when printed.
-
-    Errors are those of robots that survived: one is best only among controllers that hardly
+def _marked(rows: Sequence[Row | None], name: str) -> list[Cell]:
+    """Errors are those of robots that survived: one is best only among controllers that hardly
     lose more robots than any.
     """
-    success = [float(cell["success_rate"] or 0) if cell else 0.0 for cell in cells]
-    enough = 0.0 if metric.higher_is_better else max(success) - _COMPARABLE
-    values = [_value(cell, metric) for cell in cells]
-    fair = [v is not None and share >= enough for v, share in zip(values, success, strict=True)]
-    known = [value.value for value, one in zip(values, fair, strict=True) if value and one]
-    best = (max if metric.higher_is_better else min)(known, default=math.nan)
-    return tuple(
-        None if value is None else replace(value, best=one and _same(value.value, best, metric))
-        for value, one in zip(values, fair, strict=True)
-    )
+    share = QUANTITIES[name].share
+    success = [row["success_rate"] if row else 0.0 for row in rows]
+    success = [0.0 if math.isnan(value) else value for value in success]
+    enough = 0.0 if share else max(success) - _COMPARABLE
+    values = [_value(row, name) for row in rows]
+    fair = [v == v and s >= enough for v, s in zip(values, success, strict=True)]
+    known = [value for value, one in zip(values, fair, strict=True) if one]
+    best = (max if share else min)(known, default=math.nan)
+    alone = len(rows) == 1
+    return [
+        replace(_cell(row, value, name), best=one and not alone and _same(value, best, share))
+        for row, value, one in zip(rows, values, fair, strict=True)
+    ]
 
 
-def _same(value: float, best: float, metric: Metric) -> bool:
+def _value(row: Row | None, name: str) -> float:
+    if row is None:
+        return math.nan
+    return row[METRICS[name] if row["source"] == PAPER else name]
+
+
+def _cell(row: Row | None, value: float, name: str) -> Cell:
+    """Such as ``99.6 % ± 0.5 [99.0, 99.8]`` or ``0.00837 ± 0.00003``."""
+    if row is None or math.isnan(value):
+        return Cell("–")
+    if math.isinf(value):
+        return Cell("∞", value)
+    share, spread = QUANTITIES[name].share, math.nan
+    if row["source"] != PAPER:
+        spread = row[f"{name}_std"]
+    scale, digits, unit = (100, 1, " %") if share else (1, decimals(value), "")
+    text = f"{scale * value:.{digits}f}{unit}"
+    if not math.isnan(spread):
+        text += f" ± {scale * spread:.{digits}f}"
+    if name == "success_rate" and not math.isnan(row["success_low"]):
+        text += f" [{100 * row['success_low']:.1f}, {100 * row['success_high']:.1f}]"
+    return Cell(text, value)
+
+
+def _same(value: float, best: float, share: bool) -> bool:
     if not math.isfinite(best):
         return False
-    digits = 3 if metric.percent else decimals(best)
+    digits = 3 if share else decimals(best)
     return round(value, digits) == round(best, digits)
-
-
-def decimals(value: float) -> int:
-    """Decimals that show three digits of a value, as the paper does, unless it is next to none."""
-    if value <= 0:
-        return 3
-    return min(max(0, 2 - math.floor(math.log10(value))), _MOST_DECIMALS)

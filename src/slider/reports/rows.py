@@ -1,63 +1,88 @@
-"""Rows of tables about evaluations: one per controller and command, means over robots."""
+"""Rows of the reports' tables: names to numbers, NaN where there is none, and texts."""
 
-import json
-from collections.abc import Callable
+import csv
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from slider.core.job import Inputs
-from slider.evaluation import records
+from slider.evaluation.results import QUALITY, Estimate, Evaluation, Robots
 from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import GaitNumbers, gait_numbers
 from slider.reports.controllers import OURS
-from slider.reports.proportions import wilson
 
-Row = dict[str, str | float]
+NAN = float("nan")
+Row = dict[str, Any]
 Reference = Callable[[float], GaitNumbers | None]
 
 
-def table_row(controller: str, command: float, table: records.Records) -> Row:
-    """Means over all robots; spreads are standard deviations over trials.
+def write(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
+    """Write CSV, by default the columns of the first row; numbers keep 6 digits."""
+    names = columns or tuple(rows[0])
+    with path.open("w", newline="") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(names)
+        lines.writerows([_text(row[name]) for name in names] for row in rows)
 
-    Errors are means over surviving robots, ``inf`` where none survived, as in the paper.
-    """
-    survived, trial = table["survived"], table["trial"]
-    row: Row = {"controller": controller, "source": OURS, "command_velocity": command}
-    row |= success(survived, trial)
-    tracked = table["tracked"].astype(float)
-    row |= {"tracking_rate": float(tracked.mean()), "tracking_rate_std": spread(tracked, trial)}
-    for name, column in (("mse", "squared_error"), ("mse_steady", "squared_error_steady")):
-        values = table[column][survived]
-        row[name] = float(values.mean()) if len(values) else float("inf")
-        row[f"{name}_std"] = spread(values, trial[survived])
+
+def read(path: Path) -> list[Row]:
+    """Rows of a published table."""
+    with path.open(newline="") as file:
+        return parse(file)
+
+
+def parse(lines: Iterable[str]) -> list[Row]:
+    """Rows of CSV text; what is no number is text, and empty cells are NaN."""
+    return [{n: _value(text) for n, text in row.items()} for row in csv.DictReader(lines)]
+
+
+def by(rows: Iterable[Row], *names: str) -> dict[Any, list[Row]]:
+    """Rows by one of their values, or by several, in the order of the rows."""
+    found: dict[Hashable, list[Row]] = {}
+    for row in rows:
+        key = tuple(row[name] for name in names)
+        found.setdefault(key if len(names) > 1 else key[0], []).append(row)
+    return found
+
+
+def distinct(rows: Iterable[Row], name: str) -> list[float]:
+    """Different numbers of a column, ascending."""
+    return sorted({row[name] for row in rows})
+
+
+def table_row(evaluation: Evaluation) -> Row:
+    """Success, tracking and errors; spreads are standard deviations over trials."""
+    robots = evaluation.robots
+    row: Row = {"controller": evaluation.controller, "source": OURS}
+    row |= {"command_velocity": evaluation.command} | success(robots)
+    for name in ("tracking_rate", "mse", "mse_steady"):
+        estimate: Estimate = getattr(robots, name)
+        row |= {name: estimate.value, f"{name}_std": estimate.spread}
     return row
 
 
-def success(survived: np.ndarray, trial: np.ndarray) -> Row:
-    """Share of robots (N,) that survived, its spread over trials, and Wilson's 95 % interval."""
-    low, high = wilson(int(survived.sum()), len(survived))
-    return {
-        "success_rate": float(survived.mean()),
-        "success_rate_std": spread(survived.astype(float), trial),
-        "success_low": low,
-        "success_high": high,
-    }
+def success(robots: Robots) -> Row:
+    """Share of robots that survived, its spread over trials, and Wilson's 95 % interval."""
+    found = robots.success
+    low, high = found.interval or (NAN, NAN)
+    names = ("success_rate", "success_rate_std", "success_low", "success_high")
+    return dict(zip(names, (found.value, found.spread, low, high), strict=True))
 
 
-def quality_row(controller: str, command: float, table: records.Records) -> Row:
-    """How the robots that survive walk; empty where none survived.
+def quality_row(evaluation: Evaluation) -> Row:
+    """How the robots that survive walk; NaN where none survived.
 
     Means over robots, but for extremes, which are those of all robots: ``peak_effort``,
     ``peak_speed`` (largest) and ``leg_distance`` (least). ``heading`` is the mean of the robots'
     largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and ``robots_cross`` are
     the shares of robots whose legs ever touch or cross.
     """
-    row: Row = {"controller": controller, "command_velocity": command}
-    for name in ("mean_velocity", *records.QUALITY):
-        values = table[name][table["survived"]]
+    row: Row = {"controller": evaluation.controller, "command_velocity": evaluation.command}
+    for name in ("mean_velocity", *QUALITY):
+        values = evaluation.robots.survivors(name)
         for column, number in _COLUMNS.get(name, {name: np.mean}).items():
-            row[column] = float(number(values)) if len(values) else ""
+            row[column] = float(number(values)) if len(values) else NAN
     return row
 
 
@@ -67,7 +92,7 @@ def _ever(shares: np.ndarray) -> float:
 
 
 # Quantity of a robot → columns, and how its values over robots become their number.
-_COLUMNS: dict[str, dict[str, Callable[[np.ndarray], float]]] = {
+_COLUMNS: Mapping[str, Mapping[str, Callable[[np.ndarray], float]]] = {
     "heading": {"heading": np.mean, "heading_worst": np.max},
     "peak_effort": {"peak_effort": np.max},
     "peak_speed": {"peak_speed": np.max},
@@ -78,42 +103,34 @@ _COLUMNS: dict[str, dict[str, Callable[[np.ndarray], float]]] = {
 
 
 def with_reference(quality: Row, reference: Reference) -> Row:
-    """The gait's own numbers beside the controller's, as ``reference_NAME``; empty without one."""
-    gait = reference(float(quality["command_velocity"]))
+    """The gait's own numbers beside the controller's, as ``reference_NAME``; NaN without one."""
+    gait = reference(quality["command_velocity"])
     row: Row = {}
     for name, value in quality.items():
         row[name] = value
         if name in GaitNumbers._fields:
-            row[f"reference_{name}"] = "" if gait is None else getattr(gait, name)
+            row[f"reference_{name}"] = NAN if gait is None else getattr(gait, name)
     return row
 
 
-def reference_gaits(inputs: Inputs) -> Reference:
-    """Forward velocity → numbers of the gait of the input ``library``, if there is one."""
-    if "library" not in inputs:
+def reference_gaits(folders: Sequence[Path]) -> Reference:
+    """Forward velocity → numbers of the gait of the library in the only folder, if there is one."""
+    if not folders:
         return lambda command: None
-    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    library = LibraryContents.load(folders[0] / "library.zarr")
     return lambda command: gait_numbers(library, command)
 
 
-def read_evaluation(folder: Path) -> tuple[str, float, records.Records]:
-    """Controller, command [m/s] and records of an evaluation at a constant command."""
-    about = json.loads((folder / "command.json").read_text())
-    return about["controller"], about["command"], records.read(folder / records.FILE)
-
-
-def spread(values: np.ndarray, trial: np.ndarray) -> float | str:
-    """Standard deviation over trials of the trial means; empty for fewer than two trials."""
-    means = [values[trial == t].mean() for t in np.unique(trial)]
-    return float(np.std(means, ddof=1)) if len(means) > 1 else ""
-
-
-def write_rows(rows: list[Row], columns: tuple[str, ...], path: Path) -> None:
-    """Write some columns of rows as CSV; numbers keep 6 digits."""
-    lines = [",".join(columns)]
-    lines += [",".join(_text(row[name]) for name in columns) for row in rows]
-    path.write_text("\n".join(lines) + "\n")
-
-
 def _text(value: str | float) -> str:
-    return value if isinstance(value, str) else f"{value:.6g}"
+    if isinstance(value, str):
+        return value
+    return "" if np.isnan(value) else f"{value:.6g}"
+
+
+def _value(text: str) -> str | float:
+    if not text:
+        return NAN
+    try:
+        return float(text)
+    except ValueError:
+        return text

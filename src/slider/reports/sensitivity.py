@@ -6,13 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation import records
-from slider.evaluation.sensitivity import folder_name
-from slider.reports import sensitivity_text
+from slider.evaluation.results import Evaluation
+from slider.evaluation.stage import folder_name
+from slider.reports import rows as tables
 from slider.reports.figures import sensitivity as figure
-from slider.reports.figures.style import save, style
-from slider.reports.rows import Row, quality_row, table_row, write_rows
+from slider.reports.figures.style import write_pictures
+from slider.reports.rows import NAN, Row
 from slider.reports.sensitivity_effects import NOMINAL, carrying, effects, nominals
+from slider.reports.sensitivity_text import blocks
+from slider.reports.table import document
 
 NAME = "sensitivity"
 ABOUT = ("parameter", "provenance", "unit", "nominal", "factor", "value")
@@ -25,17 +27,12 @@ _REPORT = "report.json"
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``sensitivity.csv``, ``.md``, ``.svg`` and ``.png``."""
     rows = read_rows(section, inputs)
-    quoted = [row | {"note": _quoted(str(row["note"]))} for row in rows]
-    write_rows(quoted, COLUMNS, out / f"{NAME}.csv")
-    text = sensitivity_text.markdown(rows, section)
+    tables.write(rows, out / f"{NAME}.csv", COLUMNS)
+    text = document("Sensitivity", blocks(rows, section, out / f"{NAME}.svg"))
     (out / f"{NAME}.md").write_text(text, encoding="utf-8")
-    with style():
-        drawn = figure.draw(rows, section["change"])
-        drawn.draw_without_rendering()
-    for suffix in ("svg", "png"):
-        save(drawn, out / f"{NAME}.{suffix}")
+    write_pictures(out / NAME, lambda: figure.draw(rows, section["change"]))
+    for suffix in ("svg", "png", "csv"):
         job.tracker.log_file(out / f"{NAME}.{suffix}")
-    job.tracker.log_file(out / f"{NAME}.csv")
     found = effects(rows)
     return {"parameters": len(found), "carrying": len(carrying(found, nominals(rows)))}
 
@@ -43,7 +40,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 def read_rows(section: Section, inputs: Inputs) -> list[Row]:
     """A row per changed robot and command, those of the unchanged robot first.
 
-    Cells are empty where nothing was asked for or nothing is known: of a robot that cannot be, the
+    Numbers are NaN where nothing was asked for or nothing is known: of a robot that cannot be, the
     cost of a gait that did not converge, the velocity of a policy that never survived.
     """
     unchanged: Row = dict.fromkeys(ABOUT, "") | {"parameter": NOMINAL, "factor": 1.0}
@@ -52,7 +49,9 @@ def read_rows(section: Section, inputs: Inputs) -> list[Row]:
         about = {name: variant[name] for name in ABOUT}
         rows += _rows(about, variant, section, inputs)
     costs = {row["command"]: row["gait_cost"] for row in rows[: len(section["commands"])]}
-    return [row | {"gait_cost_change": _change(row, costs[row["command"]])} for row in rows]
+    return [
+        row | {"gait_cost_change": row["gait_cost"] / costs[row["command"]] - 1.0} for row in rows
+    ]
 
 
 def _rows(about: Row, made: Mapping[str, Any], section: Section, inputs: Inputs) -> list[Row]:
@@ -66,33 +65,19 @@ def _rows(about: Row, made: Mapping[str, Any], section: Section, inputs: Inputs)
 
 def _gait(places: Sequence[int], index: int, folders: Sequence[Path]) -> Row:
     if not places:
-        return dict.fromkeys(GAIT, "")
+        return dict.fromkeys(GAIT, NAN)
     report = json.loads((folders[places[index]] / _REPORT).read_text())
     converged = report["converged"]
     return {
         "gait_converged": float(converged),
         "gait_iterations": float(report["iterations"]),
-        "gait_cost": float(report["cost"]) if converged else "",
+        "gait_cost": float(report["cost"]) if converged else NAN,
     }
 
 
 def _policy(place: int | None, command: float, folders: Sequence[Path]) -> Row:
     if place is None:
-        return dict.fromkeys(POLICY, "")
-    table = records.read(folders[place] / folder_name(command) / records.FILE)
-    row = table_row("policy", command, table) | quality_row("policy", command, table)
+        return dict.fromkeys(POLICY, NAN)
+    evaluation = Evaluation.load(folders[place] / folder_name(command))
+    row = tables.table_row(evaluation) | tables.quality_row(evaluation)
     return {name: row[name] for name in POLICY}
-
-
-def _change(row: Row, nominal: str | float) -> str | float:
-    """Relative change of the gait's cost; empty without one of the two."""
-    cost = row["gait_cost"]
-    if isinstance(cost, str) or isinstance(nominal, str):
-        return ""
-    return cost / nominal - 1.0
-
-
-def _quoted(text: str) -> str:
-    """A cell whose text may have commas."""
-    doubled = text.replace('"', '""')
-    return f'"{doubled}"' if text else ""

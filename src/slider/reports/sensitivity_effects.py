@@ -4,7 +4,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from slider.reports.rows import Row
+from slider.reports.rows import Row, by
 
 NOMINAL = "nominal"  # the parameter of the unchanged robot's rows
 SUCCESS = 0.95  # share of robots below which a guess carries the policy's result
@@ -61,22 +61,16 @@ def limit(nominal: float) -> float:
 
 def effects(rows: Sequence[Row]) -> list[Effect]:
     """Effects of all parameters, the greatest first."""
-    names = dict.fromkeys(str(row["parameter"]) for row in rows if row["parameter"] != NOMINAL)
     nominal, gaits = nominals(rows), nominals(rows, "gait_converged")
     known = {command for command, converged in gaits.items() if converged == 1}
-    found = [
-        _effect(name, [row for row in rows if row["parameter"] == name], known) for name in names
-    ]
+    groups = by((row for row in rows if row["parameter"] != NOMINAL), "parameter")
+    found = [_effect(name, mine, known) for name, mine in groups.items()]
     return sorted(found, key=lambda effect: -effect.size(nominal))
 
 
 def nominals(rows: Sequence[Row], column: str = "success_rate") -> dict[float, float]:
     """A number of the unchanged robot by command; NaN where there is none."""
-    return {
-        float(row["command"]): math.nan if row[column] == "" else float(row[column])
-        for row in rows
-        if row["parameter"] == NOMINAL
-    }
+    return {row["command"]: row[column] for row in rows if row["parameter"] == NOMINAL}
 
 
 def carrying(found: Sequence[Effect], nominal: Mapping[float, float]) -> list[Effect]:
@@ -88,16 +82,16 @@ def _effect(name: str, rows: Sequence[Row], known: Collection[float]) -> Effect:
     """Of one parameter's rows; ``known`` are the commands with a gait of the unchanged robot."""
 
     def numbers(column: str) -> dict[Cell, float]:
-        return {_cell(row): float(row[column]) for row in rows if row[column] != ""}
+        return {_cell(row): row[column] for row in rows if not math.isnan(row[column])}
 
     return Effect(
         name,
         {cell: bool(v) for cell, v in numbers("gait_converged").items() if cell[1] in known},
         numbers("gait_cost_change"),
         numbers("success_rate"),
-        {float(row["factor"]): str(row["note"]) for row in rows if row["note"]},
+        {row["factor"]: row["note"] for row in rows if row["note"]},
     )
 
 
 def _cell(row: Row) -> Cell:
-    return float(row["factor"]), float(row["command"])
+    return row["factor"], row["command"]

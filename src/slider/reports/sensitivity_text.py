@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from slider.reports.controllers import speed
+from slider.reports.quantities import NONE, QUANTITIES, Quantity
 from slider.reports.rows import Row
 from slider.reports.sensitivity_effects import (
     NOMINAL,
@@ -16,29 +18,33 @@ from slider.reports.sensitivity_effects import (
     limit,
     nominals,
 )
+from slider.reports.table import Heading, Picture, Table, Text, Written, grid
 
 STRONGEST = 20  # rows of the table
 NAMED = 6  # causes that a sentence names
-_NONE = "–"
+_UNCHANGED = {  # column of the rows → heading
+    "command": Quantity("Command", "m/s"),
+    "gait_converged": Quantity("Gait converges"),
+    "gait_iterations": Quantity("Iterations"),
+    "gait_cost": Quantity("Cost"),
+    "success_rate": QUANTITIES["success_rate"],
+    "mse_steady": QUANTITIES["mse_steady"],
+    "mean_velocity": QUANTITIES["mean_velocity"],
+}
 
 
-def markdown(rows: Sequence[Row], section: Mapping[str, Any]) -> str:
-    """Page with a paragraph, the figure and tables."""
+def blocks(rows: Sequence[Row], section: Mapping[str, Any], svg: Path) -> Iterator[Written]:
+    """A paragraph, the figure and tables."""
     found = effects(rows)
-    blocks = [
-        "# Sensitivity",
-        _introduction(found, section),
-        "## Which guesses carry the result",
-        verdict(rows),
-        "![Sensitivity](figures/sensitivity.png)",
-        f"## The strongest {min(STRONGEST, len(found))} of {len(found)} parameters",
-        _legend(section["change"]),
-        _strongest(found[:STRONGEST], rows, section),
-        "## The unchanged robot",
-        _unchanged(rows),
-        *_impossible(found),
-    ]
-    return "\n\n".join(blocks) + "\n"
+    yield Text(_introduction(found, section))
+    yield Heading("Which guesses carry the result")
+    yield Text(verdict(rows))
+    yield Picture(svg)
+    yield Heading(f"The strongest {min(STRONGEST, len(found))} of {len(found)} parameters")
+    yield Text(_legend(section["change"]))
+    yield _strongest(found[:STRONGEST], rows, section)
+    yield _unchanged(rows)
+    yield from _impossible(found)
 
 
 def verdict(rows: Sequence[Row]) -> str:
@@ -176,74 +182,58 @@ def _legend(change: float) -> str:
     )
 
 
-def _strongest(found: Sequence[Effect], rows: Sequence[Row], section: Mapping[str, Any]) -> str:
-    commands = section["commands"]
+def _strongest(found: Sequence[Effect], rows: Sequence[Row], section: Mapping[str, Any]) -> Table:
     factors = (round(1 - section["change"], 10), round(1 + section["change"], 10))
-    about = {str(row["parameter"]): row for row in rows}
+    about = {row["parameter"]: row for row in rows}
     columns = [("gait", _gait)] if any(effect.gaits for effect in found) else []
     columns += [("policy", _policy)] if any(effect.success for effect in found) else []
-    heads = [f"{what}, {speed(c)} m/s" for what, _ in columns for c in commands]
-    lines = [f"| parameter | value | {' | '.join(heads)} |", "|---|---|" + "---|" * len(heads)]
+    asked = [(what, text, v) for what, text in columns for v in section["commands"]]
+    lines = []
     for effect in found:
         row = about[effect.parameter]
-        cells = [
-            " / ".join(text(effect, (factor, command)) for factor in factors)
-            for _, text in columns
-            for command in commands
-        ]
+        cells = [" / ".join(text(effect, (f, v)) for f in factors) for _, text, v in asked]
         value = f"{row['nominal']} {row['unit']}".removesuffix(" -").strip()
-        lines.append(f"| `{effect.parameter}` | {value} | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        lines.append([f"`{effect.parameter}`", value, *cells])
+    return grid(["parameter", "value", *(f"{what}, {speed(v)} m/s" for what, _, v in asked)], lines)
 
 
 def _gait(effect: Effect, cell: Cell) -> str:
     if cell in effect.costs:
         return f"{100 * effect.costs[cell]:+.1f} %".replace("-", "−")
-    return "✗" if effect.gaits.get(cell) is False else _NONE
+    return "✗" if effect.gaits.get(cell) is False else NONE
 
 
 def _policy(effect: Effect, cell: Cell) -> str:
-    return _percent(effect.success[cell]) if cell in effect.success else _NONE
+    return _percent(effect.success[cell]) if cell in effect.success else NONE
 
 
-def _unchanged(rows: Sequence[Row]) -> str:
-    names = ("gait_converged", "gait_iterations", "gait_cost")
-    policy = ("success_rate", "mse_steady", "mean_velocity")
-    heads = (
-        "command [m/s]",
-        "gait converges",
-        "iterations",
-        "cost",
-        "success",
-        "`mse_steady` [m²/s²]",
-        "mean velocity [m/s]",
-    )
-    lines = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
-    for row in (row for row in rows if row["parameter"] == NOMINAL):
-        cells = [_number(row[name], name) for name in ("command", *names, *policy)]
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+def _unchanged(rows: Sequence[Row]) -> Table:
+    lines = [
+        [_number(row[name], name) for name in _UNCHANGED]
+        for row in rows
+        if row["parameter"] == NOMINAL
+    ]
+    heads = [quantity.heading for quantity in _UNCHANGED.values()]
+    return grid(heads, lines, "The unchanged robot")
 
 
-def _number(value: str | float, name: str) -> str:
-    if isinstance(value, str):
-        return _NONE
-    if name == "gait_converged":
+def _number(value: float, name: str) -> str:
+    if name == "gait_converged" and not math.isnan(value):
         return "yes" if value else "no"
-    if math.isinf(value):
-        return "∞"
-    return _percent(value) if name == "success_rate" else f"{value:.4g}"
+    if name in ("command", "gait_iterations", "gait_cost") and not math.isnan(value):
+        return f"{value:.6g}"
+    return _UNCHANGED[name].text(value)
 
 
-def _impossible(found: Sequence[Effect]) -> Iterator[str]:
+def _impossible(found: Sequence[Effect]) -> Iterator[Heading | Text]:
     lines = [
         f"* `{effect.parameter}` × {factor:g}: {note}"
         for effect in found
         for factor, note in effect.impossible.items()
     ]
     if lines:
-        yield "## Robots that cannot be"
-        yield "\n".join(lines)
+        yield Heading("Robots that cannot be")
+        yield Text("\n".join(lines))
 
 
 def _percent(share: float) -> str:

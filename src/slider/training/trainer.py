@@ -16,6 +16,7 @@ from slider.core.job import Job
 from slider.env.vec_env import WalkingEnv
 from slider.training.annealed_ppo import AnnealedPPO
 from slider.training.ppo import NORMALISER_EPSILON, runner_config, use_bfloat16
+from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
 from slider.training.task import Task
 
@@ -23,8 +24,6 @@ CHECKPOINT = "checkpoint.pt"
 BEST = "best.pt"
 POLICY = "policy.pt"
 WEIGHTS = "weights.pt"
-SELECTION = "selection.csv"
-CURVE = "learning_curve.csv"
 _RESUMED = ("actor", "critic", "optimizer", "average")
 
 

@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 
 from slider.core.job import Job
 from slider.library.contents import LibraryContents
-from slider.reports.figures import FILES, NAMES, solve_times
+from slider.reports.figures import FILES, NAMES, convergence
 from slider.reports.figures.gait_sheet import draw as draw_sheet
+from slider.reports.figures.gait_tiles import postures
 from slider.reports.figures.knee_map_error import map_errors
 from slider.reports.figures.limit_cycles import draw as draw_cycles
+from slider.reports.figures.limit_cycles import forward_gaits
 from slider.reports.figures.maps import VelocityMap, draw_map
-from slider.reports.figures.robot_drawing import postures
-from slider.reports.figures.speeds import forward_gaits
 from slider.reports.figures.stage import DRAWINGS, run
 from slider.reports.figures.style import save, style
 from tests.library.gaits import library as make_library
@@ -151,8 +151,8 @@ def test_a_sheet_and_solve_times_can_be_drawn(library, tmp_path: Path):
     times[0] = np.nan
     with style():
         save(draw_sheet(library, 3), tmp_path / "sheet.png")
-        save(solve_times.draw(library, times), tmp_path / "times.svg")
+        save(convergence.draw_times(library, times), tmp_path / "times.svg")
     assert (tmp_path / "sheet.png").stat().st_size > 10_000
-    text = solve_times.caption(times)
+    text = convergence.times_caption(times)
     assert "for 8 gaits" in text
     assert "greatest 2.00 s" in text

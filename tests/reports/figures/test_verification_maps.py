@@ -42,7 +42,7 @@ def test_values_belong_to_their_gaits(store, tmp_path):
     place = list(QUANTITIES).index("return_map") + 1
     expected = {gait: 100 * k + place for k, gait in enumerate(GAITS[::-1])}
     np.testing.assert_array_equal(found, [expected[vx, vy] for vx, vy in library.velocities])
-    assert MAPS.keys() <= QUANTITIES.keys()
+    assert set(MAPS) <= QUANTITIES.keys()
 
 
 def test_draws_and_repeats_itself(store, tmp_path):

@@ -1,7 +1,6 @@
 """The report of cases from rollouts whose answers are known."""
 
 import csv
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,9 +14,11 @@ from slider.env.metrics import tracking
 from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.profile import commands
-from slider.reports.proportions import wilson
+from slider.evaluation.proportions import wilson
+from slider.evaluation.results import Evaluation
 from slider.reports.protocols import cases
 from tests.env.synthetic import config, make_contacts
+from tests.evaluation.test_results import random_robots
 
 PERIOD, SECONDS, COUNT = 0.02, 10.0, 4
 STEPS = round(SECONDS / PERIOD)
@@ -68,10 +69,8 @@ def write(folder: Path, alive: list[bool]):
     for case in (STOP, SIDE):
         inputs.append(folder / f"e{len(inputs)}")
         inputs[-1].mkdir()
-        about = {"controller": "policy", "command": None, "case": case.name}
-        (inputs[-1] / "command.json").write_text(json.dumps(about))
-        found = segments.measure(recording(case, np.array(alive)), protocol(), case)
-        segments.write(found, inputs[-1] / segments.FILE)
+        found = tuple(segments.measure(recording(case, np.array(alive)), protocol(), case))
+        Evaluation("policy", None, random_robots(), case=case.name, segments=found).save(inputs[-1])
     section = {"name": "heldout", "evaluation": to_dict(protocol())}
     summary = cases.run(section, {"evaluations": inputs}, out, Job(folder))
     rows = list(csv.DictReader((out / "heldout.csv").read_text().splitlines()))
@@ -130,7 +129,7 @@ def test_where_all_fall_there_are_no_numbers(tmp_path):
     assert {row[name] for row in rows for name in cases.MEANS} == {""}
     assert (rows[0]["standing_rate"], rows[0]["fastest"]) == ("0", "")
     text = (out / "heldout.md").read_text()
-    assert f"| {STOP.name} | 0.0 % [0.0, 49.0] | – | – |" in text
+    assert f"| {STOP.name} | 10 | 0 [0, 49] | 0 [0, 49] | – |" in text
 
 
 def test_same_input_same_bytes(tmp_path):

@@ -1,7 +1,6 @@
 """The report of changing commands from segments whose answers are known."""
 
 import csv
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +10,10 @@ import pytest
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.evaluation import segments
+from slider.evaluation.results import AXES, MEASURES, Evaluation
 from slider.reports.protocols import segments as report
 from tests.evaluation.test_profile import case
+from tests.evaluation.test_results import random_robots
 from tests.evaluation.test_segments import protocol, recording
 
 
@@ -21,11 +22,10 @@ def write_evaluation(folder: Path, fall: bool = False) -> Path:
     rollout = recording()
     if fall:
         rollout = replace(rollout, alive=np.zeros_like(rollout.alive))
-    (folder / "command.json").write_text(
-        json.dumps({"controller": "policy", "command": None, "case": "tour"})
-    )
-    segments.write(segments.measure(rollout, protocol(), case()), folder / segments.FILE)
-    np.save(folder / segments.TRACES, segments.traces(rollout, protocol()))
+    found = tuple(segments.measure(rollout, protocol(), case()))
+    traces = segments.traces(rollout, protocol())
+    evaluation = Evaluation("policy", None, random_robots(), case="tour", segments=found)
+    replace(evaluation, traces=traces).save(folder)
     return folder
 
 
@@ -45,19 +45,19 @@ def test_one_row_per_segment_with_means_of_those_that_are_up(tmp_path):
     assert names == {f"joystick.{suffix}" for suffix in ("csv", "md", "svg", "png")}
     assert [row["segment"] for row in rows] == ["stand", "turn", "side"]
     turn = rows[1]
-    commanded = [turn[f"{axis}_command"] for axis in segments.AXES]
+    commanded = [turn[f"{axis}_command"] for axis in AXES]
     assert commanded == ["0.4", "0", "0.3"]
     assert (turn["success_rate"], rows[0]["success_rate"]) == ("0.75", "1")
     assert float(turn["vx_error"]) == pytest.approx(0.5 / 3, rel=1e-5)
     assert float(turn["yaw_rate_error"]) == pytest.approx(0.4 / 3, rel=1e-5)
     assert summary == {"rows": 3, "success_rate": {"policy": 0.75}}
-    assert "| turn | 0.4, 0, 0.3 | 75% | 0.167 |" in (out / "joystick.md").read_text()
+    assert "| 1 | turn | 0.4, 0, 0.3 | 75 | 0.167 |" in (out / "joystick.md").read_text()
 
 
 def test_where_all_fall_there_are_no_errors(tmp_path):
     _, rows, out = run(tmp_path, fall=True)
     assert {row["success_rate"] for row in rows} == {"0"}
-    assert {row[name] for row in rows for name in segments.MEASURES} == {""}
+    assert {row[name] for row in rows for name in MEASURES} == {""}
     assert (out / "joystick.png").stat().st_size > 0
 
 

@@ -9,10 +9,10 @@ from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.reports.protocols import speeds
 from tests.env.synthetic import config
-from tests.reports.test_table1 import make_records, write_evaluation
+from tests.evaluation.test_results import make_robots, write_evaluation
 
-WALKS = make_records([[1, 1], [1, 1]], [[0.5, 0.25], [0.125, 1.0]])
-FALLS = make_records([[0, 0], [0, 0]], [[1, 1], [1, 1]])
+WALKS = make_robots([[1, 1], [1, 1]], [[0.5, 0.25], [0.125, 1.0]])
+FALLS = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
 
 
 def section() -> dict:
@@ -28,6 +28,11 @@ def write(tmp_path, out):
     folder = tmp_path / out / "out"
     folder.mkdir()
     return speeds.run(section(), {"evaluations": inputs}, folder, Job(tmp_path)), folder
+
+
+def folders(tmp_path, out):
+    """Of the evaluations."""
+    return [tmp_path / out / "a", tmp_path / out / "b"]
 
 
 def test_the_stage(tmp_path):

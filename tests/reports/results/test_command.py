@@ -58,8 +58,8 @@ def test_a_block_is_filled_with_numbers_as_people_read_them(workspace):
     assert results() == 0
     lines = body().splitlines()
     assert lines[0] == "| command [m/s] |  | 0.2 | 3.0 |"
-    assert "| success [%] | policy (ours) | 99.6 [99, 99.8] | 0 [0, 0.4] |" in lines
-    assert "| MSE from 2 s on [m²/s²] | policy (ours) | 0.00271 | ∞ |" in lines
+    assert "| Success rate [%] | policy (ours) | 99.6 [99, 99.8] | 0 [0, 0.4] |" in lines
+    assert "| Velocity MSE from 2 s on [m²/s²] | policy (ours) | 0.00271 | ∞ |" in lines
     assert "| MSE as the paper prints it [m²/s²] | guided RL (paper) | 0.0317 | 1.60 |" in lines
     assert Path("README.md").read_text().endswith("\n\nText.\n")
 

@@ -1,12 +1,14 @@
 """Sources of a section, made by hand."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from slider.config.report import ReportConfig
 from slider.config.video import VideoConfig
-from slider.reports.sections.sources import Sources
+from slider.reports.page import Content, render
+from slider.reports.sections.registry import Sources
 
+Block = TypeVar("Block")
 VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)
 
 
@@ -15,3 +17,13 @@ def sources(inputs: dict[str, list[Path]], **others: Any) -> Sources:
     values: dict[str, Any] = {"configuration": {}, "origins": {}, "times": {}, "page": {}}
     report = ReportConfig(["table1"], [], VIDEO)
     return Sources(report=report, inputs=inputs, **{**values, **others})
+
+
+def pick(content: Content, kind: type[Block]) -> list[Block]:
+    """Blocks of a section of one kind."""
+    return [block for block in content.blocks if isinstance(block, kind)]
+
+
+def html(**sections: Content) -> str:
+    """A page of sections."""
+    return render("title", {}, sections)

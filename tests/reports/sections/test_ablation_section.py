@@ -2,9 +2,9 @@
 
 import pytest
 
-from slider.reports.page import render_page
-from slider.reports.sections import ablation
-from tests.reports.sections.sources import sources
+from slider.reports.page import content
+from slider.reports.table import Table
+from tests.reports.sections.sources import html, pick, sources
 from tests.reports.test_ablation import SECTION, inputs, out
 
 __all__ = ["inputs", "out"]  # fixtures: a finished stage
@@ -18,7 +18,8 @@ def section(out):
         "samples": 4_000_000,
         "variants": SECTION["variants"] | {"other": {"label": "not run", "overrides": []}},
     }
-    return ablation.section(sources({"ablation": [out]}, configuration={"ablation": settings}))
+    given = sources({"ablation": [out]}, configuration={"ablation": settings})
+    return content("ablation", given)
 
 
 def texts(table):
@@ -26,17 +27,17 @@ def texts(table):
 
 
 def test_says_what_the_variants_are_and_when_they_learned(section):
-    assert texts(section.values["variants"]) == [
-        ["as it is", "0.75 (0.5–1)", "none"],
-        ["hard", "never", "gait.cost=torque env=paper"],
+    assert texts(pick(section, Table)[0]) == [
+        ["as it is", "0.750 (0.500–1.00)", "none"],
+        ["hard", "never", "`gait.cost=torque` `env=paper`"],
     ]
 
 
 def test_has_a_table_per_number_with_the_mean_as_key(section):
-    tables = {table.caption: table for table in section.values["tables"]}
+    tables = {table.caption: table for table in pick(section, Table)}
     errors = tables["Velocity MSE from 2 s on [m²/s²]"]
     assert errors.columns == ["variant", "0.2 m/s", "0.8 m/s"]
-    assert texts(errors)[1] == ["hard", "0.35 (0.3–0.4)", "∞ (0.3–∞)"]
+    assert texts(errors)[1] == ["hard", "0.350 (0.300–0.400)", "∞ (0.300–∞)"]
     assert errors.rows[0][1].key == pytest.approx(0.15)
     gait = texts(tables["Variance of the forward velocity [m²/s²]"])[-1]
     assert gait[0] == "the library's gait"
@@ -44,7 +45,8 @@ def test_has_a_table_per_number_with_the_mean_as_key(section):
 
 
 def test_the_page_has_the_figure(section):
-    html = render_page("title", {}, {"ablation": section})
-    assert '<img class="card" src="data:image/svg+xml;base64,' in html
-    assert "mean of 2 seeds" in html
-    assert "not run" not in html
+    page = html(ablation=section)
+    assert '<img class="card" src="data:image/svg+xml;base64,' in page
+    assert "<code>env=paper</code>" in page
+    assert "mean of 2 seeds" in page
+    assert "not run" not in page

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from slider.reports.sections import provenance
-from tests.reports.sections.sources import sources
+from slider.reports.page import content
+from slider.reports.table import Table, Text
+from tests.reports.sections.sources import pick, sources
 
 OLD, NEW = "2026-01-01T00:00:00.000+00:00", "2026-01-02T00:00:00.000+00:00"
 
@@ -24,17 +25,20 @@ def facts(started: str, commit: str, dirty: str = "false", **others) -> dict:
     return base | {"wall_s": 2.0, "cpu_s": 1.0, "ended": started, "machine": "one"} | others
 
 
-def table(values):
-    return [[cell.text for cell in row] for row in values["stages"].rows]
+def table(found):
+    return [[cell.text for cell in row] for row in pick(found, Table)[0].rows]
+
+
+def says(found, text):
+    return any(text in block.markdown for block in pick(found, Text))
 
 
 def section(origins, times):
     folders = {name: [Path(f"/{i}") for i in range(len(jobs))] for name, jobs in origins.items()}
     page = {"commit": "beef" * 10, "dirty": "true", "pipeline_started": NEW}
     configuration = {"train": {"walking": {"seed": 3}}}
-    return provenance.section(
-        sources(folders, configuration=configuration, origins=origins, times=times, page=page)
-    ).values
+    given = sources(folders, configuration=configuration, origins=origins, times=times, page=page)
+    return content("provenance", given)
 
 
 def test_counts_what_this_pipeline_run_computed():
@@ -48,20 +52,20 @@ def test_counts_what_this_pipeline_run_computed():
         "library": [facts(OLD, "3333", dirty="true", resumed=True)],
         "another": [facts(OLD, "3333", dirty="true", resumed=True)],
     }
-    values = section(origins, times)
-    assert values["commit"] == "beefbeef+"
-    rows = {row[0]: row[1:] for row in table(values)}
+    found = section(origins, times)
+    assert says(found, "commit `beefbeef+`")
+    rows = {row[0]: row[1:] for row in table(found)}
     assert list(rows) == ["gait library", "evaluation of the policy", "evaluation of the baselines"]
     assert rows["gait library"][:3] == ["1", "0", "1"]
     assert rows["gait library"][-1] == "33333333+"
     assert rows["evaluation of the policy"][:3] == ["1", "1", "0"]
     assert rows["evaluation of the baselines"][:3] == ["1", "0", "0"]
-    assert values["machines"] == ["one"]
+    assert says(found, "Machine: one.")
 
 
 def test_results_from_before_this_was_recorded_say_so():
     origins = {"library": [origin("library", "c"), origin("library", "d")]}
     times = {"library": [{}, facts(OLD, "3333", machine="two")]}
-    values = section(origins, times)
-    assert table(values)[0][-1] == "33333333, not\u00a0recorded"
-    assert values["machines"] == ["not\u00a0recorded (gait library)", "two (gait library)"]
+    found = section(origins, times)
+    assert table(found)[0][-1] == "33333333, not\u00a0recorded"
+    assert says(found, "Machines: not\u00a0recorded (gait library); two (gait library).")

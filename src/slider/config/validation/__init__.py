@@ -32,7 +32,7 @@ def validate(config: Config) -> None:
     check_controls(config.control, config.env)
     check_protocols(config)
     check_verification(config.verification)
-    check_report(config.report, config.protocols, config.env.control_period)
+    check_report(config.report, config.env.control_period)
     check_ablation(config.ablation)
     check_seeds(config)
     check_sensitivity(config)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from slider.reports.controllers import colour, speed
 from slider.reports.figures.style import DARK, new_figure
-from slider.reports.seeds import Row, distinct, numbers, spread
+from slider.reports.rows import Row, by, distinct
 
 CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}
 # Column → title, factor, logarithmic.
@@ -64,12 +64,10 @@ def _line(x: ArrayLike, y: ArrayLike, index: int, **settings: Any) -> Line2D:
 def _draw_curves(axis: Axes, curves: Sequence[Row], name: str, labels: Mapping[str, str]) -> None:
     factor = 100.0 if name == "success" else 1.0
     for index, variant in enumerate(labels):
-        samples = sorted(set(numbers(curves, "samples", variant=variant)))
-        found = [spread(numbers(curves, name, variant=variant, samples=s)) for s in samples]
-        mean, lower, upper = (
-            np.array([np.nan if f is None else factor * getattr(f, part) for f in found])
-            for part in ("mean", "lower", "upper")
-        )
+        groups = by((row for row in curves if row["variant"] == variant), "samples")
+        samples = sorted(groups)
+        found = np.array([_spread(groups[count], name) for count in samples])
+        mean, lower, upper = factor * found.T
         x = np.array(samples) / 1e6
         axis.add_line(_line(x, mean, index, marker=".", markersize=4))
         axis.fill_between(x, lower, upper, color=colour(index), alpha=0.12, linewidth=0)
@@ -80,17 +78,19 @@ def _draw_curves(axis: Axes, curves: Sequence[Row], name: str, labels: Mapping[s
 
 def _draw_dots(axis: Axes, rows: Sequence[Row], name: str, labels: Mapping[str, str]) -> None:
     title, factor, logarithmic = DOTS[name]
-    commands = distinct(rows, "command_velocity")
+    commands, groups = distinct(rows, "command_velocity"), by(rows, "variant", "command_velocity")
     for place, variant in enumerate(labels):
         for index, command in enumerate(commands):
-            found = spread(numbers(rows, name, variant=variant, command_velocity=command))
-            if found is None or not np.isfinite(found.mean):
+            mean, least, greatest = (factor * x for x in _spread(groups[variant, command], name))
+            if not np.isfinite(mean):
                 continue
             y = place + 0.22 * (index - (len(commands) - 1) / 2)
             style = {"color": colour(place), "zorder": 3}
-            axis.plot([factor * found.lower, factor * found.upper], [y, y], lw=0.9, **style)
-            axis.plot(factor * found.mean, y, _MARKERS[index % 7], markersize=3.6, **style)
-            _draw_reference(axis, rows, name, command, y)
+            axis.plot([least, greatest], [y, y], lw=0.9, **style)
+            axis.plot(mean, y, _MARKERS[index % 7], markersize=3.6, **style)
+            gait = groups[variant, command][0].get(f"reference_{name}", np.nan)
+            if not np.isnan(gait):  # a stroke at the number of the library's gait
+                axis.plot(gait, y, "|", color=DARK, markersize=5, zorder=2)
     if logarithmic:
         axis.set_xscale("log")
     axis.set_title(title)
@@ -100,13 +100,12 @@ def _draw_dots(axis: Axes, rows: Sequence[Row], name: str, labels: Mapping[str, 
     axis.set_ylim(len(labels) - 0.5, -0.5)
 
 
-def _draw_reference(axis: Axes, rows: Sequence[Row], name: str, command: float, y: float) -> None:
-    """A stroke at the number of the library's gait, where it has one."""
-    column = f"reference_{name}"
-    if column in rows[0]:
-        found = spread(numbers(rows, column, command_velocity=command))
-        if found is not None:
-            axis.plot(found.mean, y, "|", color=DARK, markersize=5, zorder=2)
+def _spread(rows: Sequence[Row], name: str) -> tuple[float, float, float]:
+    """Mean, least and greatest over the seeds that have the number; NaN without any."""
+    known = [row[name] for row in rows if not np.isnan(row[name])]
+    if not known:
+        return np.nan, np.nan, np.nan
+    return float(np.mean(known)), min(known), max(known)
 
 
 def _markers(rows: Sequence[Row]) -> list[Line2D]:

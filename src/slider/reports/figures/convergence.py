@@ -1,4 +1,4 @@
-"""How the optimisation ended: iterations, residuals and IPOPT's outcome over the grid."""
+"""How the optimisation ended over the grid, and how long it took, which no stage draws."""
 
 from collections import Counter
 
@@ -18,15 +18,21 @@ def draw(library: LibraryContents) -> Figure:
     """Three maps, and the worst residual of each constraint over all gaits."""
     figure = new_figure(8.6)
     panels = figure.subplots(4, 1, height_ratios=(1, 1, 1, 3.2))
-    arrays = library.arrays
-    item = VelocityMap("IPOPT iterations", arrays["iterations"], "iterations")
-    draw_map(panels[0], library, item)
-    residual = np.maximum(arrays["max_violation"], _FLOOR)
-    item = VelocityMap("worst residual", residual, "SI unit of\nthe constraint", logarithmic=True)
-    draw_map(panels[1], library, item)
+    for axes, item in zip(panels[:2], solver_maps(library), strict=True):
+        draw_map(axes, library, item)
     _outcomes(panels[2], library)
     _residuals(panels[3], library)
     return figure
+
+
+def solver_maps(library: LibraryContents) -> list[VelocityMap]:
+    """Iterations and worst residual of each gait."""
+    residual = np.maximum(library.arrays["max_violation"], _FLOOR)
+    unit = "SI unit of\nthe constraint"
+    return [
+        VelocityMap("IPOPT iterations", library.arrays["iterations"], "iterations"),
+        VelocityMap("worst residual", residual, unit, logarithmic=True),
+    ]
 
 
 def caption(library: LibraryContents) -> str:
@@ -47,6 +53,27 @@ def caption(library: LibraryContents) -> str:
         worst = "; ".join(f"{name} {value:.1e}" for name, value in [*hole.residuals.items()][:5])
         lines.append(f"* hole at ({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}; {worst}")
     return "\n".join(lines) + "\n"
+
+
+def draw_times(library: LibraryContents, times: np.ndarray) -> Figure:
+    """Map of the times (G,) [s], and how many gaits took how long."""
+    figure = new_figure(3.6)
+    top, bottom = figure.subplots(2, 1, height_ratios=(1, 1.3))
+    draw_map(top, library, VelocityMap("solve time", times, "s of processor"))
+    bottom.hist(times[np.isfinite(times)], bins=30, color=DARK, rwidth=0.9)
+    bottom.set(xlabel="processor time of IPOPT [s]", ylabel="gaits")
+    return figure
+
+
+def times_caption(times: np.ndarray) -> str:
+    """The times in numbers."""
+    known = times[np.isfinite(times)]
+    return (
+        f"Processor time of IPOPT from a cold start, without imports and building the problem: "
+        f"median {np.median(known):.2f} s, greatest {known.max():.2f} s, {known.sum():.0f} s in "
+        f"all for {len(known)} gaits. Measured when each gait was computed, with whatever else "
+        "the machine was doing; grey cells: not known.\n"
+    )
 
 
 def _outcomes(axes: Axes, library: LibraryContents) -> None:

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from slider.library.blend import Gait, blend
 from slider.library.contents import LibraryContents
-from slider.reports.figures.speeds import forward_gaits
 from slider.reports.figures.style import COLOURS, new_figure
 from slider.robot.names import JOINTS, LEG_JOINTS
 
@@ -51,9 +50,18 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def caption(library: LibraryContents) -> str:
-    """What the curves are."""
-    return CAPTION
+def forward_gaits(library: LibraryContents, count: int) -> np.ndarray:
+    """Indices of at most ``count`` gaits straight ahead, evenly spread, slowest to fastest.
+
+    Straight ahead is the leftward velocity nearest to zero that the library has.
+    """
+    vx, vy = library.velocities.T
+    straight = np.flatnonzero(np.abs(vy) == np.abs(vy).min())
+    # One row: where −0.05 and 0.05 are equally near, the first of them.
+    straight = straight[vy[straight] == vy[straight[0]]]
+    ordered = straight[np.argsort(vx[straight])]
+    wanted = np.linspace(vx[ordered[0]], vx[ordered[-1]], count)
+    return ordered[np.unique(np.abs(vx[ordered] - wanted[:, None]).argmin(axis=1))]
 
 
 def _joint(gait: Gait, joint: str) -> Pieces:

@@ -1,5 +1,6 @@
-"""A quantity of each gait over the grid of commanded velocities."""
+"""Quantities of each gait over the grid of commanded velocities."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,10 +8,18 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
 from matplotlib.colors import LogNorm, Normalize
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from slider.library import loads
 from slider.library.contents import LibraryContents
-from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE
+from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE, new_figure
+
+CAPTION = """\
+One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
+the grid. The cost is that of the optimisation (`gait.cost`). Torque and voltage are the greatest
+of all motors over the walk, as shares of the motor's torque limit and of its torque-speed line.
+"""
 
 
 @dataclass(frozen=True)
@@ -53,6 +62,33 @@ def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
     axes.set_title(item.name, loc="left")
 
 
+def draw(library: LibraryContents) -> Figure:
+    """What the library alone can give, one map below the other."""
+    return draw_maps(library, library_maps(library))
+
+
+def library_maps(library: LibraryContents) -> list[VelocityMap]:
+    """Cost, step time, base height and use of the drives."""
+    return [
+        VelocityMap("cost", library.arrays["cost"], library.cost_unit),
+        VelocityMap("step time", library.arrays["step_time"].mean(axis=1), "s"),
+        VelocityMap("base height", library.arrays["base"][:, :, 2].mean(axis=1), "m"),
+        VelocityMap("motor torque", 100 * loads.torque_share(library), "% of limit"),
+        VelocityMap("motor voltage", 100 * loads.voltage_share(library), "% of the bus"),
+        VelocityMap("slide speed", loads.slide_speed(library), "m/s"),
+    ]
+
+
+def draw_maps(library: LibraryContents, maps: Sequence[VelocityMap]) -> Figure:
+    """Any maps, one below the other, with a common velocity axis."""
+    figure = new_figure(1.25 * len(maps) + 0.3)
+    panels = figure.subplots(len(maps), 1, sharex=True, squeeze=False)[:, 0]
+    for axes, item in zip(panels, maps, strict=True):
+        draw_map(axes, library, item)
+        axes.label_outer()
+    return figure
+
+
 def frame(axes: Axes, library: LibraryContents) -> None:
     """Axes of a map over all velocities that were asked for, holes included."""
     mesh = library.mesh
@@ -90,6 +126,8 @@ def _half_width(axis: np.ndarray) -> float:
 
 def _norm(item: VelocityMap) -> Normalize:
     values = item.values[np.isfinite(item.values)]
+    if not len(values):
+        return Normalize(0.0, 1.0)
     if not item.logarithmic:
         return Normalize(float(values.min()), float(values.max()))
     positive = values[values > 0]

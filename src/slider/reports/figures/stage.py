@@ -14,10 +14,10 @@ from slider.reports.figures import (
     gait_tiles,
     knee_map_error,
     limit_cycles,
+    maps,
     smoothness,
-    velocity_maps,
 )
-from slider.reports.figures.publication import write_figure
+from slider.reports.figures.style import write_figure
 
 
 class Drawing(NamedTuple):
@@ -25,15 +25,13 @@ class Drawing(NamedTuple):
 
     title: str
     draw: Callable[[LibraryContents], Figure]
-    caption: Callable[[LibraryContents], str]
+    caption: str | Callable[[LibraryContents], str]
 
 
 DRAWINGS = {
-    "limit_cycles": Drawing("Limit cycles", limit_cycles.draw, limit_cycles.caption),
-    "gait_tiles": Drawing("Gaits from the side", gait_tiles.draw, gait_tiles.caption),
-    "velocity_maps": Drawing(
-        "Gaits over the commanded velocity", velocity_maps.draw, velocity_maps.caption
-    ),
+    "limit_cycles": Drawing("Limit cycles", limit_cycles.draw, limit_cycles.CAPTION),
+    "gait_tiles": Drawing("Gaits from the side", gait_tiles.draw, gait_tiles.CAPTION),
+    "velocity_maps": Drawing("Gaits over the commanded velocity", maps.draw, maps.CAPTION),
     "convergence": Drawing("Convergence", convergence.draw, convergence.caption),
     "knee_map_error": Drawing(
         "Equation 1 as printed, against the exact map", knee_map_error.draw, knee_map_error.caption
@@ -48,6 +46,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     for name in NAMES:
         title, draw, caption = DRAWINGS[name]
         job.progress(name)
-        write_figure(out / name, title, lambda draw=draw: draw(library), caption(library))
+        text = caption if isinstance(caption, str) else caption(library)
+        write_figure(out / name, title, lambda draw=draw: draw(library), text)
         job.tracker.log_file(out / f"{name}.png")
     return {"figures": len(NAMES)}

@@ -1,9 +1,10 @@
-"""One look for all figures, and files that are the same whenever the data are.
+"""One look for all figures, and their files, the same whenever the data are.
 
 Figures have no global state: draw on ``new_figure`` within ``style()``. Colours go from dark to
 light in even steps (viridis), so that a grey print keeps their order; lines also differ in dash.
 """
 
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ COLOURS = "viridis"
 DARK, MIDDLE, LIGHT = "#1b2a49", "#c8553d", "#9aa5b1"
 EMPTY = "#e9ecef"  # where there is no gait
 WIDTH = 7.2  # of all figures [inch]
+_DIGITS = 5  # of places, in shares of the figure
 
 _STYLE: dict[str, Any] = {
     "svg.hashsalt": "slider",  # else every file has its own random names
@@ -56,3 +58,36 @@ def save(figure: Figure, path: Path) -> None:
     metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}[suffix]
     with style():
         figure.savefig(path, format=suffix, metadata=metadata)
+
+
+def write_figure(stem: Path, title: str, draw: Callable[[], Figure], caption: str) -> None:
+    """Write ``stem``.svg, .png and .md; ``draw`` is called in the common style."""
+    write_pictures(stem, draw)
+    text = f"# {title}\n\n![{title}]({stem.name}.png)\n\n{caption}"
+    stem.with_name(f"{stem.name}.md").write_text(text)
+
+
+def write_pictures(stem: Path, draw: Callable[[], Figure]) -> None:
+    """Write ``stem``.svg and .png; ``draw`` is called in the common style."""
+    with style():
+        figure = draw()
+        for _ in range(2):  # lay it out for both files; the second time with the sizes of the first
+            figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        _round_layout(figure)
+        for suffix in ("svg", "png"):
+            save(figure, stem.with_name(f"{stem.name}.{suffix}"))
+
+
+def _round_layout(figure: Figure) -> None:
+    """The layout's solver leaves rounding errors that differ from run to run; files must not."""
+    for axes in figure.axes:
+        left, bottom, width, height = axes.get_position(original=True).bounds
+        axes.set_position((_round(left), _round(bottom), _round(width), _round(height)))
+    for text in figure.texts:
+        x, y = text.get_position()
+        text.set_position((_round(x), _round(y)))
+
+
+def _round(value: float) -> float:
+    return round(float(value), _DIGITS)

@@ -1,6 +1,5 @@
 """The stage ``verification_maps``: what the independent checks found, over the velocities."""
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -9,20 +8,24 @@ import numpy as np
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.contents import LibraryContents
-from slider.reports.figures.maps import VelocityMap
-from slider.reports.figures.publication import write_figure
-from slider.reports.figures.velocity_maps import draw_maps
+from slider.reports import rows
+from slider.reports.figures.maps import VelocityMap, draw_maps
+from slider.reports.figures.style import write_figure
+from slider.verification.quantities import QUANTITIES
 
 TABLE = "verification.csv"
 NAME = "verification_maps"
-# Column of the table → title and unit.
-MAPS: Mapping[str, tuple[str, str]] = {
-    "return_map": ("greatest eigenvalue of the return map, open loop", "1"),
-    "regulated_steps": ("steps held with foot placement", "steps"),
-    "plant_force": ("force left on the base of MuJoCo's robot", "N"),
-    "roll_end": ("roll against another integrator, end of step", "rad"),
-    "dense_torque": ("peak motor torque between nodes", "share of limit"),
-}
+MAPS = (  # what a gait is like, rather than whether its numbers are right
+    "return_map",
+    "regulated_steps",
+    "replay_steps",
+    "plant_force",
+    "roll_end",
+    "dense_torque",
+    "dense_cop",
+    "dense_friction",
+    "jump_samples",
+)
 CAPTION = """\
 One cell per gait. An eigenvalue above 1 means that the gait, left alone in time, drifts away from
 its limit cycle, as a walk on line feet does: a controller has to place the feet. The replay holds
@@ -42,8 +45,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     library = LibraryContents.load(inputs["library"][0] / "library.zarr")
     table = read_table(inputs["verification"][0] / TABLE)
     maps = [
-        VelocityMap(title, _column(library, table, name), unit)
-        for name, (title, unit) in MAPS.items()
+        VelocityMap(QUANTITIES[name].meaning, _column(library, table, name), unit(name))
+        for name in MAPS
     ]
     title = "Verification over the commanded velocity"
     write_figure(out / NAME, title, lambda: draw_maps(library, maps), CAPTION)
@@ -51,17 +54,19 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"maps": len(maps)}
 
 
-def read_table(path: Path) -> dict[tuple[float, float], dict[str, float]]:
+def unit(name: str) -> str:
+    """Unit of a quantity; nothing for plain numbers."""
+    found = QUANTITIES[name].unit
+    return "" if found in ("-", "1") else found
+
+
+def read_table(path: Path) -> dict[tuple[float, float], rows.Row]:
     """Rows by velocity; NaN where a quantity does not apply."""
-    with path.open(newline="") as file:
-        return {
-            (float(row["vx"]), float(row["vy"])): {name: float(row[name] or "nan") for name in MAPS}
-            for row in csv.DictReader(file)
-        }
+    return {(row["vx"], row["vy"]): row for row in rows.read(path)}
 
 
 def _column(
-    library: LibraryContents, table: Mapping[tuple[float, float], Mapping[str, float]], name: str
+    library: LibraryContents, table: Mapping[tuple[float, float], rows.Row], name: str
 ) -> np.ndarray:
     values = []
     for vx, vy in library.velocities:

@@ -1,7 +1,6 @@
 """The report of a profile's cases, each by its last segment, such as the held-out commands."""
 
-import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +8,17 @@ import numpy as np
 from slider.config.convert import from_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation import segments
 from slider.evaluation.profile import command
+from slider.evaluation.proportions import wilson
+from slider.evaluation.results import AXES, Evaluation, Robots
+from slider.evaluation.segments import SMOOTHING, profile_of
+from slider.reports import rows as tables
 from slider.reports.controllers import label
-from slider.reports.figures.case_results import draw
-from slider.reports.figures.publication import write_pictures
-from slider.reports.proportions import wilson
-from slider.reports.rows import Row, success, write_rows
+from slider.reports.figures.protocols import draw_cases
+from slider.reports.protocols import write
+from slider.reports.quantities import QUANTITIES, Quantity
+from slider.reports.rows import NAN, Row, by
+from slider.reports.table import Cell, Picture, Table, Text, Written
 
 STANDING = 0.1  # a robot that stands is slower than this [m/s]
 MEANS = {  # column of the table → measure of the last segment
@@ -23,117 +26,134 @@ MEANS = {  # column of the table → measure of the last segment
     **{name: name for name in ("vx", "vy", "vx_error", "vy_error", "heading_error")},
 }
 STOPPED = ("standing_rate", "standing_low", "standing_high", "fastest", "drift", "drift_max")
-# Column → heading of what people compare.
-COLUMNS = {
-    "success_rate": "survived",
-    "vx": "vx [m/s]",
-    "vy": "vy [m/s]",
-    "vy_error": "error of vy [m/s]",
-    "mse_steady": "MSE of vx [m²/s²]",
-    "standing_rate": "standing",
-    "fastest": "fastest [m/s]",
-    "drift": "drift [m]",
-}
-_INTERVALS = {
-    "success_rate": ("success_low", "success_high"),
-    "standing_rate": ("standing_low", "standing_high"),
-}
 _CAPTION = """\
 {trials} trials of {robots} robots per controller and case, {duration:g} s each, from rest. A robot
 survives a case if it stays up for all of it. The other numbers are those of survivors, from
 {warm_up:g} s after the case's last command on. Where that command is zero, a robot stands if all
-means of its velocity over {smoothing:g} s stay below {standing:g} m/s; `fastest` is the largest of
-these means over all robots, and `drift` how far the base got, on average. Brackets hold Wilson's
-95 % interval. `reports/{name}.csv` has all numbers.
+means of its velocity over {smoothing:g} s stay below {standing:g} m/s; the fastest robot has the
+largest of these means, and the drift is how far the base got. Brackets hold Wilson's 95 %
+interval. `reports/{name}.csv` has all numbers.
 """
+_FIGURE = (
+    "Share of robots that survive the case (dot) and that stand after it (ring), with Wilson's "
+    "95 % interval; errors of the mean velocity, and the fastest robot after a stop (diamond)."
+)
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
-    cases = {case.name: case for case in segments.profile_of(protocol).cases}
-    rows: list[Row] = []
-    for folder in inputs["evaluations"]:
-        about = json.loads((folder / "command.json").read_text())
-        table = segments.read(folder / segments.FILE)
-        rows.append(case_row(about["controller"], cases[about["case"]], protocol.duration, table))
-    write_rows(rows, tuple(rows[0]), out / f"{name}.csv")
-    write_pictures(out / name, lambda: draw(rows))
-    (out / f"{name}.md").write_text(_text(name, protocol, rows), encoding="utf-8")
-    job.tracker.log_file(out / f"{name}.png")
-    return {"rows": len(rows), "success_rate": _least(rows)}
+    rows = read_rows(inputs["evaluations"], protocol)
+    shown = blocks(name, out / f"{name}.svg", rows, protocol)
+    write(out / name, "Cases", rows, lambda: draw_cases(rows), shown, job)
+    groups = by(rows, "controller").items()
+    least = {controller: min(r["success_rate"] for r in mine) for controller, mine in groups}
+    return {"rows": len(rows), "success_rate": least}
 
 
-def case_row(controller: str, case: CaseConfig, seconds: float, table: segments.Table) -> Row:
-    """Success, and what survivors did in the settled last segment; empty where none survived.
+def read_rows(folders: Sequence[Path], protocol: EvaluationConfig) -> list[Row]:
+    """One row per controller and case."""
+    cases = {case.name: case for case in profile_of(protocol).cases}
+    evaluations = [Evaluation.load(folder) for folder in folders]
+    return [_row(one, cases[one.case], protocol.duration) for one in evaluations]
+
+
+def _row(evaluation: Evaluation, case: CaseConfig, seconds: float) -> Row:
+    """Success, and what survivors did in the settled last segment; NaN where none survived.
 
     ``vx_before`` is the command before the last one [m/s], if there was another.
     """
-    last = table["segment"] == len(case.segments) - 1
-    up, trial = table["survived"][last], table["trial"][last]
-    before = case.segments[-2].vx if len(case.segments) > 1 else ""
-    row: Row = {"controller": controller, "case": case.name, "seconds": seconds}
-    row["vx_before"] = before
-    asked = command(case.segments[-1])
-    row |= {f"{axis}_command": v for axis, v in zip(segments.AXES, asked, strict=True)}
-    row |= success(up, trial)
-    for name, measure in MEANS.items():
-        values = table[measure][last][up]
-        row[name] = float(values.mean()) if len(values) else ""
-    stopped = not any(asked)
-    return row | (_standing(table, last) if stopped else dict.fromkeys(STOPPED, ""))
+    last, asked = evaluation.segments[-1], command(case.segments[-1])
+    before = case.segments[-2].vx if len(case.segments) > 1 else NAN
+    row: Row = {"controller": evaluation.controller, "case": case.name, "seconds": seconds}
+    row |= {"vx_before": before}
+    row |= {f"{axis}_command": value for axis, value in zip(AXES, asked, strict=True)}
+    row |= tables.success(last) | {name: last.mean(measure) for name, measure in MEANS.items()}
+    return row | (dict.fromkeys(STOPPED, NAN) if any(asked) else _standing(last))
 
 
-def _standing(table: segments.Table, last: np.ndarray) -> Row:
+def _standing(robots: Robots) -> Row:
     """Share of all robots that survived and stood; of survivors the fastest, and the drift [m]."""
-    up = table["survived"][last]
-    fastest, drift = table["fastest"][last][up], table["displacement"][last][up]
-    standing = int((fastest < STANDING).sum())
-    low, high = wilson(standing, len(up))
-    row: Row = {"standing_rate": standing / len(up), "standing_low": low, "standing_high": high}
-    for name, values, over in (
-        ("fastest", fastest, np.max),
-        ("drift", drift, np.mean),
-        ("drift_max", drift, np.max),
-    ):
-        row[name] = float(over(values)) if len(values) else ""
-    return row
+    fastest, drift = robots.survivors("fastest"), robots.survivors("displacement")
+    standing, count = int((fastest < STANDING).sum()), len(robots.survived)
+    low, high = wilson(standing, count)
+    values = (
+        standing / count,
+        low,
+        high,
+        float(fastest.max()) if len(fastest) else NAN,
+        robots.mean("displacement"),
+        float(drift.max()) if len(drift) else NAN,
+    )
+    return dict(zip(STOPPED, values, strict=True))
 
 
-def _least(rows: list[Row]) -> dict[str, float]:
-    """Success of each controller in its worst case."""
-    found: dict[str, float] = {}
-    for row in rows:
-        name, rate = str(row["controller"]), float(row["success_rate"])
-        found[name] = min(rate, found.get(name, 1.0))
-    return found
-
-
-def _text(name: str, protocol: EvaluationConfig, rows: list[Row]) -> str:
+def blocks(name: str, svg: Path, rows: list[Row], protocol: EvaluationConfig) -> Iterator[Written]:
+    """The figure, and up to three tables per controller."""
     caption = _CAPTION.format(
         name=name,
         trials=protocol.trials,
         robots=protocol.robots,
         duration=protocol.duration,
-        warm_up=segments.profile_of(protocol).warm_up,
-        smoothing=segments.SMOOTHING,
+        warm_up=profile_of(protocol).warm_up,
+        smoothing=SMOOTHING,
         standing=STANDING,
     )
-    lines = [f"# Cases: {name}", "", f"![{name}](figures/{name}.png)", "", caption]
-    for controller in dict.fromkeys(str(row["controller"]) for row in rows):
-        lines += [f"## {label(controller)}", "", f"| case | {' | '.join(COLUMNS.values())} |"]
-        lines.append("|---" * (1 + len(COLUMNS)) + "|")
-        for row in (row for row in rows if row["controller"] == controller):
-            lines.append(f"| {row['case']} | {' | '.join(cell(row, n) for n in COLUMNS)} |")
-        lines.append("")
-    return "\n".join(lines)
+    yield Picture(svg, _FIGURE)
+    yield Text(caption)
+    yield from case_tables(rows)
 
 
-def cell(row: Mapping[str, str | float], name: str) -> str:
-    """A number of ``COLUMNS`` as people read it, a share with its interval; – without one."""
-    if row[name] == "":
-        return "–"
-    if name not in _INTERVALS:
-        return f"{float(row[name]):.4f}" if name == "mse_steady" else f"{float(row[name]):.3f}"
-    low, high = (100 * float(row[end]) for end in _INTERVALS[name])
-    return f"{100 * float(row[name]):.1f} % [{low:.1f}, {high:.1f}]"
+def case_tables(rows: list[Row]) -> Iterator[Table]:
+    """Of each controller constant speeds, standing and sideways, without those of no case."""
+    for controller, mine in by(rows, "controller").items():
+        for title, chosen, columns in _KINDS:
+            shown = [row for row in mine if chosen(row)]
+            if shown:
+                yield _table(f"{title}, {label(controller)}", shown, columns)
+
+
+def _table(title: str, rows: list[Row], columns: Sequence[str]) -> Table:
+    names = ("success_rate", *columns)
+    heads = ["case", "time [s]", *(_quantity(name).heading for name in names)]
+    body = [
+        [Cell(row["case"], row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
+        + [_cell(row, name) for name in names]
+        for row in rows
+    ]
+    return Table(heads, body, title)
+
+
+def _cell(row: Row, name: str) -> Cell:
+    quantity, ends = _quantity(name), name.removesuffix("_rate")
+    if not name.endswith("_rate"):
+        return Cell.of(quantity, row[name])
+    return Cell(quantity.between(row[name], row[f"{ends}_low"], row[f"{ends}_high"]), row[name])
+
+
+def _quantity(name: str) -> Quantity:
+    return QUANTITIES[MEANS.get(name, name)]
+
+
+def _stands(row: Row) -> bool:
+    return not np.isnan(row["standing_rate"])
+
+
+def _sideways(row: Row) -> bool:
+    return row["vy_command"] != 0
+
+
+def _straight(row: Row) -> bool:
+    return not _sideways(row) and not _stands(row)
+
+
+# Title, which cases, their columns beside those of all.
+_KINDS: tuple[tuple[str, Callable[[Row], bool], tuple[str, ...]], ...] = (
+    ("Constant speeds", _straight, ("vx", "vy", "mse_steady", "heading_error")),
+    (
+        f"Standing (slower than {STANDING:g} m/s)",
+        _stands,
+        ("standing_rate", "fastest", "drift", "drift_max", "vx", "vy", "mse_steady"),
+    ),
+    ("Sideways", _sideways, ("vy", "vy_error", "vx", "mse_steady")),
+)

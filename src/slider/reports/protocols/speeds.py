@@ -1,25 +1,29 @@
 """The report of a protocol of constant forward velocities, such as the sweep."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import numpy as np
-
+from slider.config.convert import from_dict
+from slider.config.evaluation import EvaluationConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation import records
+from slider.evaluation.results import Evaluation
+from slider.reports import rows as tables
+from slider.reports.comparison import comparisons
 from slider.reports.controllers import label, speed
-from slider.reports.figures.publication import write_pictures
-from slider.reports.figures.speed_tracking import draw
-from slider.reports.rows import Row, quality_row, read_evaluation, table_row, write_rows
+from slider.reports.figures.protocols import draw_speeds
+from slider.reports.protocols import write
+from slider.reports.rows import NAN, Row, by, distinct
+from slider.reports.table import Cell, Picture, Table, Tables, Text, Written
 
 TRACKED_SHARE = 0.9  # of the robots that must track a command for it to count as tracked
-_TITLE = "# Mean speed over the commanded speed: {name}"
 _CAPTION = """\
 {trials} trials of {robots} robots per controller and command, {duration:g} s from rest. What is
 drawn counts from {steady:g} s on: mean forward speed (band: one standard deviation between
 robots), share of robots that stay up (line) and that track (dots: mean speed within
-max({tolerance:g} m/s, {relative:.0%}) of the command), and mean squared error. Speeds and errors
-are those of robots that stay up. `reports/{name}.csv` has all numbers, and how the robots walk.
+max({tolerance:g} m/s, {relative:.0%}) of the command), and mean squared error. ± is the standard
+deviation over trials, of the mean speed that between robots; brackets hold Wilson's 95 % interval.
+Speeds and errors are those of robots that stay up. `reports/{name}.csv` has all numbers, and how
+the robots walk.
 
 A speed counts as tracked where at least {share:.0%} of the robots track it.
 """
@@ -27,50 +31,84 @@ A speed counts as tracked where at least {share:.0%} of the robots track it.
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
-    name = section["name"]
-    rows = [row(*read_evaluation(folder)) for folder in inputs["evaluations"]]
-    write_rows(rows, tuple(rows[0]), out / f"{name}.csv")
-    write_pictures(out / name, lambda: draw(rows))
+    name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
+    rows = read_rows(inputs["evaluations"], protocol)
+    shown = blocks(name, out / f"{name}.svg", rows, protocol)
+    title = "Mean speed over the commanded speed"
+    write(out / name, title, rows, lambda: draw_speeds(rows), shown, job)
     highest = highest_tracked(rows)
-    (out / f"{name}.md").write_text(_text(section, highest), encoding="utf-8")
-    job.tracker.log_file(out / f"{name}.png")
     known = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
     job.tracker.log_metrics(known, 0)
     return {"rows": len(rows), "highest_tracked": highest}
 
 
-def row(controller: str, command: float, table: records.Records) -> Row:
+def read_rows(folders: Sequence[Path], protocol: EvaluationConfig) -> list[Row]:
     """A row of Table 1 and how the robots walk, with the spread of the mean speed over robots."""
-    speeds = table["mean_velocity"][table["survived"]]
-    between = {"mean_velocity_spread": float(speeds.std()) if len(speeds) else ""}
-    return table_row(controller, command, table) | quality_row(controller, command, table) | between
+    return [_row(Evaluation.load(folder)) for folder in folders]
 
 
-def highest_tracked(rows: Sequence[Mapping[str, str | float]]) -> dict[str, float | None]:
+def _row(evaluation: Evaluation) -> Row:
+    speeds = evaluation.robots.survivors("mean_velocity")
+    between = {"mean_velocity_spread": float(speeds.std()) if len(speeds) else NAN}
+    return tables.table_row(evaluation) | tables.quality_row(evaluation) | between
+
+
+def highest_tracked(rows: Sequence[Row]) -> dict[str, float | None]:
     """Highest commanded speed [m/s] that each controller tracks; None where it tracks none."""
-    found: dict[str, float | None] = {}
-    for controller in dict.fromkeys(str(row["controller"]) for row in rows):
-        mine = [row for row in rows if row["controller"] == controller]
-        tracked = [r for r in mine if float(r["tracking_rate"]) >= TRACKED_SHARE]
-        speeds = [float(r["command_velocity"]) for r in tracked]
-        found[controller] = float(np.max(speeds)) if speeds else None
-    return found
+    return {
+        controller: max((row["command_velocity"] for row in mine if _tracked(row)), default=None)
+        for controller, mine in by(rows, "controller").items()
+    }
 
 
-def _text(section: Section, highest: dict[str, float | None]) -> str:
-    protocol, name = section["evaluation"], section["name"]
-    caption = _CAPTION.format(
+def _tracked(row: Row) -> bool:
+    return row["tracking_rate"] >= TRACKED_SHARE
+
+
+def blocks(name: str, svg: Path, rows: list[Row], protocol: EvaluationConfig) -> Iterator[Written]:
+    """The figure, the highest tracked speeds, mean speeds, and Table 1's tables."""
+    about = _CAPTION.format(
         name=name,
-        trials=protocol["trials"],
-        robots=protocol["robots"],
-        duration=protocol["duration"],
-        steady=protocol["warm_up"],
-        tolerance=protocol["tracking_tolerance"],
-        relative=protocol["tracking_relative"],
+        trials=protocol.trials,
+        robots=protocol.robots,
+        duration=protocol.duration,
+        steady=protocol.warm_up,
+        tolerance=protocol.tracking_tolerance,
+        relative=protocol.tracking_relative,
         share=TRACKED_SHARE,
     )
-    lines = [_TITLE.format(name=name), "", f"![{name}](figures/{name}.png)", "", caption]
-    lines += ["| controller | highest tracked speed [m/s] |", "|---|---|"]
-    for controller, value in highest.items():
-        lines.append(f"| {label(controller)} | {'none' if value is None else speed(value)} |")
-    return "\n".join([*lines, ""])
+    yield Picture(svg)
+    yield Text(about)
+    yield highest_table(rows)
+    yield Tables([_mean_speeds(rows), *comparisons(rows)])
+
+
+def highest_table(rows: Sequence[Row]) -> Table:
+    """Highest speed that each controller tracks, and lower ones that it does not."""
+    body = []
+    for controller, highest in highest_tracked(rows).items():
+        mine = [row for row in rows if row["controller"] == controller and not _tracked(row)]
+        lost = [row["command_velocity"] for row in mine]
+        lower = ", ".join(speed(v) for v in lost if v < (highest or 0.0)) or "none"
+        found = "none" if highest is None else speed(highest)
+        body.append([Cell(label(controller)), Cell(found), Cell(lower)])
+    heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
+    return Table(heads, body, sortable=False)
+
+
+def _mean_speeds(rows: Sequence[Row]) -> Table:
+    """Mean speed and its spread between robots: commands down, controllers across."""
+    found = {(row["controller"], row["command_velocity"]): row for row in rows}
+    controllers = list(by(rows, "controller"))
+    body = [
+        [Cell(speed(command), command), *(_speed(found[name, command]) for name in controllers)]
+        for command in distinct(rows, "command_velocity")
+    ]
+    return Table(["command [m/s]", *map(label, controllers)], body, "Mean speed [m/s]")
+
+
+def _speed(row: Row) -> Cell:
+    mean, spread = row["mean_velocity"], row["mean_velocity_spread"]
+    if mean != mean:
+        return Cell("–")
+    return Cell(f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}", mean)  # no -0.000

@@ -1,22 +1,64 @@
-"""The tables of the documentation by the name of their block, each from one report."""
+"""The tables of the documentation by the name of their block, each from one published report.
+
+A new one is a function here.
+"""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from slider.artefacts.store import Store
-from slider.reports.comparison import read_rows
-from slider.reports.controllers import label, speed
-from slider.reports.protocols.speeds import TRACKED_SHARE, highest_tracked
-from slider.reports.results.cases import heldout
-from slider.reports.results.commands import robust, table1
-from slider.reports.results.documents import ablation, sensitivity
-from slider.reports.results.markdown import grid, markdown
-from slider.reports.results.quality import quality
-from slider.reports.results.seeds import seeds
-from slider.reports.results.times import times
+from slider.reports.ablation import spread
+from slider.reports.controllers import PAPER, label, speed
+from slider.reports.protocols.cases import case_tables
+from slider.reports.protocols.speeds import highest_table
+from slider.reports.quantities import QUANTITIES
+from slider.reports.results.origin import ancestry, made
+from slider.reports.rows import NAN, Row, by, distinct, read
+from slider.reports.sections.provenance import in_order, stage_title
 from slider.reports.sections.verification import bounds_table
+from slider.reports.table import Cell, Table, grid, markdown
+
+_PRINTED = "MSE as the paper prints it [m²/s²]"
+_QUALITY = (
+    "alternation",
+    "touchdown_rate",
+    "reference_touchdown_rate",
+    "asymmetry",
+    "flight",
+    "slip",
+    "clearance",
+    "leg_distance",
+    "robots_touch",
+    "robots_cross",
+    "heading",
+    "heading_worst",
+    "velocity_variance",
+    "reference_velocity_variance",
+    "peak_effort",
+    "peak_speed",
+)
+_SEEDS = (
+    "success_rate",
+    "tracking_rate",
+    "mse_steady",
+    "mse",
+    "alternation",
+    "flight",
+    "slip",
+    "heading_worst",
+    "robots_cross",
+    "cost_of_transport",
+)
+_ROBUST = ("success_rate", "tracking_rate", "mse_steady")
+_VERDICT, _STRONGEST = "Which guesses carry the result", "The strongest"
+
+
+class Unmade(Exception):
+    """A table cannot be made from what is there: says what is missing; the block stays as it is."""
 
 
 @dataclass(frozen=True)
@@ -26,51 +68,173 @@ class ResultTable:
     Attributes:
         report: file of ``reports/`` that it is made from.
         make: Markdown from that file; the store says more where the file is not enough.
-        target: file to ask Snakemake for, where it is another one.
+        target: file to ask Snakemake for.
     """
 
     report: str
     make: Callable[[Path, Store], str]
-    target: str = ""
+    target: str
 
 
+TABLES: dict[str, ResultTable] = {}
+_Make = Callable[[Path, Store], str]
+
+
+def block(report: str, target: str = "") -> Callable[[_Make], _Make]:
+    """Declare the block that is called as the function."""
+
+    def declare(make: _Make) -> _Make:
+        TABLES[make.__name__] = ResultTable(report, make, target or report)
+        return make
+
+    return declare
+
+
+@block("table1.csv")
+def table1(report: Path, store: Store) -> str:
+    """Success with its interval, both errors and tracking; the paper's own rows below ours."""
+    rows = read(report)
+    ours = [row for row in rows if row["source"] != PAPER]
+    paper = [row for row in rows if row["source"] == PAPER]
+    lines = _group(rows, "success_rate")
+    lines += _group(ours, "mse_steady") + _group(ours, "mse") + _group(paper, "mse", _PRINTED)
+    return _across(ours, [*lines, *_group(ours, "tracking_rate")])
+
+
+@block("robust.csv")
+def robust(report: Path, store: Store) -> str:
+    """Success with its interval, tracking and settled error of disturbed robots."""
+    rows = read(report)
+    return _across(rows, [line for name in _ROBUST for line in _group(rows, name)])
+
+
+@block("gait_quality.csv")
+def quality(report: Path, store: Store) -> str:
+    """The policy's quantities, and the cost of transport of the tuned baseline beside its own."""
+    groups = by(read(report), "controller")
+    mine = groups["policy"]
+    lines = [(QUANTITIES[name].heading, "", mine, name) for name in _QUALITY]
+    cost = "cost_of_transport"
+    for controller in (name for name in ("policy", "mpc_wbc_tuned") if name in groups):
+        lines.append((QUANTITIES[cost].heading, label(controller), groups[controller], cost))
+    return _across(mine, lines)
+
+
+@block("heldout.csv")
+def heldout(report: Path, store: Store) -> str:
+    """Up to three tables per controller."""
+    return markdown(case_tables(read(report)), "**{}**")
+
+
+@block("sweep.csv")
 def sweep(report: Path, store: Store) -> str:
     """Highest speed that each controller tracks, and lower ones that it does not."""
-    rows = read_rows(report)
-    body = []
-    for controller, highest in highest_tracked(rows).items():
-        lost = [
-            speed(float(row["command_velocity"]))
-            for row in rows
-            if row["controller"] == controller
-            and float(row["command_velocity"]) < (highest or 0.0)
-            and float(row["tracking_rate"]) < TRACKED_SHARE
+    return highest_table(read(report)).markdown
+
+
+@block("seeds.csv")
+def seeds(report: Path, store: Store) -> str:
+    """Of the first variant the median of the seeds, and the least to the greatest of them."""
+    rows = next(iter(by(read(report), "variant").values()))
+    groups = by(rows, "command_velocity")
+    body = [
+        [Cell(QUANTITIES[name].heading)]
+        + [
+            spread(QUANTITIES[name], [row[name] for row in groups[command]], np.median)
+            for command in sorted(groups)
         ]
-        found = "none" if highest is None else speed(highest)
-        body.append([label(controller), found, ", ".join(lost) or "none"])
-    heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
-    return markdown(grid(heads, body))
+        for name in _SEEDS
+    ]
+    names = ", ".join(f"{seed:g}" for seed in distinct(rows, "seed"))
+    table = Table(["command [m/s]", *map(speed, sorted(groups))], body)
+    return f"Trainings from the seeds {names}: median (least to greatest).\n\n{table.markdown}"
 
 
+@block("ablation.md", "ablation.csv")
+def ablation(report: Path, store: Store) -> str:
+    """All of the report without title and figure; its headings become bold lines."""
+    first, *others = _parts(report)
+    return "\n\n".join([first[1], *(f"**{title}**\n\n{text}" for title, text in others)])
+
+
+@block("sensitivity.md", "sensitivity.csv")
+def sensitivity(report: Path, store: Store) -> str:
+    """The paragraph of the guesses that carry the result, and the strongest parameters."""
+    parts = dict(_parts(report))
+    strongest = next((title for title in parts if title.startswith(_STRONGEST)), None)
+    if _VERDICT not in parts or strongest is None:
+        raise Unmade(f"{report} has other sections")
+    return f"{parts[_VERDICT]}\n\n**{strongest}**\n\n{parts[strongest]}"
+
+
+@block("verification.json", "verification.csv")
 def verification(report: Path, store: Store) -> str:
     """How many bounds hold, and worst value, gait, median and bound of each quantity."""
     about = json.loads(report.read_text(encoding="utf-8"))
     bounded = [found for found in about["quantities"].values() if found["bound"] is not None]
     held = sum(bool(found["passed"]) for found in bounded)
     intro = f"{about['gaits']} gaits; {held} of {len(bounded)} bounds hold for all of them."
-    return f"{intro}\n\n{markdown(bounds_table(about['quantities']))}"
+    return f"{intro}\n\n{bounds_table(about['quantities']).markdown}"
 
 
-TABLES = {
-    "table1": ResultTable("table1.csv", table1),
-    "quality": ResultTable("gait_quality.csv", quality),
-    "heldout": ResultTable("heldout.csv", heldout),
-    "sweep": ResultTable("sweep.csv", sweep),
-    "robust": ResultTable("robust.csv", robust),
-    "seeds": ResultTable("seeds.csv", seeds),
-    "ablation": ResultTable("ablation.md", ablation, "ablation.csv"),
-    "sensitivity": ResultTable("sensitivity.md", sensitivity, "sensitivity.csv"),
-    "verification": ResultTable("verification.json", verification, "verification.csv"),
-    "times": ResultTable("table1.csv", times),
-}
-"""Name of a block → its table."""
+@block("table1.csv")
+def times(report: Path, store: Store) -> str:
+    """Jobs, wall time and processor time of each stage on the way to Table 1."""
+    origin = made(report, store)
+    if origin is None:
+        raise Unmade(f"{report} is of no job in the store")
+    jobs = list(ancestry(origin, store))
+    body = []
+    for stage in in_order(job.manifest.stage for job in jobs):
+        facts = [job.facts for job in jobs if job.manifest.stage == stage]
+        wall, cpu = (
+            sum(fact.get(name, 0.0) for fact in facts) / 60 for name in ("wall_s", "cpu_s")
+        )
+        threads = max(fact.get("threads", 1) for fact in facts)
+        body.append(
+            [stage_title(stage), str(len(facts)), str(threads), f"{wall:.1f}", f"{cpu:.1f}"]
+        )
+    heads = ["stage", "jobs", "threads of a job", "wall time of all jobs [min]"]
+    return grid([*heads, "processor time [min]"], body).markdown
+
+
+_Line = tuple[str, str, Sequence[Row], str]
+"""What, whose, the rows of one controller, and the column."""
+
+
+def _group(rows: Sequence[Row], name: str, title: str = "") -> list[_Line]:
+    """A line per controller; the first one has the title of the quantity."""
+    heading = title or QUANTITIES[name].heading
+    groups = by(rows, "source", "controller").items()
+    return [
+        ("" if index else heading, label(controller, source), mine, name)
+        for index, ((source, controller), mine) in enumerate(groups)
+    ]
+
+
+def _across(rows: Iterable[Row], lines: Iterable[_Line]) -> str:
+    """Commands across: those of some rows."""
+    commands = distinct(rows, "command_velocity")
+    body = []
+    for title, whose, mine, name in lines:
+        found = {row["command_velocity"]: row for row in mine}
+        body.append([title, whose, *(_cell(found.get(v, {}), name) for v in commands)])
+    return grid(["command [m/s]", "", *map(speed, commands)], body).markdown
+
+
+def _cell(row: Row, name: str) -> str:
+    ends = ("success_low", "success_high") if name == "success_rate" else ()
+    if not row:
+        return QUANTITIES[name].text(NAN)
+    return QUANTITIES[name].between(row[name], *([row[end] for end in ends] or (NAN, NAN)))
+
+
+def _parts(report: Path) -> list[tuple[str, str]]:
+    """Headings of a Markdown report and the text below each, without pictures."""
+    parts = f"\n{report.read_text(encoding='utf-8')}".split("\n#")[1:]
+    found = []
+    for part in parts:
+        title, _, text = part.partition("\n")
+        kept = [item.strip("\n") for item in text.split("\n\n") if not item.startswith("![")]
+        found.append((title.lstrip("# "), "\n\n".join(item for item in kept if item)))
+    return found

@@ -1,16 +1,18 @@
 """Learning curves of standing and walking: the periodic checks and the terms of the reward."""
 
-from pathlib import Path
+from collections.abc import Iterator
 
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
+from slider.core.columns import Columns
+from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour
-from slider.reports.page import Chart, Section, chart
-from slider.reports.sections.sources import Sources
+from slider.reports.sections.registry import Sources
+from slider.reports.table import Heading, Text
+from slider.training.results import Training
 
-CURVES = "learning_curve.csv"
 _CHECKS = {
     "success": "share of robots that survive",
     "speed_error": "speed error [m/s]",
@@ -24,32 +26,26 @@ _TRAININGS = {
     "untuned": "Walking, before fine-tuning",
     "walking": "Walking",
 }
+_UNRECORDED = "This training recorded no curves of its reward terms; MLflow has them."
 
 
-def section(sources: Sources) -> Section:
+def blocks(sources: Sources) -> Iterator[Heading | Chart | Text]:
     """For each training its periodic evaluation and, where recorded, every curve by group."""
-    trainings = []
     for name, title in _TRAININGS.items():
         if name not in sources.inputs:  # no pre-training, no fine-tuning
             continue
-        folder = sources.inputs[name][0]
-        charts = [_checks_chart(name, _read(folder / "selection.csv"))]
-        recorded = (folder / CURVES).is_file()
-        if recorded:
-            charts += _curve_charts(name, _read(folder / CURVES))
-        trainings.append({"title": title, "charts": charts, "recorded": recorded})
-    return Section("Learning curves", "learning.html", {"trainings": trainings})
+        training = Training.load(sources.inputs[name][0])
+        yield Heading(title)
+        yield _checks_chart(name, training)
+        if training.curve:
+            yield from _curve_charts(name, training.curve)
+        else:
+            yield Text(_UNRECORDED, "note")
 
 
-def _read(path: Path) -> dict[str, np.ndarray]:
-    """Columns of a CSV file of numbers."""
-    header, *rows = path.read_text().splitlines()
-    values = np.array([[float(text or "nan") for text in row.split(",")] for row in rows])
-    return dict(zip(header.split(","), values.T, strict=True))
-
-
-def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
-    names = [column for column in _CHECKS if column in table]
+def _checks_chart(name: str, training: Training) -> Chart:
+    table = training.checks
+    names = [column for column in _CHECKS if not np.isnan(table[column]).all()]
     figure = make_subplots(1, len(names), subplot_titles=[_CHECKS[column] for column in names])
     for index, column in enumerate(names):
         figure.add_scatter(
@@ -69,18 +65,12 @@ def _checks_chart(name: str, table: dict[str, np.ndarray]) -> Chart:
             figure.update_yaxes(type="log", **ticks, row=1, col=index + 1)
     figure.update_xaxes(title_text="iteration")
     figure.update_annotations(font_size=12)
-    kept = _kept(table)
-    caption = f"Periodic evaluation on a few robots; the policy of iteration {kept} was kept."
+    kept = f"the policy of iteration {training.kept} was kept"
+    caption = f"Periodic evaluation on a few robots; {kept}."
     return chart(f"checks-{name}", figure, caption, 280)
 
 
-def _kept(table: dict[str, np.ndarray]) -> int:
-    """The iteration with the least score; of equals the last, as in training."""
-    least = np.flatnonzero(table["value"] == table["value"].min())
-    return int(table["iteration"][least[-1]])
-
-
-def _curve_charts(name: str, table: dict[str, np.ndarray]) -> list[Chart]:
+def _curve_charts(name: str, table: Columns) -> list[Chart]:
     """Terms of the reward over each other, since they add up; other curves apart."""
     curves = [column for column in table if "/" in column]
     terms = [column for column in curves if "reward" in column.partition("/")[0].lower()]
@@ -96,7 +86,7 @@ def _curve_charts(name: str, table: dict[str, np.ndarray]) -> list[Chart]:
     return charts
 
 
-def _overlaid(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
+def _overlaid(table: Columns, columns: list[str]) -> go.Figure:
     figure = go.Figure()
     for index, column in enumerate(columns):
         line = {"color": colour(index), "width": 1.5, "dash": _dash(index)}
@@ -107,7 +97,7 @@ def _overlaid(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
     return figure
 
 
-def _panels(table: dict[str, np.ndarray], columns: list[str]) -> go.Figure:
+def _panels(table: Columns, columns: list[str]) -> go.Figure:
     rows, titles = _rows(columns), [_title(column) for column in columns]
     figure = make_subplots(rows, _PANELS, subplot_titles=titles, vertical_spacing=0.3 / rows)
     for index, column in enumerate(columns):

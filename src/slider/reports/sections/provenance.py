@@ -1,16 +1,23 @@
 """Where it all comes from: commit, configuration, recipes, versions, seeds, machine, times."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import yaml
 
-from slider.reports.page import Cell, Section, Table
-from slider.reports.sections.sources import Sources
+from slider.reports.sections.registry import Sources
+from slider.reports.table import Cell, Table, Tables, Text
 
+_TEXT = (
+    "This page was built from commit `{commit}` (a + stands for uncommitted changes). Times are "
+    "those of the jobs that computed the results, summed over jobs. “Computed now” counts the jobs "
+    "of the pipeline run that built this page; what is missing there was in the store already and "
+    "cost nothing, so its commit may be an older one: same recipe, same result. A recipe is the "
+    "digest of a job's configuration, source, package versions and inputs."
+)
 _UNKNOWN = "not\u00a0recorded"
-STAGES = {  # in the order in which they run; others follow
+_STAGES = {  # in the order in which they run; others follow
     "gait": "gaits",
     "library": "gait library",
     "standing": "standing",
@@ -37,21 +44,28 @@ class _Made:
     object: str
 
 
-def section(sources: Sources) -> Section:
+@dataclass(frozen=True)
+class Details:
+    """A table or a text that opens by a click."""
+
+    kind: ClassVar = "details"
+    summary: str
+    table: Table | None = None
+    text: str = ""
+
+
+def blocks(sources: Sources) -> Iterator[Text | Table | Tables | Details]:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration."""
     stages = _by_stage(sources)
-    values = {
-        "commit": _commit(sources.page),
-        "stages": _stages(stages, sources.page.get("pipeline_started")),
-        "machines": _machines(stages),
-        "recipes": _recipes(stages),
-        "versions": _versions(sources),
-        "seeds": _seeds(sources.configuration),
-        "configuration": yaml.safe_dump(
-            dict(sources.configuration), sort_keys=False, allow_unicode=True
-        ),
-    }
-    return Section("Provenance", "provenance.html", values)
+    yield Text(_TEXT.format(commit=_commit(sources.page)))
+    yield _stages(stages, sources.page.get("pipeline_started"))
+    machines = _machines(stages)
+    yield Text(f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}.")
+    yield Tables([_seeds(sources.configuration), _versions(sources)])
+    yield Details("Recipes, objects and commits of all jobs", _recipes(stages))
+    configuration = dict(sources.configuration)
+    text = yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
+    yield Details("Resolved configuration", text=text)
 
 
 def _by_stage(sources: Sources) -> dict[str, list[_Made]]:
@@ -62,11 +76,21 @@ def _by_stage(sources: Sources) -> dict[str, list[_Made]]:
             origins, sources.times[name], sources.inputs[name], strict=True
         ):
             found[origin["recipe"]] = _Made(origin, facts, folder.name)
-    present = {made.origin["stage"] for made in found.values()}
-    order = [*(stage for stage in STAGES if stage in present), *sorted(present - set(STAGES))]
+    order = in_order(made.origin["stage"] for made in found.values())
     return {
         stage: [made for made in found.values() if made.origin["stage"] == stage] for stage in order
     }
+
+
+def in_order(stages: Iterable[str]) -> list[str]:
+    """Different stages in the order in which they run, those without a title last."""
+    present = set(stages)
+    return [*(stage for stage in _STAGES if stage in present), *sorted(present - set(_STAGES))]
+
+
+def stage_title(stage: str) -> str:
+    """What people call a stage."""
+    return _STAGES.get(stage, stage.replace("_", " "))
 
 
 def _stages(stages: Mapping[str, list[_Made]], started: str | None) -> Table:
@@ -80,7 +104,7 @@ def _stages(stages: Mapping[str, list[_Made]], started: str | None) -> Table:
         "finished (UTC)",
         "commit",
     ]
-    rows = [_stage(STAGES.get(name, name), made, started) for name, made in stages.items()]
+    rows = [_stage(stage_title(name), made, started) for name, made in stages.items()]
     return Table(columns, rows)
 
 
@@ -107,7 +131,7 @@ def _machines(stages: Mapping[str, list[_Made]]) -> list[str]:
     found: dict[str, list[str]] = {}
     for stage, results in stages.items():
         for machine in {made.facts.get("machine", _UNKNOWN) for made in results}:
-            found.setdefault(machine, []).append(STAGES.get(stage, stage))
+            found.setdefault(machine, []).append(stage_title(stage))
     if len(found) == 1:
         return list(found)
     return [f"{machine} ({', '.join(names)})" for machine, names in sorted(found.items())]

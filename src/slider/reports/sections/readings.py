@@ -1,35 +1,31 @@
 """The readings of the paper, with the value that each has in this run."""
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from typing import Any
 
-from slider.reports.page import Cell, Section, Table
-from slider.reports.sections.sources import Sources
+from slider.reports.sections.registry import Sources
+from slider.reports.table import Cell, Table, Text
 
 FILE = "readings.csv"
 
 
 def read() -> list[dict[str, str]]:
     """What the paper says, how it is read, and where that is configured."""
-    text = (files("slider.reports.sections") / FILE).read_text(encoding="utf-8")
+    text = (files("slider.reports") / FILE).read_text(encoding="utf-8")
     return list(csv.DictReader(text.splitlines()))
 
 
-def section(sources: Sources) -> Section:
+def blocks(sources: Sources) -> Iterator[Text | Table]:
     """One row per reading."""
+    yield Text("What the paper leaves open, how it is read here, and where that is configured.")
     rows = [
-        [
-            Cell(reading["paper"], reading["paper"]),
-            Cell(reading["reading"], reading["reading"]),
-            Cell(reading["where"], reading["where"]),
-            Cell(_in_effect(sources.configuration, reading["where"])),
-        ]
+        [Cell(text, text) for text in reading.values()]
+        + [Cell(_in_effect(sources.configuration, reading["where"]))]
         for reading in read()
     ]
-    columns = ["the paper says", "we read", "where", "in this run"]
-    return Section("Readings of the paper", "readings.html", {"table": Table(columns, rows)})
+    yield Table(["the paper says", "we read", "where", "in this run"], rows)
 
 
 def _in_effect(configuration: Mapping[str, Any], path: str) -> str:

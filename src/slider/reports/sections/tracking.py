@@ -1,17 +1,17 @@
 """Velocity tracking over time, as in the paper's figure."""
 
-import json
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
+from slider.evaluation.results import Evaluation
+from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour, label, line, speed
-from slider.reports.page import Section, chart
-from slider.reports.sections.sources import Sources
+from slider.reports.sections.registry import Sources
+from slider.reports.table import Text
 
 _CAPTION = (
     "Forward velocity from rest: mean over surviving robots, the band is one standard deviation "
@@ -19,51 +19,41 @@ _CAPTION = (
 )
 
 
-@dataclass(frozen=True)
-class _Trace:
-    controller: str
-    command: float
-    velocity: np.ndarray  # (S, 2) mean and standard deviation [m/s]
-
-    @property
-    def fell(self) -> bool:
-        """Nobody survived: there is nothing to draw."""
-        return bool(np.isnan(self.velocity[:, 0]).all())
-
-
-def section(sources: Sources) -> Section:
+def blocks(sources: Sources) -> Iterator[Chart | Text]:
     """One panel per command, one curve per controller."""
-    traces = [_read(folder) for folder in sources.inputs["table1.evaluations"]]
-    evaluated = {trace.command for trace in traces}
-    wanted = sources.report.tracking_commands
-    shown = [command for command in wanted if command in evaluated]
-    missing = [speed(command) for command in wanted if command not in evaluated]
-    period = sources.configuration["env"]["control_period"]
-    charts = [_chart(traces, shown, period)] if shown else []
+    found = [Evaluation.load(folder) for folder in sources.inputs["table1.evaluations"]]
+    evaluated = {one.command for one in found}
+    asked = sources.report.tracking_commands
+    shown = [command for command in asked if command in evaluated]
+    if shown:
+        yield _chart(found, shown, sources.configuration["env"]["control_period"])
+    missing = ", ".join(speed(command) for command in asked if command not in evaluated)
+    if missing:
+        yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
     fallen = [
-        f"{label(trace.controller)} at {speed(trace.command)} m/s"
-        for trace in traces
-        if trace.command in shown and trace.fell
+        f"{label(one.controller)} at {speed(one.command)} m/s"
+        for one in found
+        if one.command in shown and _fell(one)
     ]
-    values = {"charts": charts, "missing": missing, "fallen": fallen}
-    return Section("Velocity tracking", "tracking.html", values)
+    if fallen:
+        yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")
 
 
-def _read(folder: Path) -> _Trace:
-    about = json.loads((folder / "command.json").read_text())
-    return _Trace(about["controller"], about["command"], np.load(folder / "velocity.npy"))
+def _fell(one: Evaluation) -> bool:
+    """Nobody survived: there is nothing to draw."""
+    return not one.robots.survived.any()
 
 
-def _chart(traces: list[_Trace], commands: list[float], period: float):
+def _chart(found: list[Evaluation], commands: list[float], period: float) -> Chart:
     rows = (len(commands) + 1) // 2
     titles = [f"{speed(command)} m/s" for command in commands]
     figure = make_subplots(rows, 2, subplot_titles=titles, vertical_spacing=0.22 / rows)
-    controllers = list(dict.fromkeys(trace.controller for trace in traces))
+    controllers = list(dict.fromkeys(one.controller for one in found))
     for panel, command in enumerate(commands):
         place: dict[str, Any] = {"row": panel // 2 + 1, "col": panel % 2 + 1}
-        for trace in (t for t in traces if t.command == command):
-            index = controllers.index(trace.controller)
-            _add_trace(figure, trace, period, index, panel == 0, place)
+        for one in (item for item in found if item.command == command):
+            index = controllers.index(one.controller)
+            _add_trace(figure, one, period, index, panel == 0, place)
         figure.add_hline(command, line={"dash": "dash", "width": 1.2, "color": "#888"}, **place)
         if panel >= len(commands) - 2:
             figure.update_xaxes(title_text="time [s]", **place)
@@ -73,13 +63,18 @@ def _chart(traces: list[_Trace], commands: list[float], period: float):
 
 
 def _add_trace(
-    figure: go.Figure, trace: _Trace, period: float, index: int, first: bool, place: dict[str, Any]
+    figure: go.Figure,
+    one: Evaluation,
+    period: float,
+    index: int,
+    first: bool,
+    place: dict[str, Any],
 ) -> None:
-    if trace.fell:
+    if _fell(one):
         return
-    mean, spread = np.round(trace.velocity.astype(float).T, 4)
+    mean, spread = np.round(one.velocity.astype(float).T, 4)
     time = np.round(period * np.arange(1, len(mean) + 1), 3)
-    name = label(trace.controller)
+    name = label(one.controller)
     around = np.concatenate([time, time[::-1]])
     band = np.concatenate([mean + spread, (mean - spread)[::-1]])
     figure.add_scatter(

@@ -1,49 +1,43 @@
 """What the independent checks of the gaits found: verdict, worst values, maps."""
 
-import csv
 import json
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-import numpy as np
-
-from slider.reports.page import Cell, Chart, Section, Table, chart
-from slider.reports.sections.sources import Sources
-from slider.reports.sections.velocity_map import velocity_map
+from slider.reports.figures.verification_maps import CAPTION, NAME, unit
+from slider.reports.sections.registry import Sources
+from slider.reports.table import Cell, Picture, Table, Text, Written
 from slider.verification.quantities import QUANTITIES
 
-# What a gait is like, rather than whether its numbers are right; the first is drawn at first.
-_MAPS = (
-    "return_map",
-    "regulated_steps",
-    "replay_steps",
-    "plant_force",
-    "roll_end",
-    "dense_torque",
-    "dense_cop",
-    "dense_friction",
-    "jump_samples",
-)
 _HOLDS = {None: "–", True: "yes", False: "NO"}
-_CAPTION = (
-    "One square per gait; the menu above chooses the quantity, and the table below explains it. "
-    "Above 1, the eigenvalue of the return map means that the gait, left alone in time, leaves "
-    "its limit cycle, as a walk on line feet does."
-)
+_SHOWN = 20  # failures
 
 
-def section(sources: Sources) -> Section:
-    """The verdict, one row per quantity, and a map whose quantity can be chosen."""
+def blocks(sources: Sources) -> Iterator[Written]:
+    """The verdict, the maps, and one row per quantity."""
     about = json.loads(sources.file("verification", "verification.json").read_text())
-    values = {
-        "gaits": about["gaits"],
-        "failures": about["failures"],
-        "bounded": sum(q["bound"] is not None for q in about["quantities"].values()),
-        "charts": [_map(sources.file("verification", "verification.csv"))],
-        "table": bounds_table(about["quantities"]),
-    }
-    return Section("Verification", "verification.html", values)
+    failures = about["failures"]
+    bounded = sum(found["bound"] is not None for found in about["quantities"].values())
+    yield Text(
+        f"{about['gaits']} gaits, checked by other means than those that made them: pinocchio and "
+        "MuJoCo for the dynamics, another integrator for the orbit, a dense sampling between the "
+        "nodes, a replay in simulation."
+    )
+    if failures:
+        quantities = f"{bounded} quantities have one"
+        yield Text(f"{len(failures)} values are beyond their bounds ({quantities}):", "failed")
+        more = len(failures) - _SHOWN
+        left = [f"and {more} more; `reports/verification.json` has all"] if more > 0 else []
+        yield Text("\n".join(f"* {text}" for text in [*failures[:_SHOWN], *left]))
+    else:
+        yield Text(f"All {bounded} bounds hold.", "best")
+    yield Picture(sources.file(NAME, f"{NAME}.svg"), CAPTION)
+    yield Text(
+        "Worst value over all gaits, the gait that has it, and the median; without a bound a "
+        "quantity is reported only. The numbers of the checks are those of "
+        "`docs/reference/verification.md`."
+    )
+    yield bounds_table(about["quantities"])
 
 
 def bounds_table(quantities: Mapping[str, Mapping[str, Any]]) -> Table:
@@ -69,7 +63,7 @@ def _row(name: str, found: Mapping[str, Any]) -> list[Cell]:
         Cell(str(about.check), about.check),
         Cell(name, name),
         Cell(about.meaning, about.meaning),
-        Cell(_unit(name)),
+        Cell(unit(name)),
         _number(found["worst"]),
         Cell("–") if bound is None else Cell(f"{sign} {bound:g}", bound),
         Cell(_HOLDS[found["passed"]], failed=found["passed"] is False),
@@ -78,22 +72,5 @@ def _row(name: str, found: Mapping[str, Any]) -> list[Cell]:
     ]
 
 
-def _unit(name: str) -> str:
-    """Unit of a quantity; nothing for plain numbers."""
-    unit = QUANTITIES[name].unit
-    return "" if unit in ("-", "1") else unit
-
-
 def _number(value: float | None) -> Cell:
     return Cell("not finite") if value is None else Cell(f"{value:.3g}", value)
-
-
-def _map(path: Path) -> Chart:
-    with path.open(newline="") as file:
-        rows = list(csv.DictReader(file))
-    velocities = np.array([[float(row["vx"]), float(row["vy"])] for row in rows])
-    quantities = {
-        f"{name} [{_unit(name) or '1'}]": np.array([float(row[name] or "nan") for row in rows])
-        for name in _MAPS
-    }
-    return chart("verification-map", velocity_map(velocities, quantities), _CAPTION, height=360)

@@ -1,46 +1,59 @@
 """Videos: a row per command, a column per controller."""
 
 import json
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 from slider.reports.controllers import label, speed
-from slider.reports.page import Section, data_address
-from slider.reports.sections.sources import Sources
+from slider.reports.sections.registry import Sources
+from slider.reports.table import Text
 from slider.reports.video import ABOUT, FILM, POSTER
+
+_NO_RENDERER = (
+    "No videos: this machine renders neither with EGL nor with OSMesa. Install one of them (on "
+    "Debian `libegl1 libegl-mesa0` or `libosmesa6`) and build the page again."
+)
 
 
 @dataclass(frozen=True)
-class _Video:
-    controller: str
-    command: float
-    fate: str
-    film: str
-    poster: str
+class Film:
+    """A video, the picture in its place on paper, and how the robot did."""
+
+    path: Path
+    poster: Path
+    caption: str
 
 
-def section(sources: Sources) -> Section:
+@dataclass(frozen=True)
+class Films:
+    """Films below headings."""
+
+    kind: ClassVar = "films"
+    rows: Mapping[str, Sequence[Film]]
+
+
+def blocks(sources: Sources) -> Iterator[Text | Films]:
     """All videos, in the page itself."""
-    videos = [_read(folder) for folder in sources.inputs.get("videos", ())]
-    commands = sorted({video.command for video in videos})
-    rows = [(speed(command), [v for v in videos if v.command == command]) for command in commands]
-    video = sources.report.video
-    values = {"rows": rows, "renderer": video.renderer, "cameras": " and ".join(video.cameras)}
-    return Section("Videos", "videos.html", values)
+    video, rows = sources.report.video, {}
+    if video.renderer == "none":
+        yield Text("No videos: `report.video.renderer` is `none`.", "note")
+        return
+    folders = sources.inputs.get("videos", ())
+    if not folders:
+        yield Text(_NO_RENDERER, "note")
+        return
+    found = [(json.loads((folder / ABOUT).read_text()), folder) for folder in folders]
+    for about, folder in sorted(found, key=lambda item: item[0]["command"]):
+        film = Film(folder / FILM, folder / POSTER, f"{label(about['controller'])}: {_fate(about)}")
+        rows.setdefault(f"{speed(about['command'])} m/s", []).append(film)
+    seen = " and ".join(video.cameras)
+    yield Text(f"One robot per film, all from the same start at rest, seen from the {seen}.")
+    yield Films(rows)
 
 
-def _read(folder: Path) -> _Video:
-    about = json.loads((folder / ABOUT).read_text())
-    fell = about["fell_at"]
-    fate = (
-        f"walks at {about['mean_velocity']:.2f} m/s"
-        if fell is None
-        else f"falls after {fell:.1f} s"
-    )
-    return _Video(
-        controller=label(about["controller"]),
-        command=about["command"],
-        fate=fate,
-        film=data_address(folder / FILM, "video/mp4"),
-        poster=data_address(folder / POSTER, "image/jpeg"),
-    )
+def _fate(about: Mapping[str, float | None]) -> str:
+    if about["fell_at"] is None:
+        return f"walks at {about['mean_velocity']:.2f} m/s"
+    return f"falls after {about['fell_at']:.1f} s"

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from slider.reports.proportions import Z, wilson
+from slider.evaluation.proportions import Z, wilson
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,178 @@
+"""What an evaluation found, read from and written to its folder here alone."""
+
+import json
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from slider.core import columns
+from slider.core.columns import Columns
+from slider.env.metrics import GaitQuality, Tracking
+from slider.evaluation.proportions import wilson
+
+ABOUT, ROBOTS, VELOCITY = "command.json", "robots.csv", "velocity.npy"
+SEGMENTS, TRACES = "segments.csv", "traces.npy"
+QUALITY = tuple(item.name for item in fields(GaitQuality))
+COLUMNS = ("trial", "robot", *(item.name for item in fields(Tracking)), *QUALITY, "diverged")
+AXES = ("vx", "vy", "yaw_rate")
+# Of a robot in the settled part of a segment; NaN where it fell before the segment's end.
+MEASURES = (
+    *AXES,  # means [m/s, rad/s]
+    *(f"{axis}_error" for axis in AXES),  # |mean − command| [m/s, rad/s]
+    "vx_mse",  # mean of (vx − command)² [m²/s²]
+    "heading_error",  # largest |yaw − commanded yaw| [rad]
+    "touchdown_rate",  # of both feet [1/s]
+    "displacement",  # of the base, from first to last moment [m]
+    "fastest",  # largest |mean (vx, vy)| over any second of it [m/s]
+)
+SEGMENT_COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
+
+
+class Estimate(NamedTuple):
+    """A mean over robots and the standard deviation over trials of the trials' means.
+
+    The spread is NaN for fewer than two trials. ``interval`` is Wilson's 95 % one, of a share.
+    """
+
+    value: float
+    spread: float
+    interval: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Robots:
+    """Columns (N,) of N robots: ``trial``, ``survived`` and others, NaN where a robot fell."""
+
+    columns: Columns
+
+    @property
+    def survived(self) -> np.ndarray:
+        """Which robots (N,) did."""
+        return self.columns["survived"]
+
+    def survivors(self, name: str) -> np.ndarray:
+        """A column of the robots that survived."""
+        return self.columns[name][self.survived]
+
+    def mean(self, name: str) -> float:
+        """Mean of a column over survivors; NaN without any."""
+        values = self.survivors(name)
+        return float(values.mean()) if len(values) else float("nan")
+
+    @property
+    def success(self) -> Estimate:
+        """Share of robots that survived."""
+        ends = wilson(int(self.survived.sum()), len(self.survived))
+        rate = float(self.survived.mean())
+        return Estimate(rate, spread(self.survived.astype(float), self.columns["trial"]), ends)
+
+    @property
+    def tracking_rate(self) -> Estimate:
+        """Share of robots that track the command."""
+        tracked = self.columns["tracked"].astype(float)
+        return Estimate(float(tracked.mean()), spread(tracked, self.columns["trial"]))
+
+    @property
+    def mse(self) -> Estimate:
+        """Mean squared velocity error of survivors, the start included [m²/s²]."""
+        return self._error("squared_error")
+
+    @property
+    def mse_steady(self) -> Estimate:
+        """The same after the warm-up."""
+        return self._error("squared_error_steady")
+
+    def _error(self, name: str) -> Estimate:
+        """Infinite where none survived, as in the paper."""
+        values = self.survivors(name)
+        value = float(values.mean()) if len(values) else float("inf")
+        return Estimate(value, spread(values, self.columns["trial"][self.survived]))
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All robots of one controller at one command, or in one case of a profile.
+
+    Attributes:
+        controller: its name.
+        command: forward velocity [m/s]; None in a case.
+        robots: columns ``COLUMNS``.
+        velocity: (S, 2) mean and standard deviation over survivors of the forward velocity [m/s].
+        case: name of the case.
+        segments: in a case the robots of each segment, columns ``SEGMENT_COLUMNS``; ``survived``
+            is true for robots that stood until its end, whatever happened later.
+        traces: in a case (S, 10), see :func:`slider.evaluation.segments.traces`.
+    """
+
+    controller: str
+    command: float | None
+    robots: Robots
+    velocity: np.ndarray = field(default_factory=lambda: np.empty((0, 2), dtype=np.float32))
+    case: str = ""
+    segments: tuple[Robots, ...] = ()
+    traces: np.ndarray | None = None
+
+    def save(self, folder: Path) -> None:
+        """Write the files of a folder."""
+        about = {"controller": self.controller, "command": self.command}
+        if self.case:
+            about["case"] = self.case
+        (folder / ABOUT).write_text(json.dumps(about) + "\n")
+        columns.write(self.robots.columns, folder / ROBOTS)
+        np.save(folder / VELOCITY, self.velocity)
+        if self.segments:
+            parts = [segment.columns for segment in self.segments]
+            joined = {n: np.concatenate([part[n] for part in parts]) for n in SEGMENT_COLUMNS}
+            columns.write(joined, folder / SEGMENTS)
+        if self.traces is not None:
+            np.save(folder / TRACES, self.traces)
+
+    @classmethod
+    def load(cls, folder: Path) -> "Evaluation":
+        """Read the files of a folder back.
+
+        Raises:
+            UserError: a table has other columns.
+        """
+        about = json.loads((folder / ABOUT).read_text())
+        flags = ("survived", "tracked", "diverged")
+        return cls(
+            about["controller"],
+            about["command"],
+            Robots(columns.read(folder / ROBOTS, COLUMNS, flags)),
+            np.load(folder / VELOCITY),
+            about.get("case", ""),
+            _read_segments(folder / SEGMENTS),
+            np.load(folder / TRACES) if (folder / TRACES).is_file() else None,
+        )
+
+
+def robots(
+    trials: int, count: int, tracked: Tracking, quality: GaitQuality, diverged: np.ndarray
+) -> Robots:
+    """Robots from their metrics; those of a trial stand next to each other."""
+    return Robots(
+        {
+            "trial": np.repeat(np.arange(trials), count),
+            "robot": np.tile(np.arange(count), trials),
+            **asdict(tracked),
+            **asdict(quality),
+            "diverged": diverged,
+        }
+    )
+
+
+def spread(values: np.ndarray, trial: np.ndarray) -> float:
+    """Standard deviation over trials of the trial means; NaN for fewer than two trials."""
+    means = [values[trial == t].mean() for t in np.unique(trial)]
+    return float(np.std(means, ddof=1)) if len(means) > 1 else float("nan")
+
+
+def _read_segments(path: Path) -> tuple[Robots, ...]:
+    if not path.is_file():
+        return ()
+    table = columns.read(path, SEGMENT_COLUMNS, ("survived",))
+    index = table["segment"]
+    return tuple(Robots({n: v[index == i] for n, v in table.items()}) for i in np.unique(index))

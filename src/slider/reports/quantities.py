@@ -1,0 +1,112 @@
+"""What is measured: how a number is called and written wherever people read it."""
+
+import math
+from dataclasses import dataclass
+
+NONE = "–"
+_MOST_DECIMALS = 6  # a robot that stands still has errors of 1e-10 m²/s²
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A column of the reports.
+
+    Attributes:
+        title: heading without the unit.
+        unit: in which it is shown; a share has one that starts with %.
+        scale: shown number per stored one, which is in SI units, or a share of 1.
+    """
+
+    title: str
+    unit: str = ""
+    scale: float = 1.0
+
+    @property
+    def heading(self) -> str:
+        """Title and unit."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
+    @property
+    def share(self) -> bool:
+        """Whether it is shown in percent."""
+        return self.unit.startswith("%")
+
+    def text(self, value: float) -> str:
+        """Three digits, or percent with one decimal; – for NaN."""
+        if math.isnan(value):
+            return NONE
+        if math.isinf(value):
+            return "∞"
+        shown = self.scale * value
+        if self.share:
+            return "< 0.1" if 0 < shown < 0.05 else f"{shown:.1f}".removesuffix(".0")
+        found = f"{shown:.{decimals(abs(shown))}f}"
+        return found if float(found) else "0"
+
+    def between(self, value: float, low: float, high: float) -> str:
+        """A number with its 95 % interval, such as ``99.6 [99, 99.8]``."""
+        if math.isnan(value) or math.isnan(low):
+            return self.text(value)
+        return f"{self.text(value)} [{self.text(low)}, {self.text(high)}]"
+
+    def ranged(self, value: float, low: float, high: float) -> str:
+        """A number and what it lies between, such as ``0.15 (0.10–0.20)``, unless all look same."""
+        text, least, greatest = map(self.text, (value, low, high))
+        return text if least == greatest else f"{text} ({least}–{greatest})"
+
+
+def _share(title: str, of: str = "") -> Quantity:
+    return Quantity(title, f"% {of}".strip(), 100.0)
+
+
+QUANTITIES = {
+    "success_rate": _share("Success rate"),
+    "mse_steady": Quantity("Velocity MSE from 2 s on", "m²/s²"),
+    "mse": Quantity("Velocity MSE over all 10 s, start from rest included", "m²/s²"),
+    "tracking_rate": _share("Tracking rate"),
+    "standing_rate": _share("Standing"),
+    "mean_velocity": Quantity("Mean velocity", "m/s"),
+    "flight": _share("Flight", "of time"),
+    "double_support": _share("Double support", "of time"),
+    "touchdown_rate": Quantity("Touchdowns", "1/s"),
+    "reference_touchdown_rate": Quantity("Touchdowns of the library's gait", "1/s"),
+    "alternation": _share("Touchdowns that follow one of the other foot"),
+    "clearance": Quantity("Foot clearance", "cm", 100.0),
+    "slip": Quantity("Slip of loaded heels and toes", "cm/s", 100.0),
+    "heading": Quantity("Largest heading error, mean of the robots", "rad"),
+    "heading_worst": Quantity("Largest heading error, worst robot", "rad"),
+    "asymmetry": _share("Asymmetry of step times"),
+    "velocity_variance": Quantity("Variance of the forward velocity", "m²/s²"),
+    "reference_velocity_variance": Quantity("Variance of the library's gait", "m²/s²"),
+    "cost_of_transport": Quantity("Cost of transport", "-"),
+    "peak_effort": _share("Peak motor torque, worst robot", "of its limit"),
+    "peak_speed": _share("Peak motor speed, worst robot", "of its limit"),
+    "leg_distance": Quantity("Least distance of the legs, worst robot", "cm", 100.0),
+    "legs_touch": _share("Legs touch", "of time"),
+    "robots_touch": _share("Robots whose legs ever touch"),
+    "legs_cross": _share("Feet cross", "of time"),
+    "robots_cross": _share("Robots whose feet ever cross"),
+    "vx": Quantity("Mean vx", "m/s"),
+    "vy": Quantity("Mean vy", "m/s"),
+    "vx_error": Quantity("Error of vx", "m/s"),
+    "vy_error": Quantity("Error of vy", "m/s"),
+    "vx_mse": Quantity("MSE of vx", "m²/s²"),
+    "yaw_rate_error": Quantity("Error of yaw rate", "rad/s"),
+    "heading_error": Quantity("Largest heading error", "rad"),
+    "displacement": Quantity("Displacement", "m"),
+    "fastest": Quantity("Fastest robot", "m/s"),
+    "drift": Quantity("Drift, mean", "m"),
+    "drift_max": Quantity("Drift, greatest", "m"),
+}
+
+
+def quantity(name: str) -> Quantity:
+    """The quantity of a column; one that is not known is shown as it is."""
+    return QUANTITIES.get(name, Quantity(name))
+
+
+def decimals(value: float) -> int:
+    """Decimals that show three digits of a value, as the paper does, unless it is next to none."""
+    if value <= 0:
+        return 3
+    return min(max(0, 2 - math.floor(math.log10(value))), _MOST_DECIMALS)

@@ -1,0 +1,192 @@
+"""Sections of the page: what each needs, and what makes its blocks.
+
+A new one is a function here. It imports what draws it when it is called: laying out the jobs reads
+the declarations alone.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from slider.config.report import ReportConfig
+from slider.core.job import Inputs
+
+OPTIONAL = "?"
+
+
+@dataclass(frozen=True)
+class Sources:
+    """What sections are made from.
+
+    Attributes:
+        report: settings of the page.
+        configuration: the resolved configuration, as plain values.
+        origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
+        inputs: input → object folders.
+        times: input → for each of its jobs what differs between runs, such as ``wall_s``.
+        page: the same of the page itself; see :mod:`slider.artefacts.circumstances`.
+    """
+
+    report: ReportConfig
+    configuration: Mapping[str, Any]
+    origins: Mapping[str, Sequence[Mapping[str, Any]]]
+    inputs: Inputs
+    times: Mapping[str, Sequence[Mapping[str, Any]]]
+    page: Mapping[str, Any]
+
+    def file(self, name: str, path: str) -> Path:
+        """File of the one result of an input."""
+        return self.inputs[name][0] / path
+
+
+Blocks = Iterable[Any]
+Draw = Callable[[Sources], Blocks]
+
+
+@dataclass(frozen=True)
+class PageSection:
+    """A section as it is declared.
+
+    Attributes:
+        title: its heading.
+        needs: names of its inputs: a target of ``pipeline/targets.py``, such as ``verification``;
+            a group of a target's own inputs, such as ``table1.evaluations``; or ``videos``. With a
+            question mark at its end one that a configuration may be without.
+        blocks: see ``templates/blocks.html``.
+    """
+
+    title: str
+    needs: tuple[str, ...]
+    blocks: Draw
+
+
+SECTIONS: dict[str, PageSection] = {}
+
+
+def section(title: str, *needs: str) -> Callable[[Draw], Draw]:
+    """Declare the section that is called as the function."""
+
+    def declare(blocks: Draw) -> Draw:
+        SECTIONS[blocks.__name__] = PageSection(title, needs, blocks)
+        return blocks
+
+    return declare
+
+
+@section("Table 1", "table1.evaluations", "table1.library?")
+def table1(sources: Sources) -> Blocks:
+    """Ours, the baselines' and the paper's side by side, and how it walks."""
+    from slider.reports.table1 import blocks
+
+    return blocks(sources.inputs, sources.configuration["evaluation"])
+
+
+@section("Velocity tracking", "table1.evaluations")
+def tracking(sources: Sources) -> Blocks:
+    """Forward velocity over time, as in the paper's figure."""
+    from slider.reports.sections.tracking import blocks
+
+    return blocks(sources)
+
+
+@section("Videos", "videos")
+def videos(sources: Sources) -> Blocks:
+    """All videos, in the page itself."""
+    from slider.reports.sections.videos import blocks
+
+    return blocks(sources)
+
+
+@section("Gait library", "library")
+def gaits(sources: Sources) -> Blocks:
+    """Maps over the commanded velocity, and the limit cycle of each gait."""
+    from slider.reports.sections.gaits import blocks
+
+    return blocks(sources)
+
+
+@section("Verification", "verification", "verification.gaits", "verification_maps")
+def verification(sources: Sources) -> Blocks:
+    """What the independent checks of the gaits found."""
+    from slider.reports.sections.verification import blocks
+
+    return blocks(sources)
+
+
+@section("Learning curves", "standing?", "untuned?", "walking")
+def learning(sources: Sources) -> Blocks:
+    """The periodic checks and the terms of the reward of each training."""
+    from slider.reports.sections.learning import blocks
+
+    return blocks(sources)
+
+
+@section("Ablation", "ablation")
+def ablation(sources: Sources) -> Blocks:
+    """What each choice of the method is worth."""
+    from slider.reports.ablation import NAME, Ablation, blocks
+
+    settings = sources.configuration["ablation"]
+    variants = {name: settings["variants"][name] for name in settings["run"]}
+    found = Ablation.load(sources.inputs[NAME][0])
+    return blocks(NAME, sources.file(NAME, f"{NAME}.svg"), found, variants)
+
+
+@section("Readings of the paper")
+def readings(sources: Sources) -> Blocks:
+    """What the paper leaves open, and the value that each choice has in this run."""
+    from slider.reports.sections.readings import blocks
+
+    return blocks(sources)
+
+
+@section(
+    "Provenance",
+    "library.gaits",
+    "library",
+    "standing?",
+    "untuned?",
+    "walking",
+    "table1.evaluations",
+    "table1",
+)
+def provenance(sources: Sources) -> Blocks:
+    """Commit, configuration, recipes, versions, seeds, machine, times."""
+    from slider.reports.sections.provenance import blocks
+
+    return blocks(sources)
+
+
+def _protocol(name: str, about: str, sources: Sources) -> Blocks:
+    """The figure of a protocol's report, and its tables; its settings tell the kind."""
+    from slider.config.convert import from_dict
+    from slider.config.evaluation import EvaluationConfig
+    from slider.reports.protocols import cases, segments, speeds
+    from slider.reports.table import Text
+
+    protocol = from_dict(EvaluationConfig, sources.configuration["protocols"][name])
+    kinds = {"": speeds, "segments": segments, "cases": cases}
+    kind = kinds[protocol.profile.rows if protocol.profile else ""]
+    rows = kind.read_rows(sources.inputs[f"{name}.evaluations"], protocol)
+    yield Text(f"{about} Seeds {protocol.seed} to {protocol.seed + protocol.trials - 1}.")
+    yield from kind.blocks(name, sources.file(name, f"{name}.svg"), rows, protocol)
+
+
+for _name, _title, _about in (
+    (
+        "robust",
+        "Disturbed robots",
+        "Noise, delay, pushes, and robots and ground that differ from those of the training.",
+    ),
+    ("sweep", "Sweep of the commanded speed", "Every command from standing to the fastest."),
+    ("joystick", "Changing commands", "Commands as from a joystick, changing on the way."),
+    (
+        "heldout",
+        "Held-out commands",
+        "Speeds between those that checkpoints are chosen by, a minute of each, stops, sideways.",
+    ),
+):
+    _needs = (_name, f"{_name}.evaluations")
+    SECTIONS[_name] = PageSection(_title, _needs, partial(_protocol, _name, _about))

@@ -1,0 +1,144 @@
+"""An evaluation comes back from its folder as it was, and its numbers are those by hand."""
+
+import json
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.env.metrics import GaitQuality, Tracking
+from slider.evaluation import segments
+from slider.evaluation.proportions import wilson
+from slider.evaluation.results import (
+    COLUMNS,
+    ROBOTS,
+    SEGMENT_COLUMNS,
+    SEGMENTS,
+    Evaluation,
+    Robots,
+    robots,
+)
+from tests.evaluation.test_profile import case
+from tests.evaluation.test_segments import protocol, recording
+
+
+def random_robots() -> Robots:
+    rng = np.random.default_rng(0)
+    survived = np.array([True, True, False, True, False, True])
+    exponents = range(-4, len(fields(GaitQuality)) - 1)
+    numbers = [np.where(survived, 10.0**k * rng.uniform(size=6), np.nan) for k in exponents]
+    tracked = Tracking(survived, *numbers[:3], tracked=survived & (np.arange(6) > 2))
+    return robots(2, 3, tracked, GaitQuality(*numbers[3:]), ~survived)
+
+
+def make_robots(survived: list[list[int]], error: list[list[float]]) -> Robots:
+    """Trials (rows) of robots (columns); steady errors are a tenth, the first robot tracks."""
+    alive = np.array(survived, dtype=bool)
+    errors = np.where(alive, np.array(error, dtype=float), np.nan).ravel()
+    tracked = alive & (np.arange(alive.shape[1]) == 0)
+    tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
+    quality = GaitQuality(*(errors * k for k in range(len(fields(GaitQuality)))))
+    return robots(*alive.shape, tracking, quality, np.zeros(alive.size, dtype=bool))
+
+
+def write_evaluation(folder: Path, command: float, found: Robots) -> Path:
+    folder.mkdir(parents=True)
+    Evaluation("policy", command, found).save(folder)
+    return folder
+
+
+def changing() -> Evaluation:
+    """In a case with three segments."""
+    rollout = recording()
+    found = tuple(segments.measure(rollout, protocol(), case()))
+    traces = segments.traces(rollout, protocol())
+    velocity = np.ones((5, 2), dtype=np.float32)
+    return Evaluation("policy", None, random_robots(), velocity, "tour", found, traces)
+
+
+@pytest.mark.parametrize(
+    "written", [replace(changing(), command=0.2, case="", segments=(), traces=None), changing()]
+)
+def test_save_then_load(tmp_path, written):
+    written.save(tmp_path)
+    back = Evaluation.load(tmp_path)
+    assert tuple(back.robots.columns) == COLUMNS == tuple(written.robots.columns)
+    pairs = [(back.robots, written.robots)]
+    pairs += zip(back.segments, written.segments, strict=True)
+    for found, expected in pairs:
+        for name, values in expected.columns.items():
+            np.testing.assert_allclose(
+                found.columns[name], values, rtol=1e-8, atol=1e-12, err_msg=name
+            )
+    for name in ("survived", "tracked", "diverged"):
+        assert back.robots.columns[name].dtype == bool
+    assert (back.controller, back.command, back.case) == ("policy", written.command, written.case)
+    np.testing.assert_array_equal(back.velocity, written.velocity)
+    if written.traces is None:
+        assert back.traces is None
+    else:
+        np.testing.assert_array_equal(back.traces, written.traces)
+    again = tmp_path / "again"
+    again.mkdir()
+    back.save(again)
+    for path in again.iterdir():
+        assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
+    about = json.loads((tmp_path / "command.json").read_text())
+    assert ("case" in about) == bool(written.case)
+
+
+def test_robots_of_a_trial_are_neighbours():
+    columns = random_robots().columns
+    np.testing.assert_array_equal(columns["trial"], [0, 0, 0, 1, 1, 1])
+    np.testing.assert_array_equal(columns["robot"], [0, 1, 2, 0, 1, 2])
+
+
+@pytest.mark.parametrize(("name", "columns"), [(ROBOTS, COLUMNS), (SEGMENTS, SEGMENT_COLUMNS)])
+def test_other_columns_are_one_line(tmp_path, name, columns):
+    changing().save(tmp_path)
+    (tmp_path / name).write_text("trial,robot\n0,1\n")
+    expected = rf"expected the columns trial,robot,{columns[2]},.*, found trial,robot"
+    with pytest.raises(UserError, match=expected):
+        Evaluation.load(tmp_path)
+
+
+def test_numbers_by_hand():
+    found = make_robots([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
+    assert found.success.value == pytest.approx(5 / 8)
+    assert found.success.interval == wilson(5, 8)  # robots, not trials
+    assert found.tracking_rate.value == pytest.approx(2 / 8)
+    assert found.mse.value == pytest.approx((1 + 2 + 3 + 4 + 8) / 5)
+    assert found.mse_steady.value == pytest.approx(0.36)
+    assert found.mean("mean_velocity") == pytest.approx(4.6)
+    # Spread: standard deviation over trials of their means, 0.75 and 0.5; 2 and 6.
+    assert found.success.spread == pytest.approx(0.25 / np.sqrt(2))
+    assert found.mse.spread == pytest.approx(4 / np.sqrt(2))
+    assert found.mse_steady.spread == pytest.approx(0.4 / np.sqrt(2))
+    assert found.tracking_rate.spread == 0.0
+
+
+def test_the_spread_is_over_trials_not_robots():
+    same_trials = make_robots([[1, 1], [1, 1], [1, 1]], [[1, 5], [5, 1], [1, 5]])
+    assert same_trials.mse.spread == 0.0
+
+
+def test_none_survives():
+    found = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
+    assert found.success.value == found.success.spread == 0.0
+    assert found.mse.value == found.mse_steady.value == float("inf")
+    assert np.isnan([found.mse.spread, found.mse_steady.spread, found.mean("slip")]).all()
+
+
+def test_a_trial_without_survivors_has_no_part_in_the_spread_of_errors():
+    found = make_robots([[1, 1], [0, 0], [1, 1]], [[1, 1], [7, 7], [3, 3]])
+    assert found.mse.value == 2.0
+    assert found.mse.spread == pytest.approx(np.sqrt(2))
+    assert found.success.spread == pytest.approx(np.std([1, 0, 1], ddof=1))
+
+
+def test_one_trial_has_no_spread():
+    found = make_robots([[1, 1]], [[1, 2]])
+    estimates = (found.success, found.mse, found.mse_steady, found.tracking_rate)
+    assert np.isnan([estimate.spread for estimate in estimates]).all()

@@ -8,6 +8,7 @@ import numpy as np
 from slider.config.env import ObservationConfig
 from slider.core.errors import UserError
 from slider.env.view import View
+from slider.robot.kinematics import turn_to_heading
 from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
 
 VELOCITY_ERROR_RANGE = 0.2  # [m/s]
@@ -104,8 +105,7 @@ def height_scan(view: View) -> np.ndarray:
         return np.repeat(state.base_position[:, 2:3], nx * ny, axis=1)
     grid = [view.scan_spacing * (np.arange(n) - 0.5 * (n - 1)) for n in (nx, ny)]
     x, y = (values.ravel() for values in np.meshgrid(*grid, indexing="ij"))
-    cosine, sine = np.cos(state.yaw)[:, None], np.sin(state.yaw)[:, None]
-    points = np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+    points = turn_to_heading(np.stack([x, y], axis=-1), -state.yaw[:, None])
     points += state.base_position[:, None, :2]
     return state.base_position[:, 2:3] - state.ground.height(points)
 

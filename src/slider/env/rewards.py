@@ -11,8 +11,8 @@ from slider.config.train import RewardConfig
 from slider.core.errors import UserError
 from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
 from slider.env.phase import standing
-from slider.env.state import turn_to_heading
 from slider.env.view import View
+from slider.robot.kinematics import turn_to_heading
 from slider.robot.names import JOINTS, leg_joint
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick

@@ -25,6 +25,7 @@ from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.control.export import FILES as POLICY_FILES
 from slider.core.errors import UserError
+from slider.env.terms import checked
 from slider.reports.figures import FILES
 from slider.tracking import session as tracking
 
@@ -178,7 +179,7 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
 
 
 def _open(overrides: list[str], conf: Path) -> Pipeline:
-    config = with_renderer(compose(overrides, conf))
+    config = with_renderer(checked(compose(overrides, conf)))
     store = Store(Path(ARTEFACTS))
     plan = build_plan(all_targets(config, overrides, conf))
     return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)

@@ -11,6 +11,7 @@ import torch
 import yaml
 
 from pipeline.entry import open_pipeline
+from pipeline.stages import all_jobs
 from slider.cli import main
 from slider.config.reference import read_comments
 from slider.config.units import unit
@@ -93,6 +94,15 @@ def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(do
         "components": ["left", "right"],
         "meaning": "Vertical ground reaction of each foot.",
     }
+
+
+def test_a_reworded_meaning_is_exported_anew_and_trains_nothing(monkeypatch):
+    before = all_jobs(config("experiment=test"))
+    monkeypatch.setattr(observations.base_height, "__doc__", "Height of the trunk.")
+    after = all_jobs(config("experiment=test"))
+    assert after["policy_export"].section["meanings"]["base_height"] == "Height of the trunk."
+    changed = {name for name, job in after.items() if job.recipe != before[name].recipe}
+    assert changed == {"policy_export"}
 
 
 def test_a_documented_parameter_has_its_bounds(documented):

@@ -41,9 +41,8 @@ def documented(tmp_path):
     lines = {}
     for module, title in ((rewards, "A reward term"), (observations, "An observation")):
         section = PAGE.read_text().partition(f"## {title}\n")[2].partition("\n## ")[0]
-        code, line = (
-            re.search(rf"```{kind}\n(.*?)```", section, re.S)[1] for kind in ("python", "yaml")
-        )
+        code = re.search(r"```python\n(.*?)```", section, re.S)[1]
+        line = re.search(r"2\. Its line.*`(\w+: .*)`\.", section)[1]
         path = tmp_path / f"more_{title.split()[-1]}.py"
         indented = code.replace("\n    ", "\n").strip()
         path.write_text(f"from {module.__name__} import *\n\n{indented}\n")

@@ -21,6 +21,7 @@ from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import UserError
+from slider.env.terms import checked
 
 
 def ablation_job(
@@ -66,7 +67,7 @@ def ablation_job(
 
 def _compose(name: str, variant: VariantConfig, overrides: Sequence[str], conf: Path) -> Config:
     try:
-        return compose([*overrides, *variant.overrides], conf)
+        return checked(compose([*overrides, *variant.overrides], conf))
     except UserError as error:
         raise UserError(f"ablation.variants.{name}: {error}") from None
 

@@ -18,6 +18,7 @@ from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.core.errors import UserError
+from slider.env.terms import checked
 from slider.tracking import session as tracking
 
 OPTION = "hydra"
@@ -123,7 +124,7 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
 
 
 def _open(overrides: list[str], conf: Path) -> Pipeline:
-    config = with_renderer(compose(overrides, conf))
+    config = with_renderer(checked(compose(overrides, conf)))
     store = Store(Path(ARTEFACTS))
     plan = build_plan(all_targets(config, overrides, conf))
     return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)

@@ -53,6 +53,9 @@ class Policy:
         action_layout, layout = self.layout["action"], self.layout["observation"]
         mirrored = self._mirrored()
         values = self._terms(state, command)
+        for term in layout["terms"]:
+            if term["name"] not in values:
+                raise SystemExit(f"expected a value of {term['name']} here: {term['meaning']}")
         observation = np.concatenate(
             [np.atleast_1d(values[term["name"]]) * term["scale"] for term in layout["terms"]]
         )
@@ -108,11 +111,13 @@ class Policy:
         return clock is not None and clock["mirror"] and self.phase >= 0.5
 
     def _terms(self, state: dict[str, np.ndarray], command: np.ndarray) -> dict[str, np.ndarray]:
-        """Every term that a policy of this format may ask for, before scaling."""
+        """What a policy may ask for, before scaling; the layout says what each term means."""
         error = (self.heading_target - state["yaw"] + np.pi) % (2.0 * np.pi) - np.pi
         angle = 2.0 * np.pi * self.phase
         layout = self.layout["observation"]
-        scan = sum(t["width"] for t in layout["terms"] if t["name"] == "height_scan")
+        difference = self.filtered - self.expected
+        grid = layout["height_scan"]
+        points = grid["points_x"] * grid["points_y"]
         return {
             "base_linear_velocity": state["linear_velocity"],
             "target_linear_velocity": np.array([command[0], command[1], 0.0]),
@@ -127,9 +132,9 @@ class Policy:
             "base_height": state["height"] - layout["nominal_height"],
             "filtered_velocity": self.filtered,
             "reference_velocity": self.velocity,
-            "velocity_error": np.tanh((self.filtered - self.expected) / 0.2),  # [m/s]
+            "velocity_error": np.tanh(difference / layout["velocity_error"]["range"]),
             "phase": np.array([np.sin(angle), np.cos(angle)]) * (not self.halted),
-            "height_scan": np.full(scan, state["height"]),  # flat ground
+            "height_scan": np.full(points, state["height"]),  # flat ground
         }
 
 

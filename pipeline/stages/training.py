@@ -4,10 +4,10 @@ from pipeline.stages.entries import job
 from pipeline.stages.sections import origin, simulation
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
-from slider.config.library_use import uses_library
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
-from slider.config.validation.terms import check_clock
+from slider.env.observations import TERMS
+from slider.env.terms import check_clock, uses_library
 
 
 def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str, JobSpec]:
@@ -57,5 +57,7 @@ def _job(
 
 def policy_export(walking: JobSpec) -> JobSpec:
     """The policy for use without this package; the policy file brings its configuration along."""
-    inputs = {"walking": [walking]}
-    return job("policy_export", "policy export", {"origin": origin(walking)}, inputs)
+    seen = walking.section["env"]["observation"]["terms"]
+    # Meanings are docstrings: they are in the layout, but in no digest of the source.
+    section = {"origin": origin(walking), "meanings": {n: TERMS[n].meaning for n in seen}}
+    return job("policy_export", "policy export", section, {"walking": [walking]})

@@ -86,7 +86,7 @@ def test_the_default_layout_matches_what_is_computed():
     assert see.size == sum(see.layout.values())
 
 
-@pytest.mark.parametrize("name", [*TERMS, "height_scan"])
+@pytest.mark.parametrize("name", TERMS)
 def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
     see = observer(name)
     reflected = see(physical_view(False), np.ones(COUNT, dtype=bool))
@@ -99,7 +99,7 @@ def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
 
 
 def test_reflecting_twice_changes_nothing():
-    see = observer(*TERMS, "height_scan")
+    see = observer(*TERMS)
     both = np.ones(COUNT, dtype=bool)
     there = see(physical_view(False), both)
     back = see(physical_view(True), both)

@@ -26,7 +26,7 @@ PAPER_EXPERIMENT = "experiment=paper"
 
 
 def value(name: str, view: View, gait: str = "interpolated", **params: float) -> np.ndarray:
-    return TERMS[name](RewardView(view, make_guide(gait)), **params)
+    return TERMS[name].function(RewardView(view, make_guide(gait)), **params)
 
 
 def moving_view(count: int = 40) -> View:
@@ -405,6 +405,19 @@ def test_floor_then_scale_then_fall():
         ({"height": RewardTerm(1.0)}, r"height.params: expected \['width'\], found \[\]"),
         ({"alive": RewardTerm(1.0, {"width": 1.0})}, r"alive.params: expected \[\], found"),
         ({"yaw_rate": RewardTerm(1.0, {"widht": 1.0})}, r"expected \['width'\], found \['widht'\]"),
+        (
+            {"heading": RewardTerm(1.0, {"width": 0.0})},
+            r"width: expected a value > 0 \[rad²\]",
+        ),
+        ({"feet_close": RewardTerm(1.0, {"least": -0.1})}, r"least: expected a value > 0 \[m\]"),
+        (
+            {"airborne": RewardTerm(1.0, {"unloaded": -1.0})},
+            r"unloaded: .* a value ≥ 0 \[N\]",
+        ),
+        (
+            {"guide_nearest": RewardTerm(1.0, {"masked": 2.0})},
+            r"a value ≥ 0 and ≤ 1 \[-\]",
+        ),
     ],
 )
 def test_unknown_terms_and_parameters_are_one_line(terms, message):

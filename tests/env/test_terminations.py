@@ -55,3 +55,16 @@ def test_an_unknown_term_is_one_line():
     terminations.check(PROTOCOL)
     with pytest.raises(UserError, match=r"base_height, tilt, .*; found boredom"):
         terminations.check({"boredom": 1.0})
+
+
+@pytest.mark.parametrize(
+    ("terms", "message"),
+    [
+        ({"tilt": 0.0}, "tilt: expected a value > 0 and ≤ 3.14159 .rad., found 0.0"),
+        ({"tilt": 45.0}, "tilt: expected a value > 0 and ≤ 3.14159 .rad., found 45.0"),
+        ({"body_contact": -1.0}, "body_contact: expected a value ≥ 0 .-., found -1.0"),
+    ],
+)
+def test_an_impossible_parameter_is_one_line(terms, message):
+    with pytest.raises(UserError, match=message):
+        terminations.check(terms)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.config.library_use import uses_library
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
+from slider.env.terms import uses_library
 from slider.training.stage import _task, run_walking
 from slider.training.trainer import POLICY
 from tests.env.synthetic import config

@@ -52,8 +52,9 @@ def run(arguments: argparse.Namespace) -> None:
     from slider.artefacts.runner import limit_threads
     from slider.config.compose import compose
     from slider.core.machine import machine
+    from slider.env.terms import checked
 
-    config = compose(arguments.overrides, arguments.conf)
+    config = checked(compose(arguments.overrides, arguments.conf))
     library = library_path(arguments)
     threads = config.resources.threads if arguments.threads is None else arguments.threads
     limit_threads(threads)  # before torch, as for a job of the pipeline

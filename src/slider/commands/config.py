@@ -16,6 +16,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     from slider.config.compose import compose
     from slider.config.convert import to_dict
+    from slider.env.terms import checked
 
-    values = to_dict(compose(arguments.overrides, arguments.conf))
+    values = to_dict(checked(compose(arguments.overrides, arguments.conf)))
     print(OmegaConf.to_yaml(OmegaConf.create(values)), end="")

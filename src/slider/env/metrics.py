@@ -6,6 +6,7 @@ import numpy as np
 
 from slider.env.contacts import CONTACT_FORCE, Contacts, down, touchdowns
 from slider.env.rollout import Recording
+from slider.robot.kinematics import turn_to_heading
 
 TOGETHER = 0.02  # feet that touch down within less than this do so together [s]
 
@@ -146,9 +147,8 @@ def _motion(recording: Recording, first: int) -> Numbers:
 
 def _legs(recording: Recording) -> Numbers:
     distance = recording.contacts.leg_distance
-    left, right = np.moveaxis(recording.foot_positions[..., :2], 2, 0)
-    sine, cosine = np.sin(recording.yaw), np.cos(recording.yaw)
-    apart = cosine * (left - right)[..., 1] - sine * (left - right)[..., 0]
+    left, right = np.moveaxis(recording.foot_positions, 2, 0)
+    apart = turn_to_heading(left - right, recording.yaw)[..., 1]
     return {
         "leg_distance": distance.min(axis=0),
         "legs_touch": (distance <= 0).mean(axis=0),

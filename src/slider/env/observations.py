@@ -1,163 +1,227 @@
-"""Observation terms: pure functions of a view, each with its reflection at the sagittal plane."""
+"""Observation terms: pure functions of a view that say what they mean, and look like in a mirror.
 
+The docstring of a term is its meaning in the layout of an exported policy, for someone who has a
+robot but not this package.
+"""
+
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 
 from slider.config.env import ObservationConfig
-from slider.core.errors import UserError
+from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.view import View
-from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
+from slider.robot.kinematics import turn_to_heading
+from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
 
+Frame = Literal["base", "heading", "world", "none"]
 VELOCITY_ERROR_RANGE = 0.2  # [m/s]
-_POLAR = (1.0, -1.0, 1.0)  # vectors: y flips
-_AXIAL = (-1.0, 1.0, -1.0)  # angular velocities: x and z flip
 
 
+@dataclass(frozen=True)
+class Mirror:
+    """Reflection at the sagittal plane: reflected = value[permutation] · sign."""
+
+    permutation: tuple[int, ...]
+    sign: tuple[float, ...]
+
+    @classmethod
+    def of(cls, *sign: float) -> "Mirror":
+        """Values that stay where they are."""
+        return cls(tuple(range(len(sign))), sign)
+
+
+_XYZ = ("x", "y", "z")
+_POLAR = Mirror.of(1.0, -1.0, 1.0)  # vectors: y flips
+_AXIAL = Mirror.of(-1.0, 1.0, -1.0)  # angular velocities: x and z flip
+_LEVEL = Mirror.of(1.0, -1.0)  # forward and leftward
+_LEGS = Mirror(MIRROR_PERMUTATION, MIRROR_SIGN)
+
+
+@dataclass(frozen=True)
+class Observation(Term):
+    """A term of the observation: a function of a view, (N, width).
+
+    Attributes:
+        components: name of each value, in order; none for those of a grid.
+        units: unit of each value before scaling; one for all, or one each.
+        frame: base (moves with the trunk), heading (turned by the yaw only), world or none.
+        mirror: its reflection, whose size is its width; it may follow from the configuration.
+    """
+
+    components: tuple[str, ...]
+    units: str | tuple[str, ...]
+    frame: Frame
+    mirror: Mirror | Callable[[ObservationConfig], Mirror]
+
+    def mirror_in(self, config: ObservationConfig) -> Mirror:
+        """Its reflection in an environment."""
+        return self.mirror if isinstance(self.mirror, Mirror) else self.mirror(config)
+
+    @property
+    def meaning(self) -> str:
+        """How to get the values, in one line: the docstring."""
+        return " ".join((inspect.getdoc(self.function) or "").split())
+
+    def describe(self, width: int) -> dict[str, Any]:
+        """Units of all its ``width`` values, frame, components and meaning, as plain values."""
+        return {
+            "units": np.broadcast_to(self.units, width).tolist(),
+            "frame": self.frame,
+            "components": list(self.components),
+            "meaning": self.meaning,
+        }
+
+
+TERMS: dict[str, Observation] = {}
+
+
+def observation(
+    components: tuple[str, ...],
+    units: str | tuple[str, ...],
+    frame: Frame,
+    mirror: Mirror | Callable[[ObservationConfig], Mirror],
+    needs: Needs = Needs.NOTHING,
+) -> Callable[[Function], Function]:
+    """Declare an observation term; the arguments are those of :class:`Observation`."""
+    return register(TERMS, lambda f: Observation(f, needs, {}, components, units, frame, mirror))
+
+
+@observation(_XYZ, "m/s", "base", _POLAR)
 def base_linear_velocity(view: View) -> np.ndarray:
-    """Base velocity in the base frame (N, 3) [m/s]."""
+    """Velocity of the base's origin, in axes of the base."""
     return view.state.linear_velocity
 
 
+@observation(("vx", "vy", "0"), "m/s", "heading", _POLAR)
 def target_linear_velocity(view: View) -> np.ndarray:
-    """Commanded vx, vy and 0 (N, 3) [m/s]."""
+    """Commanded velocity, and 0."""
     return np.pad(view.command[:, :2], ((0, 0), (0, 1)))
 
 
+@observation(_XYZ, "rad/s", "base", _AXIAL)
 def base_angular_velocity(view: View) -> np.ndarray:
-    """Angular velocity in the base frame (N, 3) [rad/s]."""
+    """Angular velocity of the base, in axes of the base (gyroscope)."""
     return view.state.angular_velocity
 
 
+@observation(("0", "0", "yaw_rate"), "rad/s", "base", _AXIAL)
 def target_angular_velocity(view: View) -> np.ndarray:
-    """0, 0 and the commanded yaw rate (N, 3) [rad/s]."""
+    """0, 0 and the commanded yaw rate."""
     return np.pad(view.command[:, 2:3], ((0, 0), (2, 0)))
 
 
+@observation(_XYZ, "-", "base", _POLAR)
 def projected_gravity(view: View) -> np.ndarray:
-    """Direction of gravity in the base frame (N, 3)."""
+    """Unit vector of gravity in axes of the base: (0, 0, -1) when upright."""
     return view.state.gravity
 
 
+@observation(
+    ("vx", "vy", "yaw_rate", "heading_error"),
+    ("m/s", "m/s", "rad/s", "rad"),
+    "heading",
+    Mirror.of(1.0, -1.0, -1.0, -1.0),
+)
 def command(view: View) -> np.ndarray:
-    """vx, vy [m/s], yaw rate [rad/s], heading error [rad] (N, 4)."""
+    """Commands; heading_error = (target - yaw) wrapped to [-pi, pi).
+
+    The target starts at the yaw of the start and moves on by yaw_rate times control_period each
+    control step.
+    """
     return view.command
 
 
+@observation(JOINTS, CHANNEL_UNITS[:NUM_JOINTS], "none", _LEGS)
 def joint_positions(view: View) -> np.ndarray:
-    """Joint positions about the nominal pose (N, 12) [rad or m]."""
+    """Joint position minus action.joints[i].nominal."""
     return view.state.joint_positions - view.nominal
 
 
+@observation(JOINTS, CHANNEL_UNITS[NUM_JOINTS : 2 * NUM_JOINTS], "none", _LEGS)
 def joint_velocities(view: View) -> np.ndarray:
-    """Joint velocities (N, 12) [rad/s or m/s]."""
+    """Joint velocity."""
     return view.state.joint_velocities
 
 
+@observation(JOINTS, "-", "none", _LEGS)
 def previous_action(view: View) -> np.ndarray:
-    """The last action (N, 12)."""
+    """The last action: clipped, reflected back, 0 where its scale is 0."""
     return view.action
 
 
+@observation(JOINTS, "-", "none", _LEGS)
 def action_before_previous(view: View) -> np.ndarray:
-    """The action before the last (N, 12): with a delay it may still be on its way."""
+    """The action before the last one, likewise; 0 at the start.
+
+    With a delay it may still be on its way.
+    """
     return view.previous_action
 
 
+@observation(("z",), "m", "world", Mirror.of(1.0))
 def base_height(view: View) -> np.ndarray:
-    """Base height above the ground about the nominal height (N, 1) [m]."""
+    """Height of the base's origin above the ground minus nominal_height."""
     return view.state.base_height[:, None] - view.nominal_height
 
 
+@observation(("forward", "leftward"), "m/s", "heading", _LEVEL)
 def filtered_velocity(view: View) -> np.ndarray:
-    """Low-passed forward and leftward velocity (N, 2) [m/s]."""
+    """Low-passed velocity f of the base.
+
+    f += velocity_filter.gain * (v - f) each control step but the first, f = 0 at the start; v is
+    the base's velocity turned by minus the yaw.
+    """
     return view.filtered_velocity
 
 
+@observation(("vx", "vy"), "m/s", "heading", _LEVEL)
 def reference_velocity(view: View) -> np.ndarray:
-    """Velocity on the way from one command to the next, forward and leftward (N, 2) [m/s]."""
+    """The reference velocity, from one command to the next; see reference.meaning."""
     return view.reference_velocity
 
 
+@observation(("forward", "leftward"), "-", "heading", _LEVEL)
 def velocity_error(view: View) -> np.ndarray:
-    """tanh((low-passed velocity − low-passed reference)/0.2 m/s), forward and leftward (N, 2).
+    """tanh((filtered_velocity - expected) / velocity_error.range).
 
-    Says little new, but in one number: networks find small differences of large inputs late.
+    Each control step but the first, after the reference velocity has moved, expected +=
+    velocity_filter.gain * (reference velocity - expected), 0 at the start. It says little new, but
+    in one number: networks find small differences of large inputs late.
     """
     return np.tanh((view.filtered_velocity - view.expected_velocity) / VELOCITY_ERROR_RANGE)
 
 
+@observation(("sin", "cos"), "-", "none", Mirror.of(-1.0, -1.0), Needs.CLOCK)
 def phase(view: View) -> np.ndarray:
-    """Sine and cosine of the clock (N, 2); zeros while it is halted."""
-    angle = 2.0 * np.pi * view.phase
+    """Sine and cosine of 2 pi times the clock; 0, 0 when halted."""
+    angle = 2.0 * np.pi * view.phase  # half a walk later the other leg is in stance: signs flip
     return np.stack([np.sin(angle), np.cos(angle)], axis=1) * ~view.halted[:, None]
 
 
-def height_scan(view: View) -> np.ndarray:
-    """Base height above each point of a grid around the base (N, points) [m].
+def _mirrored_grid(config: ObservationConfig) -> Mirror:
+    nx, ny = config.height_scan.points_x, config.height_scan.points_y
+    reflected = np.arange(nx * ny).reshape(nx, ny)[:, ::-1].ravel()
+    return Mirror(tuple(reflected.tolist()), (1.0,) * (nx * ny))
 
-    The grid lies in the heading frame: from back to front, in each row from right to left.
+
+@observation((), "m", "heading", _mirrored_grid)
+def height_scan(view: View) -> np.ndarray:
+    """Height of the base's origin above points of a grid around it; see height_scan.
+
+    From back to front, in each row from right to left.
     """
     state, (nx, ny) = view.state, view.scan_points
     if state.ground.flat:
         return np.repeat(state.base_position[:, 2:3], nx * ny, axis=1)
     grid = [view.scan_spacing * (np.arange(n) - 0.5 * (n - 1)) for n in (nx, ny)]
     x, y = (values.ravel() for values in np.meshgrid(*grid, indexing="ij"))
-    cosine, sine = np.cos(state.yaw)[:, None], np.sin(state.yaw)[:, None]
-    points = np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+    points = turn_to_heading(np.stack([x, y], axis=-1), -state.yaw[:, None])
     points += state.base_position[:, None, :2]
     return state.base_position[:, 2:3] - state.ground.height(points)
-
-
-@dataclass(frozen=True)
-class Term:
-    """An observation term and how it looks in a mirror.
-
-    Attributes:
-        function: view → (N, size).
-        size: width of the term, or 0 when it follows from the height scan.
-        permutation, sign: reflected = value[permutation] · sign.
-    """
-
-    function: Callable[[View], np.ndarray]
-    size: int
-    permutation: tuple[int, ...]
-    sign: tuple[float, ...]
-
-
-def _vector(function: Callable[[View], np.ndarray], sign: tuple[float, ...]) -> Term:
-    return Term(function, len(sign), tuple(range(len(sign))), sign)
-
-
-def _joints(function: Callable[[View], np.ndarray]) -> Term:
-    return Term(function, len(MIRROR_SIGN), MIRROR_PERMUTATION, MIRROR_SIGN)
-
-
-def _scan(config: ObservationConfig) -> Term:
-    nx, ny = config.height_scan.points_x, config.height_scan.points_y
-    reflected = np.arange(nx * ny).reshape(nx, ny)[:, ::-1].ravel()
-    return Term(height_scan, nx * ny, tuple(reflected.tolist()), (1.0,) * (nx * ny))
-
-
-TERMS = {
-    "base_linear_velocity": _vector(base_linear_velocity, _POLAR),
-    "target_linear_velocity": _vector(target_linear_velocity, _POLAR),
-    "base_angular_velocity": _vector(base_angular_velocity, _AXIAL),
-    "target_angular_velocity": _vector(target_angular_velocity, _AXIAL),
-    "projected_gravity": _vector(projected_gravity, _POLAR),
-    "command": _vector(command, (1.0, -1.0, -1.0, -1.0)),
-    "joint_positions": _joints(joint_positions),
-    "joint_velocities": _joints(joint_velocities),
-    "previous_action": _joints(previous_action),
-    "action_before_previous": _joints(action_before_previous),
-    "base_height": _vector(base_height, (1.0,)),
-    "filtered_velocity": _vector(filtered_velocity, (1.0, -1.0)),
-    "reference_velocity": _vector(reference_velocity, (1.0, -1.0)),
-    "velocity_error": _vector(velocity_error, (1.0, -1.0)),
-    # Half a walk later the other leg is in stance.
-    "phase": _vector(phase, (-1.0, -1.0)),
-}
 
 
 class Observer:
@@ -169,27 +233,22 @@ class Observer:
     """
 
     def __init__(self, config: ObservationConfig) -> None:
-        known = {**TERMS, "height_scan": _scan(config)}
-        unknown = [name for name in config.terms if name not in known]
-        if unknown:
-            raise UserError(
-                f"env.observation.terms: expected some of {', '.join(known)}; found {unknown[0]}"
-            )
+        check_names(TERMS, config.terms, "env.observation.terms")
         self._clip = config.clip
-        self._terms = [(known[name], scale) for name, scale in config.terms.items()]
-        self.layout = {name: known[name].size for name in config.terms}
+        self._terms = [(TERMS[name].function, scale) for name, scale in config.terms.items()]
+        mirrors = {name: TERMS[name].mirror_in(config) for name in config.terms}
+        self.layout = {name: len(mirror.sign) for name, mirror in mirrors.items()}
         self.size = sum(self.layout.values())
-        self.permutation = self._stack_permutations()
-        self.sign = np.concatenate([term.sign for term, _ in self._terms])
+        self.permutation = self._stack([np.array(m.permutation) for m in mirrors.values()])
+        self.sign = np.concatenate([mirror.sign for mirror in mirrors.values()])
 
-    def _stack_permutations(self) -> np.ndarray:
-        offsets = np.cumsum([0, *self.layout.values()])[:-1]
-        pairs = zip(self._terms, offsets, strict=True)
-        return np.concatenate([np.array(term.permutation) + offset for (term, _), offset in pairs])
+    def _stack(self, permutations: list[np.ndarray]) -> np.ndarray:
+        starts = np.cumsum([0, *self.layout.values()])[:-1]
+        return np.concatenate([p + start for p, start in zip(permutations, starts, strict=True)])
 
     def __call__(self, view: View, mirrored: np.ndarray) -> np.ndarray:
         """Observations (N, size) float32; those of ``mirrored`` (N,) robots are reflected."""
-        parts = [term.function(view) * scale for term, scale in self._terms]
+        parts = [function(view) * scale for function, scale in self._terms]
         values = np.concatenate(parts, axis=1)
         values[mirrored] = values[mirrored][:, self.permutation] * self.sign
         return np.clip(values, -self._clip, self._clip).astype(np.float32)

@@ -17,9 +17,9 @@ from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
 from slider.env.drive_loads import DriveLoads, loads
 from slider.env.ground import FLAT
-from slider.env.state import RobotState, turn_to_heading
+from slider.env.state import RobotState
 from slider.robot import names
-from slider.robot.kinematics import rotation_from_quaternion
+from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
 
@@ -186,7 +186,7 @@ class BatchedPhysics:
         """Name the quantities of the current state."""
         qpos, qvel, sensors, index = self.qpos, self.qvel, self._sensors, self._index
         rotation = rotation_from_quaternion(qpos[:, 3:7])
-        yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+        yaw = yaw_of(rotation)
         state = RobotState(
             base_position=qpos[:, :3].copy(),
             quaternion=qpos[:, 3:7].copy(),

@@ -1,38 +1,30 @@
 """Reward terms: pure functions of a view and the guide, each (N,), named in the configuration."""
 
-import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slider.config.train import RewardConfig
+from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
 from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
+from slider.env.declaration import Function, Needs, Parameter, Term, check_names, register
+from slider.env.observations import target_angular_velocity, target_linear_velocity
 from slider.env.phase import standing
-from slider.env.state import turn_to_heading
 from slider.env.view import View
+from slider.robot.kinematics import turn_to_heading
 from slider.robot.names import JOINTS, leg_joint
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
 
+TERMS: dict[str, Term] = {}
+_FORCE = Parameter("N", least=0)
 # Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
 # like several radians.
-_GUIDE_WEIGHT = np.array(
-    [
-        {
-            "hip_yaw": 2.0,
-            "hip_roll": 2.0,
-            "hip_pitch": 1.0,
-            "slide": 40.0,
-            "ankle": 0.5,
-            "upper_foot": 0.0,
-        }[leg_joint(name)]
-        for name in JOINTS
-    ]
-)
+_WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0, "ankle": 0.5}
+_GUIDE_WEIGHT = np.array([_WEIGHTS.get(leg_joint(name), 0.0) for name in JOINTS])
 
 
 class RewardView:
@@ -56,6 +48,11 @@ class RewardView:
         return self.guide.at_phase(self.view)
 
 
+def reward(needs: Needs = Needs.NOTHING, **parameters: Parameter) -> Callable[[Function], Function]:
+    """Declare a reward term: a function of a :class:`RewardView` and parameters, (N,)."""
+    return register(TERMS, lambda function: Term(function, needs, parameters))
+
+
 def _kernel(square: np.ndarray, width: np.ndarray | float) -> np.ndarray:
     return np.exp(-square / width)
 
@@ -64,18 +61,17 @@ def _norm(values: np.ndarray) -> np.ndarray:
     return np.sqrt((values**2).sum(axis=1))
 
 
-def _velocity_error(view: View) -> np.ndarray:
-    return view.state.heading_velocity - view.reference_velocity
-
-
+@reward()
 def alive(r: RewardView) -> np.ndarray:
     """1."""
     return np.ones(r.state.num_robots)
 
 
+@reward()
 def forward_velocity(r: RewardView) -> np.ndarray:
     """1 − tanh|vx − reference|: a gradient at every distance."""
-    return 1.0 - np.tanh(np.abs(_velocity_error(r.view)[:, 0]))
+    error = r.state.heading_velocity - r.view.reference_velocity
+    return 1.0 - np.tanh(np.abs(error[:, 0]))
 
 
 def _filtered_error(view: View) -> np.ndarray:
@@ -83,56 +79,64 @@ def _filtered_error(view: View) -> np.ndarray:
     return view.filtered_velocity - view.expected_velocity
 
 
+@reward(width=Parameter("m²/s²", above=0), relative=Parameter("-", least=0))
 def forward_velocity_filtered(r: RewardView, width: float, relative: float) -> np.ndarray:
-    """exp(−e²/(width + relative·vx²)), low-passed forward velocity minus reference [m²/s²]."""
+    """exp(−e²/(width + relative·vx²)), low-passed forward velocity minus reference."""
     error = _filtered_error(r.view)[:, 0]
     return _kernel(error**2, width + relative * r.view.expected_velocity[:, 0] ** 2)
 
 
+@reward(width=Parameter("m/s", above=0))
 def lateral_velocity_filtered(r: RewardView, width: float) -> np.ndarray:
-    """1 − tanh(|e|/width), low-passed leftward velocity minus reference [m/s]."""
+    """1 − tanh(|e|/width), low-passed leftward velocity minus reference."""
     return 1.0 - np.tanh(np.abs(_filtered_error(r.view)[:, 1]) / width)
 
 
+@reward(width=Parameter("rad²/s²", above=0))
 def yaw_rate(r: RewardView, width: float) -> np.ndarray:
-    """exp(−e²/width) of the yaw rate [rad²/s²]."""
+    """exp(−e²/width) of the yaw rate."""
     return _kernel((r.state.angular_velocity[:, 2] - r.view.command[:, 2]) ** 2, width)
 
 
+@reward(width=Parameter("rad²", above=0))
 def heading(r: RewardView, width: float) -> np.ndarray:
-    """exp(−e²/width) of the heading error [rad²]."""
+    """exp(−e²/width) of the heading error."""
     return _kernel(r.view.command[:, 3] ** 2, width)
 
 
+@reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("rad²", above=0))
 def guide_phase(r: RewardView, width: float) -> np.ndarray:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
     error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS]
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
+@reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("rad²", above=0))
 def guide_phase_turning(r: RewardView, width: float) -> np.ndarray:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS] - r.guide.turn(r.view)
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
+@reward(loaded=_FORCE, width=Parameter("rad²/s²", above=0))
 def stand_still(r: RewardView, loaded: float, width: float) -> np.ndarray:
-    """At zero command: share of feet with more than ``loaded`` [N], times exp(−‖q̇‖²/width)."""
+    """At zero command: share of feet with more than ``loaded``, times exp(−‖q̇‖²/width)."""
     share = (r.state.foot_forces > loaded).mean(axis=1)
     speed = (r.state.joint_velocities**2).sum(axis=1)
     return standing(r.view.command) * share * _kernel(speed, width)
 
 
+@reward(Needs.LIBRARY, masked=Parameter("-", least=0, most=1))
 def guide_nearest(r: RewardView, masked: float) -> np.ndarray:
     """−‖Ô − Ĝ‖ to the nearest sample (eq. 3); ``masked`` 1 leaves the upper feet out."""
     return -r.guide.nearest_distance(r.view, masked > 0)
 
 
+@reward(Needs.CLOCK, loaded=_FORCE, unloaded=_FORCE, margin=Parameter("-", least=0, most=0.5))
 def contact_schedule(r: RewardView, loaded: float, unloaded: float, margin: float) -> np.ndarray:
     """Half for a loaded stance foot, half for a free swing foot, away from the switches.
 
-    ``loaded``, ``unloaded``: force thresholds [N]; ``margin``: share of a step at either end
-    in which nothing is asked.
+    ``margin``: share of a step at either end in which nothing is asked.
     """
     left = r.view.phase < 0.5
     forces = r.state.foot_forces
@@ -143,141 +147,126 @@ def contact_schedule(r: RewardView, loaded: float, unloaded: float, margin: floa
     return np.where(asked, 0.5 * (stance > loaded) + 0.5 * (swing < unloaded), 1.0)
 
 
+@reward(width=Parameter("-", above=0))
 def upright(r: RewardView, width: float) -> np.ndarray:
     """exp(−(g_x² + g_y²)/width) of the projected gravity."""
     return _kernel((r.state.gravity[:, :2] ** 2).sum(axis=1), width)
 
 
+@reward(width=Parameter("m²", above=0))
 def height(r: RewardView, width: float) -> np.ndarray:
-    """exp(−(z − nominal)²/width) of the base height [m²]."""
+    """exp(−(z − nominal)²/width) of the base height."""
     return _kernel((r.state.base_height - r.view.nominal_height) ** 2, width)
 
 
+@reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("m²", above=0))
 def guide_height(r: RewardView, width: float) -> np.ndarray:
-    """exp(−(z − gait(phase))²/width) of the base height [m²]."""
+    """exp(−(z − gait(phase))²/width) of the base height."""
     return _kernel((r.state.base_height - r.reference[:, BASE_HEIGHT]) ** 2, width)
 
 
+@reward()
 def action_rate(r: RewardView) -> np.ndarray:
     """Σ (a − a_previous)²."""
     return ((r.view.action - r.view.previous_action) ** 2).sum(axis=1)
 
 
+@reward()
 def roll_pitch_rate(r: RewardView) -> np.ndarray:
     """ω_x² + ω_y² [rad²/s²]."""
     return (r.state.angular_velocity[:, :2] ** 2).sum(axis=1)
 
 
+@reward()
 def effort(r: RewardView) -> np.ndarray:
     """Σ (motor torque/limit)²."""
     return ((r.state.motor_torques / r.view.torque_limits) ** 2).sum(axis=1)
 
 
+@reward(loaded=_FORCE, width=Parameter("m²/s²", above=0))
 def foot_slip(r: RewardView, loaded: float, width: float) -> np.ndarray:
-    """Σ over loaded feet of 1 − exp(−v²/width), v the horizontal speed of the sole [m²/s²]."""
+    """Σ over loaded feet of 1 − exp(−v²/width), v the horizontal speed of the sole."""
     square = (r.state.foot_velocities[:, :, :2] ** 2).sum(axis=2)
     return ((1.0 - _kernel(square, width)) * (r.state.foot_forces > loaded)).sum(axis=1)
 
 
+@reward(unloaded=_FORCE)
 def airborne(r: RewardView, unloaded: float) -> np.ndarray:
-    """1 where both feet carry less than ``unloaded`` [N]."""
+    """1 where both feet carry less than ``unloaded``."""
     return (r.state.foot_forces < unloaded).all(axis=1).astype(float)
 
 
+@reward(least=Parameter("m", above=0))
 def feet_close(r: RewardView, least: float) -> np.ndarray:
-    """Share by which the lateral distance of the soles, left from right, is below ``least`` [m]."""
+    """Share by which the lateral distance of the soles, left from right, is below ``least``."""
     way = r.state.foot_positions[:, 0] - r.state.foot_positions[:, 1]
     distance = turn_to_heading(way, r.state.yaw)[:, 1]
     return np.maximum(0.0, 1.0 - distance / least)
 
 
+@reward()
 def torque_tanh(r: RewardView) -> np.ndarray:
     """tanh‖τ‖ of the motors (paper)."""
     return np.tanh(_norm(r.state.motor_torques))
 
 
+@reward()
 def angular_velocity_tanh(r: RewardView) -> np.ndarray:
     """tanh‖ω‖ (paper)."""
     return np.tanh(_norm(r.state.angular_velocity))
 
 
+@reward()
 def linear_error_tanh(r: RewardView) -> np.ndarray:
     """tanh‖v − v_des‖, base frame, three components (paper)."""
-    target = np.pad(r.view.command[:, :2], ((0, 0), (0, 1)))
-    return np.tanh(_norm(r.state.linear_velocity - target))
+    return np.tanh(_norm(r.state.linear_velocity - target_linear_velocity(r.view)))
 
 
+@reward()
 def angular_error_tanh(r: RewardView) -> np.ndarray:
     """tanh‖ω − ω_des‖ (paper)."""
-    target = np.pad(r.view.command[:, 2:3], ((0, 0), (2, 0)))
-    return np.tanh(_norm(r.state.angular_velocity - target))
+    return np.tanh(_norm(r.state.angular_velocity - target_angular_velocity(r.view)))
 
 
+@reward()
 def height_tanh(r: RewardView) -> np.ndarray:
     """tanh(H) of the base height [m] (paper)."""
     return np.tanh(r.state.base_height)
 
 
+@reward()
 def action_rate_tanh(r: RewardView) -> np.ndarray:
     """tanh‖A − A_previous‖, A the position commands [rad or m] (paper)."""
     change = r.view.action - r.view.previous_action
     return np.tanh(_norm(r.view.action_scale * change))
 
 
-TERMS: dict[str, Callable[..., np.ndarray]] = {
-    function.__name__: function
-    for function in (
-        alive,
-        forward_velocity,
-        forward_velocity_filtered,
-        lateral_velocity_filtered,
-        yaw_rate,
-        heading,
-        guide_phase,
-        guide_phase_turning,
-        stand_still,
-        guide_nearest,
-        contact_schedule,
-        upright,
-        height,
-        guide_height,
-        action_rate,
-        roll_pitch_rate,
-        effort,
-        foot_slip,
-        airborne,
-        feet_close,
-        torque_tanh,
-        angular_velocity_tanh,
-        linear_error_tanh,
-        angular_error_tanh,
-        height_tanh,
-        action_rate_tanh,
-    )
-}
-
-
 class Reward:
     """The configured sum of terms."""
 
     def __init__(self, config: RewardConfig) -> None:
-        for name, term in config.terms.items():
-            _check(name, set(term.params))
+        check(config.terms)
         self._config = config
 
     def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Reward (N,) and the weighted terms by name, each (N,)."""
         config = self._config
-        parts = {n: t.weight * TERMS[n](r, **t.params) for n, t in config.active.items()}
+        parts = {n: t.weight * TERMS[n].function(r, **t.params) for n, t in config.active.items()}
         total = np.maximum(sum(parts.values()), config.floor) * config.scale
         return total + config.on_fall * fell, parts
 
 
-def _check(name: str, params: set[str]) -> None:
-    if name not in TERMS:
-        raise UserError(f"reward.terms: expected some of {', '.join(TERMS)}; found {name}")
-    expected = set(list(inspect.signature(TERMS[name]).parameters)[1:])
-    if params != expected:
-        raise UserError(
-            f"reward.terms.{name}.params: expected {sorted(expected)}, found {sorted(params)}"
-        )
+def check(terms: Mapping[str, RewardTerm], key: str = "reward.terms") -> None:
+    """Refuse unknown names, and parameters that are not those of the term or out of their bounds.
+
+    Raises:
+        UserError: names the key.
+    """
+    check_names(TERMS, terms, key)
+    for name, term in terms.items():
+        expected, found = TERMS[name].parameters, term.params
+        if set(found) != set(expected):
+            texts = f"expected {sorted(expected)}, found {sorted(found)}"
+            raise UserError(f"{key}.{name}.params: {texts}")
+        for parameter, value in found.items():
+            expected[parameter].check(f"{key}.{name}.params.{parameter}", value)

@@ -71,11 +71,3 @@ class RobotState:
         """MuJoCo's generalised velocities (N, 18): linear world, angular base frame."""
         linear = np.einsum("nij,nj->ni", self.rotation, self.linear_velocity)
         return np.concatenate([linear, self.angular_velocity, self.joint_velocities], axis=1)
-
-
-def turn_to_heading(velocity: np.ndarray, yaw: np.ndarray) -> np.ndarray:
-    """Forward and leftward components (N, 2) of world vectors (N, ≥ 2) at yaws (N,) [rad]."""
-    cosine, sine = np.cos(yaw), np.sin(yaw)
-    forward = cosine * velocity[:, 0] + sine * velocity[:, 1]
-    leftward = -sine * velocity[:, 0] + cosine * velocity[:, 1]
-    return np.stack([forward, leftward], axis=1)

@@ -10,6 +10,7 @@ from slider.gait.problem import GaitProblem
 from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
 from slider.gait.tree import NUM_JOINTS as NUM_KNEE_JOINTS
 from slider.robot import knee_map
+from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.names import LEG_JOINTS as PRISMATIC_LEG
 from slider.robot.names import NUM_JOINTS as NUM_PRISMATIC
 
@@ -118,12 +119,8 @@ def _quaternion(r: np.ndarray) -> np.ndarray:
 
 def samples(position: np.ndarray, velocity: np.ndarray, trajectory: KneeTrajectory) -> np.ndarray:
     """Gait samples (S, 26): positions, velocities, forward and leftward speed of the base."""
-    r = trajectory.base_rotation
-    yaw = np.arctan2(r[:, 1, 0], r[:, 0, 0])
-    world = trajectory.base_velocity
-    forward = np.cos(yaw) * world[:, 0] + np.sin(yaw) * world[:, 1]
-    leftward = -np.sin(yaw) * world[:, 0] + np.cos(yaw) * world[:, 1]
-    return np.concatenate([position, velocity, forward[:, None], leftward[:, None]], axis=1)
+    base = turn_to_heading(trajectory.base_velocity, yaw_of(trajectory.base_rotation))
+    return np.concatenate([position, velocity, base], axis=1)
 
 
 def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarray, float]:

@@ -12,6 +12,7 @@ from slider.config.env import EnvConfig, PlantConfig
 from slider.config.robot import RobotConfig
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
+from slider.env.terms import checked
 from slider.library.lookup import GaitLibrary
 from slider.play.baseline import simulate_baseline
 from slider.play.motion import Motion, Replay, simulate_ignorant, simulate_policy
@@ -46,7 +47,8 @@ def build(arguments: Namespace) -> Scene:
 
 
 def _policy(arguments: Namespace) -> Scene:
-    config, plain = compose(arguments.set, arguments.conf), compose([], arguments.conf)
+    config = checked(compose(arguments.set, arguments.conf))
+    plain = compose([], arguments.conf)
     path = arguments.policy
     if path is None:
         path = _current(arguments.artefacts, "walking", "policy.pt")
@@ -66,7 +68,7 @@ def _changed(own: Section, asked: Section, plain: Section) -> Section:
 
 
 def _baseline(arguments: Namespace) -> Scene:
-    config = compose(arguments.set, arguments.conf)
+    config = checked(compose(arguments.set, arguments.conf))
     control = getattr(config.control, arguments.agent.removeprefix("mpc_wbc_"))
     test = config.evaluation
     plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
@@ -77,7 +79,7 @@ def _baseline(arguments: Namespace) -> Scene:
 
 
 def _ignorant(arguments: Namespace) -> Scene:
-    config = compose(arguments.set, arguments.conf)
+    config = checked(compose(arguments.set, arguments.conf))
     random = arguments.agent == "random"
     noise = config.evaluation.start
     motion = simulate_ignorant(config.robot, config.env, noise, arguments.seed, random)
@@ -85,7 +87,7 @@ def _ignorant(arguments: Namespace) -> Scene:
 
 
 def _replay(arguments: Namespace) -> Scene:
-    config = compose(arguments.set, arguments.conf)
+    config = checked(compose(arguments.set, arguments.conf))
     path = arguments.library
     if path is None:
         path = _current(arguments.artefacts, "library", "library.zarr")

@@ -27,6 +27,20 @@ def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
     return rotation
 
 
+def yaw_of(rotation: np.ndarray) -> np.ndarray:
+    """Yaws (N,) [rad] of rotations (N, 3, 3), body to world: where x points to on the ground."""
+    return np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+
+
+def turn_to_heading(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+    """Forward and leftward components (..., 2) of world vectors (..., ≥ 2) at yaws (...) [rad].
+
+    With −yaw it is the way back: world components of forward and leftward ones.
+    """
+    x, y, cosine, sine = vectors[..., 0], vectors[..., 1], np.cos(yaw), np.sin(yaw)
+    return np.stack([cosine * x + sine * y, -sine * x + cosine * y], axis=-1)
+
+
 def quaternion_from_tilt(roll: np.ndarray, pitch: np.ndarray) -> np.ndarray:
     """Unit quaternions (N, 4), pitch about y after roll about x, both (N,) in rad."""
     cr, sr = np.cos(roll / 2), np.sin(roll / 2)
@@ -80,7 +94,7 @@ def _leg(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Hip (N, 3) and ankle (N, 3) relative to the base origin, rotation of the tube (N, 3, 3)."""
     q = joints[:, leg * len(LEG_JOINTS) :]
-    tube = rotation @ _about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
+    tube = rotation @ about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
     hip = rotation @ np.array([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0])
     return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
 
@@ -90,16 +104,17 @@ def standing_height(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray
     return -foot_ends(geometry, rotation, joints)[..., 2].min(axis=(1, 2))
 
 
+def about_z(angle: np.ndarray) -> np.ndarray:
+    """Rotations (N, 3, 3) about the vertical by angles (N,) [rad]."""
+    return _rotation(angle, 0, 1)
+
+
 def _about_x(angle: np.ndarray) -> np.ndarray:
     return _rotation(angle, 1, 2)
 
 
 def _about_y(angle: np.ndarray) -> np.ndarray:
     return _rotation(angle, 2, 0)
-
-
-def _about_z(angle: np.ndarray) -> np.ndarray:
-    return _rotation(angle, 0, 1)
 
 
 def _rotation(angle: np.ndarray, first: int, second: int) -> np.ndarray:

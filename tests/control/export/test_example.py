@@ -11,6 +11,7 @@ import pytest
 from slider.control.export.folder import write_files
 from slider.control.policy import PolicyController
 from slider.env.interface import AgentInterface
+from slider.env.observations import TERMS
 from slider.env.physics import BatchedPhysics
 from slider.robot.mjcf import nominal_qpos
 from tests.control.export.policies import write_policy
@@ -80,6 +81,18 @@ def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
     if policy.env.phase.mirror:
         assert agent.clock is not None
         assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()
+
+
+def test_it_computes_every_term_of_the_package_and_names_one_that_it_cannot(tmp_path):
+    write_files(written(tmp_path), {}, tmp_path)
+    example = load_example()
+    _, data = example.start(tmp_path)
+    outside, state = example.Policy(tmp_path), example.observe(data)
+    outside.heading_target = 0.0
+    assert set(outside._terms(state, COMMAND)) == set(TERMS)
+    outside.layout["observation"]["terms"][3] |= {"name": "smell", "meaning": "how it smells"}
+    with pytest.raises(SystemExit, match="expected a value of smell here: how it smells"):
+        outside.targets(state, COMMAND)
 
 
 def test_it_runs_as_a_program_without_the_package(tmp_path):

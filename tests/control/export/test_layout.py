@@ -1,12 +1,12 @@
 """The layout says everything, and says it right."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from slider.control.export.layout import describe, reference_table
-from slider.control.export.terms import MEANINGS
 from slider.env.observations import TERMS
 from slider.robot.names import JOINTS
 from tests.control.export.policies import make_policy
@@ -14,10 +14,16 @@ from tests.env.synthetic import gait_table, motor_angles
 
 
 def test_every_term_of_an_observation_is_explained():
-    assert set(MEANINGS) == {*TERMS, "height_scan"}
-    for name, term in TERMS.items():
-        assert len(MEANINGS[name].components) == term.size, name
-        assert len(MEANINGS[name].units) in (1, term.size), name
+    policy = make_policy("env=paper")
+    terms = dict.fromkeys(TERMS, 1.0)
+    env = replace(policy.env, observation=replace(policy.env.observation, terms=terms))
+    rows = describe(replace(policy, env=env), {})["observation"]["terms"]
+    assert [row["name"] for row in rows] == list(TERMS)
+    for row in rows:
+        assert row["meaning"].endswith("."), row["name"]
+        assert "\n" not in row["meaning"]
+        assert len(row["units"]) == row["width"], row["name"]
+        assert len(row["components"]) == row["width"] or row["name"] == "height_scan"
 
 
 @pytest.mark.parametrize("env", ["default", "paper"])

@@ -6,7 +6,6 @@ from slider.config.train import (
     CurriculumConfig,
     NetworkConfig,
     PpoConfig,
-    RewardConfig,
     SelectionConfig,
     TrainConfig,
     TrainingsConfig,
@@ -25,7 +24,6 @@ from slider.config.validation.checks import (
     some,
 )
 from slider.config.validation.disturbance import check_disturbance
-from slider.config.validation.terms import check_terms
 
 
 def check_trainings(
@@ -44,7 +42,6 @@ def check_trainings(
     for key, train in keyed.items():
         _train(train, env, key)
         check_disturbance(train.disturbance, env, f"{key}.disturbance")
-    check_terms(env, keyed)
 
 
 def _same_network(walking: NetworkConfig, other: NetworkConfig, key: str) -> None:
@@ -67,18 +64,8 @@ def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
     _mini_batches(train, f"{key}.ppo.mini_batches")
     fraction(f"{key}.reset.reference_fraction", train.reset.reference_fraction)
     _network(train.network, f"{key}.network")
-    _reward(train.reward, f"{key}.reward")
+    some(f"{key}.reward.terms", train.reward.terms, "term")
     _selection(train.selection, env, f"{key}.selection")
-
-
-def _reward(reward: RewardConfig, key: str) -> None:
-    some(f"{key}.terms", reward.terms, "term")
-    for name, term in reward.terms.items():
-        for parameter, value in term.params.items():
-            if parameter == "width":
-                positive(f"{key}.terms.{name}.params.width", value)
-            if parameter == "relative":
-                at_least(f"{key}.terms.{name}.params.relative", value, 0)
 
 
 def _ppo(ppo: PpoConfig, key: str) -> None:

@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from slider.config.convert import to_dict
 from slider.control.export import REFERENCE
-from slider.control.export.terms import MEANINGS
 from slider.control.policy_file import Policy
 from slider.env.interface import AgentInterface
+from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.names import (
@@ -27,7 +28,7 @@ from slider.robot.names import (
 from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
-VERSION = 6
+VERSION = 7
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
@@ -104,28 +105,17 @@ def _observation(policy: Policy, agent: AgentInterface) -> dict[str, Any]:
         "mirror": {"permutation": observer.permutation.tolist(), "sign": observer.sign.tolist()},
         "nominal_height": agent.nominal_height,
         "velocity_filter": {"time_constant": config.velocity_filter, "gain": gain},
+        "velocity_error": {"range": VELOCITY_ERROR_RANGE},
+        "height_scan": to_dict(config.height_scan),
     }
 
 
 def _terms(policy: Policy, agent: AgentInterface) -> list[dict[str, Any]]:
     start, rows = 0, []
     for name, width in agent.observer.layout.items():
-        meaning = MEANINGS[name]
-        row = {
-            "name": name,
-            "start": start,
-            "width": width,
-            "scale": policy.env.observation.terms[name],
-            "units": list(np.broadcast_to(meaning.units, width).tolist()),
-            "frame": meaning.frame,
-            "components": list(meaning.components),
-            "meaning": meaning.text,
-        }
-        scan = policy.env.observation.height_scan
-        if name == "height_scan":
-            grid = {"points_x": scan.points_x, "points_y": scan.points_y, "spacing": scan.spacing}
-            row |= {"grid": grid}
-        rows.append(row)
+        scale = policy.env.observation.terms[name]
+        place = {"name": name, "start": start, "width": width, "scale": scale}
+        rows.append(place | TERMS[name].describe(width))
         start += width
     return rows
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.control.mpc.entry import Sway
-from slider.control.mpc.motion import about_z
 from slider.env.phase import standing
+from slider.robot.kinematics import turn_to_heading
 
 SWAY, WALK, OFF, STAND = 0, 1, 2, 3
 LEFT, RIGHT = 0, 1
@@ -94,13 +94,8 @@ class Gait:
 
     def to_heading(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
         """World (n, 2) → forward, left."""
-        return turn(vectors, -self.heading[robots])
+        return turn_to_heading(vectors, self.heading[robots])
 
     def to_world(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
         """Forward, left (n, 2) → world."""
-        return turn(vectors, self.heading[robots])
-
-
-def turn(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """Vectors (n, 2) turned by angles (n,) [rad]."""
-    return np.einsum("nij,nj->ni", about_z(angle)[:, :2, :2], vectors)
+        return turn_to_heading(vectors, -self.heading[robots])

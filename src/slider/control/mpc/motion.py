@@ -5,6 +5,7 @@ import numpy as np
 from slider.config.control import TaskConfig, WholeBodyConfig
 from slider.control.mpc.nominal import NUM_DOFS, Dynamics
 from slider.control.mpc.whole_body import Tasks
+from slider.robot.kinematics import about_z, yaw_of
 
 Part = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Jacobian (n, r, 18), wanted acceleration less the bias (n, r), weight (r,)."""
@@ -49,8 +50,9 @@ class Motion:
         axes = pitch_and_yaw(rotation)
         jacobian = axes @ dynamics.foot_jacobians[robots, foot, 3:]
         bias = (axes @ dynamics.foot_bias[robots, foot, 3:, None])[..., 0]
-        yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
-        error = np.stack([np.arcsin(rotation[:, 2, 0]), _wrapped(heading - yaw)], axis=1)
+        error = np.stack(
+            [np.arcsin(rotation[:, 2, 0]), _wrapped(heading - yaw_of(rotation))], axis=1
+        )
         rate = -_velocity(jacobian, dynamics.qvel)
         rate[:, 1] += yaw_rate
         wanted, weight = _wanted(self._config.swing_rotation, error, rate)
@@ -77,16 +79,6 @@ def join(parts: list[Part]) -> Tasks:
     """One set of rows from several parts."""
     jacobians, wanted, weights = zip(*parts, strict=True)
     return Tasks(np.concatenate(jacobians, 1), np.concatenate(wanted, 1), np.concatenate(weights))
-
-
-def about_z(angle: np.ndarray) -> np.ndarray:
-    """Rotations (n, 3, 3) about the vertical by angles (n,) [rad]."""
-    rotation = np.zeros((len(angle), 3, 3))
-    rotation[:, 0, 0] = rotation[:, 1, 1] = np.cos(angle)
-    rotation[:, 1, 0] = np.sin(angle)
-    rotation[:, 0, 1] = -rotation[:, 1, 0]
-    rotation[:, 2, 2] = 1.0
-    return rotation
 
 
 def pitch_and_yaw(rotation: np.ndarray) -> np.ndarray:

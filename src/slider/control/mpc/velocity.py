@@ -3,7 +3,8 @@
 import numpy as np
 
 from slider.config.control import PlannerConfig
-from slider.control.mpc.memory import Gait, turn
+from slider.control.mpc.memory import Gait
+from slider.robot.kinematics import turn_to_heading
 
 
 class ReferenceVelocity:
@@ -53,7 +54,7 @@ class ReferenceVelocity:
         # Not in the first stride, nor while it brakes in order to stand.
         known = (gait.steps[robots] > 2) & ~gait.told_to_stand(robots)
         halfway = gait.heading[robots] - 0.5 * gait.command[robots, 2] * gone[:, 2]
-        mean = turn(gone[:, :2], -halfway) / np.maximum(gone[:, 2:], self._period)
+        mean = turn_to_heading(gone, halfway) / np.maximum(gone[:, 2:], self._period)
         error = np.where(known[:, None], gait.command[robots, :2] - mean, 0.0)
         limit = self._config.integral_limit
         total = gait.correction[robots] + self._config.integral * error

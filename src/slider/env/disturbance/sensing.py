@@ -9,8 +9,8 @@ import numpy as np
 
 from slider.config.disturbance import SensingConfig
 from slider.env.starts import multiply_quaternions
-from slider.env.state import RobotState, turn_to_heading
-from slider.robot.kinematics import rotation_from_quaternion
+from slider.env.state import RobotState
+from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.names import JOINTS, NUM_JOINTS
 
 COLUMNS = 2 * NUM_JOINTS + 10  # standard normal numbers per robot
@@ -31,7 +31,7 @@ def measure(state: RobotState, config: SensingConfig, normal: np.ndarray) -> Rob
     positions, velocities, base = np.split(normal, [NUM_JOINTS, 2 * NUM_JOINTS], axis=1)
     quaternion = _turned(state.quaternion, config.orientation * base[:, :3])
     rotation = rotation_from_quaternion(quaternion)
-    yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+    yaw = yaw_of(rotation)
     linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]
     position = state.base_position.copy()
     position[:, 2] += config.base_height * base[:, 9]

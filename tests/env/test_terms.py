@@ -1,0 +1,234 @@
+"""A term is one function and one line of the configuration, and says itself what it needs."""
+
+import importlib.util
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+import yaml
+
+from pipeline.entry import open_pipeline
+from pipeline.stages import all_jobs
+from slider.cli import main
+from slider.config.reference import read_comments
+from slider.config.units import unit
+from slider.control.export.layout import describe
+from slider.core.errors import UserError
+from slider.env import observations, rewards, terminations
+from slider.env.declaration import Needs, Parameter
+from slider.env.rewards import RewardView, reward
+from slider.env.terms import check_clock, checked, uses_library
+from tests.control.export.policies import make_policy
+from tests.env.synthetic import CONF, config, make_guide, make_state, make_view
+from tests.env.test_rewards import moving_view
+from tests.env.test_vec_env import NUM_ENVS, actions, build, settings
+
+PAGE = Path(__file__).parents[2] / "docs" / "extending.md"
+PARAMS = {
+    name: term.params
+    for reward in ("default", "turning", "paper", "unguided")
+    for name, term in config(f"train/walking/reward={reward}").train.walking.reward.terms.items()
+} | {"alive": {}}
+
+
+@pytest.fixture
+def documented(tmp_path):
+    """The two terms of the page that tells how to add one, in a module, and their lines of YAML."""
+    before = {module: dict(module.TERMS) for module in (rewards, observations)}
+    lines = {}
+    for module, title in ((rewards, "A reward term"), (observations, "An observation")):
+        section = PAGE.read_text().partition(f"## {title}\n")[2].partition("\n## ")[0]
+        code = re.search(r"```python\n(.*?)```", section, re.S)[1]
+        line = re.search(r"2\. Its line.*`(\w+: .*)`\.", section)[1]
+        path = tmp_path / f"more_{title.split()[-1]}.py"
+        indented = code.replace("\n    ", "\n").strip()
+        path.write_text(f"from {module.__name__} import *\n\n{indented}\n")
+        spec = importlib.util.spec_from_file_location(path.stem, path)
+        spec.loader.exec_module(importlib.util.module_from_spec(spec))
+        lines[module] = yaml.safe_load(line)
+    yield lines
+    for module, terms in before.items():
+        module.TERMS.clear()
+        module.TERMS.update(terms)
+
+
+def overridden(lines) -> list[str]:
+    ((name, term),) = lines[rewards].items()
+    ((seen, scale),) = lines[observations].items()
+    text = f"{{weight: {term['weight']}, params: {{limit: {term['params']['limit']}}}}}"
+    return [f"+train.walking.reward.terms.{name}={text}", f"+env.observation.terms.{seen}={scale}"]
+
+
+def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(documented):
+    overrides = overridden(documented)
+    whole = settings("experiment=test", "env.phase.mirror=true", *overrides)
+    checked(whole)
+    env = build(whole)
+    generator = torch.Generator().manual_seed(0)
+    logged, loaded = [], 0
+    for _ in range(40):
+        found, _, _, extras = env.step(actions("random", generator))
+        logged.append(extras["log"]["/reward/knock"])
+        forces = np.clip(0.005 * env.physics.read().foot_forces, 0.0, whole.env.observation.clip)
+        seen = found["policy"][:, -2:].numpy()  # right stance is reflected
+        np.testing.assert_allclose(np.sort(seen), np.sort(forces), rtol=1e-6)
+        loaded += (seen > 0).sum()
+    assert env.observation_layout["foot_forces"] == 2
+    robots = np.array(logged) / (-0.1 / NUM_ENVS)  # that knock
+    np.testing.assert_allclose(robots, np.round(robots), atol=1e-9)
+    assert 0 <= robots.min() < robots.max() <= NUM_ENVS
+    assert loaded > 0
+    policy = make_policy(*overrides)
+    *_, row = describe(policy, {})["observation"]["terms"]
+    assert row == {
+        "name": "foot_forces",
+        "start": policy.network.mean.numel() - 2,
+        "width": 2,
+        "scale": 0.005,
+        "units": ["N", "N"],
+        "frame": "world",
+        "components": ["left", "right"],
+        "meaning": "Vertical ground reaction of each foot.",
+    }
+
+
+def test_a_reworded_meaning_is_exported_anew_and_trains_nothing(monkeypatch):
+    before = all_jobs(config("experiment=test"))
+    monkeypatch.setattr(observations.base_height, "__doc__", "Height of the trunk.")
+    after = all_jobs(config("experiment=test"))
+    assert after["policy_export"].section["meanings"]["base_height"] == "Height of the trunk."
+    changed = {name for name, job in after.items() if job.recipe != before[name].recipe}
+    assert changed == {"policy_export"}
+
+
+def test_a_documented_parameter_has_its_bounds(documented):
+    term, _ = overridden(documented)
+    message = r"reward.terms.knock.params.limit: expected a value > 0 \[m/s\], found 0"
+    with pytest.raises(UserError, match=message):
+        checked(config("experiment=test", term.replace("0.6", "0.0")))
+
+
+def test_a_name_is_taken_once_and_declares_what_it_takes():
+    with pytest.raises(ValueError, match="expected a new name for a term, found alive again"):
+        reward()(rewards.alive)
+
+    def gliding(r: RewardView, width: float) -> np.ndarray:
+        return r.state.yaw / width
+
+    with pytest.raises(ValueError, match=r"gliding: expected some of \['width'\], found \['widht'"):
+        reward(widht=Parameter("rad", above=0))(gliding)
+    assert "gliding" not in {**rewards.TERMS, **observations.TERMS}
+
+
+def test_every_parameter_of_a_term_has_its_unit():
+    for terms in (rewards.TERMS, terminations.TERMS):
+        for name, term in terms.items():
+            assert set(term.declared) == set(term.parameters), name
+
+
+def test_units_of_terminations_are_those_of_the_configurations_comments():
+    comments = read_comments(CONF)
+    for name, term in terminations.TERMS.items():
+        (parameter,) = term.parameters.values()
+        path = f"env.termination.terms.{name}"
+        assert parameter.unit == unit(path, list(terminations.TERMS), comments)
+
+
+@pytest.mark.parametrize("name", rewards.TERMS)
+def test_a_reward_needs_the_clock_and_the_library_exactly_if_it_reads_them(name):
+    term, view = rewards.TERMS[name], moving_view()
+    later = replace(view, phase=(view.phase + 0.37) % 1.0)
+    values = [
+        term.function(RewardView(seen, make_guide()), **PARAMS[name]) for seen in (view, later)
+    ]
+    assert (values[0] != values[1]).any() == (Needs.CLOCK in term.needs)
+    if Needs.LIBRARY in term.needs:
+        with pytest.raises(UserError, match="expected a gait library"):
+            term.function(RewardView(view, None), **PARAMS[name])
+    else:
+        term.function(RewardView(view, None), **PARAMS[name])
+
+
+@pytest.mark.parametrize("name", observations.TERMS)
+def test_an_observation_needs_the_clock_exactly_if_it_reads_it(name):
+    term = observations.TERMS[name]
+    seen = [term.function(make_view(make_state(1), phase=[phase])) for phase in (0.1, 0.3)]
+    assert (seen[0] != seen[1]).any() == (Needs.CLOCK in term.needs)
+
+
+MISTAKES = [
+    ("train.walking.reward.terms.heading.params.width=0", "heading.params.width: expected a value"),
+    (
+        "train.walking.reward.terms.forward_velocity_filtered.params.relative=-1",
+        "forward_velocity_filtered.params.relative: expected a value ≥ 0 [-], found -1",
+    ),
+    ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms: expected"),
+    ("+train.standing.reward.terms.glory={weight: 0}", "train.standing.reward.terms: expected"),
+    ("+train.walking.reward.terms.upright.params.x=1", "terms.upright.params: expected ['w"),
+    ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
+    ("+env.termination.terms.boredom=1.0", "env.termination.terms: expected some of"),
+    ("env.termination.terms.tilt=45", "terms.tilt: expected a value > 0 and ≤ 3.14159 [rad]"),
+]
+
+
+@pytest.mark.parametrize(("override", "message"), MISTAKES)
+def test_every_mistake_is_one_line(override, message, capsys):
+    assert main(["config", override, "--conf", str(CONF)]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
+
+
+def test_a_mistake_of_a_fine_tuning_names_it():
+    with pytest.raises(UserError, match=r"finetuning\.reward\.terms: expected .*; found glory"):
+        checked(config("finetuning=robust", "+finetuning.reward.terms.glory={weight: 1.0}"))
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        ("+env.termination.terms.boredom=1.0", "slider: env.termination.terms: expected some of"),
+        (
+            "report.sections=[ablation] ablation.run=[default] "
+            """'ablation.variants.default.overrides=["+env.observation.terms.nose=1.0"]'""",
+            "slider: ablation.variants.default: env.observation.terms: expected some of",
+        ),
+    ],
+)
+def test_no_plan_is_laid_out_with_a_mistake(overrides, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit):
+        open_pipeline({"hydra": overrides}, CONF)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(message)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "command", [("play", "zero", "--headless", "--set"), ("benchmark-training",)]
+)
+def test_other_doors_refuse_a_mistake(command, capsys):
+    mistake = "+env.termination.terms.boredom=1.0"
+    assert main([*command, mistake, "--conf", str(CONF)]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.endswith("found boredom")
+
+
+def test_a_term_that_counts_needs_its_clock_and_its_library():
+    whole = config("env/phase=none", "env.action.offset=nominal", "~env.observation.terms.phase")
+    walking = whole.train.walking
+    bare = replace(walking, reset=replace(walking.reset, reference_fraction=0.0))
+    for name, term in walking.reward.terms.items():
+        needs = rewards.TERMS[name].needs
+        for weight in (0.0, 1.0):
+            terms = {name: replace(term, weight=weight)}
+            train = replace(bare, reward=replace(walking.reward, terms=terms))
+            counts = weight > 0
+            assert uses_library(whole.env, train) == (counts and Needs.LIBRARY in needs), name
+            if counts and Needs.CLOCK in needs:
+                with pytest.raises(UserError, match=f"me: reward.terms: .* for {name}, found no"):
+                    check_clock(whole.env, train, "me")
+            else:
+                check_clock(whole.env, train, "me")

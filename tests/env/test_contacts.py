@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from slider.env.contacts import CONTACT_FORCE, LIFT_TIME, TOUCH_TIME, join, observe, touchdowns
 from slider.env.ground import FLAT
+from slider.env.instruments import CONTACT_FORCE, LIFT_TIME, TOUCH_TIME, join, observe, touchdowns
 
 TIMESTEP = 0.005
 COUNT = 100

@@ -21,12 +21,12 @@ import torch
 from mujoco import rollout
 from rsl_rl.runners import OnPolicyRunner
 
+from slider.bench.stopwatch import Stopwatch
 from slider.core.job import NoTracker
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
 from slider.training.ppo import runner_config
-from slider.training.stopwatch import Stopwatch
 from slider.training.task import Task
 
 _RECORDED = 24  # control steps

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.env.contacts import CONTACT_FORCE, Contacts, down, touchdowns
+from slider.env.instruments import CONTACT_FORCE, Contacts, down, touchdowns
 from slider.env.rollout import Recording
 
 TOGETHER = 0.02  # feet that touch down within less than this do so together [s]
@@ -60,7 +60,7 @@ class GaitQuality:
 
     Attributes:
         flight: share of time with no foot on the ground, bounces left out; see
-            :func:`slider.env.contacts.down`.
+            :func:`slider.env.instruments.down`.
         double_support: share of time with both feet on the ground, likewise.
         touchdown_rate: touchdowns per second, both feet, likewise.
         alternation: share of touchdowns that follow one of the other foot; two feet that touch down

@@ -12,11 +12,10 @@ from mujoco import rollout
 
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.env.contacts import Contacts, observe
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
-from slider.env.drive_loads import DriveLoads, loads
 from slider.env.ground import FLAT
+from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.state import RobotState, turn_to_heading
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion

@@ -9,15 +9,15 @@ import numpy as np
 
 from slider.config.train import RewardConfig
 from slider.core.errors import UserError
-from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
 from slider.env.phase import standing
 from slider.env.state import turn_to_heading
 from slider.env.view import View
-from slider.robot.names import JOINTS, leg_joint
+from slider.robot.names import JOINTS, NUM_CHANNELS, NUM_JOINTS, leg_joint
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
 
+_BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
 # Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
 # like several radians.
 _GUIDE_WEIGHT = np.array(
@@ -106,13 +106,13 @@ def heading(r: RewardView, width: float) -> np.ndarray:
 
 def guide_phase(r: RewardView, width: float) -> np.ndarray:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
-    error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS]
+    error = r.state.joint_positions - r.reference[:, :NUM_JOINTS]
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
 def guide_phase_turning(r: RewardView, width: float) -> np.ndarray:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
-    error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS] - r.guide.turn(r.view)
+    error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
@@ -155,7 +155,7 @@ def height(r: RewardView, width: float) -> np.ndarray:
 
 def guide_height(r: RewardView, width: float) -> np.ndarray:
     """exp(−(z − gait(phase))²/width) of the base height [m²]."""
-    return _kernel((r.state.base_height - r.reference[:, BASE_HEIGHT]) ** 2, width)
+    return _kernel((r.state.base_height - r.reference[:, _BASE_HEIGHT]) ** 2, width)
 
 
 def action_rate(r: RewardView) -> np.ndarray:

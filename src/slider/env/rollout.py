@@ -15,8 +15,7 @@ import numpy as np
 
 from slider.config.env import EnvConfig, PlantConfig
 from slider.env import terminations
-from slider.env.contacts import Contacts, join
-from slider.env.drive_loads import DriveLoads, over
+from slider.env.instruments import Contacts, DriveLoads, join, over
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
 

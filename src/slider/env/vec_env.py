@@ -11,8 +11,7 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.config.train import TrainConfig
 from slider.env import terminations
-from slider.env.commands import CommandSampler
-from slider.env.curriculum import Curriculum
+from slider.env.commands import CommandSampler, Curriculum
 from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.interface import AgentInterface

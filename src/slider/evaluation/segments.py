@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
-from slider.env.contacts import touchdowns
+from slider.env.instruments import touchdowns
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
 from slider.evaluation import profile as profiles

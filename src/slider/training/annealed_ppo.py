@@ -6,6 +6,7 @@ than each of them (Polyak and Juditsky, 1992).
 """
 
 import math
+from dataclasses import dataclass
 from typing import Any, cast
 
 import torch
@@ -14,9 +15,29 @@ from rsl_rl.models import MLPModel
 from torch.nn import Module
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
-from slider.training.noise import NoiseBound
-
 AVERAGE = "average_state_dict"
+
+
+@dataclass(frozen=True)
+class NoiseBound:
+    """Greatest standard deviation of the action noise over a training.
+
+    Attributes:
+        first, last: at the start and after the last update; between, geometric.
+        start: share of the updates from which it falls.
+        updates: of the training.
+    """
+
+    first: float
+    last: float
+    start: float
+    updates: int
+
+    def after(self, update: int) -> float:
+        """The bound after so many updates."""
+        begin = self.start * self.updates
+        share = (update - begin) / max(self.updates - begin, 1.0)
+        return self.first * (self.last / self.first) ** min(max(share, 0.0), 1.0)
 
 
 class AnnealedPPO(PPO):

@@ -1,6 +1,6 @@
 """rsl-rl's scalars reach the tracker in one call per iteration."""
 
-from slider.training.log_writer import TrackerLogWriter
+from slider.training.ppo import TrackerLogWriter
 from tests.training.test_trainer import Notes, trained
 
 

@@ -61,11 +61,11 @@ class BatchedPhysics:
         mujoco.set_mju_user_warning(_ignore_warning)
         self.robot = robot
         self.model = build_plant(robot, options, disturbance)
-        self._models = self.model
+        self.models = self.model
         self._disturber: Disturber | None = None
         if disturbance is not None:
             self._disturber = Disturber(disturbance, robot, self.model, actuation, num_robots)
-            self._models = self._disturber.models
+            self.models = self._disturber.models
         self.num_robots = num_robots
         self.nominal = nominal_qpos(robot)
         self._substeps = config.substeps
@@ -123,7 +123,7 @@ class BatchedPhysics:
         if self._disturber is not None:
             self._disturber.push(self.qvel)
             control = self._disturber.drive(control)
-        series = self._pool.rollout(self._models, self._data, self._state, control)
+        series = self._pool.rollout(self.models, self._data, self._state, control)
         states, sensors = (np.asarray(values) for values in series)
         self._diverged = self._find_diverged(states[:, -1]) | ~np.isfinite(inputs).all(axis=1)
         if self._diverged.any():

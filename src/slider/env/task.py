@@ -1,4 +1,4 @@
-"""What a training is about, put together from configuration and gait library."""
+"""A training task: robot, environment, rewards, and the gaits that it needs."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,14 @@ from slider.library.step_times import StepTimes
 
 @dataclass(frozen=True)
 class Task:
-    """What is trained, in which environment, towards which guide, with actions about what."""
+    """One training.
+
+    Attributes:
+        robot, env, train: the configuration.
+        times: step times of the clock, where there is one.
+        guide: the library's gaits for guide rewards and starts, where rewards may ask for them.
+        reference: joint positions of the gaits, where actions are about the gait.
+    """
 
     robot: RobotConfig
     env: EnvConfig

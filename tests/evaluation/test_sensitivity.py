@@ -89,7 +89,7 @@ def test_the_plant_is_the_changed_robot_and_the_agent_keeps_its_own(walking):
     assert other == pytest.approx(own + 0.05 * WHOLE.robot.geometry.leg_length)
     assert simulated.physics.nominal[2] == other
     assert simulated.physics.robot == test.robot
-    agent = simulated.controller._agent
+    agent = simulated.controller.agent
     assert agent.nominal_height == own
     np.testing.assert_array_equal(agent.nominal, nominal_qpos(WHOLE.robot)[7:])
 
@@ -107,7 +107,7 @@ def test_narrower_joints_of_the_plant_do_not_narrow_the_targets(walking):
     targets = []
     for robot in (WHOLE.robot, narrow):
         test = read_protocol(section(robot) | {"command": 0.2})
-        agent = simulate(policy, test, WHOLE.env).controller._agent
+        agent = simulate(policy, test, WHOLE.env).controller.agent
         targets.append(agent.act(np.full((3, 12), 5.0)))
     np.testing.assert_array_equal(*targets)
 

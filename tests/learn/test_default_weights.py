@@ -23,7 +23,7 @@ FAULTS = {
     "height": {"base_position": [[0.0, 0.0, 0.62]]},
     "guide_height": {"base_position": [[0.0, 0.0, 0.62]]},
     "action_rate": {"action": 1.0},
-    "roll_pitch_rate": {"angular_velocity": [[2.0, -2.0, 0.0]]},
+    "roll_pitch_rate": {"angular_velocity": [[4.0, -4.0, 0.0]]},
     "foot_slip": {"foot_velocities": [[[0.5, 0.0, 0.0], [0.0, 0.0, 0.0]]]},
     "airborne": {"foot_forces": 0.0, "phase": 0.0},  # as the feet change, where both may be down
     "feet_close": {"foot_positions": [[[0.0, 0.02, 0.0], [0.0, -0.02, 0.0]]]},

@@ -33,7 +33,7 @@ class Curriculum:
 
     Args:
         config: where the share begins and how it grows.
-        window: number of episodes after which success is judged.
+        window: number of episodes after which the share may grow.
     """
 
     def __init__(self, config: CurriculumConfig, window: int) -> None:
@@ -47,7 +47,7 @@ class Curriculum:
         return self._config.start < 1.0
 
     def note(self, ended: int, fallen: int) -> None:
-        """Count episodes that ended, ``fallen`` of them in a fall; judge a full window."""
+        """Count episodes that ended, ``fallen`` of them in a fall; grow after a good window."""
         self._ended += ended
         self._fallen += fallen
         if not self.enabled or self._ended < self._window:

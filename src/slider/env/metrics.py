@@ -43,14 +43,14 @@ def tracking(recording: Recording, warm_up: float, tolerance: float, relative: f
     command = recording.command[:, :, 0]
     error = (forward - command) ** 2
     mean = forward[first:].mean(axis=0)
-    wanted = command[first] + (command[first:] - command[first]).mean(axis=0)  # exact if constant
-    allowed = np.maximum(tolerance, relative * np.abs(wanted))
+    target = command[first] + (command[first:] - command[first]).mean(axis=0)  # exact if constant
+    allowed = np.maximum(tolerance, relative * np.abs(target))
     return Tracking(
         survived=survived,
         squared_error=_where(survived, error.mean(axis=0)),
         squared_error_steady=_where(survived, error[first:].mean(axis=0)),
         mean_velocity=_where(survived, mean),
-        tracked=survived & (np.abs(mean - wanted) <= allowed),
+        tracked=survived & (np.abs(mean - target) <= allowed),
     )
 
 

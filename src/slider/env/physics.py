@@ -35,10 +35,9 @@ class BatchedPhysics:
     """Steps ``num_robots`` copies of the robot.
 
     Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
-    torques of them. See :class:`SimulationOptions`. A
-    ``disturbance`` makes robots differ, delays their inputs, pushes them and spoils what
-    :meth:`measure` says. Without ``instruments`` it is faster and says nothing of
-    :meth:`contacts`.
+    torques of them. See :class:`SimulationOptions`.
+    A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
+    :meth:`measure`. Without ``instruments`` it is faster but has no :meth:`contacts`.
     """
 
     def __init__(
@@ -207,7 +206,7 @@ class BatchedPhysics:
         return state if self._disturber is None else self._disturber.in_world(state)
 
     def measure(self, state: RobotState) -> RobotState:
-        """What a controller is told of the current state."""
+        """The state as a controller receives it: with sensor noise."""
         return state if self._disturber is None else self._disturber.sense(state)
 
     def restart_disturbances(self) -> None:

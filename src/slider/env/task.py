@@ -19,7 +19,7 @@ class Task:
     Attributes:
         robot, env, train: the configuration.
         times: step times of the clock, where there is one.
-        guide: the library's gaits for guide rewards and starts, where rewards may ask for them.
+        guide: the library's gaits for guide rewards and starts; none where training is unguided.
         reference: joint positions of the gaits, where actions are about the gait.
     """
 
@@ -43,7 +43,7 @@ def task_of(
     Args:
         robot, env, train: the configuration.
         library: Zarr gait library, if the training has one.
-        guided: whether rewards may ask for its gaits.
+        guided: whether rewards and starts use its gaits.
     """
     if library is None:
         return Task(robot, env, train, _times(env, None), None)

@@ -37,7 +37,7 @@ class Score:
     flight: float
 
     def known(self) -> dict[str, float]:
-        """Without what nobody survived to show."""
+        """The values that are numbers: some need survivors."""
         return {name: value for name, value in asdict(self).items() if not math.isnan(value)}
 
 
@@ -56,7 +56,7 @@ class Selector:
         self._command[:, 0] = np.repeat(config.commands, config.robots)
 
     def score(self, network: Callable[[torch.Tensor], torch.Tensor]) -> Score:
-        """Roll a deterministic policy out and judge it."""
+        """Score of a deterministic policy."""
         config = self._config
         controller = PolicyController(network, self._agent)
         recording = roll_out(

@@ -1,4 +1,4 @@
-"""Train a policy with PPO: in chunks, checkpointed, checked, the best kept."""
+"""Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best."""
 
 import time
 from collections.abc import Mapping
@@ -32,7 +32,9 @@ class Trainer:
     """One training run that survives being killed.
 
     Attributes:
-        env, algorithm, selector: the robots, what learns, and the checks of what it learned.
+        env: the simulated robots.
+        algorithm: PPO with actor, critic and average.
+        selector: scores policies.
     """
 
     def __init__(self, task: Task, job: Job) -> None:
@@ -82,7 +84,7 @@ class Trainer:
         while self._iteration < total:
             chunk = min(self._task.train.selection.interval, total - self._iteration)
             self._runner.current_learning_iteration = self._iteration
-            # nobody falls in a training that went far: one age for all would reset all at once
+            # a trained policy rarely falls: robots of one age would all be reset at once
             self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
             self._iteration += chunk
             score = self._check()
@@ -96,7 +98,7 @@ class Trainer:
         self._job.volatile["update"] = "bfloat16" if bfloat16 else "float32"
 
     def _check(self) -> Score:
-        """Judge the current policy; remember it if it is the best so far."""
+        """Score the current policy; remember it if it is the best so far."""
         actor = self.algorithm.averaged_actor.state_dict()
         network = self._network(actor)
         score = self.selector.score(network)

@@ -1,4 +1,4 @@
-"""The shipped configuration, cut short, teaches robots that fall within a second to stand and walk."""
+"""The shipped configuration, cut short, teaches robots that fall at once to stand and to walk."""
 
 from pathlib import Path
 

@@ -267,10 +267,14 @@ def test_commands_are_seen_and_change():
 
 
 def test_unknown_terms_are_refused_at_once():
-    with pytest.raises(UserError, match="found boredom"):
-        build(settings("experiment=test", "+env.termination.terms.boredom=1.0"))
-    with pytest.raises(UserError, match="found glory"):
-        build(settings("experiment=test", "+train.walking.reward.terms.glory={weight: 1.0}"))
+    for override, key, found in (
+        ("+env.termination.terms.boredom=1.0", "env.termination.terms", "boredom"),
+        ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms", "glory"),
+    ):
+        with pytest.raises(UserError) as error:
+            build(settings("experiment=test", override))
+        assert str(error.value).startswith(f"{key}: expected some of ")
+        assert str(error.value).endswith(f"; found {found}")
 
 
 def test_what_is_observed_is_the_state_after_the_resets():
@@ -339,3 +343,13 @@ def test_a_library_of_one_gait_guides_at_every_command():
         assert torch.isfinite(reward).all()
     commands = np.array([0.0, 3.0])
     np.testing.assert_array_equal(table.times.at(commands, 0.0 * commands), step_time(0.33))
+
+
+def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
+    env = build(settings("experiment=test", "train.walking.commands.period=0.0"))
+    for _ in range(5):
+        _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
+        assert not done.any()
+        error = np.abs(env.agent.filtered_velocity[:, 0] - env.agent.command[:, 0])
+        assert extras["log"]["/episode/speed_error"] == pytest.approx(error.mean())
+    assert error.mean() > 0.01

@@ -1,6 +1,7 @@
 """Time series of commands from their segments."""
 
 import numpy as np
+import pytest
 
 from slider.config.evaluation import CaseConfig, Segment
 from slider.evaluation.profile import commands, windows
@@ -35,3 +36,11 @@ def test_ramps_lead_from_one_command_to_the_next():
 def test_windows_leave_the_start_of_each_segment_out():
     found = windows(case(), 0.5, 3.0, PERIOD)
     assert found == [slice(25, 50), slice(75, 100), slice(125, 150)]
+
+
+@pytest.mark.parametrize("step", range(1, 150))
+def test_a_segment_begins_at_its_step_whatever_the_rounding(step):
+    go = Segment("go", round(step * PERIOD, 2), 0.4, 0.0, 0.0)
+    short = CaseConfig("short", [Segment("stand", 0.0, 0.0, 0.0, 0.0), go])
+    values = commands(short, 0.0, 3.0, PERIOD)[:, 0]
+    np.testing.assert_array_equal(values, np.where(np.arange(150) < step, 0.0, 0.4))

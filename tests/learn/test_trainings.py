@@ -14,12 +14,13 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
 from slider.env.task import Task
-from slider.library.lookup import GaitTable
+from slider.library.lookup import GaitLibrary, GaitTable
 from slider.training.trainer import POLICY, Trainer
-from tests.env.synthetic import config, make_library, step_time
+from tests.env.synthetic import config
 from tests.training.test_trainer import Run, job
 
-SPEED = 0.4  # [m/s]
+GAITS = Path(__file__).parent / "gaits.npz"  # of the default library: 0 and 0.4 m/s, 0.42 s a step
+SPEED, STEP_TIME = 0.4, 0.42  # [m/s], [s]
 ROBOTS, SECONDS, SETTLED = 40, 4.0, 1.5
 # Fewer robots and neurons, one command. Rewards, starts, disturbances and PPO are the default's.
 SHORT = (
@@ -39,7 +40,8 @@ SHORT = (
 def train(folder: Path, training: str, iterations: int) -> Run:
     """A training with its policy in the same folder."""
     whole = config(*SHORT, f"train.{training}.iterations={iterations}")
-    library = make_library(((0.0, 0.0), (SPEED, 0.0)))
+    with np.load(GAITS) as arrays:
+        library = GaitLibrary(**{name: arrays[name].astype(float) for name in arrays})
     table = GaitTable.from_library(library)
     settings = getattr(whole.train, training)
     guide = Guide(library, table, settings.guide.gait) if training == "walking" else None
@@ -72,21 +74,26 @@ def falls(run: Run) -> np.ndarray:
 def test_standing_is_learned_in_half_a_minute(tmp_path):
     train(tmp_path / "before", "standing", 0)
     assert not roll(tmp_path / "before", 0.0).survived.any()
-    rate = falls(train(tmp_path / "after", "standing", 75))
-    assert roll(tmp_path / "after", 0.0).survived.mean() >= 0.5
-    assert rate[-10:].mean() < 0.5 * rate[1:11].mean()
+    rate = falls(train(tmp_path / "after", "standing", 100))
+    assert roll(tmp_path / "after", 0.0).survived.mean() >= 0.6
+    assert rate[-10:].mean() < 0.4 * rate[1:11].mean()
 
 
 @pytest.mark.learn
 def test_walking_is_learned_in_a_minute(tmp_path):
-    """From the first update on: no pre-trained policy."""
+    """Without a pre-trained policy. Bounds are about twice the worst of three seeds."""
     train(tmp_path / "before", "walking", 0)
     assert not roll(tmp_path / "before", SPEED).survived.any()
     rate = falls(train(tmp_path / "after", "walking", 300))
     recording = roll(tmp_path / "after", SPEED)
     tracked, quality = tracking(recording, SETTLED, 0.1, 0.1), gait_quality(recording, SETTLED)
-    assert tracked.survived.mean() >= 0.7
-    assert np.nanmean(tracked.mean_velocity) == pytest.approx(SPEED, abs=0.1)
-    assert np.nanmean(quality.touchdown_rate) == pytest.approx(1 / step_time(SPEED), rel=0.15)
-    assert np.nanmean(quality.alternation) > 0.8
-    assert rate[-20:].mean() < 0.3 * rate[:20].mean()
+    assert tracked.survived.mean() >= 0.9
+    assert np.nanmean(tracked.mean_velocity) == pytest.approx(SPEED, abs=0.04)
+    assert np.nanmean(tracked.squared_error_steady) < 0.004
+    assert np.nanmean(quality.touchdown_rate) == pytest.approx(1 / STEP_TIME, rel=0.03)
+    assert np.nanmean(quality.alternation) > 0.98
+    assert np.nanmean(quality.flight) < 0.005
+    assert np.nanmean(quality.double_support) < 0.25
+    assert np.nanmean(quality.clearance) > 0.05
+    assert np.nanmean(quality.heading) < 0.5
+    assert rate[-20:].mean() < 0.2 * rate[1:21].mean()

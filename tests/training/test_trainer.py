@@ -342,3 +342,16 @@ def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
     one, again = (trained(tmp_path / name, disturbance=rough).trainer for name in ("one", "again"))
     assert same(actor(one), actor(again))
     assert not same(actor(one), actor(trained(tmp_path / "calm").trainer))
+
+
+def test_a_resumed_training_keeps_the_share_of_its_commands(tmp_path):
+    commands = task().train.commands
+    curriculum = replace(commands.curriculum, start=0.4, growth=0.1, success=0.0)
+    changes = {
+        "iterations": 2,
+        "episode_length": 0.04,
+        "commands": replace(commands, curriculum=curriculum),
+    }
+    share = trained(tmp_path, **changes).trainer.env.curriculum.share
+    assert share > 0.4
+    assert trained(tmp_path, **changes).trainer.env.curriculum.share == share

@@ -125,9 +125,12 @@ def test_step_time_adapts_where_that_pays_and_stays_in_range():
     assert plan.cost[0] < fixed.cost[0]
     narrow = planner(time_weight=0.0, step={"time_min": TIME}).plan(late)
     assert narrow.duration[0] >= TIME
-    almost = replace_elapsed(late, TIME - 0.05)
-    assert planner(time_weight=0.0, lock=0.03).plan(almost).duration[0] >= TIME
 
 
-def replace_elapsed(case: Pendulum, elapsed: float) -> Pendulum:
-    return replace(case, elapsed=np.array([elapsed]))
+@pytest.mark.parametrize(("left", "shortened"), [(0.07, True), (0.05, False)])
+def test_no_step_is_shortened_in_its_last_moments(left, shortened):
+    """Not to less than twice the lock: there has to be time for another plan."""
+    late = TIME + STEP.time_change  # the nominal duration is cheaper
+    now = replace(on_orbit(0.8, TIME - left), duration=np.array([late]))
+    duration = planner(time_weight=1e3, lock=0.03).plan(now).duration[0]
+    assert duration == pytest.approx(TIME if shortened else late)

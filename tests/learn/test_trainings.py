@@ -75,7 +75,9 @@ def test_standing_is_learned_in_half_a_minute(tmp_path):
     train(tmp_path / "before", "standing", 0)
     assert not roll(tmp_path / "before", 0.0).survived.any()
     rate = falls(train(tmp_path / "after", "standing", 100))
-    assert roll(tmp_path / "after", 0.0).survived.mean() >= 0.6
+    recording = roll(tmp_path / "after", 0.0)
+    assert recording.survived.mean() >= 0.6
+    assert np.nanmean(gait_quality(recording, SETTLED).flight) < 0.1, "without hopping"
     assert rate[-10:].mean() < 0.4 * rate[1:11].mean()
 
 

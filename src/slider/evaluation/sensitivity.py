@@ -1,7 +1,7 @@
 """The stage ``sensitivity_policy``: a policy on a robot other than the one it was trained on.
 
-The plant, its starts and its drives are those of the changed robot. The policy keeps
-those of its training: nominal pose, ranges of its joint targets, scales, reference gaits and clock.
+The plant, its starts and its drives are those of the changed robot. What the policy believes stays
+that of its training: nominal pose, ranges of its joint targets, scales, reference gaits and clock.
 """
 
 from pathlib import Path

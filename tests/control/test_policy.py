@@ -12,6 +12,7 @@ from slider.control.network import PolicyNetwork, from_actor
 from slider.control.policy import PolicyController
 from slider.control.policy_file import FORMAT, VERSION, Policy, load_policy, save_policy
 from slider.core.errors import UserError
+from slider.robot.names import JOINTS
 from slider.training.ppo import NORMALISER_EPSILON
 from tests.env.synthetic import config, gait_table, make_agent, make_physics, make_state
 
@@ -66,27 +67,27 @@ def test_same_policy_same_bytes(tmp_path):
 
 
 def test_a_missing_file_is_one_line(tmp_path):
-    refused(tmp_path / "none.pt", "expected a policy file at .*, found none")
+    refused(tmp_path / "none.pt", "expected a policy file at {path}, found none")
 
 
 def test_foreign_files_are_one_line(tmp_path):
     path = tmp_path / "policy.pt"
     path.write_text("not a policy")
-    refused(path, "expected a policy file of this project")
+    refused(path, "{path}: expected a policy file of this project")
     path.write_bytes(b"")
-    refused(path, "expected a policy file of this project")
+    refused(path, "{path}: expected a policy file of this project")
     torch.save({"weights": torch.zeros(3)}, path)
-    refused(path, "expected format slider-policy, found None")
+    refused(path, "{path}: expected format slider-policy, found None")
     torch.save(torch.zeros(3), path)
-    refused(path, "expected format slider-policy, found Tensor")
+    refused(path, "{path}: expected format slider-policy, found Tensor")
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 99}, "expected version 6, found 99"),
-        ({"joints": ["left_knee"]}, "expected the joints left_hip_yaw, "),
-        ({"format": "other"}, "expected format slider-policy, found other"),
+        ({"version": 99}, "{path}: expected version 6, found 99"),
+        ({"joints": ["left_knee"]}, "{path}: expected the joints " + ", ".join(JOINTS)),
+        ({"format": "other"}, "{path}: expected format slider-policy, found other"),
     ],
 )
 def test_other_versions_and_robots_are_one_line(tmp_path, change, message):
@@ -97,9 +98,9 @@ def test_other_versions_and_robots_are_one_line(tmp_path, change, message):
 
 
 def refused(path, message: str) -> None:
-    with pytest.raises(UserError, match=message) as error:
+    with pytest.raises(UserError) as error:
         load_policy(path)
-    assert "\n" not in str(error.value)
+    assert str(error.value) == message.format(path=path)
 
 
 def make_actor(

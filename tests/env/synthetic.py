@@ -10,9 +10,9 @@ from slider.config.compose import compose
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
-from slider.env.contacts import CONTACT_FORCE, Contacts
 from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
+from slider.env.instruments import CONTACT_FORCE, Contacts
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from slider.config.train import CommandConfig, CurriculumConfig, Interval
-from slider.env.commands import CommandSampler
-from slider.env.curriculum import Curriculum
+from slider.env.commands import CommandSampler, Curriculum
 
 COUNT = 20000
 

@@ -1,4 +1,4 @@
-"""Heels, toes and legs as the plant senses them, against kinematics, Jacobians and contacts."""
+"""Heels, toes and legs against kinematics, Jacobians and contacts; bounces and loads by hand."""
 
 # pyright: reportAttributeAccessIssue=false
 
@@ -6,12 +6,27 @@ import mujoco
 import numpy as np
 import pytest
 
+from slider.env.ground import FLAT
+from slider.env.instruments import (
+    CONTACT_FORCE,
+    LIFT_TIME,
+    TOUCH_TIME,
+    DriveLoads,
+    join,
+    loads,
+    observe,
+    over,
+    touchdowns,
+)
 from slider.env.physics import BatchedPhysics
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos
 from slider.robot.names import JOINTS, NUM_JOINTS
+from slider.robot.transmission import Transmission
 from tests.env.synthetic import (
+    SPEED_LIMITS,
+    TORQUE_LIMITS,
     config,
     disturbed_physics,
     make_physics,
@@ -21,6 +36,7 @@ from tests.env.synthetic import (
 )
 
 COUNT = 5
+TIMESTEP, TICKS = 0.005, 100  # of forces made by hand [s], [-]
 
 
 def placed(qpos: np.ndarray, qvel: np.ndarray | None = None, **settings: float) -> BatchedPhysics:
@@ -147,8 +163,9 @@ def test_instruments_change_no_motion():
     np.testing.assert_array_equal(bare.qpos, whole.qpos)
     for name, value in vars(bare.read()).items():
         np.testing.assert_array_equal(value, getattr(whole.read(), name), err_msg=name)
-    with pytest.raises(RuntimeError, match="instruments"):
+    with pytest.raises(RuntimeError) as error:
         bare.contacts()
+    assert str(error.value) == "expected physics with instruments, found one without"
 
 
 def test_on_uneven_ground_heights_are_above_it():
@@ -160,3 +177,89 @@ def test_on_uneven_ground_heights_are_above_it():
     lowest = height[:, -1].min(axis=(1, 2))
     assert (np.abs(lowest) < 4e-3).all()
     assert physics.contacts().loaded[-1].any(axis=(1, 2)).all()
+
+
+def left_foot(*spans: tuple[int, int]) -> np.ndarray:
+    """Forces (TICKS, 1, 2) of a left foot that is down from the first to before the second."""
+    forces = np.zeros((TICKS, 1, 2))
+    for start, stop in spans:
+        forces[start:stop, 0, 0] = 50.0
+    return forces
+
+
+@pytest.mark.parametrize(
+    ("spans", "expected"),
+    [
+        ([(20, 60)], [20]),
+        ([(0, 30), (50, 80)], [50]),  # down at first
+        ([(20, 25), (30, 60)], [20]),  # up for 25 ms
+        ([(20, 25), (31, 60)], [20, 31]),  # up for 30 ms
+        ([(20, 22), (24, 25), (27, 29), (30, 60)], [20]),  # rattles as it lands
+        ([(20, 23), (60, 80)], [60]),  # grazes the ground for 15 ms
+        ([(20, 24), (60, 80)], [20, 60]),  # 20 ms
+        ([(20, 60), (90, 100)], [20, 90]),  # down at last
+        ([(20, 60), (98, 100)], [20, 98]),  # for how long, nobody knows
+        ([], []),
+        ([(0, 100)], []),
+    ],
+)
+def test_touchdowns_without_bounces(spans, expected):
+    assert (LIFT_TIME, TOUCH_TIME) == (0.03, 0.02), "the spans are for these"
+    found = touchdowns(left_foot(*spans), TIMESTEP)
+    assert np.flatnonzero(found[:, 0, 0]).tolist() == expected
+    assert not found[:, 0, 1].any()
+
+
+def test_bounces_are_told_by_time_not_by_steps():
+    """Up for 24 ms in steps of 1 ms."""
+    forces = left_foot((10, 40), (64, 100))
+    assert touchdowns(forces, 0.001).sum() == 1
+    assert touchdowns(forces, TIMESTEP).sum() == 2
+
+
+def test_robots_and_feet_are_told_apart():
+    one, other = left_foot((20, 25), (30, 60)), left_foot((40, 90))[..., ::-1]
+    both = np.concatenate([one, other], axis=1)
+    found = touchdowns(both, TIMESTEP)
+    assert np.argwhere(found).tolist() == [[20, 0, 0], [40, 1, 1]]
+
+
+def feet(heights: list[list[float]], forces: list[float]):
+    """Contacts of one robot in one step, of heights (foot, end) [m] and forces [N]."""
+    ends = np.zeros((1, 1, 2, 2, 3))
+    ends[..., 2] = heights
+    velocities = np.tile([0.3, -0.4, 9.0], (1, 1, 2, 2, 1))
+    return observe(np.array([[forces]]), ends, velocities, np.array([[[0.2, 0.1, 0.3]]]), FLAT)
+
+
+def test_loaded_ends_are_those_that_sank_in_or_the_lower_one():
+    found = feet([[-1e-3, 1e-3], [-1e-3, -2e-3]], [50.0, 50.0])
+    assert found.loaded[0, 0].tolist() == [[True, False], [True, True]]
+    found = feet([[2e-3, 1e-3], [-1e-3, -2e-3]], [50.0, CONTACT_FORCE])
+    assert found.loaded[0, 0].tolist() == [[False, True], [False, False]]
+    np.testing.assert_allclose(found.speeds, 0.5, rtol=1e-6)
+    np.testing.assert_allclose(found.leg_distance, [[0.1]], rtol=1e-6)
+
+
+def test_stretches_of_time_are_joined_in_order():
+    first, second = (feet([[0, 0], [0, 0]], [force, 0.0]) for force in (10.0, 20.0))
+    joined = join([first, second])
+    np.testing.assert_array_equal(joined.forces[:, 0, 0], [10.0, 20.0])
+    assert joined.loaded.shape == (2, 1, 2, 2)
+
+
+def test_loads_by_hand():
+    """Two simulation steps of one robot: one motor drives, another one brakes."""
+    torques, speeds = np.zeros((2, 1, 2, 10))
+    torques[0, :, 0], speeds[0, :, 0] = [8.0, -4.0], [3.0, 3.0]
+    torques[0, :, 1], speeds[0, :, 1] = [-6.0, 0.0], [2.0, -5.0]
+    found = loads(Transmission.of(robot_config()), torques, speeds)
+    assert found.power == pytest.approx((24.0 + 12.0 + 12.0) / 2)
+    assert found.effort_share == pytest.approx(max(8.0 / TORQUE_LIMITS[0], 6.0 / TORQUE_LIMITS[1]))
+    assert found.speed_share == pytest.approx(max(3.0 / SPEED_LIMITS[0], 5.0 / SPEED_LIMITS[1]))
+
+
+def test_loads_over_time_are_a_mean_power_and_peaks():
+    rows = [([10.0, 0.0], [0.2, 0.9], [0.5, 0.1]), ([20.0, 4.0], [0.4, 0.3], [0.3, 0.2])]
+    found = over([DriveLoads(*(np.array(values) for values in row)) for row in rows])
+    assert [values.tolist() for values in found] == [[15.0, 2.0], [0.4, 0.9], [0.5, 0.2]]

@@ -230,8 +230,13 @@ def test_the_papers_agent_has_no_clock():
 
 def test_a_clock_needs_step_times():
     settings = config("experiment=test")
-    with pytest.raises(UserError, match="step times"):
+    with pytest.raises(UserError) as error:
         AgentInterface(settings.robot, settings.env, 2, None)
+    assert str(error.value) == "env.phase.enabled: expected the step times of a gait library"
+    with pytest.raises(UserError) as error:
+        AgentInterface(settings.robot, settings.env, 2, gait_table().times)
+    expected = "expected the gaits of a library, found none"
+    assert str(error.value) == f"env.action.offset=gait: {expected}"
 
 
 @pytest.mark.parametrize("phase", [0.1, 0.6])

@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from slider.env.contacts import Contacts
+from slider.env.instruments import Contacts
 from slider.env.metrics import GaitQuality, Tracking, gait_quality, tracking
 from slider.env.rollout import Recording
 from tests.env.synthetic import make_contacts

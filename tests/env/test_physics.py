@@ -16,6 +16,7 @@ from tests.env.synthetic import (
     motor_angles,
     random_pose,
     robot_config,
+    stand,
 )
 
 
@@ -159,3 +160,11 @@ def test_blow_ups_write_no_log_file(tmp_path, monkeypatch):
     physics.qpos[1, 8] = np.nan
     physics.step(np.zeros((2, NUM_JOINTS)))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_base_faster_than_anything_real_counts_as_blown_up():
+    """MuJoCo itself would go on."""
+    physics = stand(make_physics(2))
+    physics.qvel[:, 2] = [900.0, 1100.0]
+    physics.step(np.zeros((2, NUM_JOINTS)))
+    assert physics.read().diverged.tolist() == [False, True]

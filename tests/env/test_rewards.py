@@ -5,11 +5,10 @@ import pytest
 
 from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
-from slider.env.columns import NUM_CHANNELS
 from slider.env.guide import observed_channels
 from slider.env.rewards import TERMS, Reward, RewardView
 from slider.env.view import View
-from slider.robot.names import CHANNELS, JOINTS, MOTORS
+from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
 from tests.env.synthetic import (
     config,
     gait_table,

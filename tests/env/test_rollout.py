@@ -258,3 +258,21 @@ def test_weight_is_that_of_the_robots_that_were_drawn():
     assert recording.weight.shape == (COUNT,)
     np.testing.assert_allclose(recording.weight, weak.masses * 9.81)
     assert np.ptp(recording.weight) > 1.0
+
+
+def test_a_robot_that_blew_up_within_a_control_step_is_lost():
+    """The plant puts it back upright at once: at the end of the control step nothing shows."""
+
+    class Breaking(Stiff):
+        def control(self, state: RobotState) -> np.ndarray:
+            targets = super().control(state)
+            if len(self.seen) == 4 * 5 + 2:  # the second of four calls in the sixth control step
+                targets[0, 3] = np.nan
+            return targets
+
+    start = tuple(values[[0, 0]] for values in starts())
+    physics = make_physics(2, substeps=1)
+    recording = roll_out(Breaking(), physics, environment(), start, np.zeros((2, 3)), 0.4)
+    assert recording.diverged.tolist() == [True, False]
+    np.testing.assert_array_equal(recording.alive[:, 0], np.arange(20) < 5)
+    assert recording.alive[:, 1].all()

@@ -104,6 +104,7 @@ def test_noise_has_the_asked_spread():
     np.testing.assert_allclose(qvel[:, :3].std(axis=0), 0.05, rtol=0.06)
     np.testing.assert_allclose(qvel[:, 3:6].std(axis=0), 0.1, rtol=0.06)
     np.testing.assert_allclose(qvel[:, 6:][:, ~SLIDES].std(axis=0), 0.2, rtol=0.06)
+    np.testing.assert_allclose(qvel[:, 6:][:, SLIDES].std(axis=0), 0.04, rtol=0.06)
     np.testing.assert_allclose(np.linalg.norm(qpos[:, 3:7], axis=1), 1.0, atol=1e-12)
     assert not qpos[:, :2].any()
 

@@ -1,5 +1,7 @@
 """Every variant of the environment builds, resets and steps, with agents that know nothing."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -8,6 +10,7 @@ from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.env.guide import Guide
+from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.library.lookup import GaitTable
 from slider.robot.kinematics import standing_height
@@ -25,13 +28,11 @@ def settings(*overrides: str) -> Config:
 def build(
     whole: Config, train: TrainConfig | None = None, guide: Guide | None = None, seed: int = 0
 ) -> WalkingEnv:
-    train = train or whole.train.walking
-    rng = np.random.default_rng(seed)
-    times = gait_table().times if whole.env.phase.enabled else None
-    joints = gait_table().joints
-    return WalkingEnv(
-        whole.robot, whole.env, train, rng, times, guide or make_guide(), reference=joints
-    )
+    train = replace(train or whole.train.walking, seed=seed)
+    table = gait_table()
+    times = table.times if whole.env.phase.enabled else None
+    guide = guide or make_guide()
+    return WalkingEnv(Task(whole.robot, whole.env, train, times, guide, table.joints))
 
 
 def actions(agent: str, generator: torch.Generator) -> torch.Tensor:
@@ -47,7 +48,7 @@ def test_builds_resets_and_steps(experiment, training, agent):
     whole = settings(f"experiment={experiment}")
     train = getattr(whole.train, training)
     env = build(whole, train)
-    size = sum(env.observation_layout.values())
+    size = sum(env.agent.observer.layout.values())
     assert env.get_observations()["policy"].shape == (NUM_ENVS, size)
     assert env.num_actions == 12
     generator = torch.Generator().manual_seed(0)
@@ -90,7 +91,7 @@ def test_a_fall_at_the_time_limit_is_no_time_out():
     env = build(settings("experiment=test"))
     for _ in range(3):
         env.episode_length_buf[:] = env.max_episode_length - 1
-        env._physics.qpos[:2, 2] = 0.2
+        env.physics.qpos[:2, 2] = 0.2
         _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
         assert done.all()
         assert extras["time_outs"].tolist() == [0, 0, 1, 1, 1, 1]
@@ -132,8 +133,10 @@ def test_a_fall_is_punished_once():
 def test_observations_after_an_end_are_those_of_the_new_episode():
     whole = settings("experiment=test", "env/observation=paper", "train.walking.episode_length=0.1")
     env = build(whole)
-    columns = list(env.observation_layout)
-    at = sum(env.observation_layout[name] for name in columns[: columns.index("previous_action")])
+    columns = list(env.agent.observer.layout)
+    at = sum(
+        env.agent.observer.layout[name] for name in columns[: columns.index("previous_action")]
+    )
     generator = torch.Generator().manual_seed(3)
     for _ in range(5):
         observations, _, done, _ = env.step(actions("random", generator))
@@ -146,7 +149,7 @@ def test_observations_after_an_end_are_those_of_the_new_episode():
 def test_a_blow_up_ends_the_episode_and_is_counted():
     env = build(settings("experiment=test"))
     env.step(torch.zeros(NUM_ENVS, 12))
-    env._physics.qvel[4, 6:] = 1e9
+    env.physics.qvel[4, 6:] = 1e9
     observations, reward, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
     assert done[4] == 1
     assert extras["time_outs"][4] == 0
@@ -176,8 +179,8 @@ def test_starts_on_the_reference(share, spread):
     env = build(
         settings("experiment=test", f"train.walking.reset.reference_fraction={share}", *noise)
     )
-    state, command = env._physics.read(), env._agent.command
-    clock = env._agent.clock
+    state, command = env.physics.read(), env.agent.command
+    clock = env.agent.clock
     assert clock is not None
     reference = gait_table().at(command[:, 0], command[:, 1], clock.phase)
     if not spread:
@@ -187,7 +190,7 @@ def test_starts_on_the_reference(share, spread):
     np.testing.assert_allclose(state.joint_positions, reference[:, :12], atol=1e-9)
     np.testing.assert_allclose(state.joint_velocities, reference[:, 12:24], atol=1e-9)
     np.testing.assert_allclose(state.heading_velocity, reference[:, 24:26], atol=1e-9)
-    np.testing.assert_allclose(env._agent.filtered_velocity, command[:, :2])
+    np.testing.assert_allclose(env.agent.filtered_velocity, command[:, :2])
     assert not state.base_position[:, :2].any()
 
 
@@ -220,7 +223,7 @@ def test_on_the_gait_robots_head_along_its_course_and_at_rest_where_they_look(sh
     guide.states = turned  # type: ignore[method-assign]
     start = (f"train.walking.reset.reference_fraction={share}", "env.start.tilt=0.0")
     env = build(settings("experiment=test", *start), guide=guide)
-    np.testing.assert_allclose(env._agent.command[:, 3], error, atol=1e-9)
+    np.testing.assert_allclose(env.agent.command[:, 3], error, atol=1e-9)
 
 
 def test_told_to_stand_robots_at_rest_are_halted_and_those_on_the_gait_step_on():
@@ -228,7 +231,7 @@ def test_told_to_stand_robots_at_rest_are_halted_and_those_on_the_gait_step_on()
     stand = "train.walking.commands.standing_fraction=1.0"
     for share, expected in ((0.0, True), (1.0, False)):
         start = f"train.walking.reset.reference_fraction={share}"
-        clock = build(settings("experiment=test", *halt, stand, start))._agent.clock
+        clock = build(settings("experiment=test", *halt, stand, start)).agent.clock
         assert clock is not None
         np.testing.assert_array_equal(clock.halted, expected)
         assert (clock.phase == 0).all() == expected
@@ -251,35 +254,38 @@ def test_commands_are_seen_and_change():
         "experiment=test",
         "train.walking.commands.period=0.2",
         "train.walking.commands.vx.lower=0.1",
+        "train.walking.commands.standing_fraction=0.0",
     )
     env = build(whole)
-    before = env._agent.command[:, :3].copy()
+    before = env.agent.command[:, :3].copy()
     for _ in range(40):
         env.step(torch.zeros(NUM_ENVS, 12))
-    after = env._agent.command[:, :3]
+    after = env.agent.command[:, :3]
     limits = whole.train.walking.commands.vx
     assert (before != after).any(axis=1).mean() > 0.5
     assert ((after[:, 0] >= limits.lower) & (after[:, 0] <= limits.upper)).all()
 
 
 def test_unknown_terms_are_refused_at_once():
-    with pytest.raises(UserError, match="found boredom"):
-        build(settings("experiment=test", "+env.termination.terms.boredom=1.0"))
-    with pytest.raises(UserError, match="found glory"):
-        build(settings("experiment=test", "+train.walking.reward.terms.glory={weight: 1.0}"))
+    for override, key, found in (
+        ("+env.termination.terms.boredom=1.0", "env.termination.terms", "boredom"),
+        ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms", "glory"),
+    ):
+        with pytest.raises(UserError) as error:
+            build(settings("experiment=test", override))
+        assert str(error.value).startswith(f"{key}: expected some of ")
+        assert str(error.value).endswith(f"; found {found}")
 
 
 def test_what_is_observed_is_the_state_after_the_resets():
     env = build(settings("experiment=test"))
     fallen = 0
     for _ in range(40):
-        env._physics.qpos[0, 2] = 0.2  # falls in every step
+        env.physics.qpos[0, 2] = 0.2  # falls in every step
         _, _, done, _ = env.step(torch.zeros(env.num_envs, 12))
         fallen += int(done.sum())
-        fresh = env._physics.read()
-        for name, value in vars(fresh).items():
-            np.testing.assert_array_equal(getattr(env._measured, name), value, err_msg=name)
-        expected = env._agent.observe(fresh)
+        fresh = env.physics.read()
+        expected = env.agent.observe(fresh)
         np.testing.assert_array_equal(env.get_observations()["policy"].numpy(), expected)
     assert fallen >= 40
 
@@ -290,12 +296,12 @@ def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others(
         build(settings("experiment=test", *extra))
         for extra in ((), ("train/walking/disturbance=robust",))
     )
-    np.testing.assert_array_equal(calm._physics.qpos, rough._physics.qpos)
-    np.testing.assert_array_equal(calm._agent.command[:, :3], rough._agent.command[:, :3])
+    np.testing.assert_array_equal(calm.physics.qpos, rough.physics.qpos)
+    np.testing.assert_array_equal(calm.agent.command[:, :3], rough.agent.command[:, :3])
     error = (calm.get_observations()["policy"] - rough.get_observations()["policy"]).numpy()
     assert 0.0 < np.abs(error).max() < 1.0
-    true = rough._physics.read()
-    told = rough._physics.measure(true)
+    true = rough.physics.read()
+    told = rough.physics.measure(true)
     assert np.abs(told.joint_positions - true.joint_positions).max() > 0.0
 
 
@@ -303,24 +309,25 @@ def test_the_low_passed_velocity_is_that_of_what_is_measured():
     env = build(
         settings("experiment=test", "train.walking.disturbance.sensing.linear_velocity=0.5")
     )
+    gain = env.cfg.observation.filter_gain(env.cfg.control_period)
     for _ in range(3):
-        before = env._agent.view(env._measured).filtered_velocity.copy()
+        before = env.agent.filtered_velocity.copy()
         _, _, done, _ = env.step(torch.zeros(NUM_ENVS, 12))
-        on, state = done.numpy() == 0, env._measured
+        on, state = done.numpy() == 0, env.physics.read()
         assert on.any()
-        gain = env.cfg.observation.filter_gain(env.cfg.control_period)
-        expected = before + gain * (state.heading_velocity - before)
-        found = env._agent.view(state).filtered_velocity
-        np.testing.assert_allclose(found[on], expected[on], atol=1e-12)
-        true = env._physics.read().heading_velocity
-        assert np.abs(true - state.heading_velocity)[on].max() > 0.01
+        measured = env.physics.measure(state).heading_velocity
+        expected = before + gain * (measured - before)
+        np.testing.assert_allclose(env.agent.filtered_velocity[on], expected[on], atol=1e-12)
+        assert np.abs(state.heading_velocity - measured)[on].max() > 0.01
 
 
 def test_every_episode_meets_another_robot():
     env = build(settings("experiment=test", "train/walking/disturbance=robust"))
-    before = env._physics.masses.copy()
-    env._reset(np.array([2]))
-    np.testing.assert_array_equal(np.flatnonzero(env._physics.masses != before), [2])
+    before = env.physics.masses.copy()
+    env.physics.qpos[2, 2] = 0.2  # falls
+    _, _, done, _ = env.step(torch.zeros(NUM_ENVS, 12))
+    assert np.flatnonzero(done).tolist() == [2]
+    np.testing.assert_array_equal(np.flatnonzero(env.physics.masses != before), [2])
 
 
 def test_a_library_of_one_gait_guides_at_every_command():
@@ -328,14 +335,21 @@ def test_a_library_of_one_gait_guides_at_every_command():
     library = make_library(((0.33, 0.0),))
     table = GaitTable.from_library(library)
     whole = settings("experiment=default")
-    env = WalkingEnv(
-        *(whole.robot, whole.env, whole.train.walking, np.random.default_rng(0)),
-        *(table.times, Guide(library, table)),
-        reference=table.joints,
-    )
+    walking, guide = whole.train.walking, Guide(library, table)
+    env = WalkingEnv(Task(whole.robot, whole.env, walking, table.times, guide, table.joints))
     for _ in range(20):
         observations, reward, _, _ = env.step(torch.zeros(NUM_ENVS, 12))
         assert torch.isfinite(observations["policy"]).all()
         assert torch.isfinite(reward).all()
     commands = np.array([0.0, 3.0])
     np.testing.assert_array_equal(table.times.at(commands, 0.0 * commands), step_time(0.33))
+
+
+def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
+    env = build(settings("experiment=test", "train.walking.commands.period=0.0"))
+    for _ in range(5):
+        _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
+        assert not done.any()
+        error = np.abs(env.agent.filtered_velocity[:, 0] - env.agent.command[:, 0])
+        assert extras["log"]["/episode/speed_error"] == pytest.approx(error.mean())
+    assert error.mean() > 0.01

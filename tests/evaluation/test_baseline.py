@@ -8,6 +8,7 @@ import pytest
 from pipeline.stages import table1_jobs
 from slider.config.convert import to_dict
 from slider.core.job import Job
+from slider.env.starts import at_rest
 from slider.evaluation import baseline, protocol
 from slider.evaluation.results import COLUMNS, Evaluation
 from tests.env.synthetic import config
@@ -34,14 +35,22 @@ def run(out, setting: str = "tuned", **changes):
     return baseline.run(section(setting, **changes), {}, out, job), job
 
 
-@pytest.mark.parametrize("setting", ["literal", "tuned"])
-def test_records_are_those_of_the_policy(tmp_path, setting):
-    summary, job = run(tmp_path / "out", setting)
+WALK = {"duration": 3.0, "warm_up": 1.4}  # [s]; from there on whole strides
+
+
+@pytest.mark.parametrize(("setting", "speed"), [("literal", 0.167), ("tuned", 0.21)])
+def test_walks_and_its_records_are_those_of_the_policy(tmp_path, setting, speed):
+    """A command of 0.2 m/s; the literal settings take it as the speed at the end of a step."""
+    summary, job = run(tmp_path / "out", setting, **WALK)
     found = Evaluation.load(tmp_path / "out")
     assert tuple(found.robots.columns) == COLUMNS
     assert len(found.robots.survived) == 6
     assert summary["success_rate"] == 1.0
     assert summary["controller"] == f"mpc_wbc_{setting}"
+    np.testing.assert_allclose(found.robots.columns["mean_velocity"], speed, atol=0.03)
+    np.testing.assert_array_equal(found.robots.columns["alternation"], 1.0)
+    step = getattr(config(*PROTOCOL).control, setting).step
+    np.testing.assert_allclose(found.robots.columns["touchdown_rate"], 1 / step.time, atol=0.7)
     assert {"model", "assembly", "solution"} <= set(job.volatile["tick_us"])
     assert found.controller == f"mpc_wbc_{setting}"
     assert found.robots.success.value == 1.0
@@ -65,7 +74,10 @@ def test_starts_are_the_protocols(tmp_path, monkeypatch):
     monkeypatch.setattr(protocol, "roll_out", spying)
     run(tmp_path / "out")
     whole = config(*PROTOCOL)
-    qpos, qvel = protocol._starts(whole.robot, whole.evaluation)
+    noise, seed = whole.evaluation.start, whole.evaluation.seed
+    draws = (np.random.default_rng(seed + trial) for trial in range(2))  # trials of 3 robots
+    starts = [at_rest(whole.robot, noise, draw, 3) for draw in draws]
+    qpos, qvel = (np.concatenate(values) for values in zip(*starts, strict=True))
     np.testing.assert_array_equal(seen[0][0][0], qpos)
     np.testing.assert_array_equal(seen[0][0][1], qvel)
     np.testing.assert_array_equal(seen[0][1], np.tile([0.2, 0.0, 0.0], (6, 1)))
@@ -94,10 +106,10 @@ def test_a_setting_reruns_only_its_own_jobs():
 
 
 def test_walks_disturbed_robots(tmp_path):
-    """Noise, 5 ms of delay, another robot than the nominal model: it stands for a while."""
+    """Noise, 5 ms of delay, another robot than the nominal model."""
     overrides = ("evaluation=robust", "evaluation.disturbance.delay={lower: 0.005, upper: 0.005}")
     disturbance = config(*overrides).evaluation.disturbance
-    calm, _ = run(tmp_path / "calm")
-    rough, _ = run(tmp_path / "rough", disturbance=disturbance)
+    calm, _ = run(tmp_path / "calm", **WALK)
+    rough, _ = run(tmp_path / "rough", disturbance=disturbance, **WALK)
     assert rough["success_rate"] == 1.0
-    assert rough["mse_steady"] != calm["mse_steady"]
+    assert calm["mse_steady"] < 0.001 < rough["mse_steady"] < 0.02

@@ -1,6 +1,7 @@
 """Time series of commands from their segments."""
 
 import numpy as np
+import pytest
 
 from slider.config.evaluation import CaseConfig, Segment
 from slider.evaluation.profile import commands, windows
@@ -35,3 +36,13 @@ def test_ramps_lead_from_one_command_to_the_next():
 def test_windows_leave_the_start_of_each_segment_out():
     found = windows(case(), 0.5, 3.0, PERIOD)
     assert found == [slice(25, 50), slice(75, 100), slice(125, 150)]
+
+
+@pytest.mark.parametrize(("time", "step"), [(0.02, 1), (0.025, 1), (0.035, 2), (0.58, 29)])
+def test_a_segment_begins_at_the_nearest_control_step(time, step):
+    """Command and window alike."""
+    stand, go = Segment("stand", 0.0, 0.0, 0.0, 0.0), Segment("go", time, 0.4, 0.0, 0.0)
+    short = CaseConfig("short", [stand, go])
+    values = commands(short, 0.0, 1.0, PERIOD)[:, 0]
+    np.testing.assert_array_equal(values, np.where(np.arange(50) < step, 0.0, 0.4))
+    assert windows(short, 0.0, 1.0, PERIOD) == [slice(0, step), slice(step, 50)]

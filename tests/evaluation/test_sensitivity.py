@@ -96,7 +96,7 @@ def test_the_plant_is_the_changed_robot_and_the_agent_keeps_its_own(walking):
     assert other == pytest.approx(own + 0.05 * WHOLE.robot.geometry.leg_length)
     assert simulated.physics.nominal[2] == other
     assert simulated.physics.robot == LONG
-    agent = simulated.controller._agent
+    agent = simulated.controller.agent
     assert agent.nominal_height == own
     np.testing.assert_array_equal(agent.nominal, nominal_qpos(WHOLE.robot)[7:])
 
@@ -112,7 +112,7 @@ def test_narrower_joints_of_the_plant_do_not_narrow_the_targets(walking):
     narrow = scaled(WHOLE.robot, paths[0], 0.01)
     targets = []
     for robot in (WHOLE.robot, narrow):
-        agent = on(robot, walking).controller._agent
+        agent = on(robot, walking).controller.agent
         targets.append(agent.act(np.full((3, 12), 5.0)))
     np.testing.assert_array_equal(*targets)
 

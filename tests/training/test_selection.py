@@ -1,4 +1,4 @@
-"""The score that picks a checkpoint, and rsl-rl's settings."""
+"""The score that picks a checkpoint."""
 
 from dataclasses import replace
 
@@ -7,13 +7,13 @@ import pytest
 import torch
 
 from slider.config.train import SelectionConfig
-from slider.core.job import NoTracker
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
-from slider.env.rollout import Recording
-from slider.training import ppo, selection
+from slider.env.rollout import Recording, roll_out
+from slider.env.task import Task
+from slider.training import selection
 from slider.training.selection import Selector
-from tests.env.synthetic import config, gait_table, make_contacts
+from tests.env.synthetic import config, gait_table, make_contacts, stand
 
 SETTINGS = SelectionConfig(
     interval=1,
@@ -29,16 +29,9 @@ SETTINGS = SelectionConfig(
 
 def make_selector(settings: SelectionConfig = SETTINGS, disturbance: str = "none") -> Selector:
     whole = config("experiment=test", f"train/walking/disturbance={disturbance}")
-    disturbed, table = whole.train.walking.disturbance, gait_table()
-    return Selector(
-        whole.robot,
-        whole.env,
-        settings,
-        disturbed,
-        table.times,
-        threads=1,
-        reference=table.joints,
-    )
+    train, table = replace(whole.train.walking, selection=settings), gait_table()
+    task = Task(whole.robot, whole.env, train, table.times, None, table.joints)
+    return Selector(task, threads=1)
 
 
 def nothing(observations: torch.Tensor) -> torch.Tensor:
@@ -108,7 +101,15 @@ def test_the_same_network_has_the_same_score():
     assert other.score(nothing).value != first.value
 
 
-def test_disturbed_robots_are_judged_disturbed_and_not_those_that_were_trained_on():
+def test_disturbed_robots_are_judged_disturbed_and_not_those_that_were_trained_on(monkeypatch):
+    masses = []
+
+    def spying(controller, physics, *rest):
+        recording = roll_out(controller, physics, *rest)
+        masses.append(physics.masses.copy())
+        return recording
+
+    monkeypatch.setattr(selection, "roll_out", spying)
     settings = replace(SETTINGS, commands=[0.0], duration=0.3, robots=4)
     calm = make_selector(settings)
     rough = make_selector(settings, disturbance="robust")
@@ -121,21 +122,6 @@ def test_disturbed_robots_are_judged_disturbed_and_not_those_that_were_trained_o
         1,
         disturbance=Disturbance(whole.train.walking.disturbance, (1,)),
     )
-    assert not np.isin(rough._physics.masses, trained.masses).any()
-
-
-def test_our_settings_in_rsl_rls_words():
-    train = config("experiment=paper").train.walking
-    settings = ppo.runner_config(train, NoTracker(), [])
-    assert settings["actor"]["hidden_dims"] == [256, 256, 256]
-    assert settings["critic"]["hidden_dims"] == [256, 256, 256]
-    assert settings["actor"]["obs_normalization"]
-    assert settings["algorithm"]["gamma"] == train.ppo.gamma
-    assert settings["algorithm"]["lam"] == train.ppo.lam
-    assert settings["num_steps_per_env"] == train.steps_per_iteration
-    assert not settings["algorithm"]["use_mixed_precision"], "the paper variant is float32"
-
-
-def test_precision():
-    assert ppo.use_bfloat16("bfloat16")
-    assert not ppo.use_bfloat16("float32")
+    stand(trained)  # robots are drawn as they start
+    assert len(np.unique(trained.masses)) == 4
+    assert not np.isin(masses[0], trained.masses).any()

@@ -10,7 +10,7 @@ from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
 from slider.env.terms import uses_library
-from slider.training.stage import _task, run_walking
+from slider.training.stage import run_walking
 from slider.training.trainer import POLICY
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
@@ -99,13 +99,7 @@ def _tiny_finetuning(iterations: int) -> list[str]:
 
 
 def test_a_guide_without_a_library_is_refused(tmp_path):
-    with pytest.raises(UserError, match="expected a gait library"):
+    with pytest.raises(UserError) as error:
         run_walking(section(*ALONE, "train/walking/reward=default"), {}, tmp_path, Job(tmp_path))
-
-
-def test_actions_about_the_gait_get_the_gaits(library, tmp_path):
-    inputs = {"library": [library]}
-    assert _task(section("env.action.offset=nominal"), inputs, guided=True).reference is None
-    task = _task(section("env.action.offset=gait"), inputs, guided=True)
-    assert task.reference is not None
-    assert task.reference.positions.shape == (3, 1, 42, 12)
+    expected = "expected a gait library for its guide terms, found none"
+    assert str(error.value) == f"reward: {expected}"

@@ -3,44 +3,43 @@
 import numpy as np
 import pytest
 import torch
+from tensordict import TensorDict
 
+from slider.env.task import Task
 from slider.training.symmetry import symmetry_config, with_reflections
-from slider.training.task import Task
 from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
-from tests.training.test_trainer import TINY, actor, job, same
+from tests.training.test_trainer import TINY, Run, actor, job, same
 
 UNMIRRORED = (*TINY, "env.phase.mirror=false")
 
 
-def make_trainer(folder, *overrides: str) -> Trainer:
-    whole = config(*UNMIRRORED, *overrides)
-    times = gait_table().times
-    joints = gait_table().joints
-    task = Task(whole.robot, whole.env, whole.train.walking, times, make_guide(), joints)
-    return Trainer(task, job(folder))
+def make_run(folder, *overrides: str) -> Run:
+    whole, table = config(*UNMIRRORED, *overrides), gait_table()
+    walking, made = whole.train.walking, job(folder)
+    task = Task(whole.robot, whole.env, walking, table.times, make_guide(), table.joints)
+    return Run(Trainer(task, made), made)
 
 
 def test_reflections_follow_the_originals(tmp_path):
     """Half of the robots are put where the others are in a mirror, half a walk later."""
-    env = make_trainer(tmp_path)._env
+    env = make_run(tmp_path).trainer.env
     half = env.num_envs // 2
     index = np.arange(env.num_envs)
-    pose = mirror_pose(env._physics.qpos[:half].copy(), env._physics.qvel[:half].copy())
+    pose = mirror_pose(env.physics.qpos[:half].copy(), env.physics.qvel[:half].copy())
     both = [
         np.concatenate([own[:half], other])
-        for own, other in zip((env._physics.qpos, env._physics.qvel), pose, strict=True)
+        for own, other in zip((env.physics.qpos, env.physics.qvel), pose, strict=True)
     ]
-    env._physics.reset(index, *both)
+    env.physics.reset(index, *both)
     command = np.tile([0.4, 0.05, 0.1], (env.num_envs, 1))
     command[half:] *= [1, -1, -1]
-    env._agent.set_velocity_command(index, command)
+    env.agent.set_velocity_command(index, command)
     phase = np.linspace(0.1, 0.4, half)
-    env._agent.reset(index, env._physics.read(), np.concatenate([phase, phase + 0.5]))
-    env._agent.refresh_heading(env._physics.read())
-    env._measured = env._physics.read()
-    env._observe()
-    seen = env.get_observations()
+    env.agent.reset(index, env.physics.read(), np.concatenate([phase, phase + 0.5]))
+    env.agent.refresh_heading(env.physics.read())
+    values = torch.from_numpy(env.agent.observe(env.physics.read()))
+    seen = TensorDict({"policy": values}, batch_size=[env.num_envs])
     action = torch.randn(half, 12)
     observations, actions = with_reflections(env, seen[:half], action)
     assert observations is not None
@@ -58,12 +57,13 @@ def test_it_is_off_by_default():
 
 @pytest.mark.parametrize("kind", ["augmentation", "loss"])
 def test_it_changes_what_is_learned(tmp_path, kind):
-    trained = []
-    for name in ("none", kind):
-        trainer = make_trainer(tmp_path / name, f"train.walking.ppo.symmetry={name}")
-        trainer.run()
-        trained.append(trainer)
-    assert not same(actor(trained[0]), actor(trained[1]))
-    losses = trained[1]._job.tracker.series("Loss/symmetry")  # type: ignore
-    assert len(losses) == trained[1]._task.train.iterations
+    plain, symmetric = (
+        make_run(tmp_path / name, f"train.walking.ppo.symmetry={name}") for name in ("none", kind)
+    )
+    for run in (plain, symmetric):
+        run.trainer.run()
+    assert not same(actor(plain.trainer), actor(symmetric.trainer))
+    losses = symmetric.notes.series("Loss/symmetry")
+    assert [step for step, _ in losses] == symmetric.iterations
     assert all(np.isfinite(value) and value > 0 for _, value in losses)
+    assert not plain.notes.series("Loss/symmetry")

@@ -1,19 +1,20 @@
-"""Training improves a policy, survives being killed and repeats itself."""
+"""Training survives being killed, repeats itself and keeps the best policy."""
 
 import re
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import torch
 
-from slider.config.train import RewardConfig, RewardTerm, TrainConfig
+from slider.config.train import TrainConfig
 from slider.control.policy_file import load_policy
 from slider.core.job import Job, NoTracker
+from slider.env.task import Task
 from slider.training.selection import Score
-from slider.training.task import Task
 from slider.training.trainer import CHECKPOINT, CURVE, POLICY, SELECTION, WEIGHTS, Trainer
 from tests.env.synthetic import config, gait_table, make_guide
 
@@ -54,118 +55,98 @@ def job(work: Path) -> Job:
     return Job(work, threads=1, tracker=Notes())
 
 
-def trained(work: Path, **changes) -> Trainer:
-    trainer = Trainer(task(**changes), job(work))
+@dataclass(frozen=True)
+class Run:
+    """A training that has run, and what it left."""
+
+    trainer: Trainer
+    job: Job
+
+    @property
+    def notes(self) -> Notes:
+        assert isinstance(self.job.tracker, Notes)
+        return self.job.tracker
+
+    @property
+    def iterations(self) -> list[int]:
+        """Iterations that this trainer ran, by rsl-rl's own log."""
+        return [step for step, _ in self.notes.series("episode/falls_per_second")]
+
+    def checkpoint(self) -> dict[str, Any]:
+        return torch.load(self.job.work / CHECKPOINT, weights_only=True)
+
+    def rows(self, name: str) -> list[str]:
+        """Lines of an exported table, without its header."""
+        out = self.job.work / "out"
+        out.mkdir(exist_ok=True)
+        self.trainer.export(out)
+        return (out / name).read_text().splitlines()[1:]
+
+
+def trained(work: Path, training: str = "walking", **changes) -> Run:
+    made = job(work)
+    trainer = Trainer(task(training, **changes), made)
     trainer.run()
-    return trainer
+    return Run(trainer, made)
 
 
 def actor(trainer: Trainer) -> dict[str, torch.Tensor]:
-    return {k: v.clone() for k, v in trainer._algorithm.get_policy().state_dict().items()}
+    return {k: v.clone() for k, v in trainer.algorithm.get_policy().state_dict().items()}
 
 
 def same(one: Mapping[str, torch.Tensor], other: Mapping[str, torch.Tensor]) -> bool:
     return one.keys() == other.keys() and all(torch.equal(one[k], other[k]) for k in one)
 
 
-def iterations(trainer: Trainer) -> list[int]:
-    """Iterations that this trainer ran, by rsl-rl's own log."""
-    return [step for step, _ in trainer._job.tracker.series("episode/falls_per_second")]  # type: ignore
-
-
-@pytest.mark.learn
-def test_standing_is_learned_in_half_a_minute(tmp_path):
-    """Falls become rare; before training no robot stands for three seconds."""
-    whole = config(*TINY)
-    standing = whole.train.standing
-    terms = {
-        "alive": RewardTerm(0.2),
-        "upright": RewardTerm(0.4, {"width": 0.03}),
-        "height": RewardTerm(0.4, {"width": 0.0025}),
-        "action_rate": RewardTerm(-0.006),
-        "roll_pitch_rate": RewardTerm(-0.02),
-    }
-    trainer = Trainer(
-        task(
-            "standing",
-            iterations=75,
-            robots=128,
-            steps_per_iteration=24,
-            reward=RewardConfig(terms, scale=1.0, floor=0.0, on_fall=-1.0),
-            network=replace(standing.network, hidden=[64, 64]),
-            ppo=replace(standing.ppo, precision="float32"),
-            selection=replace(standing.selection, interval=15, robots=20, duration=3.0),
-        ),
-        job(tmp_path),
-    )
-    before = trainer._check()
-    trainer._best, trainer._history = {}, []
-    trainer.run()
-    after = trainer._best["score"]
-    assert before.success <= 0.1
-    assert after["success"] >= 0.4
-    assert after["value"] < before.value - 3.0
-    falls = [value for _, value in trainer._job.tracker.series("episode/falls_per_second")]  # type: ignore
-    assert len(falls) == 75
-    assert np.mean(falls[-5:]) < 0.75 * np.mean(falls[1:6])
-
-
 def test_a_killed_training_goes_on_where_it_was(tmp_path):
     first = trained(tmp_path, iterations=2)
-    assert iterations(first) == [0, 1]
-    assert "resumed" not in first._job.volatile
+    before = {name: first.rows(name) for name in (SELECTION, CURVE)}
+    assert first.iterations == [0, 1]
+    assert "resumed" not in first.job.volatile
     second = trained(tmp_path, iterations=5)
-    assert second._job.volatile["resumed"] is True
-    assert iterations(second) == [2, 3, 4]
-    assert second._iteration == 5
-    assert [row["iteration"] for row in second._history] == [1, 2, 3, 4, 5]
-    assert second._history[:2] == first._history
-    assert [row["iteration"] for row in second._curve] == [0, 1, 2, 3, 4]
-    assert second._curve[:2] == first._curve
+    assert second.job.volatile["resumed"] is True
+    assert second.iterations == [2, 3, 4]
+    assert second.checkpoint()["iteration"] == 5
+    for name, expected in ((SELECTION, "12345"), (CURVE, "01234")):
+        rows = second.rows(name)
+        assert [row.split(",")[0] for row in rows] == list(expected)
+        assert rows[:2] == before[name]
     third = trained(tmp_path, iterations=5)
-    assert iterations(third) == []
-    assert same(actor(third), actor(second))
+    assert third.iterations == []
+    assert same(actor(third.trainer), actor(second.trainer))
 
 
 def test_a_resumed_training_meets_other_commands_and_disturbances(tmp_path):
-    fresh = Trainer(task(), job(tmp_path))
-    commands = [fresh._env._agent.command[:, 0].copy()]
-    trained(tmp_path, iterations=1)
-    for _ in range(2):
-        resumed = Trainer(task(), job(tmp_path))
-        commands.append(resumed._env._agent.command[:, 0].copy())
-        assert resumed._env._train.seed != fresh._env._train.seed
-    told_to_go = commands[1][commands[1] != 0]  # a share is told to stand, now and then
-    assert len(told_to_go) > 4
-    assert not np.isin(told_to_go, commands[0]).any()
-    np.testing.assert_array_equal(commands[1], commands[2])
+    """Those of its first iterations do not come once more."""
+    rough = config(*TINY, "train/walking/disturbance=robust").train.walking.disturbance
+    changes = {"iterations": 1, "disturbance": rough}
+    fresh = Trainer(task(**changes), job(tmp_path)).env
+    trained(tmp_path, **changes)
+    one, other = (Trainer(task(**changes), job(tmp_path)).env for _ in range(2))
+    forward = one.agent.command[:, 0]
+    assert (forward != 0).sum() > 4  # the other commands are zero
+    assert not np.isin(forward[forward != 0], fresh.agent.command[:, 0]).any()
+    assert not np.isin(one.physics.masses, fresh.physics.masses).any()
+    np.testing.assert_array_equal(one.agent.command, other.agent.command)
 
 
 def test_a_resumed_training_spreads_its_resets(tmp_path):
     """Nobody falls in a training that went far: of one age, all would time out at once."""
-    ages = []
-    for iterations in (1, 2):
-        trainer = Trainer(task(iterations=iterations), job(tmp_path))
-        learn = trainer._runner.learn
-
-        def note(*arguments, learn=learn, trainer=trainer, **options):
-            learn(*arguments, **options)
-            ages.append(trainer._env.episode_length_buf.max().item())
-
-        trainer._runner.learn = note
-        trainer.run()
+    ages = [
+        trained(tmp_path, iterations=iterations).trainer.env.episode_length_buf.max().item()
+        for iterations in (1, 2)
+    ]
     steps = task().train.steps_per_iteration
     assert ages[0] == steps
     assert ages[1] > 2 * steps
 
 
 def test_the_checkpoint_restores_networks_and_optimiser(tmp_path):
-    first = trained(tmp_path, iterations=2)
-    second = Trainer(task(), job(tmp_path))
-    assert not same(actor(first), actor(second))
-    second._resume()
+    first = trained(tmp_path, iterations=2).trainer
+    assert not same(actor(first), actor(Trainer(task(), job(tmp_path))))
+    second = trained(tmp_path, iterations=2).trainer  # nothing is left to do
     assert same(actor(first), actor(second))
-    one, other = (t._algorithm.save() for t in (first, second))
+    one, other = (trainer.algorithm.save() for trainer in (first, second))
     assert same(one["critic_state_dict"], other["critic_state_dict"])
     moments = [content["optimizer_state_dict"]["state"][0]["exp_avg"] for content in (one, other)]
     assert moments[0].abs().max() > 0
@@ -175,80 +156,71 @@ def test_the_checkpoint_restores_networks_and_optimiser(tmp_path):
 def test_a_half_written_checkpoint_is_never_read(tmp_path):
     trained(tmp_path, iterations=1)
     (tmp_path / f"{CHECKPOINT}.partial").write_bytes(b"killed while writing")
-    assert trained(tmp_path, iterations=2)._iteration == 2
+    assert trained(tmp_path, iterations=2).checkpoint()["iteration"] == 2
     assert [path.name for path in tmp_path.glob("*.pt*")] == [CHECKPOINT]
 
 
 def test_the_last_chunk_is_shorter_rather_than_past_the_target(tmp_path):
     selection = replace(config(*TINY).train.walking.selection, interval=2)
-    trainer = trained(tmp_path, iterations=3, selection=selection)
-    assert iterations(trainer) == [0, 1, 2]
-    assert [row["iteration"] for row in trainer._history] == [2, 3]
+    run = trained(tmp_path, iterations=3, selection=selection)
+    assert run.iterations == [0, 1, 2]
+    assert [row.split(",")[0] for row in run.rows(SELECTION)] == ["2", "3"]
 
 
 def test_same_seed_same_policy(tmp_path):
     runs = [trained(tmp_path / str(k), iterations=2, seed=seed) for k, seed in enumerate((1, 1, 2))]
-    assert same(actor(runs[0]), actor(runs[1]))
-    assert runs[0]._history == runs[1]._history
-    assert not same(actor(runs[0]), actor(runs[2]))
-    files = []
-    for run in runs[:2]:
-        out = tmp_path / f"out{len(files)}"
-        out.mkdir()
-        run.export(out)
-        files.append({path.name: path.read_bytes() for path in out.iterdir()})
+    assert same(actor(runs[0].trainer), actor(runs[1].trainer))
+    assert not same(actor(runs[0].trainer), actor(runs[2].trainer))
+    assert runs[0].rows(SELECTION) == runs[1].rows(SELECTION)
+    files = [
+        {path.name: path.read_bytes() for path in (run.job.work / "out").iterdir()}
+        for run in runs[:2]
+    ]
     assert files[0] == files[1]
     assert set(files[0]) == {POLICY, WEIGHTS, SELECTION, CURVE}
 
 
 def test_the_learning_curve_has_every_reward_term(tmp_path):
-    trainer = trained(tmp_path, iterations=2)
-    trainer.export(tmp_path)
+    trained(tmp_path, iterations=2).trainer.export(tmp_path)
     header, *rows = (tmp_path / CURVE).read_text().splitlines()
     columns = header.split(",")
     assert columns[0] == "iteration"
-    assert {f"reward/{name}" for name in trainer._task.train.reward.terms} <= set(columns)
+    assert {f"reward/{name}" for name in task().train.reward.active} <= set(columns)
     assert [row.split(",")[0] for row in rows] == ["0", "1"]
     assert {len(row.split(",")) for row in rows} == {len(columns)}
 
 
 def test_what_people_follow_is_tracked(tmp_path):
     """Reward terms, steps per second, survival, tracking error and blow-ups, by iteration."""
-    trainer = trained(tmp_path, iterations=2)
-    notes = trainer._job.tracker
-    assert isinstance(notes, Notes)
+    notes = trained(tmp_path, iterations=2).notes
     each = ("Perf/total_fps", "episode/falls_per_second", "episode/speed_error", "episode/diverged")
-    terms = [f"reward/{name}" for name in trainer._task.train.reward.terms]
+    terms = [f"reward/{name}" for name in task().train.reward.active]
     for name in (*each, *terms, "Loss/surrogate", "Policy/mean_std"):
         assert [step for step, _ in notes.series(name)] == [0, 1], name
     for name in ("selection/success", "selection/speed_error", "selection/value"):
         assert [step for step, _ in notes.series(name)] == [1, 2], name
 
 
-def test_progress_is_one_line_with_time_left_and_success(tmp_path):
-    lines: list[str] = []
-    Trainer(task(iterations=2), replace(job(tmp_path), progress=lines.append)).run()
-    assert len(lines) == 2
-    for iteration, text in enumerate(lines, start=1):
-        assert re.match(
-            rf"iteration {iteration}/2, [\d.]+ k steps/s, [\d.]+ min left, success \d+ %", text
-        ), text
-
-
 @pytest.mark.parametrize(
     ("success", "end"),
     [(0.5, "success 50 %, speed error 0.125 m/s, score 3.000"), (0.0, "success 0 %")],
 )
-def test_progress_names_a_speed_error_where_robots_survived(tmp_path, success, end):
+def test_progress_is_one_line_with_time_left_and_success(tmp_path, success, end):
+    """A speed error only where robots survived."""
     lines: list[str] = []
-    trainer = Trainer(task(), replace(job(tmp_path), progress=lines.append))
-    trainer._report(Score(value=3.0, success=success, speed_error=0.125, flight=0.0), 1.0)
-    assert lines[0].endswith(f"min left, {end}")
+    trainer = Trainer(task(iterations=2), replace(job(tmp_path), progress=lines.append))
+    score = Score(value=3.0, success=success, speed_error=0.125, flight=0.0)
+    trainer.selector.score = lambda network: score  # type: ignore[method-assign]
+    trainer.run()
+    number = r"\d+\.\d"
+    for iteration, text in enumerate(lines, start=1):
+        pattern = rf"iteration {iteration}/2, {number} k steps/s, {number} min left, {end}"
+        assert re.fullmatch(pattern, text), text
+    assert len(lines) == 2
 
 
 def test_start_from_copies_weights_but_not_the_noise(tmp_path):
-    standing = trained(tmp_path / "standing", training="standing", iterations=2)
-    standing.export(tmp_path)
+    trained(tmp_path / "standing", "standing", iterations=2).trainer.export(tmp_path)
     saved = torch.load(tmp_path / WEIGHTS, weights_only=True)
     with torch.no_grad():  # as if exploration had died down while standing
         for name in saved["actor_state_dict"]:
@@ -261,7 +233,7 @@ def test_start_from_copies_weights_but_not_the_noise(tmp_path):
     after = actor(walking)
     noise = [name for name in after if name.startswith("distribution.")]
     assert noise
-    critic = walking._algorithm.save()["critic_state_dict"]
+    critic = walking.algorithm.save()["critic_state_dict"]
     scales = [f"obs_normalizer.{name}" for name in ("_std", "_var")]
     for name, value in after.items():
         if name not in scales:
@@ -279,89 +251,32 @@ def test_start_from_copies_weights_but_not_the_noise(tmp_path):
 
 def test_walking_begins_as_standing_ends(tmp_path):
     """A command, which standing never saw, enters the network as it is."""
-    standing = trained(tmp_path / "standing", training="standing", iterations=2)
-    standing.export(tmp_path)
+    trained(tmp_path / "standing", "standing", iterations=2).trainer.export(tmp_path)
     walking = Trainer(task(), job(tmp_path / "walking"))
     walking.start_from(tmp_path / WEIGHTS)
-    seen = walking._env.get_observations()
-    layout = walking._env.observation_layout
+    seen = walking.env.get_observations()
+    layout = walking.env.agent.observer.layout
     first = sum(list(layout.values())[: list(layout).index("command")])
     command = seen["policy"][:, first : first + 3]
     assert command[:, 0].max() > 0.5  # m/s
-    normalised = walking._algorithm.get_policy().obs_normalizer(seen["policy"])
+    normalised = walking.algorithm.get_policy().obs_normalizer(seen["policy"])
     torch.testing.assert_close(normalised[:, first : first + 3], command, rtol=0.02, atol=0)
 
 
 def test_the_best_policy_is_exported_not_the_last(tmp_path):
-    trainer = Trainer(task(iterations=2), job(tmp_path))
-    scores = iter([3.0, 1.0, 2.0])
-    real = trainer._selector.score
-    trainer._selector.score = lambda network: replace(real(network), value=next(scores))  # type: ignore
-    weights = []
-    for _ in range(3):
-        with torch.no_grad():
-            for parameter in trainer._algorithm.get_policy().mlp.parameters():
-                parameter.add_(0.01)
-        trainer._check()
-        weights.append(actor(trainer))
+    trainer = Trainer(task(iterations=3), job(tmp_path))
+    scores, judged = iter([3.0, 1.0, 2.0]), []
+
+    def score(network) -> Score:
+        judged.append(network.mlp[0].weight.clone())
+        return Score(value=next(scores), success=1.0, speed_error=0.1, flight=0.0)
+
+    trainer.selector.score = score  # type: ignore[method-assign]
+    trainer.run()
     facts = trainer.export(tmp_path)
-    assert facts["value"] == 1.0
-    exported = load_policy(tmp_path / POLICY).network
-    assert torch.equal(exported.mlp[0].weight, weights[1]["mlp.0.weight"])
-    assert not torch.equal(exported.mlp[0].weight, weights[2]["mlp.0.weight"])
-
-
-@pytest.mark.parametrize("actor_ema", [0.0, 0.9])
-def test_the_average_of_the_actor_is_exported(tmp_path, actor_ema):
-    """Weights after each update enter an average, which is what is judged, kept and resumed."""
-    ppo = replace(config(*TINY).train.walking.ppo, actor_ema=actor_ema)
-    trainer = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
-    seen, update = [], trainer._algorithm.update
-
-    def watched():
-        losses = update()
-        seen.append(actor(trainer))
-        return losses
-
-    trainer._algorithm.update = watched  # type: ignore
-    trainer.run()
-    expected = seen[0]
-    for later in seen[1:]:
-        expected = {k: actor_ema * v + (1 - actor_ema) * later[k] for k, v in expected.items()}
-    found = trainer._algorithm.averaged_actor.state_dict()
-    for name in ("mlp.0.weight", "mlp.4.bias", "obs_normalizer._mean"):
-        torch.testing.assert_close(found[name], expected[name])
-    assert same(found, actor(trainer)) == (actor_ema == 0.0)
-    resumed = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
-    resumed._resume()
-    assert same(resumed._algorithm.averaged_actor.state_dict(), found)
-
-
-def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
-    network = replace(
-        config(*TINY).train.walking.network,
-        initial_std=0.5,
-        std_max=0.4,
-        std_final=0.1,
-        anneal_from=0.5,
-    )
-    train = {"iterations": 4, "network": network}
-    trainer = Trainer(task(**train), job(tmp_path))
-    seen, update = [], trainer._algorithm.update
-
-    def watched():
-        losses = update()
-        seen.append(actor(trainer)["distribution.log_std_param"].exp().max().item())
-        return losses
-
-    trainer._algorithm.update = watched  # type: ignore
-    trainer.run()
-    assert seen == pytest.approx([0.4, 0.4, 0.2, 0.1], rel=1e-5)
-    resumed = Trainer(task(**{**train, "iterations": 8}), job(tmp_path))
-    resumed.run()  # the share of the iterations counts what was done before
-    noise = actor(resumed)["distribution.log_std_param"].exp()
-    assert noise.max().item() == pytest.approx(0.1)
-    assert len(iterations(resumed)) == 4
+    assert (facts["value"], facts["iteration"]) == (1.0, 2)
+    exported = load_policy(tmp_path / POLICY).network.mlp[0].weight
+    assert [torch.equal(exported, weight) for weight in judged] == [False, True, False]
 
 
 @pytest.mark.parametrize("part", ["actor_ema", "checks"])
@@ -372,51 +287,49 @@ def test_neither_the_average_nor_the_checks_change_the_learning(tmp_path, part):
         "checks": [{"selection": replace(walking.selection, interval=k)} for k in (1, 2)],
     }
     one, other = (
-        trained(tmp_path / str(k), iterations=4, **changes)
+        actor(trained(tmp_path / str(k), iterations=4, **changes).trainer)
         for k, changes in enumerate(choices[part])
     )
-    assert same(actor(one), actor(other))
+    assert same(one, other)
 
 
 def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):
-    trainer = trained(tmp_path, iterations=1)
-    trainer.export(tmp_path)
+    trainer = trained(tmp_path, iterations=1).trainer
+    facts = trainer.export(tmp_path)
     policy = load_policy(tmp_path / POLICY)
-    assert policy.observations == trainer._env.observation_layout
+    assert policy.observations == trainer.env.agent.observer.layout
     assert policy.times is not None
-    assert (policy.robot, policy.env) == (trainer._task.robot, trainer._task.env)
-    assert policy.facts["value"] == trainer._best["score"]["value"]
-    assert trainer._selector.score(policy.network).value == trainer._best["score"]["value"]
+    assert (policy.robot, policy.env) == (task().robot, task().env)
+    assert policy.facts == {"seed": task().train.seed, **facts}
+    assert trainer.selector.score(policy.network).value == facts["value"]
 
 
 def test_first_actions_are_small(tmp_path):
-    trainer = Trainer(task(), job(tmp_path))
-    network = trainer._network(actor(trainer))
-    plain = Trainer(
-        task(network=replace(config(*TINY).train.walking.network, output_scale=1.0)),
-        job(tmp_path / "plain"),
+    network = task().train.network
+    small, large = (
+        Trainer(task(network=replace(network, output_scale=scale)), job(tmp_path / str(scale)))
+        for scale in (network.output_scale, 1.0)
     )
-    observations = torch.randn(100, network.mean.numel())
+    weights = [actor(trainer)["mlp.4.weight"] for trainer in (small, large)]
+    torch.testing.assert_close(weights[0], network.output_scale * weights[1])
+    observations = small.env.get_observations()
     with torch.inference_mode():
-        small, large = (
-            t._network(actor(t)).mlp[-1].weight.abs().mean().item() for t in (trainer, plain)
-        )
-        assert network(observations).abs().max() < 0.5
-    assert small == pytest.approx(task().train.network.output_scale * large, rel=1e-5)
+        assert small.algorithm.get_policy()(observations).abs().max() < 0.5
 
 
 def test_no_iterations_still_give_a_policy(tmp_path):
-    trainer = trained(tmp_path, iterations=0)
+    trainer = trained(tmp_path, iterations=0).trainer
     trainer.export(tmp_path)
-    assert load_policy(tmp_path / POLICY).observations == trainer._env.observation_layout
+    assert load_policy(tmp_path / POLICY).observations == trainer.env.agent.observer.layout
     assert not (tmp_path / CURVE).exists(), "no curve of nothing"
 
 
 def test_blow_ups_are_reported_outside_the_result(tmp_path):
-    trainer = Trainer(task(iterations=1), job(tmp_path))
-    trainer._env._physics.qvel[3, 6:] = 1e9
+    made = job(tmp_path)
+    trainer = Trainer(task(iterations=1), made)
+    trainer.env.physics.qvel[3, 6:] = 1e9
     trainer.run()
-    assert trainer._job.volatile["blow_ups"] == 1
+    assert made.volatile["blow_ups"] == 1
 
 
 def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
@@ -426,6 +339,19 @@ def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
         "train.walking.disturbance.ground.amplitude=0.01",
     )
     rough = config(*TINY, *overrides).train.walking.disturbance
-    one, again = (trained(tmp_path / name, disturbance=rough) for name in ("one", "again"))
+    one, again = (trained(tmp_path / name, disturbance=rough).trainer for name in ("one", "again"))
     assert same(actor(one), actor(again))
-    assert not same(actor(one), actor(trained(tmp_path / "calm")))
+    assert not same(actor(one), actor(trained(tmp_path / "calm").trainer))
+
+
+def test_a_resumed_training_keeps_the_share_of_its_commands(tmp_path):
+    commands = task().train.commands
+    curriculum = replace(commands.curriculum, start=0.4, growth=0.1, success=0.0)
+    changes = {
+        "iterations": 2,
+        "episode_length": 0.04,
+        "commands": replace(commands, curriculum=curriculum),
+    }
+    share = trained(tmp_path, **changes).trainer.env.curriculum.share
+    assert share > 0.4
+    assert trained(tmp_path, **changes).trainer.env.curriculum.share == share

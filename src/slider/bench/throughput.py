@@ -21,13 +21,13 @@ import torch
 from mujoco import rollout
 from rsl_rl.runners import OnPolicyRunner
 
+from slider.bench.stopwatch import Stopwatch
 from slider.core.job import NoTracker
+from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
 from slider.training.ppo import runner_config
-from slider.training.stopwatch import Stopwatch
-from slider.training.task import Task
 
 _RECORDED = 24  # control steps
 
@@ -73,18 +73,8 @@ class Bench:
         torch.set_num_threads(threads)
         torch.set_flush_denormal(True)
         torch.manual_seed(task.train.seed)
-        rng = np.random.default_rng(task.train.seed)
         self._task, self._work = task, work
-        self._env = WalkingEnv(
-            task.robot,
-            task.env,
-            task.train,
-            rng,
-            task.times,
-            task.guide,
-            threads,
-            task.reference,
-        )
+        self._env = WalkingEnv(task, threads)
         self._actions = task.train.network.initial_std * torch.randn(
             _RECORDED, task.train.robots, NUM_JOINTS
         )

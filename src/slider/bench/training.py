@@ -88,8 +88,8 @@ def _measure(
     arguments: argparse.Namespace, config: "Config", path: Path, threads: int, num_envs: int
 ) -> list["Throughput"]:
     from slider.bench.throughput import Bench
+    from slider.env.task import task_of
     from slider.training.ppo import use_bfloat16
-    from slider.training.task import task_of
 
     train = replace(config.train.walking, robots=num_envs)
     task = task_of(config.robot, config.env, train, path)

@@ -12,11 +12,11 @@ from slider.env.interface import AgentInterface
 
 
 def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> AgentInterface:
-    """Observations and actions of ``count`` robots that the policy leads.
+    """Observations and actions of ``count`` robots under a policy.
 
     Args:
         policy: read from a file.
-        robot, env: the machine and what an agent sees and commands there.
+        robot, env: machine, observations and actions.
         count: number of robots.
 
     Raises:
@@ -39,6 +39,6 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
 
 
 def _interface(env: EnvConfig) -> dict[str, Any]:
-    """What a policy sees and does, by dotted key."""
+    """Settings of observations and actions, by dotted key."""
     parts = ("control_period", "reference", "observation", "action", "phase")
     return flatten({name: value for name, value in to_dict(env).items() if name in parts})

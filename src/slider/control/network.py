@@ -54,7 +54,7 @@ def from_actor(
     weights = {k.removeprefix("mlp."): v for k, v in state.items() if k.startswith("mlp.")}
     num_observations = weights["0.weight"].shape[1]
     num_actions = weights[f"{2 * len(hidden)}.bias"].shape[0]  # an activation after each layer
-    with torch.random.fork_rng(devices=[]):  # the layers' first weights, which nobody sees
+    with torch.random.fork_rng(devices=[]):  # initial weights, overwritten below
         network = PolicyNetwork(num_observations, num_actions, hidden, activation)
     network.mlp.load_state_dict({k: v.clone() for k, v in weights.items()})
     network.mean.copy_(state["obs_normalizer._mean"].squeeze(0))

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from slider.env.columns import NUM_CHANNELS, NUM_POSITIONS
 from slider.env.view import View
 from slider.library.lookup import GaitLibrary, GaitTable
-from slider.robot.names import CHANNELS, JOINTS, SIDES
+from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES
 
 _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
 _HIP_YAWS = [JOINTS.index(f"{side}_hip_yaw") for side in SIDES]
@@ -62,7 +61,7 @@ class Guide:
         progress = (2.0 * view.phase) % 1.0
         stance = view.command[:, 2] * step_time * (0.5 - progress)
         left = np.where(view.phase < 0.5, stance, -stance)
-        result = np.zeros((len(left), NUM_POSITIONS))
+        result = np.zeros((len(left), NUM_JOINTS))
         result[:, _HIP_YAWS] = np.stack([left, -left], axis=1)
         return result
 
@@ -74,10 +73,10 @@ class Guide:
         A start has the commanded velocity, whichever gait guides: it is interpolated.
         """
         reference = self._table.at(vx, vy, phase)
-        joints, base = reference[:, : 2 * NUM_POSITIONS], reference[:, NUM_CHANNELS:]
-        qpos = np.concatenate([base[:, :7], joints[:, :NUM_POSITIONS]], axis=1)
+        joints, base = reference[:, : 2 * NUM_JOINTS], reference[:, NUM_CHANNELS:]
+        qpos = np.concatenate([base[:, :7], joints[:, :NUM_JOINTS]], axis=1)
         qpos[:, :2] = 0.0
-        return qpos, np.concatenate([base[:, 7:13], joints[:, NUM_POSITIONS:]], axis=1)
+        return qpos, np.concatenate([base[:, 7:13], joints[:, NUM_JOINTS:]], axis=1)
 
     def nearest_distance(self, view: View, masked: bool) -> np.ndarray:
         """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait in use (eq. 3: the nearest gait).

@@ -1,6 +1,6 @@
 """The agent's side of the robot: from state to observation, from action to joint targets.
 
-Training and evaluation use this same object, so a policy sees the same thing in both.
+Training and evaluation use this same object, so that observations agree.
 """
 
 import numpy as np
@@ -33,7 +33,7 @@ class AgentInterface:
     """Observations, actions, clock and heading target of N robots.
 
     Args:
-        robot, config: the machine, and what the agent sees and commands.
+        robot, config: machine, observations and actions.
         num_robots: N.
         times: step times for the clock, if there is one.
         reference: joint positions of the gaits, if actions are about the gait.
@@ -90,7 +90,7 @@ class AgentInterface:
             state: of all robots, after their reset.
             phase: start of the clock, (n,) or one for all.
             velocity: start of reference and filters (n, 2) [m/s], or one value for all.
-            heading: where they are to head (n,) [rad]; where they look if not given.
+            heading: target (n,) [rad]; the present yaw if not given.
         """
         self.action[index] = 0.0
         self.previous_action[index] = 0.0
@@ -181,7 +181,7 @@ class AgentInterface:
         return self.clock.halted
 
     def _mirrored(self) -> np.ndarray:
-        """Robots that the agent sees reflected: those in right stance."""
+        """Robots whose observations and actions are reflected: those in right stance."""
         if self.clock is None or not self._config.phase.mirror:
             return np.zeros(self.num_robots, dtype=bool)
         return ~self.clock.left_stance

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.env.contacts import CONTACT_FORCE, Contacts, down, touchdowns
+from slider.env.instruments import CONTACT_FORCE, Contacts, down, touchdowns
 from slider.env.rollout import Recording
 from slider.robot.kinematics import turn_to_heading
 
@@ -44,14 +44,14 @@ def tracking(recording: Recording, warm_up: float, tolerance: float, relative: f
     command = recording.command[:, :, 0]
     error = (forward - command) ** 2
     mean = forward[first:].mean(axis=0)
-    wanted = command[first] + (command[first:] - command[first]).mean(axis=0)  # exact if constant
-    allowed = np.maximum(tolerance, relative * np.abs(wanted))
+    target = command[first] + (command[first:] - command[first]).mean(axis=0)  # exact if constant
+    allowed = np.maximum(tolerance, relative * np.abs(target))
     return Tracking(
         survived=survived,
         squared_error=_where(survived, error.mean(axis=0)),
         squared_error_steady=_where(survived, error[first:].mean(axis=0)),
         mean_velocity=_where(survived, mean),
-        tracked=survived & (np.abs(mean - wanted) <= allowed),
+        tracked=survived & (np.abs(mean - target) <= allowed),
     )
 
 
@@ -61,7 +61,7 @@ class GaitQuality:
 
     Attributes:
         flight: share of time with no foot on the ground, bounces left out; see
-            :func:`slider.env.contacts.down`.
+            :func:`slider.env.instruments.down`.
         double_support: share of time with both feet on the ground, likewise.
         touchdown_rate: touchdowns per second, both feet, likewise.
         alternation: share of touchdowns that follow one of the other foot; two feet that touch down

@@ -47,7 +47,7 @@ class Clock:
     ) -> None:
         """Set the phases (n,) of robots ``index``, with commands (n, ≥ 3) and speeds (n,) [m/s].
 
-        Those told to stand are halted at once where the phase is a change of feet.
+        Those commanded to stand are halted at once where the phase is a change of feet.
         """
         self.phase[index] = phase
         change = (2.0 * self.phase[index]) % 1.0 == 0.0

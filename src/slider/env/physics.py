@@ -12,11 +12,10 @@ from mujoco import rollout
 
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.env.contacts import Contacts, observe
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
-from slider.env.drive_loads import DriveLoads, loads
 from slider.env.ground import FLAT
+from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.state import RobotState
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
@@ -36,10 +35,9 @@ class BatchedPhysics:
     """Steps ``num_robots`` copies of the robot.
 
     Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
-    torques of them. See :class:`SimulationOptions`. A
-    ``disturbance`` makes robots differ, delays their inputs, pushes them and spoils what
-    :meth:`measure` says. Without ``instruments`` it is faster and says nothing of
-    :meth:`contacts`.
+    torques of them. See :class:`SimulationOptions`.
+    A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
+    :meth:`measure`. Without ``instruments`` it is faster but has no :meth:`contacts`.
     """
 
     def __init__(
@@ -62,11 +60,11 @@ class BatchedPhysics:
         mujoco.set_mju_user_warning(_ignore_warning)
         self.robot = robot
         self.model = build_plant(robot, options, disturbance)
-        self._models = self.model
+        self.models = self.model
         self._disturber: Disturber | None = None
         if disturbance is not None:
             self._disturber = Disturber(disturbance, robot, self.model, actuation, num_robots)
-            self._models = self._disturber.models
+            self.models = self._disturber.models
         self.num_robots = num_robots
         self.nominal = nominal_qpos(robot)
         self._substeps = config.substeps
@@ -124,7 +122,7 @@ class BatchedPhysics:
         if self._disturber is not None:
             self._disturber.push(self.qvel)
             control = self._disturber.drive(control)
-        series = self._pool.rollout(self._models, self._data, self._state, control)
+        series = self._pool.rollout(self.models, self._data, self._state, control)
         states, sensors = (np.asarray(values) for values in series)
         self._diverged = self._find_diverged(states[:, -1]) | ~np.isfinite(inputs).all(axis=1)
         if self._diverged.any():
@@ -208,7 +206,7 @@ class BatchedPhysics:
         return state if self._disturber is None else self._disturber.in_world(state)
 
     def measure(self, state: RobotState) -> RobotState:
-        """What a controller is told of the current state."""
+        """The state as a controller receives it: with sensor noise."""
         return state if self._disturber is None else self._disturber.sense(state)
 
     def restart_disturbances(self) -> None:

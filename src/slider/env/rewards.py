@@ -8,19 +8,19 @@ import numpy as np
 
 from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
-from slider.env.columns import BASE_HEIGHT, NUM_POSITIONS
 from slider.env.declaration import Function, Needs, Parameter, Term, check_names, register
 from slider.env.observations import target_angular_velocity, target_linear_velocity
 from slider.env.phase import standing
 from slider.env.view import View
 from slider.robot.kinematics import turn_to_heading
-from slider.robot.names import JOINTS, leg_joint
+from slider.robot.names import JOINTS, NUM_CHANNELS, NUM_JOINTS, leg_joint
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
 
 TERMS: dict[str, Term] = {}
 _FORCE = Parameter("N", least=0)
+_BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
 # Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
 # like several radians.
 _WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0, "ankle": 0.5}
@@ -107,14 +107,14 @@ def heading(r: RewardView, width: float) -> np.ndarray:
 @reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("rad²", above=0))
 def guide_phase(r: RewardView, width: float) -> np.ndarray:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
-    error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS]
+    error = r.state.joint_positions - r.reference[:, :NUM_JOINTS]
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("rad²", above=0))
 def guide_phase_turning(r: RewardView, width: float) -> np.ndarray:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
-    error = r.state.joint_positions - r.reference[:, :NUM_POSITIONS] - r.guide.turn(r.view)
+    error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
@@ -162,7 +162,7 @@ def height(r: RewardView, width: float) -> np.ndarray:
 @reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("m²", above=0))
 def guide_height(r: RewardView, width: float) -> np.ndarray:
     """exp(−(z − gait(phase))²/width) of the base height."""
-    return _kernel((r.state.base_height - r.reference[:, BASE_HEIGHT]) ** 2, width)
+    return _kernel((r.state.base_height - r.reference[:, _BASE_HEIGHT]) ** 2, width)
 
 
 @reward()

@@ -2,9 +2,9 @@
 
 The rollout owns plant, starts, commands and terminations; a controller only maps state to the
 plant's inputs. It is the same for every controller and for the checks during training. A plant
-that is stepped in less than a control period asks its controller more often; what is recorded
-and what counts as a failure is looked at once per control period all the same. Loads of the
-drives, contacts and the distance of the legs are looked at in every simulation step.
+with a shorter period than the control period calls its controller more often. States are recorded
+and failures detected once per control period; loads of the drives, contacts and the distance of
+the legs at every simulation step.
 """
 
 from collections.abc import Callable
@@ -15,8 +15,7 @@ import numpy as np
 
 from slider.config.env import EnvConfig, PlantConfig
 from slider.env import terminations
-from slider.env.contacts import Contacts, join
-from slider.env.drive_loads import DriveLoads, over
+from slider.env.instruments import Contacts, DriveLoads, join, over
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
 
@@ -100,7 +99,7 @@ def roll_out(
     Args:
         controller: for N robots.
         physics: of N robots; its state is overwritten. Its period divides the control period. The
-            controller is told what the physics measures; everything else is the true state.
+            controller receives the measured state; everything else is the true one.
         config: control period and terminations.
         start: positions (N, 19) and velocities (N, 18).
         command: vx, vy [m/s], yaw rate [rad/s]: (N, 3) constant from t = 0, or (S, N, 3) of each

@@ -7,23 +7,16 @@ import torch
 from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
-from slider.config.env import EnvConfig
-from slider.config.robot import RobotConfig
-from slider.config.train import TrainConfig
 from slider.env import terminations
-from slider.env.commands import CommandSampler
-from slider.env.curriculum import Curriculum
+from slider.env.commands import CommandSampler, Curriculum
 from slider.env.disturbance.draws import Disturbance
-from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
-from slider.env.observations import Observer
 from slider.env.phase import standing
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import about, at_rest
 from slider.env.state import RobotState
-from slider.library.joint_table import JointTable
-from slider.library.step_times import StepTimes
+from slider.env.task import Task
 from slider.robot.names import NUM_JOINTS
 
 
@@ -37,23 +30,21 @@ class Episodes:
 
 
 class WalkingEnv(VecEnv):
-    """N robots that are told to walk; falls end an episode, and so does its length.
+    """N robots with commanded velocities; a fall ends an episode, and so does its length.
 
     Observations: TensorDict with ``policy`` (N, size) float32. Actions: (N, 12).
     ``extras``: ``time_outs`` (N,) and ``log`` with the mean of every reward term.
+    Commands, starts and phases follow from the training's seed.
+
+    Attributes:
+        physics: the simulated robots.
+        agent: their observations, actions, clock and commands.
+        curriculum: share of the command ranges in use.
+        total_diverged: simulations that blew up so far.
     """
 
-    def __init__(
-        self,
-        robot: RobotConfig,
-        config: EnvConfig,
-        train: TrainConfig,
-        rng: np.random.Generator,
-        times: StepTimes | None = None,
-        guide: Guide | None = None,
-        threads: int = 1,
-        reference: JointTable | None = None,
-    ) -> None:
+    def __init__(self, task: Task, threads: int = 1) -> None:
+        robot, config, train = task.robot, task.env, task.train
         terminations.check(config.termination.terms)
         self.num_envs = train.robots
         self.num_actions = NUM_JOINTS
@@ -63,9 +54,9 @@ class WalkingEnv(VecEnv):
         self.cfg: dict | object = config
         self.total_diverged = 0
         self._robot, self._config, self._train = robot, config, train
-        self._rng = rng
-        self._guide = guide
-        self._physics = BatchedPhysics(
+        self._rng = np.random.default_rng(train.seed)
+        self._guide = task.guide
+        self.physics = BatchedPhysics(
             robot,
             config.physics,
             self.num_envs,
@@ -73,7 +64,7 @@ class WalkingEnv(VecEnv):
             disturbance=Disturbance(train.disturbance, (train.seed,)),
             instruments=False,
         )
-        self._agent = AgentInterface(robot, config, self.num_envs, times, reference)
+        self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference)
         self._commands = CommandSampler(train.commands, config.control_period)
         self.curriculum = Curriculum(train.commands.curriculum, self.num_envs)
         self._reward = Reward(train.reward)
@@ -81,27 +72,12 @@ class WalkingEnv(VecEnv):
         self._observe()
 
     @property
-    def observation_layout(self) -> dict[str, int]:
-        """Name → width of the observation terms, in order."""
-        return self._agent.observer.layout
-
-    @property
-    def observer(self) -> Observer:
-        """What the observations are made of."""
-        return self._agent.observer
-
-    @property
-    def physics(self) -> BatchedPhysics:
-        """The simulated robots."""
-        return self._physics
-
-    @property
     def methods(self) -> dict[str, tuple[object, str]]:
         """Owner and name of the methods that make up a step, by what they do."""
         return {
-            "physics": (self._physics, "step"),
-            "state": (self._physics, "read"),
-            "observation": (self._agent, "observe"),
+            "physics": (self.physics, "step"),
+            "state": (self.physics, "read"),
+            "observation": (self.agent, "observe"),
             "reward": (self, "_reward"),
             "environment": (self, "step"),
         }
@@ -112,13 +88,13 @@ class WalkingEnv(VecEnv):
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict]:
         """One control period for all robots."""
-        targets = self._agent.act(actions.numpy().astype(np.float64))
-        self._physics.step(targets)
-        state = self._physics.read()
-        self._measured = self._physics.measure(state)
-        self._agent.advance(self._measured)
+        targets = self.agent.act(actions.numpy().astype(np.float64))
+        self.physics.step(targets)
+        state = self.physics.read()
+        self._measured = self.physics.measure(state)
+        self.agent.advance(self._measured)
         fell = terminations.failed(state, self._config.termination.terms)
-        view = self._agent.view(state)
+        view = self.agent.view(state)
         reward, parts = self._reward(RewardView(view, self._guide), fell)
         speed_error = np.abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         episodes = self._end_episodes(fell, int(state.diverged.sum()))
@@ -156,23 +132,23 @@ class WalkingEnv(VecEnv):
     def _reset(self, index: np.ndarray) -> RobotState:
         """Start robots ``index`` anew; what is measured of all robots afterwards."""
         count, rng = len(index), self._rng
-        self._agent.set_velocity_command(index, self._draw_commands(count))
-        phase = rng.uniform(size=count) if self._agent.clock is not None else np.zeros(count)
+        self.agent.set_velocity_command(index, self._draw_commands(count))
+        phase = rng.uniform(size=count) if self.agent.clock is not None else np.zeros(count)
         on_gait = self._choose_reference_starts(count)
         qpos, qvel = at_rest(self._robot, self._config.start, rng, count)
         velocity = np.zeros((count, 2))
         if on_gait.any():
             chosen = index[on_gait]
             qpos[on_gait], qvel[on_gait] = self._on_reference(chosen, phase[on_gait])
-            velocity[on_gait] = self._agent.command[chosen, :2]
-        if self._agent.clock is not None and self._agent.clock.halts:
-            resting = standing(self._agent.command[index]) & ~on_gait
+            velocity[on_gait] = self.agent.command[chosen, :2]
+        if self.agent.clock is not None and self.agent.clock.halts:
+            resting = standing(self.agent.command[index]) & ~on_gait
             phase = np.where(resting, 0.0, phase)  # they stand from the start
-        self._physics.reset(index, qpos, qvel)
-        state = self._physics.measure(self._physics.read())
+        self.physics.reset(index, qpos, qvel)
+        state = self.physics.measure(self.physics.read())
         heading = np.where(on_gait, 0.0, state.yaw[index])  # a gait's yaw swings about its course
-        self._agent.reset(index, state, phase, velocity, heading)
-        self._agent.refresh_heading(state)
+        self.agent.reset(index, state, phase, velocity, heading)
+        self.agent.refresh_heading(state)
         return state
 
     def _choose_reference_starts(self, count: int) -> np.ndarray:
@@ -184,18 +160,18 @@ class WalkingEnv(VecEnv):
     def _on_reference(self, index: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities on the gait of the robots' commands, with noise."""
         assert self._guide is not None
-        command = self._agent.command[index]
+        command = self.agent.command[index]
         states = self._guide.states(command[:, 0], command[:, 1], phase)
         return about(states, self._robot, self._config.start, self._rng)
 
     def _change_commands(self) -> None:
         index = self._commands.changing(self._rng, self.num_envs)
         if len(index):
-            self._agent.set_velocity_command(index, self._draw_commands(len(index)))
+            self.agent.set_velocity_command(index, self._draw_commands(len(index)))
 
     def _draw_commands(self, count: int) -> np.ndarray:
         return self._commands.sample(self._rng, count, self.curriculum.share)
 
     def _observe(self) -> None:
-        values = torch.from_numpy(self._agent.observe(self._measured))
+        values = torch.from_numpy(self.agent.observe(self._measured))
         self._observations = TensorDict({"policy": values}, batch_size=[self.num_envs])

@@ -9,7 +9,7 @@ from slider.env.state import RobotState
 
 @dataclass(frozen=True)
 class View:
-    """State of N robots together with what the agent has been told and has done.
+    """State of N robots together with the commands and actions of their agent.
 
     Attributes:
         state: the robots.

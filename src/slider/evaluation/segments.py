@@ -4,7 +4,7 @@ import numpy as np
 
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.core.columns import Columns
-from slider.env.contacts import touchdowns
+from slider.env.instruments import touchdowns
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
 from slider.evaluation import profile as profiles

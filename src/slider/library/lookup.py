@@ -14,9 +14,7 @@ from slider.library.joint_table import JointTable, at_phase, standing
 from slider.library.mesh import VelocityMesh, corners
 from slider.library.schema import SCHEMA, VERSION
 from slider.library.step_times import StepTimes
-from slider.robot.names import CHANNELS, NUM_JOINTS
-
-_NUM_CHANNELS = len(CHANNELS)
+from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
 
 
 def open_library(path: Path) -> zarr.Group:
@@ -105,21 +103,21 @@ class GaitTable:
         Bilinear in velocity, linear in time within a step: the velocities jump at touchdown.
         """
         result = at_phase(self.times, self.reference, vx, vy, phase)
-        normalise(result[:, _NUM_CHANNELS:])
+        normalise(result[:, NUM_CHANNELS:])
         return result
 
     @cached_property
     def standing(self) -> np.ndarray:
         """Channels and base motion (39,) of a robot that stands on both feet, at rest."""
         result = standing(self.times, self.reference)
-        result[NUM_JOINTS:_NUM_CHANNELS] = 0.0
-        result[_NUM_CHANNELS + 7 :] = 0.0
-        normalise(result[None, _NUM_CHANNELS:])
+        result[NUM_JOINTS:NUM_CHANNELS] = 0.0
+        result[NUM_CHANNELS + 7 :] = 0.0
+        normalise(result[None, NUM_CHANNELS:])
         return result
 
     def channels(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
         """Channels (N, S, 26) of all samples of the walks at commands (N,), (N,) [m/s]."""
-        samples = self.reference[..., :_NUM_CHANNELS]
+        samples = self.reference[..., :NUM_CHANNELS]
         around = corners(self.times.vx, self.times.vy, vx, vy)
         return sum(
             (weight[:, None, None] * samples[i, j] for i, j, weight in around),

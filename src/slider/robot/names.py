@@ -92,6 +92,7 @@ CHANNELS = (
     "base.vx",
     "base.vy",
 )
+NUM_CHANNELS = len(CHANNELS)
 CHANNEL_UNITS = (
     *("m" if name.endswith("slide") else "rad" for name in JOINTS),
     *("m/s" if name.endswith("slide") else "rad/s" for name in JOINTS),

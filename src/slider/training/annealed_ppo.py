@@ -1,11 +1,12 @@
-"""PPO that settles: its action noise calms, and a moving average of the actor is what is kept.
+"""PPO with annealed action noise; the exported actor is a moving average over updates.
 
-A policy that keeps a speed with noise keeps another one without: noise moves the mean. Single
-updates push the mean speed at a command to and fro by a few per cent; their average is steadier
-than each of them (Polyak and Juditsky, 1992).
+Noise shifts the mean speed of a policy, so that a policy trained with noise tracks another speed
+without it. Single updates move the mean speed at a command by a few per cent. Their average varies
+less than each of them (Polyak and Juditsky, 1992).
 """
 
 import math
+from dataclasses import dataclass
 from typing import Any, cast
 
 import torch
@@ -14,9 +15,29 @@ from rsl_rl.models import MLPModel
 from torch.nn import Module
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
-from slider.training.noise import NoiseBound
-
 AVERAGE = "average_state_dict"
+
+
+@dataclass(frozen=True)
+class NoiseBound:
+    """Greatest standard deviation of the action noise over a training.
+
+    Attributes:
+        first, last: at the start and after the last update; between, geometric.
+        start: share of the updates from which it falls.
+        updates: of the training.
+    """
+
+    first: float
+    last: float
+    start: float
+    updates: int
+
+    def after(self, update: int) -> float:
+        """The bound after so many updates."""
+        begin = self.start * self.updates
+        share = (update - begin) / max(self.updates - begin, 1.0)
+        return self.first * (self.last / self.first) ** min(max(share, 0.0), 1.0)
 
 
 class AnnealedPPO(PPO):
@@ -64,7 +85,7 @@ class AnnealedPPO(PPO):
         return {**super().save(), AVERAGE: self._average.state_dict()}
 
     def load(self, loaded_dict: dict, load_cfg: dict | None, strict: bool) -> bool:
-        """As ``PPO.load``; ``average`` in ``load_cfg`` asks for the average."""
+        """As ``PPO.load``; ``average`` in ``load_cfg`` loads the average."""
         if load_cfg is None or load_cfg.get("average"):
             self._average.load_state_dict(loaded_dict[AVERAGE], strict=strict)
         return super().load(loaded_dict, load_cfg, strict)

@@ -7,10 +7,6 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import torch
 
-from slider.config.disturbance import DisturbanceConfig
-from slider.config.env import EnvConfig
-from slider.config.robot import RobotConfig
-from slider.config.train import SelectionConfig
 from slider.control.policy import PolicyController
 from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
@@ -18,8 +14,7 @@ from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
-from slider.library.joint_table import JointTable
-from slider.library.step_times import StepTimes
+from slider.env.task import Task
 
 
 @dataclass(frozen=True)
@@ -42,34 +37,26 @@ class Score:
     flight: float
 
     def known(self) -> dict[str, float]:
-        """Without what nobody survived to show."""
+        """The values that are numbers: some need survivors."""
         return {name: value for name, value in asdict(self).items() if not math.isnan(value)}
 
 
 class Selector:
-    """Evaluates policies on a few robots per command, always from the starts of ``config.seed``."""
+    """Evaluates policies on a few robots per command, always from the same starts."""
 
-    def __init__(
-        self,
-        robot: RobotConfig,
-        env: EnvConfig,
-        config: SelectionConfig,
-        disturbance: DisturbanceConfig,
-        times: StepTimes | None,
-        threads: int,
-        reference: JointTable | None = None,
-    ) -> None:
+    def __init__(self, task: Task, threads: int) -> None:
+        robot, env, config = task.robot, task.env, task.train.selection
         self._env, self._config = env, config
         count = len(config.commands) * config.robots
-        disturbed = Disturbance(disturbance, (config.seed,))
+        disturbed = Disturbance(task.train.disturbance, (config.seed,))
         self._physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbed)
-        self._agent = AgentInterface(robot, env, count, times, reference)
+        self._agent = AgentInterface(robot, env, count, task.times, task.reference)
         self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng(config.seed), count)
         self._command = np.zeros((count, 3))
         self._command[:, 0] = np.repeat(config.commands, config.robots)
 
     def score(self, network: Callable[[torch.Tensor], torch.Tensor]) -> Score:
-        """Roll a deterministic policy out and judge it."""
+        """Score of a deterministic policy."""
         config = self._config
         controller = PolicyController(network, self._agent)
         recording = roll_out(

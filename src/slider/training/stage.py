@@ -7,7 +7,7 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.config.train import TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.training.task import Task, task_of
+from slider.env.task import Task, task_of
 from slider.training.trainer import WEIGHTS, Trainer
 
 

@@ -31,7 +31,7 @@ def with_reflections(
 ) -> tuple[TensorDict | None, torch.Tensor | None]:
     """Observations (B, size) and actions (B, 12), each followed by its reflection (2 B, ·)."""
     if obs is not None:
-        observer = env.observer
+        observer = env.agent.observer
         reflected = obs.clone()
         reflected["policy"] = _reflect(obs["policy"], observer.permutation, observer.sign)
         obs = TensorDict.cat([obs, reflected])

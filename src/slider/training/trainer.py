@@ -1,4 +1,4 @@
-"""Train a policy with PPO: in chunks, checkpointed, checked, the best kept."""
+"""Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best."""
 
 import time
 from collections.abc import Mapping
@@ -13,12 +13,12 @@ from rsl_rl.runners import OnPolicyRunner
 from slider.control.network import UNVARIED, from_actor
 from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
+from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.training.annealed_ppo import AnnealedPPO
 from slider.training.ppo import NORMALISER_EPSILON, runner_config, use_bfloat16
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
-from slider.training.task import Task
 
 CHECKPOINT = "checkpoint.pt"
 BEST = "best.pt"
@@ -28,7 +28,13 @@ _RESUMED = ("actor", "critic", "optimizer", "average")
 
 
 class Trainer:
-    """One training run that survives being killed."""
+    """One training run that survives being killed.
+
+    Attributes:
+        env: the simulated robots.
+        algorithm: PPO with actor, critic and average.
+        selector: scores policies.
+    """
 
     def __init__(self, task: Task, job: Job) -> None:
         train = task.train
@@ -39,37 +45,20 @@ class Trainer:
         self._checkpoint = _read_checkpoint(job.work / CHECKPOINT)
         seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0))
         torch.manual_seed(seed)
-        self._env = WalkingEnv(
-            task.robot,
-            task.env,
-            replace(train, seed=seed),
-            np.random.default_rng(seed),
-            task.times,
-            task.guide,
-            job.threads,
-            task.reference,
-        )
+        self.env = WalkingEnv(replace(task, train=replace(train, seed=seed)), job.threads)
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
-        self._runner = OnPolicyRunner(self._env, config, log_dir=str(job.work), device="cpu")
-        self._algorithm = cast(AnnealedPPO, self._runner.alg)
+        self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device="cpu")
+        self.algorithm = cast(AnnealedPPO, self._runner.alg)
         self._shrink_first_actions()
-        self._selector = Selector(
-            task.robot,
-            task.env,
-            train.selection,
-            train.disturbance,
-            task.times,
-            job.threads,
-            task.reference,
-        )
+        self.selector = Selector(task, job.threads)
         self._iteration = 0
         self._best: dict[str, Any] = {}
         self._history: list[dict[str, float]] = []
 
     def _shrink_first_actions(self) -> None:
         with torch.no_grad():
-            last = list(self._algorithm.get_policy().mlp.parameters())[-2]  # weight, then bias
+            last = list(self.algorithm.get_policy().mlp.parameters())[-2]  # weight, then bias
             last.mul_(self._task.train.network.output_scale)
 
     def start_from(self, weights: Path) -> None:
@@ -79,12 +68,12 @@ class Trainer:
         stands, start with a standard deviation of 1.
         """
         content = torch.load(weights, weights_only=True)
-        own = self._algorithm.get_policy().state_dict()
+        own = self.algorithm.get_policy().state_dict()
         noise = {k: v for k, v in own.items() if k.startswith("distribution.")}
         content["actor_state_dict"] = {**content["actor_state_dict"], **noise}
         for name in ("actor_state_dict", "critic_state_dict"):
             content[name] = _with_unit_scales(content[name])
-        self._algorithm.load(content, {"actor": True, "critic": True}, strict=True)
+        self.algorithm.load(content, {"actor": True, "critic": True}, strict=True)
 
     def run(self) -> None:
         """Train up to the configured number of iterations, resuming where a killed job was."""
@@ -94,7 +83,7 @@ class Trainer:
         while self._iteration < total:
             chunk = min(self._task.train.selection.interval, total - self._iteration)
             self._runner.current_learning_iteration = self._iteration
-            # nobody falls in a training that went far: one age for all would reset all at once
+            # a trained policy rarely falls: robots of one age would all be reset at once
             self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
             self._iteration += chunk
             score = self._check()
@@ -103,18 +92,18 @@ class Trainer:
             self._report(score, pace)
         if not self._best:
             self._check()
-        self._job.volatile["blow_ups"] = self._env.total_diverged
+        self._job.volatile["blow_ups"] = self.env.total_diverged
         bfloat16 = use_bfloat16(self._task.train.ppo.precision)
         self._job.volatile["update"] = "bfloat16" if bfloat16 else "float32"
 
     def _check(self) -> Score:
-        """Judge the current policy; remember it if it is the best so far."""
-        actor = self._algorithm.averaged_actor.state_dict()
+        """Score the current policy; remember it if it is the best so far."""
+        actor = self.algorithm.averaged_actor.state_dict()
         network = self._network(actor)
-        score = self._selector.score(network)
+        score = self.selector.score(network)
         self._history.append({"iteration": self._iteration, **score.known()})
         if not self._best or score.value <= self._best["score"]["value"]:
-            critic = self._algorithm.save()["critic_state_dict"]
+            critic = self.algorithm.save()["critic_state_dict"]
             weights = {"actor_state_dict": _copy(actor), "critic_state_dict": _copy(critic)}
             self._best = {"score": score.known(), "iteration": self._iteration, "weights": weights}
         metrics = {f"selection/{name}": value for name, value in score.known().items()}
@@ -138,12 +127,12 @@ class Trainer:
 
     def _save_checkpoint(self) -> None:
         content = {
-            **self._algorithm.save(),
+            **self.algorithm.save(),
             "iteration": self._iteration,
             "best": self._best,
             "history": self._history,
             "curve": self._curve,
-            "command_share": self._env.curriculum.share,
+            "command_share": self.env.curriculum.share,
         }
         partial = self._job.work / f"{CHECKPOINT}.partial"
         torch.save(content, partial)
@@ -155,11 +144,11 @@ class Trainer:
         content = self._checkpoint
         if not content:
             return
-        self._algorithm.load(content, dict.fromkeys(_RESUMED, True), True)
+        self.algorithm.load(content, dict.fromkeys(_RESUMED, True), True)
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]
-        self._env.curriculum.share = content["command_share"]
+        self.env.curriculum.share = content["command_share"]
         self._job.volatile["resumed"] = True
 
     def export(self, out: Path) -> dict[str, Any]:
@@ -171,7 +160,7 @@ class Trainer:
             network=self._network(weights["actor_state_dict"]),
             hidden=tuple(network.hidden),
             activation=network.activation,
-            observations=self._env.observation_layout,
+            observations=self.env.agent.observer.layout,
             times=self._task.times,
             robot=self._task.robot,
             env=self._task.env,

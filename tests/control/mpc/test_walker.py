@@ -140,10 +140,12 @@ def test_torques_stay_within_the_limits():
 
 
 def test_reports_what_a_tick_costs():
+    """Its parts; see ``test_clock`` for the numbers."""
     _, controller = walk((0.1, 0.0, 0.0), seconds=1.0)
+    assert controller.clock.ticks == COUNT * 200, "robots times ticks"
     parts = controller.clock.microseconds()
     assert set(parts) == {"model", "footsteps", "assembly", "solution"}
-    assert all(0 < value < 5000 for value in parts.values())
+    assert min(parts.values()) > 0
 
 
 @pytest.mark.parametrize("setting", ["literal", "tuned"])

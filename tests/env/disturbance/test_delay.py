@@ -59,6 +59,9 @@ def test_physics_with_delay_is_physics_with_shifted_inputs(actuation: Actuation)
 def test_the_pose_is_held_or_no_torque_given_before_the_first_input_arrives():
     setting, inputs = "delay={lower: 0.02, upper: 0.02}", np.full((1, names.NUM_JOINTS), 0.05)
     torque = stand(disturbed_physics(1, setting, actuation="torque"))
+    bent = torque.qpos.copy()
+    bent[:, 7:] += 0.05
+    torque.reset(np.arange(1), bent, np.zeros((1, 18)))
     torque.step(inputs)
     np.testing.assert_allclose(torque.read().motor_torques, 0.0, atol=1e-9)
     torque.step(inputs)

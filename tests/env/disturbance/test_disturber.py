@@ -6,7 +6,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.env.disturbance.draws import Draws
+from slider.env.disturbance.disturber import Disturber
+from slider.env.disturbance.draws import Disturbance, Draws
 from slider.robot import names
 from tests.env.synthetic import config, disturbed_physics, make_physics, random_pose, stand
 
@@ -36,12 +37,21 @@ def run(physics, steps: int = 12) -> np.ndarray:
     return np.stack(rows)
 
 
+def make_disturber(count: int, *settings: str) -> Disturber:
+    whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
+    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
+    return Disturber(disturbance, whole.robot, make_physics(1).model, "position", count)
+
+
 def test_a_push_changes_the_velocity_of_the_base_once_per_interval():
-    calm = stand(disturbed_physics(200), 0.1)
-    pushed = stand(disturbed_physics(200, "push={speed: 0.5, interval: 0.1}"), 0.1)
-    np.testing.assert_array_equal(calm.qpos, pushed.qpos)
-    pushed._disturber.push(pushed.qvel)
-    change = pushed.qvel - calm.qvel
+    physics, disturber = make_physics(200), make_disturber(200, "push={speed: 0.5, interval: 0.1}")
+    disturber.begin(np.arange(200), physics.qpos)
+    change = np.zeros((200, 18))
+    for _ in range(5):
+        disturber.push(change)
+        assert not change.any()
+        disturber.drive(np.zeros((200, 4, 10)))  # 20 ms
+    disturber.push(change)
     np.testing.assert_allclose(np.linalg.norm(change[:, :2], axis=1), 0.5)
     assert not change[:, 2:].any()
     angle = np.arctan2(change[:, 1], change[:, 0])
@@ -50,12 +60,11 @@ def test_a_push_changes_the_velocity_of_the_base_once_per_interval():
 
 def test_a_push_gives_the_whole_robot_momentum():
     """The legs keep their joint speeds: all of the mass is faster by 0.5 m/s at first."""
-    physics = stand(disturbed_physics(10, "push={speed: 0.5, interval: 0.1}"), 0.1)
-    before, velocity = momentum(physics), physics.qvel[:, :2].copy()
-    physics._disturber.push(physics.qvel)
+    physics = stand(make_physics(1), 0.1)
+    before = momentum(physics)
+    physics.qvel[0, :2] += [0.3, -0.4]
     gained = momentum(physics) - before
-    pushed = physics.qvel[:, :2] - velocity
-    np.testing.assert_allclose(gained, physics.masses[:, None] * pushed, atol=1e-9)
+    np.testing.assert_allclose(gained, physics.masses[:, None] * [[0.3, -0.4]], atol=1e-9)
 
 
 def momentum(physics) -> np.ndarray:

@@ -14,10 +14,6 @@ COUNT = 20
 GRAVITY = 9.81
 
 
-def models(physics):
-    return physics._disturber.models
-
-
 def test_mass_is_weight_on_the_feet():
     """The mean force carries the weight and changes the vertical momentum."""
     physics = disturbed_physics(COUNT, "mass={lower: 0.9, upper: 1.1}", substeps=1)
@@ -31,13 +27,13 @@ def test_mass_is_weight_on_the_feet():
     share = physics.masses / nominal
     assert 0.9 <= share.min() < 0.93 < 1.07 < share.max() <= 1.1
     np.testing.assert_allclose(weight, physics.masses * GRAVITY, rtol=0.02)
-    inertia = np.array([model.body_inertia for model in models(physics)])
+    inertia = np.array([model.body_inertia for model in physics.models])
     np.testing.assert_allclose(inertia, share[:, None, None] * physics.model.body_inertia)
 
 
 def test_the_centre_of_mass_of_the_base_moves_and_no_other():
     physics = stand(disturbed_physics(COUNT, "centre_of_mass=0.02"))
-    places = np.array([model.body_ipos for model in models(physics)]) - physics.model.body_ipos
+    places = np.array([model.body_ipos for model in physics.models]) - physics.model.body_ipos
     base = physics.model.body(names.BASE).id
     shift = places[:, base]
     assert 0.018 < np.abs(shift).max() <= 0.02
@@ -48,7 +44,7 @@ def test_the_centre_of_mass_of_the_base_moves_and_no_other():
 def test_a_forward_centre_of_mass_loads_the_ankles():
     physics = stand(disturbed_physics(COUNT, "centre_of_mass=0.02"), 0.2)
     base = physics.model.body(names.BASE).id
-    shift = np.array([model.body_ipos[base, 0] for model in models(physics)])
+    shift = np.array([model.body_ipos[base, 0] for model in physics.models])
     one, two = (
         physics.read().motor_torques[:, [names.MOTORS.index(f"{s}_{motor}") for s in names.SIDES]]
         for motor in ("capstan_1", "capstan_2")
@@ -62,7 +58,7 @@ def test_friction_bounds_the_force_along_the_ground():
     physics = disturbed_physics(COUNT, "friction={lower: 0.2, upper: 0.6}")
     stand(physics, 0.2)
     physics.qvel[:, 0] += 2.0
-    friction = np.array([m.geom(names.foot("left")).friction[0] for m in models(physics)])
+    friction = np.array([m.geom(names.foot("left")).friction[0] for m in physics.models])
     assert 0.2 <= friction.min() < 0.25 < 0.5 < friction.max() <= 0.6
     start = momentum(physics)
     physics.step(np.zeros((COUNT, names.NUM_JOINTS)))
@@ -87,19 +83,22 @@ def momentum(physics) -> np.ndarray:
 @pytest.mark.parametrize("actuation", ["position", "torque"])
 def test_motor_gain_scales_the_achieved_torque(actuation: Actuation):
     """Also where the effort limit binds: the limit is one of current."""
-    varied = disturbed_physics(3, "motor_gain={lower: 0.9, upper: 1.1}", actuation=actuation)
-    exact = disturbed_physics(3, actuation=actuation)
+    gain = "motor_gain={lower: 0.9, upper: 1.1}"
+    varied, exact = (
+        disturbed_physics(3, *settings, actuation=actuation, substeps=1)
+        for settings in ((gain,), ())
+    )
     scale = 0.02 if actuation == "position" else 5.0
     inputs = scale * np.random.default_rng(0).uniform(0.3, 1.0, (3, names.NUM_JOINTS))
     inputs[2] *= 1000.0
     torques = []
     for physics in (varied, exact):
         stand(physics)
-        physics._substeps, physics.period = 1, 0.005  # torques of the start, before anything moves
-        physics.step(inputs)
+        physics.step(inputs)  # torques of the start, before anything moves
         torques.append(physics.read().motor_torques)
     ratio = torques[0] / torques[1]
-    np.testing.assert_allclose(ratio, varied._disturber._machines.motor_gain, rtol=1e-6)
+    limits = np.array([model.actuator_forcerange[:, 1] for model in varied.models])
+    np.testing.assert_allclose(ratio, limits / exact.model.actuator_forcerange[:, 1], rtol=1e-6)
     assert 0.9 <= ratio.min() < 0.93 < 1.07 < ratio.max() <= 1.1
     np.testing.assert_allclose(np.abs(torques[1][2]), TORQUE_LIMITS, rtol=1e-9)
 

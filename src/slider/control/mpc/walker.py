@@ -20,7 +20,7 @@ from slider.control.mpc.modes import Modes
 from slider.control.mpc.nominal import Dynamics, NominalModel
 from slider.control.mpc.steps import Steps
 from slider.control.mpc.velocity import ReferenceVelocity
-from slider.env.contacts import CONTACT_FORCE
+from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names
 

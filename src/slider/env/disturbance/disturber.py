@@ -112,7 +112,7 @@ class Disturber:
         return control
 
     def sense(self, state: RobotState) -> RobotState:
-        """What the controller is told now."""
+        """The state with sensor noise."""
         if not sensing.noisy(self._config.sensing):
             return state
         normal = self._draws.normal(NOISE, self._steps, sensing.COLUMNS)
@@ -130,7 +130,7 @@ class Disturber:
 
     @property
     def sensor_offset(self) -> np.ndarray:
-        """Places (N, 2) in the robots' own world minus those that sensors tell [m]."""
+        """Places (N, 2) in the robots' own world minus those of the sensors [m]."""
         return np.zeros((self._count, 2)) if self._terrain is None else self._terrain.sensor_offset
 
     def in_world(self, state: RobotState) -> RobotState:

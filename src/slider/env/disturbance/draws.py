@@ -1,7 +1,7 @@
 """Random numbers of disturbances, as functions of a seed and of a time.
 
-A generator per use and time, rather than one that is read on and on: what a robot meets at a time
-depends neither on the rate at which its controller looks nor on which disturbances are on.
+A generator per use and time, rather than one for all: the disturbance of a robot at a time depends
+neither on the rate of its controller nor on which other disturbances are on.
 """
 
 from dataclasses import dataclass

@@ -66,9 +66,9 @@ class Machines:
         model.body_ipos[self._base] = self._nominal.body_ipos[self._base] + shift
 
     def _set_motors(self, model: mujoco.MjModel, gain: np.ndarray) -> None:
-        """Scale the torque at every voltage; the on-board loop does not know and keeps its volts.
+        """Scale the torque at every voltage; the on-board loop keeps its volts.
 
-        MuJoCo turns the wanted torque into volts with the resistance: the scaled gains make up
+        MuJoCo turns the demanded torque into volts with the resistance: the scaled gains make up
         for that. A demanded torque is scaled by the caller instead.
         """
         nominal = self._nominal

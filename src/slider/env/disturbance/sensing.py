@@ -1,4 +1,4 @@
-"""Noise on what a controller is told; terminations and metrics use the true state.
+"""Noise on the state that a controller receives; terminations and metrics use the true state.
 
 Rewards as well, but for the low-passed velocity and the heading error, which are the agent's own.
 """

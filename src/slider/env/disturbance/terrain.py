@@ -16,7 +16,7 @@ from slider.env.ground import UnevenGround
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 
-_MARGIN = 1.5  # the robot's reach and what it can run between two looks [m]
+_MARGIN = 1.5  # the robot's reach and its way in a control period [m]
 _BASE = 0.1  # thickness of the ground below its lowest point [m]
 # The field lies deeper by this and pushes within this of it [m]. Nothing then enters its prisms,
 # which would push a foot between two of them sideways and let it sink in.
@@ -67,7 +67,7 @@ class Terrain:
 
     Attributes:
         offset: (N, 2) place of a robot in the world minus its place on the height field [m].
-        sensor_offset: (N, 2) the same for positions that sensors told before the last wrap [m].
+        sensor_offset: (N, 2) the same for sensors, which were read before the last wrap [m].
     """
 
     def __init__(

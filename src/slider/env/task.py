@@ -1,4 +1,4 @@
-"""What a training is about, put together from configuration and gait library."""
+"""A training task: robot, environment, rewards, and the gaits that it needs."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,14 @@ from slider.library.step_times import StepTimes
 
 @dataclass(frozen=True)
 class Task:
-    """What is trained, in which environment, towards which guide, with actions about what."""
+    """One training.
+
+    Attributes:
+        robot, env, train: the configuration.
+        times: step times of the clock, where there is one.
+        guide: the library's gaits for guide rewards and starts; none where training is unguided.
+        reference: joint positions of the gaits, where actions are about the gait.
+    """
 
     robot: RobotConfig
     env: EnvConfig
@@ -36,7 +43,7 @@ def task_of(
     Args:
         robot, env, train: the configuration.
         library: Zarr gait library, if the training has one.
-        guided: whether rewards may ask for its gaits.
+        guided: whether rewards and starts use its gaits.
     """
     if library is None:
         return Task(robot, env, train, _times(env, None), None)

@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from slider.training.stopwatch import Stopwatch
+from slider.bench.stopwatch import Stopwatch
 
 
 def spin(seconds: float) -> None:

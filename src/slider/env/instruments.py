@@ -1,6 +1,6 @@
-"""Feet on the ground and the distance of the legs, at every simulation step.
+"""What metrics need of every simulation step: contacts, distance of the legs, loads of the motors.
 
-What metrics say of contacts is seen here, between the control steps as well.
+Touchdowns and the motors' peaks fall between control steps.
 """
 
 from collections.abc import Sequence
@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slider.env.ground import Ground
+from slider.robot.transmission import Transmission
 
 CONTACT_FORCE = 5.0  # a foot with more than this on it is on the ground [N]
 # Gaps and contacts shorter than these are bounces [s].
@@ -41,7 +42,7 @@ def observe(
     distances: np.ndarray,
     ground: Ground,
 ) -> Contacts:
-    """What sensors of N robots say over T simulation steps.
+    """Contacts of N robots by their sensors over T simulation steps.
 
     Args:
         forces: of the feet (N, T, 2) [N].
@@ -94,3 +95,33 @@ def _without_gaps(flags: np.ndarray, length: float) -> np.ndarray:
     last = np.maximum.accumulate(np.where(flags, index, -count), axis=0)
     following = np.minimum.accumulate(np.where(flags, index, 2 * count)[::-1], axis=0)[::-1]
     return flags | (following - last - 1 < length - 1e-6)
+
+
+class DriveLoads(NamedTuple):
+    """Loads of N robots over some simulation steps.
+
+    Attributes:
+        power: (N,) mechanical power, absolute values of the motors added, mean over the steps [W].
+        effort_share: (N,) largest torque of a motor as a share of its limit [-].
+        speed_share: (N,) largest speed of a motor as a share of its no-load speed [-].
+    """
+
+    power: np.ndarray
+    effort_share: np.ndarray
+    speed_share: np.ndarray
+
+
+def loads(motors: Transmission, torques: np.ndarray, speeds: np.ndarray) -> DriveLoads:
+    """Of motor torques [N m] and the motor speeds [rad/s] they lead to (N, steps, 10)."""
+    torque, speed = np.abs(torques), np.abs(speeds)
+    return DriveLoads(
+        power=(torque * speed).sum(axis=2).mean(axis=1),
+        effort_share=(torque / motors.torque).max(axis=(1, 2)),
+        speed_share=(speed / motors.speed).max(axis=(1, 2)),
+    )
+
+
+def over(loads: Sequence[DriveLoads]) -> DriveLoads:
+    """Loads over equally long stretches of time, one after the other."""
+    power, effort, speed = (np.stack(column) for column in zip(*loads, strict=True))
+    return DriveLoads(power.mean(axis=0), effort.max(axis=0), speed.max(axis=0))

@@ -1,0 +1,101 @@
+"""The shipped configuration, cut short, teaches robots that fall at once to stand and to walk."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.control.agent import agent_of
+from slider.control.policy import PolicyController
+from slider.control.policy_file import load_policy
+from slider.env.guide import Guide
+from slider.env.metrics import gait_quality, tracking
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Recording, roll_out
+from slider.env.starts import USUAL_NOISE, at_rest
+from slider.env.task import Task
+from slider.library.lookup import GaitLibrary, GaitTable
+from slider.training.trainer import POLICY, Trainer
+from tests.env.synthetic import config
+from tests.training.test_trainer import Run, job
+
+GAITS = Path(__file__).parent / "gaits.npz"  # of the default library: 0 and 0.4 m/s, 0.42 s a step
+SPEED, STEP_TIME = 0.4, 0.42  # [m/s], [s]
+ROBOTS, SECONDS, SETTLED = 40, 4.0, 1.5
+# Fewer robots and neurons, one command. Rewards, starts, disturbances and PPO are the default's.
+SHORT = (
+    "train.standing.robots=128",
+    "train.standing.ppo.precision=float32",
+    "train.standing.selection={interval: 25, robots: 20, duration: 3.0}",
+    "train.walking.robots=64",
+    "train.walking.ppo.precision=float32",
+    "train.walking.network.hidden=[64,64]",
+    f"train.walking.commands.vx={{lower: {SPEED}, upper: {SPEED}}}",
+    "train.walking.commands.vy={lower: 0.0, upper: 0.0}",
+    "train.walking.commands.standing_fraction=0.0",
+    f"train.walking.selection={{interval: 50, commands: [{SPEED}], robots: 20, duration: 3.0}}",
+)
+
+
+def train(folder: Path, training: str, iterations: int) -> Run:
+    """A training with its policy in the same folder."""
+    whole = config(*SHORT, f"train.{training}.iterations={iterations}")
+    with np.load(GAITS) as arrays:
+        library = GaitLibrary(**{name: arrays[name].astype(float) for name in arrays})
+    table = GaitTable.from_library(library)
+    settings = getattr(whole.train, training)
+    guide = Guide(library, table, settings.guide.gait) if training == "walking" else None
+    made = job(folder)
+    task = Task(whole.robot, whole.env, settings, table.times, guide, table.joints)
+    run = Run(Trainer(task, made), made)
+    run.trainer.run()
+    run.trainer.export(folder)
+    return run
+
+
+def roll(folder: Path, speed: float) -> Recording:
+    """The exported policy, from rest."""
+    policy = load_policy(folder / POLICY)
+    physics = BatchedPhysics(policy.robot, policy.env.physics, ROBOTS)
+    controller = PolicyController(
+        policy.network, agent_of(policy, policy.robot, policy.env, ROBOTS)
+    )
+    start = at_rest(policy.robot, USUAL_NOISE, np.random.default_rng(7), ROBOTS)
+    command = np.tile([speed, 0.0, 0.0], (ROBOTS, 1))
+    return roll_out(controller, physics, policy.env, start, command, SECONDS)
+
+
+def falls(run: Run) -> np.ndarray:
+    """Falls per second in each iteration."""
+    return np.array([value for _, value in run.notes.series("episode/falls_per_second")])
+
+
+@pytest.mark.learn
+def test_standing_is_learned_in_half_a_minute(tmp_path):
+    train(tmp_path / "before", "standing", 0)
+    assert not roll(tmp_path / "before", 0.0).survived.any()
+    rate = falls(train(tmp_path / "after", "standing", 100))
+    recording = roll(tmp_path / "after", 0.0)
+    assert recording.survived.mean() >= 0.6
+    assert np.nanmean(gait_quality(recording, SETTLED).flight) < 0.1, "without hopping"
+    assert rate[-10:].mean() < 0.4 * rate[1:11].mean()
+
+
+@pytest.mark.learn
+def test_walking_is_learned_in_a_minute(tmp_path):
+    """Without a pre-trained policy. Bounds are about twice the worst of three seeds."""
+    train(tmp_path / "before", "walking", 0)
+    assert not roll(tmp_path / "before", SPEED).survived.any()
+    rate = falls(train(tmp_path / "after", "walking", 300))
+    recording = roll(tmp_path / "after", SPEED)
+    tracked, quality = tracking(recording, SETTLED, 0.1, 0.1), gait_quality(recording, SETTLED)
+    assert tracked.survived.mean() >= 0.9
+    assert np.nanmean(tracked.mean_velocity) == pytest.approx(SPEED, abs=0.04)
+    assert np.nanmean(tracked.squared_error_steady) < 0.004
+    assert np.nanmean(quality.touchdown_rate) == pytest.approx(1 / STEP_TIME, rel=0.03)
+    assert np.nanmean(quality.alternation) > 0.98
+    assert np.nanmean(quality.flight) < 0.005
+    assert np.nanmean(quality.double_support) < 0.2
+    assert np.nanmean(quality.clearance) > 0.05
+    assert np.nanmean(quality.heading) < 0.5
+    assert rate[-20:].mean() < 0.2 * rate[1:21].mean()

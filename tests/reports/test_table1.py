@@ -13,8 +13,8 @@ import pytest
 from slider.core.job import Job
 from slider.env.metrics import GaitQuality, Tracking
 from slider.evaluation import records
-from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import gait_numbers
+from slider.library.reader import GaitLibrary
 from slider.reports import table1
 from slider.reports.proportions import wilson
 from slider.reports.rows import quality_row, table_row
@@ -197,7 +197,7 @@ def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path, na
     names = list(quality[0])
     at = names.index(name)
     assert names[at + 1] == f"reference_{name}"
-    library = LibraryContents.load(store)
+    library = GaitLibrary.load(store)
     for row, speed in zip(quality, (0.2, 0.4), strict=False):
         expected = getattr(gait_numbers(library, speed), name)
         assert float(row[names[at + 1]]) == pytest.approx(expected, rel=1e-5)

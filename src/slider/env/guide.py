@@ -4,7 +4,8 @@ import numpy as np
 
 from slider.env.columns import NUM_CHANNELS, NUM_POSITIONS
 from slider.env.view import View
-from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.lookup import GaitTable
+from slider.library.reader import GaitLibrary
 from slider.robot.names import CHANNELS, JOINTS, SIDES
 
 _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.gait import bezier
-from slider.library.base_motion import aligned, normalise
-from slider.library.contents import LibraryContents
+from slider.library.mesh import aligned, normalise
+from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
 from slider.robot.names import JOINTS, KNEE_LEG_JOINTS, LEG_JOINTS, LEG_MIRROR_SIGN, NUM_JOINTS
 
@@ -44,7 +44,7 @@ class Gait:
     base: np.ndarray
     forward: np.ndarray
     leftward: np.ndarray
-    library: LibraryContents
+    library: GaitLibrary
 
     def knee_joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Virtual-knee positions [rad] and velocities [rad/s] (N, 10), left leg then right leg.
@@ -91,7 +91,7 @@ class Gait:
         )
 
 
-def blend(library: LibraryContents, vx: float, vy: float) -> Gait:
+def blend(library: GaitLibrary, vx: float, vy: float) -> Gait:
     """Gait at a command [m/s]: bilinear in the four velocities around it, step times included.
 
     At a velocity of the library it is that gait. It is continuous in the command everywhere: at

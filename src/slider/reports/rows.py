@@ -8,8 +8,8 @@ import numpy as np
 
 from slider.core.job import Inputs
 from slider.evaluation import records
-from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import GaitNumbers, gait_numbers
+from slider.library.reader import GaitLibrary
 from slider.reports.controllers import OURS
 from slider.reports.proportions import wilson
 
@@ -92,7 +92,7 @@ def reference_gaits(inputs: Inputs) -> Reference:
     """Forward velocity → numbers of the gait of the input ``library``, if there is one."""
     if "library" not in inputs:
         return lambda command: None
-    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
     return lambda command: gait_numbers(library, command)
 
 

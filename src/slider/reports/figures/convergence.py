@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.maps import VelocityMap, draw_map, frame
 from slider.reports.figures.style import DARK, new_figure
 
@@ -14,7 +14,7 @@ _MARKERS = "os^vD*P"
 _FLOOR = 1e-12  # residuals below this are zero but for rounding
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """Three maps, and the worst residual of each constraint over all gaits."""
     figure = new_figure(8.6)
     panels = figure.subplots(4, 1, height_ratios=(1, 1, 1, 3.2))
@@ -29,7 +29,7 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def caption(library: LibraryContents) -> str:
+def caption(library: GaitLibrary) -> str:
     """Outcome in numbers; holes with what they violate."""
     arrays = library.arrays
     count = len(library) + len(library.holes)
@@ -49,7 +49,7 @@ def caption(library: LibraryContents) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _outcomes(axes: Axes, library: LibraryContents) -> None:
+def _outcomes(axes: Axes, library: GaitLibrary) -> None:
     """A marker per return status; the commonest first."""
     found = [(*velocity, str(status)) for velocity, status in _converged(library)]
     found += [(hole.vx, hole.vy, hole.status) for hole in library.holes]
@@ -65,11 +65,11 @@ def _outcomes(axes: Axes, library: LibraryContents) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=len(counts), borderpad=0)
 
 
-def _converged(library: LibraryContents):
+def _converged(library: GaitLibrary):
     return zip(library.velocities, library.arrays["status"], strict=True)
 
 
-def _residuals(axes: Axes, library: LibraryContents) -> None:
+def _residuals(axes: Axes, library: GaitLibrary) -> None:
     worst = np.maximum(library.arrays["residuals"].max(axis=0), _FLOOR)
     order = np.argsort(worst, kind="stable")
     names = [library.constraints[i].replace("_", " ") for i in order]

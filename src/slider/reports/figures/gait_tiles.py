@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.robot_drawing import Posture, draw_ground, draw_posture, postures
 from slider.reports.figures.speeds import forward_gaits
 from slider.reports.figures.style import new_figure
@@ -21,7 +21,7 @@ _ROWS = 5
 _HALF_WIDTH, _TOP = 0.52, 1.24  # of a tile [m]
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """One row per velocity, time goes to the right."""
     chosen = forward_gaits(library, _ROWS)
     columns = tile_samples(library)
@@ -33,19 +33,19 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def caption(library: LibraryContents) -> str:
+def caption(library: GaitLibrary) -> str:
     """What a tile is."""
     return CAPTION
 
 
-def tile_samples(library: LibraryContents) -> list[int]:
+def tile_samples(library: GaitLibrary) -> list[int]:
     """Samples of four tiles per step: its start, one third, two thirds and its end."""
     per_step = library.arrays["time"].shape[1] // 2
     within = [round(share * (per_step - 1) / 3) for share in range(4)]
     return [step * per_step + sample for step in range(2) for sample in within]
 
 
-def draw_tiles(row: Sequence[Axes], library: LibraryContents, gait: int) -> None:
+def draw_tiles(row: Sequence[Axes], library: GaitLibrary, gait: int) -> None:
     """Draw the tiles of one gait, with the time below each."""
     samples = tile_samples(library)
     times = library.arrays["time"][gait, samples]

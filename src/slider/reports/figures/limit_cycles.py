@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from slider.library.blend import Gait, blend
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.speeds import forward_gaits
 from slider.reports.figures.style import COLOURS, new_figure
 from slider.robot.names import JOINTS, LEG_JOINTS
@@ -28,7 +28,7 @@ _SHOWN = LEG_JOINTS[:5]
 Pieces = list[tuple[np.ndarray, np.ndarray]]
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """Five driven joints and the roll of the stance foot."""
     chosen = forward_gaits(library, _GAITS)
     speeds = library.velocities[chosen, 0]
@@ -51,7 +51,7 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def caption(library: LibraryContents) -> str:
+def caption(library: GaitLibrary) -> str:
     """What the curves are."""
     return CAPTION
 

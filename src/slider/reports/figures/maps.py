@@ -9,7 +9,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.patches import Rectangle
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE
 
 
@@ -29,7 +29,7 @@ class VelocityMap:
     logarithmic: bool = False
 
 
-def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
+def draw_map(axes: Axes, library: GaitLibrary, item: VelocityMap) -> None:
     """One coloured cell per gait, a cross at each hole, a colour bar with the unit.
 
     Raises:
@@ -53,7 +53,7 @@ def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
     axes.set_title(item.name, loc="left")
 
 
-def frame(axes: Axes, library: LibraryContents) -> None:
+def frame(axes: Axes, library: GaitLibrary) -> None:
     """Axes of a map over all velocities that were asked for, holes included."""
     mesh = library.mesh
     margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
@@ -65,7 +65,7 @@ def frame(axes: Axes, library: LibraryContents) -> None:
     axes.grid(visible=False)
 
 
-def _cells(library: LibraryContents) -> list[tuple[tuple[float, float], float, float]]:
+def _cells(library: GaitLibrary) -> list[tuple[tuple[float, float], float, float]]:
     """Lower left corner, width and height [m/s] of each gait's cell."""
     vx, vy = library.velocities.T
     low_x, high_x = _borders(library.mesh.vx)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 
 from slider.config.robot import Geometry
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import DARK, LIGHT, MIDDLE
 from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion
 from slider.robot.names import NUM_JOINTS
@@ -35,7 +35,7 @@ class Posture:
     stance: int
 
 
-def postures(library: LibraryContents, gait: int, samples: list[int]) -> list[Posture]:
+def postures(library: GaitLibrary, gait: int, samples: list[int]) -> list[Posture]:
     """Postures of a gait of the library at some of its samples."""
     geometry: Geometry = library.robot.geometry
     base = library.arrays["base"][gait, samples]

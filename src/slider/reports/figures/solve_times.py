@@ -3,12 +3,12 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.style import DARK, new_figure
 
 
-def draw(library: LibraryContents, times: np.ndarray) -> Figure:
+def draw(library: GaitLibrary, times: np.ndarray) -> Figure:
     """Map of the times (G,) [s], and how many gaits took how long."""
     figure = new_figure(3.6)
     top, bottom = figure.subplots(2, 1, height_ratios=(1, 1.3))

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 
 
-def forward_gaits(library: LibraryContents, count: int) -> np.ndarray:
+def forward_gaits(library: GaitLibrary, count: int) -> np.ndarray:
     """Indices of at most ``count`` gaits straight ahead, evenly spread, slowest to fastest.
 
     Straight ahead is the leftward velocity nearest to zero that the library has.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 from slider.library import loads
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.style import new_figure
 
@@ -16,17 +16,17 @@ of all motors over the walk, as shares of the motor's torque limit and of its to
 """
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """One map below the other."""
     return draw_maps(library, library_maps(library))
 
 
-def caption(library: LibraryContents) -> str:
+def caption(library: GaitLibrary) -> str:
     """What the maps show."""
     return CAPTION
 
 
-def library_maps(library: LibraryContents) -> list[VelocityMap]:
+def library_maps(library: GaitLibrary) -> list[VelocityMap]:
     """The maps that the library alone can give."""
     return [
         VelocityMap("cost", library.arrays["cost"], library.cost_unit),
@@ -37,7 +37,7 @@ def library_maps(library: LibraryContents) -> list[VelocityMap]:
     ]
 
 
-def draw_maps(library: LibraryContents, maps: Sequence[VelocityMap]) -> Figure:
+def draw_maps(library: GaitLibrary, maps: Sequence[VelocityMap]) -> Figure:
     """Any maps, one below the other, with a common velocity axis."""
     figure = new_figure(1.25 * len(maps) + 0.3)
     panels = figure.subplots(len(maps), 1, sharex=True, squeeze=False)[:, 0]

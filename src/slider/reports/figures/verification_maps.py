@@ -8,7 +8,7 @@ import numpy as np
 
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.maps import VelocityMap
 from slider.reports.figures.publication import write_figure
 from slider.reports.figures.velocity_maps import draw_maps
@@ -39,7 +39,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     Raises:
         UserError: the table lacks a gait of the library.
     """
-    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
     table = read_table(inputs["verification"][0] / TABLE)
     maps = [
         VelocityMap(title, _column(library, table, name), unit)
@@ -61,7 +61,7 @@ def read_table(path: Path) -> dict[tuple[float, float], dict[str, float]]:
 
 
 def _column(
-    library: LibraryContents, table: Mapping[tuple[float, float], Mapping[str, float]], name: str
+    library: GaitLibrary, table: Mapping[tuple[float, float], Mapping[str, float]], name: str
 ) -> np.ndarray:
     values = []
     for vx, vy in library.velocities:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import plotly.graph_objects as go
-import zarr
 from plotly.subplots import make_subplots
 
+from slider.library.reader import GaitLibrary
 from slider.reports.controllers import colour
 from slider.reports.page import Section, chart
 from slider.reports.sections.sources import Sources
@@ -56,22 +56,17 @@ def section(sources: Sources) -> Section:
 
 
 def _read(path: Path) -> _Gaits:
-    group = zarr.open_group(path, mode="r")
-
-    def array(name: str) -> np.ndarray:
-        return np.asarray(group[name][...])  # type: ignore[index]
-
-    step_time, cost, base = array("step_time"), array("cost"), array("base")
-    torques, velocities = array("knee_torques"), array("velocities")
+    library = GaitLibrary.load(path)
+    arrays = library.arrays
     quantities = {
-        "step time [s]": step_time.mean(axis=1),
-        "cost, log10": np.log10(cost),
-        "peak joint torque [N m]": np.abs(torques).max(axis=(1, 2)),
-        "base height [m]": base[:, :, 2].mean(axis=1),
-        "worst violation, log10": np.log10(np.maximum(array("max_violation"), 1e-16)),
-        "iterations": array("iterations").astype(float),
+        "step time [s]": library.step_time.mean(axis=1),
+        "cost, log10": np.log10(arrays["cost"]),
+        "peak joint torque [N m]": np.abs(arrays["knee_torques"]).max(axis=(1, 2)),
+        "base height [m]": library.base[:, :, 2].mean(axis=1),
+        "worst violation, log10": np.log10(np.maximum(arrays["max_violation"], 1e-16)),
+        "iterations": arrays["iterations"].astype(float),
     }
-    return _Gaits(velocities, quantities, _cycles(array("samples"), array("roll")))
+    return _Gaits(library.velocities, quantities, _cycles(library.samples, arrays["roll"]))
 
 
 def _cycles(samples: np.ndarray, roll: np.ndarray) -> dict[str, np.ndarray]:

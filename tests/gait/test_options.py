@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from slider.config.gait import StepTime
-from slider.gait.dense import dense_nodes, dense_violations
+from slider.gait.dense import DENSE, dense_nodes, dense_violations
 from slider.gait.formulation import Formulation, formulate
-from slider.gait.problem import DENSE, build
+from slider.gait.problem import build
 from slider.gait.solution import coefficients, knee_trajectory, prismatic_joints
 from slider.gait.solve import Attempt, GaitSolver, _Outcome, duration_bounds
 from slider.robot.transmission import Transmission

@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from slider.gait.constraints import of_touchdown
 from slider.gait.formulation import formulate
 from slider.gait.layout import NODE
 from slider.gait.symbols import NodeSymbols, StepEnd
@@ -151,7 +152,8 @@ def impact_residual(command: tuple[float, float], step: int, velocity: np.ndarra
 def impact_rows() -> ca.Function:
     roll, rate, new_roll, new_rate = (ca.SX.sym(name) for name in ("r", "w", "nr", "nw"))
     q, v, new_q, new_v = (ca.SX.sym(name, 10) for name in ("q", "v", "nq", "nv"))
-    rows = form().touchdown(StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v))
+    before, after = StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v)
+    rows = of_touchdown(form(), before, after)
     impact = next(row.expression for row in rows if row.name == "impact")
     return ca.Function("impact", [roll, rate, q, v, new_roll, new_q, new_rate, new_v], [impact])
 

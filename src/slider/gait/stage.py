@@ -30,14 +30,13 @@ REPORT = "report.json"
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
-    form = formulation(section)
     config = from_dict(SolveConfig, section["solve"])
     vx, vy = (float(v) for v in section["velocity"])
-    problem = build(form)
+    problem = build(formulation(section))
     job.progress(f"gait ({vx:g}, {vy:g}) m/s: built")
     solve = GaitSolver(problem, config.solver, config.step_time).solve(vx, vy)
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, form, config.kinematic_map)
+    arrays = gait_arrays(problem, solve, config.kinematic_map)
     for name, array in arrays.items():
         np.save(out / f"{name}.npy", array)
     report = _report(problem, solve, vx, vy)
@@ -51,11 +50,9 @@ def formulation(section: Section) -> Formulation:
     return formulate(robot, from_dict(FormulationConfig, section["formulation"]))
 
 
-def gait_arrays(
-    problem: GaitProblem, solve: Solve, form: Formulation, kinematic_map: str
-) -> dict[str, np.ndarray]:
+def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[str, np.ndarray]:
     """Arrays of a gait; see ``docs/gait-library.md`` for shapes, units and frames."""
-    layout, variables = problem.layout, solve.variables
+    form, layout, variables = problem.form, problem.layout, solve.variables
     trajectory = knee_trajectory(problem, variables)
     model = form.tree.model
     position, velocity, effort = prismatic_joints(

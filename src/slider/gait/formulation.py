@@ -10,8 +10,9 @@ import numpy as np
 
 from slider.config.gait import FormulationConfig
 from slider.config.robot import Mechanism
-from slider.gait.tree import GRAVITY, PrismaticTree, StanceTree
+from slider.gait.dynamics import PrismaticTree, StanceTree
 from slider.robot.knee_model import build_knee_model
+from slider.robot.names import GRAVITY
 from slider.robot.prismatic_model import build_prismatic_model
 
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from slider.gait.dynamics import InverseDynamics
 from slider.gait.formulation import Formulation
 from slider.gait.motors import Motors
 from slider.gait.symbols import NodeSymbols, StepEnd, mirrored
-from slider.gait.tree import NUM_JOINTS, STANCE, SWING, BodyPose, InverseDynamics
+from slider.gait.tree import NUM_JOINTS, STANCE, SWING, BodyPose
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from slider.config.gait import StepTime
 from slider.gait.dense import DENSE, dense_nodes, dense_violations
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import build
-from slider.gait.solution import coefficients, knee_trajectory, prismatic_joints
+from slider.gait.solution import coefficients, knee_trajectory
 from slider.gait.solve import Attempt, GaitSolver, _Outcome, duration_bounds
+from slider.robot.knee_map import prismatic_joints, with_upper_feet
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, form, nodes, problem, solved
 
@@ -32,11 +33,10 @@ def solve_with(form: Formulation, guesses=("cold",), step_time: StepTime | None 
 
 def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Torques [N m] and speeds [rad/s] (S, 10) of the motors of a walk."""
-    model, length = form().tree.model, config().robot.geometry.leg_length
     walk = knee_trajectory(problem(), variables)
-    _, velocity, effort = prismatic_joints(walk, model.thigh, model.shank, length, "exact")
+    _, velocity = prismatic_joints(walk.q, walk.v, config().robot)
     transmission = Transmission.of(config().robot)
-    return transmission.torques(effort), transmission.angles(velocity)
+    return transmission.torques(with_upper_feet(walk.efforts)), transmission.angles(velocity)
 
 
 def test_collocation_costs_less_than_polynomials():

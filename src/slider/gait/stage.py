@@ -19,11 +19,11 @@ from slider.gait.solution import (
     base_motion,
     coefficients,
     knee_trajectory,
-    prismatic_joints,
     rolls,
     samples,
 )
 from slider.gait.solve import GaitSolver, Solve
+from slider.robot.knee_map import prismatic_joints, with_upper_feet
 
 REPORT = "report.json"
 
@@ -52,11 +52,10 @@ def formulation(section: Section) -> Formulation:
 
 def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[str, np.ndarray]:
     """Arrays of a gait; see ``docs/gait-library.md`` for shapes, units and frames."""
-    form, layout, variables = problem.form, problem.layout, solve.variables
+    layout, variables = problem.layout, solve.variables
     trajectory = knee_trajectory(problem, variables)
-    model = form.tree.model
-    position, velocity, effort = prismatic_joints(
-        trajectory, model.thigh, model.shank, form.robot.geometry.leg_length, kinematic_map
+    position, velocity = prismatic_joints(
+        trajectory.q, trajectory.v, problem.form.robot, kinematic_map
     )
     times = np.array([variables[layout.time_index(step)] for step in range(2)])
     first, second = layout.phase * times[0], times[0] + layout.phase * times[1]
@@ -73,7 +72,7 @@ def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[
         "knee_positions": trajectory.q,
         "knee_velocities": trajectory.v,
         "knee_torques": trajectory.torques,
-        "efforts": effort,
+        "efforts": with_upper_feet(trajectory.efforts),
         "ground_wrench": trajectory.wrench,
         "swing_foot": trajectory.swing_foot,
         "roll": rolls(problem, variables),

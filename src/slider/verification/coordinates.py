@@ -11,7 +11,7 @@ import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.robot import knee_map
-from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, NUM_JOINTS, SIDES
+from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, SIDES
 
 LEG = len(KNEE_LEG_JOINTS)
 _STARTS = LEG * np.arange(len(SIDES))
@@ -22,13 +22,6 @@ _DRIVEN = np.array(ACTUATED)
 
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Positions, velocities and accelerations (..., 10) [rad, m]."""
-
-
-def with_upper_feet(joints: np.ndarray) -> np.ndarray:
-    """Values of all joints (..., 12) from those of the driven ones (..., 10); upper feet rest."""
-    full = np.zeros((*joints.shape[:-1], NUM_JOINTS))
-    full[..., _DRIVEN] = joints
-    return full
 
 
 def driven(joints: np.ndarray) -> np.ndarray:

@@ -3,8 +3,9 @@
 import numpy as np
 
 from slider.robot.kinematics import rotation_from_quaternion
+from slider.robot.knee_map import with_upper_feet
 from slider.robot.names import NUM_JOINTS, SIDES
-from slider.verification.coordinates import SlideMap, driven, with_upper_feet
+from slider.verification.coordinates import SlideMap, driven
 from slider.verification.pin_robot import FloatingState, PinRobot
 from slider.verification.stored import StoredGait
 

@@ -15,7 +15,6 @@ from slider.robot import names
 from slider.verification.leg import level_leg
 from slider.verification.reference import Reference, tilt_of
 
-GRAVITY = 9.81  # [m/s²]
 _PRISMATIC = len(names.LEG_JOINTS)
 _HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
@@ -92,7 +91,7 @@ class Regulator:
 
     def displacement(self, found: Measurement, wanted: Reference, left: float) -> np.ndarray:
         """By how much (2,) [m] the swing foot lands away from the gait's own place."""
-        frequency = np.sqrt(GRAVITY / wanted.com[2])
+        frequency = np.sqrt(names.GRAVITY / wanted.com[2])
         place = found.com - found.stance - wanted.com
         error = place + (found.com_velocity - wanted.com_velocity) / frequency
         forward = np.interp(self.speed, self.config.speeds, self.config.forward)

@@ -7,10 +7,8 @@ import numpy as np
 from scipy.interpolate import BPoly
 
 from slider.library.reader import GaitLibrary
-from slider.robot.names import LEG_MIRROR_SIGN, SIDES
-from slider.verification.coordinates import LEG
-
-KNEE_MIRROR = np.array(LEG_MIRROR_SIGN[:LEG])
+from slider.robot.knee_map import reflected
+from slider.robot.names import SIDES
 
 
 @dataclass(frozen=True)
@@ -91,9 +89,7 @@ def step_motion(gait: StoredGait, step: int) -> StepMotion:
     duration = float(gait.step_time[step])
     joints, roll = gait.coefficients[step], gait.roll[step]
     if step == 1:  # stored reflected: stance leg first
-        joints = np.concatenate(
-            [KNEE_MIRROR[:, None] * joints[LEG:], KNEE_MIRROR[:, None] * joints[:LEG]]
-        )
+        joints = reflected(joints.T).T
         roll = -roll
     curve = BPoly(joints.T[:, None, :], [0.0, duration])
     nodes = np.linspace(0.0, duration, gait.half)

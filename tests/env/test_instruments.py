@@ -9,8 +9,9 @@ import pytest
 from slider.env.physics import BatchedPhysics
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
-from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos
+from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import JOINTS, NUM_JOINTS
+from slider.robot.sensors import DISTANCE_CUTOFF
 from tests.env.synthetic import (
     config,
     disturbed_physics,

@@ -66,6 +66,7 @@ class Bench:
     """Physics, environment and training of one task, each to be run for a while.
 
     Attributes:
+        env: the environment.
         recorded: states (N, 38) and motor angles (N, 10) that the bare physics repeats.
     """
 
@@ -75,7 +76,7 @@ class Bench:
         torch.manual_seed(task.train.seed)
         rng = np.random.default_rng(task.train.seed)
         self._task, self._work = task, work
-        self._env = WalkingEnv(
+        self.env = WalkingEnv(
             task.robot,
             task.env,
             task.train,
@@ -88,7 +89,7 @@ class Bench:
         self._actions = task.train.network.initial_std * torch.randn(
             _RECORDED, task.train.robots, NUM_JOINTS
         )
-        self._physics = self._env.physics
+        self._physics = self.env.physics
         self._pool = rollout.Rollout(nthread=threads)
         self._data = [mujoco.MjData(self._physics.model) for _ in range(threads)]
         self.recorded = self._record()
@@ -149,7 +150,7 @@ class Bench:
     def _step(self) -> int:
         with torch.inference_mode():
             for actions in self._actions:
-                self._env.step(actions)
+                self.env.step(actions)
         return len(self._actions) * len(self._actions[0])
 
     def _runner(self, precision: str) -> OnPolicyRunner:
@@ -157,12 +158,12 @@ class Bench:
         train = replace(train, ppo=replace(train.ppo, precision=precision))
         config = runner_config(train, NoTracker(), [])
         with contextlib.redirect_stdout(io.StringIO()):
-            runner = OnPolicyRunner(self._env, config, log_dir=str(self._work), device="cpu")
+            runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device="cpu")
         runner.save = lambda *_, **__: None  # a training saves once in many iterations
         return runner
 
     def _learn(self, runner: OnPolicyRunner, watch: Stopwatch) -> Callable[[], int]:
-        methods = self._env.methods | {
+        methods = self.env.methods | {
             "policy": (runner.alg, "act"),
             "storage": (runner.alg, "process_env_step"),
             "returns": (runner.alg, "compute_returns"),

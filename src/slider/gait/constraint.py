@@ -60,6 +60,11 @@ def at_least(
     return between(name, unit, source, rows, least, np.inf, scale)
 
 
+def within(name: str, unit: str, source: str, rows: Rows, bound: float | np.ndarray) -> Constraint:
+    """Rows of no more than a magnitude."""
+    return between(name, unit, source, rows, -bound, bound)
+
+
 def between(
     name: str,
     unit: str,

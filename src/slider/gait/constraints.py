@@ -10,7 +10,7 @@ from collections.abc import Callable
 import casadi as ca
 import numpy as np
 
-from slider.gait.constraint import Constraint, at_least, between, equality
+from slider.gait.constraint import Constraint, at_least, between, equality, within
 from slider.gait.formulation import Formulation
 from slider.gait.motion import Node, Touchdown, end_loads, step_vector
 from slider.gait.symbols import StepEnd, mirrored
@@ -25,11 +25,11 @@ _BOUNDED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variab
 def of_node(node: Node) -> list[Constraint]:
     """What holds at every node of both steps."""
     form, posture = node.form, node.form.config.posture
-    weight, voltage = form.weight, form.config.voltage
+    weight, voltage, drives = form.weight, form.config.voltage, form.robot.drives
     vertical, cone = end_loads(form, node.force, node.moment)
     toe, heel = node.foot_ends(SWING)
     torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
-    r = node.base.rotation
+    base, r = node.base, node.base.rotation
     return [
         # A foot line cannot carry a moment about itself: the roll equation.
         equality("foot_line_moment", "N m", "line contact", node.moment[0], 10.0),
@@ -42,22 +42,8 @@ def of_node(node: Node) -> list[Constraint]:
             weight,
         ),
         at_least("friction", "N", "Coulomb, gait.contact.friction", cone, 0.0, weight),
-        between(
-            "motor_torque",
-            "-",
-            "robot.drives",
-            node.motors.torque_shares(form.robot.drives),
-            -1.0,
-            1.0,
-        ),
-        between(
-            "motor_voltage",
-            "-",
-            "gait.voltage",
-            node.motors.voltage_shares(form.robot.drives),
-            -voltage,
-            voltage,
-        ),
+        within("motor_torque", "-", "robot.drives", node.motors.torque_shares(drives), 1.0),
+        within("motor_voltage", "-", "gait.voltage", node.motors.voltage_shares(drives), voltage),
         between("position", "rad, m", "robot.joints", _positions(node), *_ranges(form)),
         between(
             "clearance",
@@ -78,27 +64,18 @@ def of_node(node: Node) -> list[Constraint]:
             posture.foot_separation_max,
         ),
         at_least(
-            "legs_apart",
-            "m",
-            "gait.posture.legs_apart",
-            node.leg_distances(),
-            posture.legs_apart,
+            "legs_apart", "m", "gait.posture.legs_apart", node.leg_distances(), posture.legs_apart
         ),
-        between(
-            "torso",  # sines of roll, pitch and yaw
+        # Sines of roll, pitch and yaw; without bounds of their rates the torso rocks.
+        within(
+            "torso",
             "rad",
             "gait.posture.torso_roll, gait.posture.torso_pitch, gait.posture.torso_yaw",
             [r[2, 1], -r[2, 0], r[1, 0]],
-            -torso,
             torso,
         ),
-        between(
-            "torso_rate",  # without it the torso rocks
-            "rad/s",
-            "gait.posture.torso_rate",
-            node.base.angular,
-            -posture.torso_rate,
-            posture.torso_rate,
+        within(
+            "torso_rate", "rad/s", "gait.posture.torso_rate", node.base.angular, posture.torso_rate
         ),
     ]
 
@@ -126,12 +103,11 @@ def of_touchdown(form: Formulation, before: StepEnd, after: StepEnd) -> list[Con
             limit.down_max,
         ),
         at_least("lift_off", "m/s", "old stance foot leaves", t.lifting, 0.0),
-        between(
+        within(
             "touchdown_velocity",
             "m/s, rad/s",
             "gait.touchdown.forward, gait.touchdown.lateral, gait.touchdown.angular",
             [velocity[0], velocity[1], foot.angular],
-            -slow,
             slow,
         ),
     ]

@@ -33,14 +33,18 @@ def dense_nodes(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
     interpolated derivative.
     """
     layout = problem.layout
-    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
+    nodes = layout.node_vectors(variables)
     phase = _phase(problem)
     dense = np.zeros((2, len(phase), NODE))
     dense[..., -1] = nodes[:, :1, -1]
     for step in range(2):
         time = nodes[step, 0, -1]
         rolls = nodes[step, :, :ROLL_STATES] * [1.0, time, time**2]
-        dense[step, :, :ROLL_STATES] = _blend(rolls[..., None], phase)[..., 0] / [1, time, time**2]
+        dense[step, :, :ROLL_STATES] = between_nodes(rolls[..., None], phase)[..., 0] / [
+            1,
+            time,
+            time**2,
+        ]
         dense[step, :, ROLL_STATES:-1] = _joints(problem, variables, nodes, step, phase)
     return dense.reshape(-1, NODE)
 
@@ -59,10 +63,10 @@ def _joints(
         orders = [bezier.evaluate(coefficients, phase, order) for order in range(3)]
         return np.concatenate(orders, axis=1)
     states = nodes[step, :, ROLL_STATES:-1].reshape(layout.nodes, 3, NUM_JOINTS)
-    return _blend(states, phase).reshape(len(phase), -1)
+    return between_nodes(states, phase).reshape(len(phase), -1)
 
 
-def _blend(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
+def between_nodes(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
     """Value, slope and curvature (phases, 3, n) of the collocation polynomials of (nodes, 3, n)."""
     pieces = (len(states) - 1) // 2
     piece = np.minimum((phase * pieces).astype(int), pieces - 1)

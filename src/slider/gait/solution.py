@@ -43,7 +43,7 @@ class KneeTrajectory:
 
 def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajectory:
     """Evaluate all nodes of both steps and undo the second step's reflection."""
-    nodes = (problem.layout.select_nodes @ variables).reshape(2 * problem.nodes, NODE)
+    nodes = problem.layout.node_vectors(variables).reshape(-1, NODE)
     values = [np.array(v).T for v in problem.quantities.map(len(nodes))(nodes.T)]
     q, v, torques, efforts, rotation, position, velocity, angular, force, moment, swing = values
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
@@ -99,8 +99,7 @@ def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarra
     Exact for Bézier joints, least squares for collocated ones; the second step is reflected.
     """
     layout = problem.layout
-    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
-    positions = nodes[..., ROLL_STATES : ROLL_STATES + NUM_JOINTS]
+    positions = layout.node_vectors(variables)[..., ROLL_STATES : ROLL_STATES + NUM_JOINTS]
     if problem.config.transcription == "bezier":
         steps = [variables[layout.joint_slice(step)] for step in range(2)]
         return np.stack(steps).reshape(2, NUM_JOINTS, -1), 0.0
@@ -112,6 +111,4 @@ def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarra
 
 def rolls(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
     """Roll, rate and acceleration (2, nodes, 3) of the stance foot; the second step reflected."""
-    layout = problem.layout
-    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
-    return nodes[..., :ROLL_STATES].copy()
+    return problem.layout.node_vectors(variables)[..., :ROLL_STATES].copy()

@@ -128,19 +128,3 @@ def reflected(joints: np.ndarray) -> np.ndarray:
     """Values (..., 10) of the knee legs in the sagittal mirror: swapped, yaw and roll flipped."""
     first, second = joints[..., :_LEG], joints[..., _LEG:]
     return np.concatenate([_MIRROR * second, _MIRROR * first], axis=-1)
-
-
-def slide_force(
-    knee_torque: np.ndarray,
-    hip_torque: np.ndarray,
-    ankle_torque: np.ndarray,
-    theta: np.ndarray,
-    l1: float,
-    l2: float,
-) -> np.ndarray:
-    """Slide force [N] that does the work of the three torques [N m] (virtual work, exact map).
-
-    Hip and ankle torques are the same in both models.
-    """
-    hip, ankle, slide = rates(theta, l1, l2)
-    return (knee_torque + hip * hip_torque + ankle * ankle_torque) / slide

@@ -87,7 +87,7 @@ def test_a_line_of_velocities_and_a_single_gait_make_tables(library):
         np.testing.assert_allclose(found[:26], value("samples", command, 0.0)[0], atol=1e-9)
 
 
-def test_a_thousand_commands_are_looked_up_in_a_few_milliseconds(table):
+def test_a_thousand_commands_are_looked_up_in_two_milliseconds(table):
     rng = np.random.default_rng(0)
     commands = rng.uniform(0, 2, 1024), rng.uniform(-0.1, 0.1, 1024), rng.uniform(0, 1, 1024)
     durations = []
@@ -95,7 +95,7 @@ def test_a_thousand_commands_are_looked_up_in_a_few_milliseconds(table):
         start = time.perf_counter()
         table.at(*commands)
         durations.append(time.perf_counter() - start)
-    assert min(durations) < 5e-3  # 1 ms on a quiet core
+    assert min(durations) < 2e-3  # 0.5 ms on a quiet core
 
 
 def test_joints_and_channels_are_parts_of_the_reference(table):

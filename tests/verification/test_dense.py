@@ -68,7 +68,7 @@ def test_a_higher_clearance_is_missed_by_more():
     before = worst()["dense_clearance"]
     after = worst(posture=replace(posture, clearance=posture.clearance + 0.05))["dense_clearance"]
     assert before < 0.003
-    assert 0.035 < after < 0.05 + before
+    assert 0.015 < after < 0.03  # the foot swings higher than it must
 
 
 def test_more_points_find_no_less():

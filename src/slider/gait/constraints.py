@@ -74,9 +74,7 @@ def of_node(node: Node) -> list[Constraint]:
             [r[2, 1], -r[2, 0], r[1, 0]],
             torso,
         ),
-        within(
-            "torso_rate", "rad/s", "gait.posture.torso_rate", node.base.angular, posture.torso_rate
-        ),
+        within("torso_rate", "rad/s", "gait.posture.torso_rate", base.angular, posture.torso_rate),
     ]
 
 

@@ -43,10 +43,7 @@ class Formulation:
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Toe and heel in the foot frame (3,) [m]."""
         model = self.tree.model
-        return (
-            np.array([model.toe, 0.0, -model.ankle_height]),
-            np.array([-model.heel, 0.0, -model.ankle_height]),
-        )
+        return self.sole + [model.toe, 0.0, 0.0], self.sole - [model.heel, 0.0, 0.0]
 
 
 def formulate(robot: Mechanism, config: FormulationConfig) -> Formulation:

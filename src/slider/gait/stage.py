@@ -13,7 +13,7 @@ from slider.config.robot import Mechanism
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait.costs import COSTS
 from slider.gait.dense import dense_violations
-from slider.gait.formulation import Formulation, formulate
+from slider.gait.formulation import formulate
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import (
     base_motion,
@@ -32,7 +32,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
     config = from_dict(SolveConfig, section["solve"])
     vx, vy = (float(v) for v in section["velocity"])
-    problem = build(formulation(section))
+    robot = from_dict(Mechanism, section["robot"])
+    problem = build(formulate(robot, from_dict(FormulationConfig, section["formulation"])))
     job.progress(f"gait ({vx:g}, {vy:g}) m/s: built")
     solve = GaitSolver(problem, config.solver, config.step_time).solve(vx, vy)
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
@@ -42,12 +43,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     report = _report(problem, solve, vx, vy)
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
     return {k: report[k] for k in ("vx", "vy", "status", "converged", "cost", "max_violation")}
-
-
-def formulation(section: Section) -> Formulation:
-    """The formulation of a section with ``robot`` and ``formulation``."""
-    robot = from_dict(Mechanism, section["robot"])
-    return formulate(robot, from_dict(FormulationConfig, section["formulation"]))
 
 
 def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[str, np.ndarray]:

@@ -98,25 +98,16 @@ def prismatic_leg(leg_length: float) -> LegChain:
 
 def edges_of(hip_offset: float, chain: LegChain) -> list[Edge]:
     """From the stance foot up to the base and down to the swing foot."""
-    edges = []
+    edges: list[Edge] = []
     for side, sign in ((STANCE, 1.0), (SWING, -1.0)):
-        hip = np.array([0.0, sign * hip_offset, 0.0])
-        leg = []
-        parent = "base"
+        parent, hip = "base", np.array([0.0, sign * hip_offset, 0.0])
         for k, (name, axis, turn, below, slides) in enumerate(chain):
-            place = hip if k == 0 else below
-            leg.append((parent, f"{side}_{name}", k, axis, turn, place, slides))
-            parent = f"{side}_{name}"
-        if side == STANCE:
-            edges += [
-                Edge(child, parent, k, axis, -turn, _ZERO, place, slides)
-                for parent, child, k, axis, turn, place, slides in reversed(leg)
-            ]
-        else:
-            edges += [
-                Edge(parent, child, LEG_JOINTS + k, axis, turn, place, _ZERO, slides)
-                for parent, child, k, axis, turn, place, slides in leg
-            ]
+            place, child = hip if k == 0 else below, f"{side}_{name}"
+            if side == STANCE:
+                edges.insert(0, Edge(child, parent, k, axis, -turn, _ZERO, place, slides))
+            else:
+                edges.append(Edge(parent, child, LEG_JOINTS + k, axis, turn, place, _ZERO, slides))
+            parent = child
     return edges
 
 

@@ -25,6 +25,7 @@ from slider.library.schema import (
 )
 
 STORE = "library.zarr"
+_NAMES = (*ARRAYS, *COORDINATES, CONSTRAINT)
 _ANEW = "make it anew with `snakemake -j2 gait_library`"
 _SAME = 1e-6  # velocities closer than this are one [m/s]
 
@@ -79,7 +80,7 @@ class GaitLibrary:
                 f"{path}: expected version {VERSION} of the gait library, found {version}; {_ANEW}"
             )
         there = {*group.array_keys(), *attributes}
-        for name in (*ARRAYS, *COORDINATES, CONSTRAINT, *ORIGIN, *OUTCOME):
+        for name in (*_NAMES, *ORIGIN, *OUTCOME):
             if name not in there:
                 raise UserError(
                     f"{path}: expected {name!r} in the gait library, found none; {_ANEW}"
@@ -191,7 +192,7 @@ class _Stored(Mapping[str, np.ndarray]):
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
-        return iter((*ARRAYS, *COORDINATES, CONSTRAINT))
+        return iter(_NAMES)
 
     def __len__(self) -> int:
-        return len(ARRAYS) + len(COORDINATES) + 1
+        return len(_NAMES)

@@ -5,7 +5,6 @@ time: q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -79,36 +78,21 @@ class SlideMap:
         return hip, -l1 * l2 * (np.cos(theta) / length + l1 * l2 * sine**2 / length**3)
 
 
-class Coordinates(Protocol):
-    """What the dynamics of a robot are written in; ``map`` leads to the prismatic legs."""
-
-    @property
-    def map(self) -> SlideMap: ...  # noqa: D102
-
-    def motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
-        """Motion of the robot's own joints of a motion of the knee legs."""
-        ...
-
-    def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Torques of the knee's joints, efforts of the slide's (10,) of forces at its own.
-
-        ``q``: positions of the knee legs.
-        """
-        ...
-
-
 @dataclass(frozen=True)
 class SlideCoordinates:
-    """The bodies move with the prismatic legs."""
+    """The bodies move with the prismatic legs; ``map`` leads from the knee legs to them."""
 
     map: SlideMap
 
     def motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
-        """After eq. 1."""
+        """Motion of the robot's own joints of a motion of the knee legs (..., 10): eq. 1."""
         return self.map.motion(q, v, a)
 
     def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """τ_k = Jᵀ τ_p."""
+        """Torques of the knee's joints, efforts of the slide's (10,) of forces at its own.
+
+        τ_k = Jᵀ τ_p at positions q of the knee legs.
+        """
         return self.map.jacobian(q).T @ forces, forces
 
 
@@ -119,9 +103,13 @@ class KneeCoordinates:
     map: SlideMap
 
     def motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
-        """As it is."""
+        """As :meth:`SlideCoordinates.motion`: the knee's own."""
         return q, v, a
 
     def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """τ_p = J⁻ᵀ τ_k."""
+        """As :meth:`SlideCoordinates.work`: τ_p = J⁻ᵀ τ_k."""
         return forces, np.linalg.solve(self.map.jacobian(q).T, forces)
+
+
+Coordinates = SlideCoordinates | KneeCoordinates
+"""What the dynamics of a robot are written in."""

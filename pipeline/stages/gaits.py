@@ -60,9 +60,9 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
     section = {
         "library": to_dict(config.library),
         "velocities": [gait.section["velocity"] for gait in gaits],
-        # Written into the library, so that its gaits can be compared with the robot's limits.
+        # Written into the library, which so says what its gaits were made for and with.
         "robot": mechanism(config),
-        "kinematic_map": config.gait.kinematic_map,
+        **only(to_dict(config.gait), "dynamics", "transcription", "cost", "kinematic_map"),
     }
     return job("library", "gait library", section, {"gaits": gaits})
 

@@ -28,8 +28,6 @@ def verification_of_gaits(config: Config, commands: list[list[float]], library: 
     section = {
         "robot": robot(config),
         "posture": to_dict(config.gait.posture),
-        "dynamics": config.gait.dynamics,
-        "kinematic_map": config.gait.kinematic_map,
         "verification": without(to_dict(config.verification), "chunk", *_COLLECTED),
         "velocities": commands,
     }

@@ -25,7 +25,7 @@ def bench(tmp_path_factory):
 
 def test_bare_physics_does_the_environments_work(bench):
     """Each recorded state and input leads to the state that was recorded next, resets apart."""
-    model = bench._env.physics.model
+    model = bench.env.physics.model
     pool, data = rollout.Rollout(nthread=1), [mujoco.MjData(model)]
     same = []
     for (state, angles), (following, _) in zip(bench.recorded, bench.recorded[1:], strict=False):
@@ -58,8 +58,8 @@ def test_it_runs_with_the_default_configuration(tmp_path, capsys):
 
 
 def test_the_environment_is_left_as_it_was(bench):
-    assert "step" not in vars(bench._env)
-    assert "step" not in vars(bench._env.physics)
+    assert "step" not in vars(bench.env)
+    assert "step" not in vars(bench.env.physics)
 
 
 @pytest.mark.parametrize("option", ["--envs", "--rounds", "--threads"])

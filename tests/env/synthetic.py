@@ -17,7 +17,8 @@ from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
 from slider.env.view import View
-from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.lookup import GaitTable
+from slider.library.reader import GaitLibrary
 from slider.robot.mjcf import Actuation, nominal_qpos
 from slider.robot.names import JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, MOTORS, NUM_JOINTS
 
@@ -79,12 +80,13 @@ def make_library(velocities: tuple[tuple[float, float], ...] | None = None) -> G
     """
     grid = np.array(velocities or ((0.0, 0.0), (0.4, 0.0), (0.0, 0.1), (0.4, 0.1)))
     gaits = [_gait(vx, vy) for vx, vy in grid]
-    return GaitLibrary(
-        velocities=grid,
-        samples=np.stack([samples for samples, _ in gaits]),
-        base=np.stack([base for _, base in gaits]),
-        step_time=np.stack([np.full(2, step_time(vx)) for vx, _ in grid]),
-    )
+    arrays = {
+        "velocities": grid,
+        "samples": np.stack([samples for samples, _ in gaits]),
+        "base": np.stack([base for _, base in gaits]),
+        "step_time": np.stack([np.full(2, step_time(vx)) for vx, _ in grid]),
+    }
+    return GaitLibrary(arrays, {})
 
 
 def step_time(vx: float) -> float:

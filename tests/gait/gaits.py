@@ -51,7 +51,7 @@ def trajectory(vx: float, vy: float) -> KneeTrajectory:
 
 def nodes(vx: float, vy: float) -> np.ndarray:
     """Node vectors (42, 34) of a solved gait; the second step is reflected."""
-    return (problem().layout.select_nodes @ solved(vx, vy).variables).reshape(-1, NODE)
+    return problem().layout.node_vectors(solved(vx, vy).variables).reshape(-1, NODE)
 
 
 def section(vx: float, vy: float, **solver_settings: Any) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slider.gait import bezier
-from slider.gait.dense import _blend
+from slider.gait.dense import between_nodes
 from slider.gait.transcription import bezier_joints, collocated_joints, from_polynomials
 
 NODES = 9
@@ -51,4 +51,4 @@ def test_between_nodes_collocated_motion_is_a_cubic():
     phase, dense = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, 57)
     states = np.stack([bezier.evaluate(coefficients, phase, order) for order in range(3)], axis=1)
     expected = np.stack([bezier.evaluate(coefficients, dense, order) for order in range(3)], axis=1)
-    np.testing.assert_allclose(_blend(states, dense), expected, atol=1e-10)
+    np.testing.assert_allclose(between_nodes(states, dense), expected, atol=1e-10)

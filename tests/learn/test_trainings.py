@@ -14,7 +14,8 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
 from slider.env.task import Task
-from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.lookup import GaitTable
+from slider.library.reader import GaitLibrary
 from slider.training.trainer import POLICY, Trainer
 from tests.env.synthetic import config
 from tests.training.test_trainer import Run, job

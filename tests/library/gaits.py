@@ -10,7 +10,7 @@ import numpy as np
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.core.job import Job
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.library.schema import ARRAYS
 from slider.library.stage import run
 
@@ -72,6 +72,9 @@ def section(velocities: Velocities, allow_holes: bool = False) -> dict[str, Any]
         "library": {"allow_holes": allow_holes, "max_violation": 1e-6},
         "velocities": [list(velocity) for velocity in velocities],
         "robot": ROBOT,
+        "dynamics": "prismatic",
+        "transcription": "bezier",
+        "cost": "paper",
         "kinematic_map": "exact",
     }
 
@@ -87,5 +90,5 @@ def write_store(folder: Path, velocities: Velocities, holes: Velocities = ()) ->
     return out / "library.zarr"
 
 
-def library(folder: Path, velocities: Velocities, holes: Velocities = ()) -> LibraryContents:
-    return LibraryContents.load(write_store(folder, velocities, holes))
+def library(folder: Path, velocities: Velocities, holes: Velocities = ()) -> GaitLibrary:
+    return GaitLibrary.load(write_store(folder, velocities, holes))

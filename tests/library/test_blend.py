@@ -5,11 +5,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.gait.stage import run as run_gait
 from slider.library.blend import blend
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.library.stage import run
 from tests.gait.gaits import section as gait_section
 from tests.library.gaits import library as make_library
@@ -22,12 +21,12 @@ GAITS = [velocity for velocity in VELOCITIES if velocity not in HOLES]
 
 
 @pytest.fixture(scope="module")
-def made_up(tmp_path_factory) -> LibraryContents:
+def made_up(tmp_path_factory) -> GaitLibrary:
     return make_library(tmp_path_factory.mktemp("library"), GAITS, HOLES)
 
 
 @pytest.fixture(scope="module")
-def real(tmp_path_factory) -> LibraryContents:
+def real(tmp_path_factory) -> GaitLibrary:
     """Two solved gaits that are no mirror images of themselves."""
     folder = tmp_path_factory.mktemp("real")
     velocities = [(0.4, 0.1), (0.6, 0.1)]
@@ -36,7 +35,7 @@ def real(tmp_path_factory) -> LibraryContents:
         run_gait(gait_section(*velocity), {}, folder / f"{index}", Job(folder))
     inputs = {"gaits": [folder / f"{index}" for index in range(2)]}
     run(section(velocities), inputs, folder / "out", Job(folder))
-    return LibraryContents.load(folder / "out" / "library.zarr")
+    return GaitLibrary.load(folder / "out" / "library.zarr")
 
 
 def test_at_a_velocity_of_the_library_it_is_that_gait(made_up):
@@ -114,11 +113,3 @@ def test_quaternions_stay_unit(made_up):
 def test_what_is_no_command_is_refused(made_up, command: tuple[float, float]):
     with pytest.raises(ValueError, match="finite"):
         blend(made_up, *command)
-
-
-def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(made_up):
-    assert made_up.find(1.0, -0.1) == GAITS.index((1.0, -0.1))
-    with pytest.raises(UserError, match=r"found \(0\.9, 0\) m/s; the nearest gait is at \(1, 0\)"):
-        made_up.find(0.9, 0.0)
-    with pytest.raises(UserError, match=r"did not converge: Infeasible.*torso 3\.0e-01, impact"):
-        made_up.find(0.5, 0.0)

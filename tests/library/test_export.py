@@ -6,16 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slider.library.contents import LibraryContents
 from slider.library.export import write_csv, write_npz
-from slider.library.schema import AXES
+from slider.library.reader import GaitLibrary
+from slider.library.schema import ARRAYS
 from slider.robot.names import CHANNELS, JOINTS
 from tests.library.gaits import library as make_library
 from tests.library.gaits import value
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory) -> LibraryContents:
+def library(tmp_path_factory) -> GaitLibrary:
     return make_library(tmp_path_factory.mktemp("export"), [(0.0, 0.0), (0.5, 0.1)])
 
 
@@ -40,7 +40,7 @@ def test_csv_has_a_row_per_sample_and_units_in_its_header(library, tmp_path: Pat
 def test_npz_has_every_array_and_the_names_of_its_columns(library, tmp_path: Path):
     write_npz(library, 1, tmp_path / "gait.out")
     with np.load(tmp_path / "gait.out") as found:
-        for name in AXES:
+        for name in ARRAYS:
             np.testing.assert_array_equal(found[name], library.arrays[name][1])
         assert found["channel_names"].tolist() == list(CHANNELS)
         assert found["constraint_names"].tolist() == ["impact", "torso"]

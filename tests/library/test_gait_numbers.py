@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import gait_numbers
+from slider.library.reader import GaitLibrary
 from tests.library.gaits import HALF, library
 
 
 @pytest.fixture(scope="module")
-def gaits(tmp_path_factory) -> LibraryContents:
+def gaits(tmp_path_factory) -> GaitLibrary:
     return library(tmp_path_factory.mktemp("numbers"), [(0.0, 0.0), (1.0, 0.0)])
 
 
-def with_speed(gaits: LibraryContents, speed: np.ndarray, times: list[float]) -> LibraryContents:
+def with_speed(gaits: GaitLibrary, speed: np.ndarray, times: list[float]) -> GaitLibrary:
     """The same two gaits with forward velocities (2, 42) and step times."""
     samples = gaits.arrays["samples"].copy()
     samples[..., 24] = speed
@@ -55,7 +55,7 @@ def test_no_gait_no_number(gaits, vx):
     assert gait_numbers(gaits, 1.0) is not None
 
 
-def forward_variance(gaits: LibraryContents, vx: float) -> float:
+def forward_variance(gaits: GaitLibrary, vx: float) -> float:
     found = gait_numbers(gaits, vx)
     assert found is not None
     return found.velocity_variance

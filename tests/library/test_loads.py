@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.config.convert import to_dict
 from slider.library import loads
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
 from tests.library.gaits import library as make_library
 
@@ -14,7 +15,7 @@ GAIT = 1
 
 
 @pytest.fixture(scope="module")
-def library(tmp_path_factory) -> LibraryContents:
+def library(tmp_path_factory) -> GaitLibrary:
     """Upright gaits at rest, but for a few spikes in the second gait.
 
     In sample 7 the two motors of the left leg make (400 N · 0.025 m ∓ 15 N m · 0.35) / 2, which is
@@ -35,7 +36,7 @@ def library(tmp_path_factory) -> LibraryContents:
     motor = replace(made.robot.drives["capstan"], torque=8.0)  # for round numbers
     robot = replace(made.robot, drives={**made.robot.drives, "capstan": motor})
     arrays |= {"efforts": efforts, "samples": samples, "base": base}
-    return replace(made, arrays=arrays, robot=robot)
+    return GaitLibrary(arrays, {**made.attributes, "robot": to_dict(robot)})
 
 
 def test_shares_of_the_limits(library):
@@ -75,7 +76,7 @@ def test_clearance_is_the_lower_end_of_the_swing_foot_at_mid_step(library):
     samples = library.arrays["samples"].copy()
     samples[0, 10, JOINTS.index("right_slide")] = -0.08  # middle of the left stance step
     samples[0, 31, JOINTS.index("left_slide")] = -0.07
-    lifted = replace(library, arrays=library.arrays | {"samples": samples})
+    lifted = replace(library, arrays={**library.arrays, "samples": samples})
     assert loads.clearance(lifted, 0) == pytest.approx(0.07)
     samples[0, 31, JOINTS.index("left_ankle")] = 0.3  # the toe hangs down
     tilted = loads.clearance(lifted, 0)

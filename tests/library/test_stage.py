@@ -12,8 +12,8 @@ import zarr
 from slider.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
-from slider.library.contents import LibraryContents
-from slider.library.schema import ARRAYS, AXES
+from slider.library.reader import GaitLibrary
+from slider.library.schema import ARRAYS
 from slider.library.stage import run
 from slider.robot.names import CHANNELS
 from tests.library.gaits import ROBOT, value, write_gait
@@ -59,7 +59,7 @@ def test_arrays_names_and_units(gaits, tmp_path: Path):
     np.testing.assert_array_equal(group["velocities"][:], VELOCITIES)
     np.testing.assert_array_equal(group["samples"][1], value("samples", 0.5, 0.1))
     for name in ARRAYS:
-        assert group[name].metadata.dimension_names == ("gait", *AXES[name])
+        assert group[name].metadata.dimension_names == ("gait", *ARRAYS[name].axes)
         assert group[name].attrs["units"]
 
 
@@ -102,7 +102,7 @@ def test_an_allowed_hole_is_left_out(with_a_hole, tmp_path: Path):
 
 def test_it_says_what_a_hole_violates_and_for_which_robot_it_was_made(with_a_hole, tmp_path: Path):
     run(section(True), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
-    contents = LibraryContents.load(tmp_path / "out" / "library.zarr")
+    contents = GaitLibrary.load(tmp_path / "out" / "library.zarr")
     (hole,) = contents.holes
     assert (hole.vx, hole.vy, hole.status) == (0.5, 0.1, "Infeasible_Problem_Detected")
     assert list(hole.residuals.items()) == [("slide_force", 0.3), ("impact", 1e-3)]

@@ -8,10 +8,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from slider.gait.constraints import of_touchdown
 from slider.gait.formulation import formulate
 from slider.gait.layout import NODE
 from slider.gait.symbols import NodeSymbols, StepEnd
-from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
+from slider.robot.knee_map import reflected
 from slider.robot.names import SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot, build_robot
 from tests.gait.gaits import config, form, nodes, problem, solved, trajectory
@@ -134,9 +135,7 @@ def impact_residual(command: tuple[float, float], step: int, velocity: np.ndarra
     knee = trajectory(*command).q[(step + 1) * problem().nodes - 1]
     joints = np.linalg.solve(robot().coordinates.map.jacobian(knee), velocity[6:])
     if step == 0:  # the step that follows, right stance, is reflected
-        joints = np.concatenate(
-            [LEG_MIRROR * joints[LEG_JOINTS:], LEG_MIRROR * joints[:LEG_JOINTS]]
-        )
+        joints = reflected(joints)
     state = floating(command, (step + 1) * problem().nodes - 1)
     rate = (robot().jacobian(state.q, SIDES[1 - step]) @ velocity)[3]
     return np.array(
@@ -151,7 +150,8 @@ def impact_residual(command: tuple[float, float], step: int, velocity: np.ndarra
 def impact_rows() -> ca.Function:
     roll, rate, new_roll, new_rate = (ca.SX.sym(name) for name in ("r", "w", "nr", "nw"))
     q, v, new_q, new_v = (ca.SX.sym(name, 10) for name in ("q", "v", "nq", "nv"))
-    rows = form().touchdown(StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v))
+    before, after = StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v)
+    rows = of_touchdown(form(), before, after)
     impact = next(row.expression for row in rows if row.name == "impact")
     return ca.Function("impact", [roll, rate, q, v, new_roll, new_q, new_rate, new_v], [impact])
 

@@ -17,8 +17,8 @@ VELOCITY = (0.6, 0.05)
 
 
 @pytest.fixture(scope="module")
-def arrays(formulation, solved):
-    return gait_arrays(solved.problem, solved.solve, formulation, "exact")
+def arrays(solved):
+    return gait_arrays(solved.problem, solved.solve, "exact")
 
 
 def test_all_constraints_hold(solved):

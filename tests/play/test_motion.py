@@ -8,7 +8,7 @@ import pytest
 from slider.cli import main
 from slider.config.compose import compose
 from slider.env.episode import Frame
-from slider.library.lookup import GaitLibrary
+from slider.library.reader import GaitLibrary
 from slider.play import loop
 from slider.play.control import Control
 from slider.play.motion import Replay, simulate_ignorant
@@ -28,7 +28,8 @@ def library() -> GaitLibrary:
         samples[gait, :, 0] = time
         base[gait, :, :2] = time[:, None] * velocities[gait]
         base[gait, :, 2], base[gait, :, 3] = 0.7, 1.0
-    return GaitLibrary(velocities, samples, base, step_time)
+    arrays = {"velocities": velocities, "samples": samples, "base": base, "step_time": step_time}
+    return GaitLibrary(arrays, {})
 
 
 def test_replay_takes_the_nearest_gait_and_goes_on_for_ever():

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from slider.core.job import Job
-from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import gait_numbers
+from slider.library.reader import GaitLibrary
 from slider.reports.ablation import check_rows, run, spread
 from slider.reports.quantities import Quantity
 from slider.training.results import Training
@@ -81,7 +81,7 @@ def test_one_row_per_run_and_command(out, inputs):
         [0.1, 0.1, 0.2, 0.2, 0.3, 0.3, 0.4, np.inf]
     )
     assert (found[-1]["success_rate"], found[-1]["alternation"]) == ("0", "")
-    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
     for name in ("velocity_variance", "touchdown_rate"):
         gaits = [f"{getattr(gait_numbers(library, v), name):.6g}" for v in COMMANDS]
         assert [row[f"reference_{name}"] for row in found] == 4 * gaits

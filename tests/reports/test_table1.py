@@ -9,8 +9,8 @@ import pytest
 
 from slider.core.job import Job
 from slider.evaluation.results import QUALITY, Evaluation, Robots
-from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import gait_numbers
+from slider.library.reader import GaitLibrary
 from slider.reports import table1
 from slider.reports.rows import quality_row, table_row
 from tests.evaluation.test_results import make_robots, write_evaluation
@@ -143,7 +143,7 @@ def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path, na
     names = list(quality[0])
     at = names.index(name)
     assert names[at + 1] == f"reference_{name}"
-    library = LibraryContents.load(store)
+    library = GaitLibrary.load(store)
     for row, speed in zip(quality, (0.2, 0.4), strict=False):
         expected = getattr(gait_numbers(library, speed), name)
         assert float(row[names[at + 1]]) == pytest.approx(expected, rel=1e-5)

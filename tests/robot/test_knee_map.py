@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from slider.robot import knee_map
+from tests.gait.gaits import config
 
 L1 = L2 = 0.36
 THETA = np.linspace(0.1, 1.2, 2001)
@@ -58,16 +59,29 @@ def test_paper_variant_is_off_by_what_the_documentation_says():
     assert np.abs(slides[1] - slides[0]).max() == pytest.approx(0.24, abs=5e-3)
 
 
-def test_slide_force_does_the_work_of_the_three_torques():
-    rng = np.random.default_rng(1)
-    theta = rng.uniform(0.1, 1.7, 50)
-    knee, hip, ankle = rng.normal(size=(3, 50)) * 20
-    rates = rng.normal(size=(3, 50))
-    slide = knee_map.slide_force(knee, hip, ankle, theta, L1, L2)
-    speed = knee_map.velocities(rates[0], theta, rates[1], rates[2], L1, L2)
-    before = hip * rates[0] + knee * rates[1] + ankle * rates[2]
-    after = hip * speed.hip_pitch + slide * speed.length + ankle * speed.ankle
-    np.testing.assert_allclose(after, before, rtol=1e-11, atol=1e-11)
+@pytest.mark.parametrize("variant", knee_map.VARIANTS)
+def test_both_legs_are_converted_each_by_itself_and_upper_feet_rest(variant):
+    rng, robot = np.random.default_rng(2), config().robot
+    q, v = rng.uniform(0.1, 1.2, (2, 7, 10))
+    lengths = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
+    position, velocity = knee_map.prismatic_joints(q, v, robot, variant)
+    for first, to in ((0, 0), (5, 6)):
+        yaw, roll, pitch, theta, ankle = q[:, first : first + 5].T
+        speeds = v[:, first : first + 5].T
+        place = knee_map.positions(pitch, theta, ankle, *lengths, variant)
+        rate = knee_map.velocities(speeds[2], theta, speeds[3], speeds[4], *lengths, variant)
+        slide = place.length - robot.geometry.leg_length
+        expected = [yaw, roll, place.hip_pitch, slide, place.ankle, 0 * yaw]
+        np.testing.assert_array_equal(position[:, to : to + 6], np.stack(expected, axis=1))
+        expected = [*speeds[:2], rate.hip_pitch, rate.length, rate.ankle, 0 * yaw]
+        np.testing.assert_array_equal(velocity[:, to : to + 6], np.stack(expected, axis=1))
+
+
+def test_the_mirror_swaps_the_legs_and_flips_yaw_and_roll():
+    left, right = np.arange(1.0, 6.0), np.arange(11.0, 16.0)
+    found = knee_map.reflected(np.concatenate([left, right]))
+    np.testing.assert_array_equal(found, [-11, -12, 13, 14, 15, -1, -2, 3, 4, 5])
+    np.testing.assert_array_equal(knee_map.reflected(found), np.concatenate([left, right]))
 
 
 def test_an_unknown_variant_is_refused():

@@ -17,10 +17,11 @@ from slider.config.schema import Config
 from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.library import stage as library_stage
+from slider.library.reader import STORE, GaitLibrary
 from slider.verification.gaits import Check, Surroundings, checks
 from slider.verification.pin_robot import PinRobot, build_robot
 from slider.verification.plant import Plant
-from slider.verification.stored import StoredGait, load_gaits
+from slider.verification.stored import StoredGait, gaits_of
 
 CONF = Path(__file__).parents[2] / "conf"
 VELOCITIES = [(0.6, -0.1), (0.6, 0.1), (0.65, 0.1)]
@@ -56,13 +57,13 @@ def collected(dynamics: str, *velocities: tuple[float, float]) -> Path:
 
 @cache
 def gaits() -> list[StoredGait]:
-    return load_gaits(library() / "library.zarr")
+    return gaits_of(GaitLibrary.load(library() / STORE))
 
 
 @cache
 def knee_gait() -> StoredGait:
     """A gait with the virtual knee's dynamics."""
-    return load_gaits(collected("knee", VELOCITIES[1]) / "library.zarr")[0]
+    return gaits_of(GaitLibrary.load(collected("knee", VELOCITIES[1]) / STORE))[0]
 
 
 @cache

@@ -42,7 +42,7 @@ def test_shares_follow_the_limits():
 def test_positions_beyond_a_range_show():
     robot = config().robot
     tight = robot.joints | {"slide": replace(robot.joints["slide"], upper=0.0)}
-    assert worst()["dense_position"] < 1e-2
+    assert worst()["dense_position"] == 0.0
     assert worst(robot=replace(robot, joints=tight))["dense_position"] > 0.02
 
 
@@ -67,7 +67,8 @@ def test_a_higher_clearance_is_missed_by_more():
     posture = config().gait.posture
     before = worst()["dense_clearance"]
     after = worst(posture=replace(posture, clearance=posture.clearance + 0.05))["dense_clearance"]
-    assert after > before + 0.01
+    assert before < 0.003
+    assert 0.015 < after < 0.03  # the foot swings higher than it must
 
 
 def test_more_points_find_no_less():

@@ -66,15 +66,15 @@ def test_the_plant_confirms_a_gait_with_its_own_dynamics_and_not_the_knees():
     assert max(own["plant_force"], own["plant_moment"], own["plant_efforts"]) < 1e-9
     assert other["plant_force"] > 10.0
     assert other["plant_efforts"] > 10.0
-    assert own["plant_cop"] < 1.0
-    assert 0.001 < own["upper_foot_torque"] < 1.0
+    assert 0.2 < own["plant_cop"] < 0.5
+    assert 0.02 < own["upper_foot_torque"] < 0.2
 
 
 def test_upper_feet_that_swing_change_the_impact_little():
     own, other = (impact(gait, plant()) for gait in (gaits()[1], knee_gait()))
-    assert own["plant_impact"] < 1e-7
-    assert 1e-6 < own["plant_impact_free"] < 1e-2
-    assert other["plant_impact"] > 0.1
+    assert own["plant_impact"] < 1e-9
+    assert 1e-4 < own["plant_impact_free"] < 1e-3
+    assert other["plant_impact"] > 0.5
 
 
 def test_stored_states_are_what_mujoco_has():

@@ -21,8 +21,8 @@ def simulation(steps: int) -> Simulation:
 def test_foot_placement_keeps_up_what_targets_alone_do_not():
     found = replays(gaits()[1], simulation(12), plant())
     assert found["regulated_steps"] == 12
-    assert found["replay_steps"] < 12
-    assert found["regulated_speed"] < 0.15
+    assert 2 <= found["replay_steps"] <= 6
+    assert found["regulated_speed"] < 0.03
 
 
 def test_the_same_replay_twice_is_the_same():

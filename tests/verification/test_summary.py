@@ -75,8 +75,9 @@ def test_files(tmp_path):
     assert [row["failed"] for row in rows] == ["", "dynamics_torque", "dynamics_torque"]
     assert rows[0]["regulated_steps"] == "30"
     assert rows[2]["regulated_steps"] == ""
-    summary.write_json(tmp_path / "a.json", {"quantities": summary.worst(ROWS, NONE)})
-    assert json.loads((tmp_path / "a.json").read_text())["quantities"]
+    content = {"quantities": summary.worst(ROWS, NONE)}
+    summary.write_json(tmp_path / "a.json", content)
+    assert json.loads((tmp_path / "a.json").read_text()) == content
 
 
 def test_the_table_for_people_names_worst_gaits_and_what_does_not_hold(tmp_path):

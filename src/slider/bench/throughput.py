@@ -74,11 +74,11 @@ class Bench:
         torch.set_flush_denormal(True)
         torch.manual_seed(task.train.seed)
         self._task, self._work = task, work
-        self._env = WalkingEnv(task, threads)
+        self.env = WalkingEnv(task, threads)
         self._actions = task.train.network.initial_std * torch.randn(
             _RECORDED, task.train.robots, NUM_JOINTS
         )
-        self._physics = self._env.physics
+        self._physics = self.env.physics
         self._pool = rollout.Rollout(nthread=threads)
         self._data = [mujoco.MjData(self._physics.model) for _ in range(threads)]
         self.recorded = self._record()
@@ -139,7 +139,7 @@ class Bench:
     def _step(self) -> int:
         with torch.inference_mode():
             for actions in self._actions:
-                self._env.step(actions)
+                self.env.step(actions)
         return len(self._actions) * len(self._actions[0])
 
     def _runner(self, precision: str) -> OnPolicyRunner:
@@ -147,12 +147,12 @@ class Bench:
         train = replace(train, ppo=replace(train.ppo, precision=precision))
         config = runner_config(train, NoTracker(), [])
         with contextlib.redirect_stdout(io.StringIO()):
-            runner = OnPolicyRunner(self._env, config, log_dir=str(self._work), device="cpu")
+            runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device="cpu")
         runner.save = lambda *_, **__: None  # a training saves once in many iterations
         return runner
 
     def _learn(self, runner: OnPolicyRunner, watch: Stopwatch) -> Callable[[], int]:
-        methods = self._env.methods | {
+        methods = self.env.methods | {
             "policy": (runner.alg, "act"),
             "storage": (runner.alg, "process_env_step"),
             "returns": (runner.alg, "compute_returns"),

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from slider.core.errors import UserError
 from slider.library.choose import add_library_arguments, add_velocity_arguments, read_library
-from slider.library.contents import LibraryContents
 from slider.library.export import FORMATS
 from slider.library.overview import gait_lines
+from slider.library.reader import GaitLibrary
 
 _PICTURES = (".svg", ".png")
 
@@ -52,12 +52,12 @@ def _check(arguments: argparse.Namespace) -> None:
         raise UserError(f"--out: expected a name that ends in .svg or .png, found {out}")
 
 
-def _default_picture(library: LibraryContents, gait: int) -> Path:
+def _default_picture(library: GaitLibrary, gait: int) -> Path:
     vx, vy = library.velocities[gait]
     return Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}.png"
 
 
-def _draw(library: LibraryContents, gait: int, out: Path) -> None:
+def _draw(library: GaitLibrary, gait: int, out: Path) -> None:
     from slider.reports.figures import gait_sheet
     from slider.reports.figures.style import save, style
 

@@ -10,8 +10,8 @@ from slider.artefacts.store import ARTEFACTS, Store
 from slider.core import files
 from slider.core.errors import UserError
 from slider.library.choose import MAKE_LIBRARY, add_library_arguments, read_library
-from slider.library.contents import LibraryContents
 from slider.library.overview import library_lines
+from slider.library.reader import STORE, GaitLibrary
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -44,14 +44,14 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"{arguments.out}.png is ready")
 
 
-def _solve_times(store: Store) -> tuple[LibraryContents, np.ndarray]:
+def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:
     """The current library and the processor time (G,) [s] of each gait; NaN where none is known.
 
     Times differ from run to run, so they stand beside the store's manifests and not in a stage's
     result.
     """
     job, manifest = current_result(store, "library", MAKE_LIBRARY)
-    library = LibraryContents.load(store.object_folder(manifest.result.object) / "library.zarr")
+    library = GaitLibrary.load(store.object_folder(manifest.result.object) / STORE)
     known: dict[tuple[float, float], float] = {}
     for gait in job.inputs["gaits"]:
         path = store.sidecar_path(gait.stage, gait.recipe)

@@ -3,7 +3,8 @@
 import numpy as np
 
 from slider.env.view import View
-from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.lookup import GaitTable
+from slider.library.reader import GaitLibrary
 from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES
 
 _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])

@@ -8,7 +8,8 @@ from slider.config.robot import RobotConfig
 from slider.config.train import TrainConfig
 from slider.env.guide import Guide
 from slider.library.joint_table import JointTable
-from slider.library.lookup import GaitLibrary, GaitTable
+from slider.library.lookup import GaitTable
+from slider.library.reader import GaitLibrary
 from slider.library.step_times import StepTimes
 
 

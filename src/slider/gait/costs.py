@@ -5,53 +5,41 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from slider.gait.drives import Motors
+from slider.gait.motion import Node
 
 _SMALL_POWER = 1.0  # rounds the corner of |power| at zero [W]
 
 
 @dataclass(frozen=True)
-class NodeMotion:
-    """What a cost may look at.
+class Cost:
+    """A cost by its name in ``gait.cost``.
 
     Attributes:
-        torques: (10,) of the virtual knee's joints [N m].
-        motors: of the robot.
-        step_time: [s].
-        weight: Simpson weight of the node; the weights of a step sum to one.
-        robot_weight: m g [N].
+        node: a node's part of it. The second argument is the node's Simpson weight; the weights
+            of a step sum to one.
+        unit: of the sum.
+        scale: brings the sum near one for the solver.
     """
 
-    torques: ca.SX
-    motors: Motors
-    step_time: ca.SX
-    weight: ca.SX
-    robot_weight: float
-
-
-@dataclass(frozen=True)
-class Cost:
-    """A node's part of the cost; ``scale`` brings the sum near one for the solver."""
-
-    node: Callable[[NodeMotion], ca.SX]
+    node: Callable[[Node, ca.SX], ca.SX]
     unit: str
     scale: float
 
 
-def _paper(motion: NodeMotion) -> ca.SX:
+def _paper(node: Node, _: ca.SX) -> ca.SX:
     """Eq. 2 as printed: Σ over domains of (1/T) Σ over nodes of ‖τ‖²."""
-    return ca.sumsqr(motion.torques) / motion.step_time
+    return ca.sumsqr(node.dynamics.torques) / node.symbols.step_time
 
 
-def _torque(motion: NodeMotion) -> ca.SX:
+def _torque(node: Node, weight: ca.SX) -> ca.SX:
     """Σ over domains of (1/T) ∫ ‖τ‖² dt."""
-    return motion.weight * ca.sumsqr(motion.torques)
+    return weight * ca.sumsqr(node.dynamics.torques)
 
 
-def _transport(motion: NodeMotion) -> ca.SX:
+def _transport(node: Node, weight: ca.SX) -> ca.SX:
     """Mean absolute mechanical power of the motors over m g: the cost of transport times speed."""
-    absolute = ca.sqrt(motion.motors.powers**2 + _SMALL_POWER**2) - _SMALL_POWER
-    return motion.weight / 2 * ca.sum1(absolute) / motion.robot_weight
+    absolute = ca.sqrt(node.motors.powers**2 + _SMALL_POWER**2) - _SMALL_POWER
+    return weight / 2 * ca.sum1(absolute) / node.form.weight
 
 
 COSTS = {

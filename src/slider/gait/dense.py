@@ -3,9 +3,12 @@
 import numpy as np
 
 from slider.gait import bezier
+from slider.gait.constraint import scaled_bounds
 from slider.gait.layout import NODE, ROLL_STATES
-from slider.gait.problem import DENSE, GaitProblem, node_blocks
+from slider.gait.problem import GaitProblem, node_blocks
 from slider.gait.tree import NUM_JOINTS
+
+DENSE = 10  # phases per node interval at which a solution is checked
 
 
 def dense_violations(problem: GaitProblem, variables: np.ndarray) -> dict[str, float]:
@@ -13,13 +16,13 @@ def dense_violations(problem: GaitProblem, variables: np.ndarray) -> dict[str, f
 
     The roll equation holds at nodes only; between them its residual measures the collocation.
     """
-    lower, upper = problem.bounds["dense"]
+    lower, upper = scaled_bounds(problem.node_constraints, _phase(problem), at_nodes=False)
     x = dense_nodes(problem, variables)
     evaluate = problem.node.value.map(len(x))
     rows = np.array(evaluate(x.T, np.ones((1, len(x))))[1]).T
     lower, upper = np.tile(lower, (2, 1)), np.tile(upper, (2, 1))
     excess = np.maximum(np.maximum(lower - rows, rows - upper), 0.0).ravel()
-    blocks = node_blocks(problem.node_rows, len(x))
+    blocks = node_blocks(problem.node_constraints, len(x))
     return {block.name: float(excess[block.rows].max() * block.scale) for block in blocks}
 
 
@@ -30,16 +33,24 @@ def dense_nodes(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
     interpolated derivative.
     """
     layout = problem.layout
-    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
-    phase = np.linspace(0.0, 1.0, DENSE * (layout.nodes - 1) + 1)
+    nodes = layout.node_vectors(variables)
+    phase = _phase(problem)
     dense = np.zeros((2, len(phase), NODE))
     dense[..., -1] = nodes[:, :1, -1]
     for step in range(2):
         time = nodes[step, 0, -1]
         rolls = nodes[step, :, :ROLL_STATES] * [1.0, time, time**2]
-        dense[step, :, :ROLL_STATES] = _blend(rolls[..., None], phase)[..., 0] / [1, time, time**2]
+        dense[step, :, :ROLL_STATES] = between_nodes(rolls[..., None], phase)[..., 0] / [
+            1,
+            time,
+            time**2,
+        ]
         dense[step, :, ROLL_STATES:-1] = _joints(problem, variables, nodes, step, phase)
     return dense.reshape(-1, NODE)
+
+
+def _phase(problem: GaitProblem) -> np.ndarray:
+    return np.linspace(0.0, 1.0, DENSE * (problem.nodes - 1) + 1)
 
 
 def _joints(
@@ -52,10 +63,10 @@ def _joints(
         orders = [bezier.evaluate(coefficients, phase, order) for order in range(3)]
         return np.concatenate(orders, axis=1)
     states = nodes[step, :, ROLL_STATES:-1].reshape(layout.nodes, 3, NUM_JOINTS)
-    return _blend(states, phase).reshape(len(phase), -1)
+    return between_nodes(states, phase).reshape(len(phase), -1)
 
 
-def _blend(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
+def between_nodes(states: np.ndarray, phase: np.ndarray) -> np.ndarray:
     """Value, slope and curvature (phases, 3, n) of the collocation polynomials of (nodes, 3, n)."""
     pieces = (len(states) - 1) // 2
     piece = np.minimum((phase * pieces).astype(int), pieces - 1)

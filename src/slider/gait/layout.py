@@ -79,6 +79,10 @@ class Layout:
         """Matrix (2 · nodes · 34, size) from variables to node vectors."""
         return sp.csc_matrix(self._nodes)
 
+    def node_vectors(self, variables: np.ndarray) -> np.ndarray:
+        """Vectors (2, nodes, 34) of all nodes of both steps, the second one reflected."""
+        return (self.select_nodes @ variables).reshape(2, self.nodes, NODE)
+
     @cached_property
     def _nodes(self) -> np.ndarray:
         rolls = np.eye(ROLL_STATES * self.nodes)

@@ -3,6 +3,7 @@
 q_p = φ(q_k), q̇_p = J q̇_k, q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import casadi as ca
@@ -48,7 +49,7 @@ class LegMap:
     def positions(self, q: ca.SX) -> ca.SX:
         """Joint positions of the prismatic legs of knee legs (5 per leg)."""
         parts = []
-        for leg in ca.vertsplit(q, LEG_JOINTS):
+        for (leg,) in _legs(q):
             hip, length, ankle = ca.vertsplit(self.shifts(leg[KNEE]))
             parts += [leg[:PITCH], leg[PITCH] + hip, length - self.nominal, leg[ANKLE] + ankle]
         return ca.vertcat(*parts)
@@ -60,14 +61,14 @@ class LegMap:
     def accelerations(self, q: ca.SX, v: ca.SX, a: ca.SX) -> ca.SX:
         """Joint accelerations of the prismatic legs."""
         parts = []
-        for leg, rate in zip(ca.vertsplit(q, LEG_JOINTS), ca.vertsplit(v, LEG_JOINTS), strict=True):
+        for leg, rate in _legs(q, v):
             hip, slide, ankle = ca.vertsplit(self.curvatures(leg[KNEE]) * rate[KNEE] ** 2)
             parts += [ca.SX.zeros(PITCH), hip, slide, ankle]
         return self._apply(q, a, self.slopes) + ca.vertcat(*parts)
 
     def _apply(self, q: ca.SX, v: ca.SX, slopes: ca.Function) -> ca.SX:
         parts = []
-        for leg, rate in zip(ca.vertsplit(q, LEG_JOINTS), ca.vertsplit(v, LEG_JOINTS), strict=True):
+        for leg, rate in _legs(q, v):
             hip, slide, ankle = ca.vertsplit(slopes(leg[KNEE]) * rate[KNEE])
             parts += [rate[:PITCH], rate[PITCH] + hip, slide, rate[ANKLE] + ankle]
         return ca.vertcat(*parts)
@@ -75,9 +76,7 @@ class LegMap:
     def knee_torques(self, q: ca.SX, efforts: ca.SX) -> ca.SX:
         """Torques of the knee legs that do the work of prismatic efforts: Jᵀ τ_p."""
         parts = []
-        for leg, effort in zip(
-            ca.vertsplit(q, LEG_JOINTS), ca.vertsplit(efforts, LEG_JOINTS), strict=True
-        ):
+        for leg, effort in _legs(q, efforts):
             knee = ca.dot(self.slopes(leg[KNEE]), effort[PITCH:])
             parts += [effort[:KNEE], knee, effort[ANKLE]]
         return ca.vertcat(*parts)
@@ -85,10 +84,13 @@ class LegMap:
     def efforts(self, q: ca.SX, torques: ca.SX) -> ca.SX:
         """Prismatic efforts that do the work of the knee legs' torques: J⁻ᵀ τ_k."""
         parts = []
-        for leg, torque in zip(
-            ca.vertsplit(q, LEG_JOINTS), ca.vertsplit(torques, LEG_JOINTS), strict=True
-        ):
+        for leg, torque in _legs(q, torques):
             hip, slide, ankle = ca.vertsplit(self.slopes(leg[KNEE]))
             force = (torque[KNEE] - hip * torque[PITCH] - ankle * torque[ANKLE]) / slide
             parts += [torque[:KNEE], force, torque[ANKLE]]
         return ca.vertcat(*parts)
+
+
+def _legs(*joints: ca.SX) -> Iterator[tuple[ca.SX, ...]]:
+    """Values of each leg (5,) of values of both (10,)."""
+    return zip(*(ca.vertsplit(each, LEG_JOINTS) for each in joints), strict=True)

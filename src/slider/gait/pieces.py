@@ -1,14 +1,15 @@
 """Symbolic functions of a node, of the step ends and of the collocation, with exact derivatives."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
-import numpy as np
 
-from slider.gait.constraint import Constraint
+from slider.gait import constraints
+from slider.gait.constraint import Constraint, scaled_rows
+from slider.gait.costs import COSTS
 from slider.gait.formulation import Formulation
 from slider.gait.layout import END, NODE, ROLL_STATES, STEP, Layout
+from slider.gait.motion import Node
 from slider.gait.symbols import StepEnd
 from slider.gait.tree import NUM_JOINTS
 
@@ -29,8 +30,9 @@ def node_piece(form: Formulation) -> tuple[Piece, ca.Function, list[Constraint]]
     (x, weight, factor, multipliers) → symmetric (34, 34).
     """
     x, weight = ca.SX.sym("x", NODE), ca.SX.sym("w")
-    constraints, cost = form.node(x, weight)
-    rows = _scaled(constraints)
+    node = Node.of(form, x)
+    rows_of, cost = constraints.of_node(node), COSTS[form.config.cost]
+    rows, cost = scaled_rows(rows_of), cost.scale * cost.node(node, weight)
     multiplier, factor = ca.SX.sym("lam", rows.numel()), ca.SX.sym("f")
     hessian, _ = ca.hessian(factor * cost + ca.dot(multiplier, rows), x)
     full = ca.triu2symm(ca.triu(hessian))
@@ -40,20 +42,20 @@ def node_piece(form: Formulation) -> tuple[Piece, ca.Function, list[Constraint]]
         ca.Function("node_jacobian", [x], [rows, ca.jacobian(rows, x)]),
         ca.Function("node_hessian", [x, weight, factor, multiplier], [full]),
     )
-    return piece, gradient, constraints
+    return piece, gradient, rows_of
 
 
 def quantities(form: Formulation) -> ca.Function:
-    """What a gait stores of a node; see ``Formulation.quantities``."""
+    """What a gait stores of a node; see ``Node.stored``."""
     x = ca.SX.sym("x", NODE)
-    return ca.Function("quantities", [x], form.quantities(x))
+    return ca.Function("quantities", [x], Node.of(form, x).stored())
 
 
 def ends_piece(form: Formulation) -> tuple[Piece, list[Constraint]]:
     """Touchdowns and periodicity as functions of the step ends (90,) and the command (2,)."""
     y, velocity = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", 2)
-    constraints = _connect(form, y, velocity)
-    rows = _scaled(constraints)
+    rows_of = _walk(form, y, velocity)
+    rows = scaled_rows(rows_of)
     multiplier = ca.SX.sym("lam", rows.numel())
     hessian, _ = ca.hessian(ca.dot(multiplier, rows), y)
     full = ca.triu2symm(ca.triu(hessian))
@@ -62,46 +64,20 @@ def ends_piece(form: Formulation) -> tuple[Piece, list[Constraint]]:
         ca.Function("ends_jacobian", [y, velocity], [rows, ca.jacobian(rows, y)]),
         ca.Function("ends_hessian", [y, velocity, multiplier], [full]),
     )
-    return piece, constraints
+    return piece, rows_of
 
 
-def _connect(form: Formulation, y: ca.SX, velocity: ca.SX) -> list[Constraint]:
-    """Touchdowns of both steps, mean velocity, equal step times and forward step lengths.
-
-    Without equal lengths the cheapest slow walk keeps one foot 0.4 m ahead of the other.
-    """
-    starts, stops, times = [], [], []
-    for step in range(2):
-        part = y[step * STEP : (step + 1) * STEP]
-        starts.append(_step_end(part[:END], part[-1]))
-        stops.append(_step_end(part[END : 2 * END], part[-1]))
-        times.append(part[-1])
-    left = form.touchdown(stops[0], starts[1])
-    right = form.touchdown(stops[1], starts[0])
-    travel = [form.step_vector(stop) for stop in stops]
-    walk = times[0] + times[1]
-    mean = ca.vertcat(
-        travel[0][0] + travel[1][0] - velocity[0] * walk,
-        travel[0][1] - travel[1][1] - velocity[1] * walk,  # the second step is reflected
-    )
-    zero = np.zeros(2)
-    return [
-        *left,
-        *right,
-        Constraint("mean_velocity", "m", "command", mean, zero, zero, 0.1),
-        _symmetry("equal_step_times", "s", times[0] - times[1], 1.0),
-        _symmetry("equal_step_lengths", "m", travel[0][0] - travel[1][0], 0.1),
-    ]
+def _walk(form: Formulation, y: ca.SX, velocity: ca.SX) -> list[Constraint]:
+    steps = [y[step * STEP : (step + 1) * STEP] for step in range(2)]
+    times = [step[-1] for step in steps]
+    starts = [_step_end(step[:END], step[-1]) for step in steps]
+    ends = [_step_end(step[END : 2 * END], step[-1]) for step in steps]
+    return constraints.of_walk(form, starts, ends, times, velocity)
 
 
 def _step_end(part: ca.SX, step_time: ca.SX) -> StepEnd:
     n = NUM_JOINTS
     return StepEnd(part[0], part[1], part[2 : 2 + n], part[2 + n :] / step_time)
-
-
-def _symmetry(name: str, unit: str, difference: ca.SX, scale: float) -> Constraint:
-    zero = np.zeros(1)
-    return Constraint(name, unit, "symmetry", difference, zero, zero, scale)
 
 
 def collocation_piece(layout: Layout) -> Piece:
@@ -129,7 +105,3 @@ def _roll_defects(layout: Layout, z: ca.SX, step: int) -> list[ca.SX]:
             mean = (a[i + 1] + 4 * m[i + 1] + b[i + 1]) / 6
             rows.append(b[i] - a[i] - interval * mean)
     return rows
-
-
-def _scaled(constraints: Sequence[Constraint]) -> ca.SX:
-    return ca.vertcat(*[c.expression / c.scale for c in constraints])

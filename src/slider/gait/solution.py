@@ -7,14 +7,10 @@ import numpy as np
 from slider.gait import bezier
 from slider.gait.layout import NODE, ROLL_STATES
 from slider.gait.problem import GaitProblem
-from slider.gait.tree import LEG_JOINTS, LEG_MIRROR
-from slider.gait.tree import NUM_JOINTS as NUM_KNEE_JOINTS
+from slider.gait.tree import NUM_JOINTS
 from slider.robot import knee_map
 from slider.robot.kinematics import turn_to_heading, yaw_of
-from slider.robot.names import LEG_JOINTS as PRISMATIC_LEG
-from slider.robot.names import NUM_JOINTS as NUM_PRISMATIC
 
-_PRISMATIC = len(PRISMATIC_LEG)
 _AXIAL = np.array([-1.0, 1.0, -1.0])  # reflection of angular quantities
 _POLAR = np.array([1.0, -1.0, 1.0])
 
@@ -48,13 +44,13 @@ class KneeTrajectory:
 
 def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajectory:
     """Evaluate all nodes of both steps and undo the second step's reflection."""
-    nodes = (problem.layout.select_nodes @ variables).reshape(2 * problem.nodes, NODE)
+    nodes = problem.layout.node_vectors(variables).reshape(-1, NODE)
     values = [np.array(v).T for v in problem.quantities.map(len(nodes))(nodes.T)]
     q, v, torques, efforts, rotation, position, velocity, angular, force, moment, swing = values
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
     second = slice(problem.nodes, None)
     for joints in (q, v, torques, efforts):
-        joints[second] = _swap(joints[second])
+        joints[second] = knee_map.reflected(joints[second])
     rotation[second] = _POLAR[:, None] * rotation[second] * _POLAR
     for polar in (position, velocity, force, swing):
         polar[second] *= _POLAR
@@ -64,35 +60,6 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
     return KneeTrajectory(
         q, v, torques, efforts, rotation, position, velocity, angular, wrench, swing
     )
-
-
-def _swap(joints: np.ndarray) -> np.ndarray:
-    left, right = joints[:, :LEG_JOINTS], joints[:, LEG_JOINTS:]
-    return np.concatenate([LEG_MIRROR * right, LEG_MIRROR * left], axis=1)
-
-
-def prismatic_joints(
-    trajectory: KneeTrajectory, l1: float, l2: float, nominal: float, variant: str
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions, velocities and efforts (S, 12) of the prismatic robot (eq. 1).
-
-    Efforts are those of the exact map, whatever the variant.
-    """
-    shape = (len(trajectory.q), NUM_PRISMATIC)
-    position, velocity, effort = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-    for leg in range(2):
-        knee = slice(leg * LEG_JOINTS, (leg + 1) * LEG_JOINTS)
-        yaw, roll, pitch, theta, ankle = trajectory.q[:, knee].T
-        v = trajectory.v[:, knee].T
-        place = knee_map.positions(pitch, theta, ankle, l1, l2, variant)
-        speed = knee_map.velocities(v[2], theta, v[3], v[4], l1, l2, variant)
-        to = slice(leg * _PRISMATIC, leg * _PRISMATIC + _PRISMATIC - 1)  # the upper foot stays 0
-        position[:, to] = np.stack(
-            [yaw, roll, place.hip_pitch, place.length - nominal, place.ankle], axis=1
-        )
-        velocity[:, to] = np.stack([v[0], v[1], speed.hip_pitch, speed.length, speed.ankle], axis=1)
-        effort[:, to] = trajectory.efforts[:, knee]
-    return position, velocity, effort
 
 
 def base_motion(trajectory: KneeTrajectory, step_lengths: np.ndarray) -> np.ndarray:
@@ -129,11 +96,10 @@ def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarra
     Exact for Bézier joints, least squares for collocated ones; the second step is reflected.
     """
     layout = problem.layout
-    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
-    positions = nodes[..., ROLL_STATES : ROLL_STATES + NUM_KNEE_JOINTS]
+    positions = layout.node_vectors(variables)[..., ROLL_STATES : ROLL_STATES + NUM_JOINTS]
     if problem.config.transcription == "bezier":
         steps = [variables[layout.joint_slice(step)] for step in range(2)]
-        return np.stack(steps).reshape(2, NUM_KNEE_JOINTS, -1), 0.0
+        return np.stack(steps).reshape(2, NUM_JOINTS, -1), 0.0
     basis = bezier.basis(problem.config.degree, layout.phase)
     fitted = np.stack([np.linalg.lstsq(basis, step)[0].T for step in positions])
     missed = np.abs(np.einsum("kw,sjw->skj", basis, fitted) - positions).max()
@@ -142,6 +108,4 @@ def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarra
 
 def rolls(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:
     """Roll, rate and acceleration (2, nodes, 3) of the stance foot; the second step reflected."""
-    layout = problem.layout
-    nodes = (layout.select_nodes @ variables).reshape(2, layout.nodes, NODE)
-    return nodes[..., :ROLL_STATES].copy()
+    return problem.layout.node_vectors(variables)[..., :ROLL_STATES].copy()

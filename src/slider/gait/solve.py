@@ -75,8 +75,8 @@ class _Point:
 
 
 @dataclass(frozen=True)
-class _Outcome:
-    """Where an attempt ended."""
+class Outcome:
+    """Where an attempt ended: at variables (size,), with scaled rows and times [s]."""
 
     attempt: Attempt
     success: bool
@@ -146,9 +146,9 @@ class GaitSolver:
         The result is the first that converges or, with ``keep: best``, the cheapest that does.
         """
         wall, cpu = time.perf_counter(), time.process_time()
-        outcomes: list[_Outcome] = []
+        outcomes: list[Outcome] = []
         for rung in self._config.guesses:
-            outcomes.append(self._attempt(rung, vx, vy))
+            outcomes.append(self.attempt(rung, vx, vy))
             if outcomes[-1].success and self._config.keep == "first":
                 break
         kept = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
@@ -166,12 +166,13 @@ class GaitSolver:
             attempts=tuple(outcome.attempt for outcome in outcomes),
         )
 
-    def _attempt(self, rung: str, vx: float, vy: float) -> _Outcome:
+    def attempt(self, rung: str, vx: float, vy: float) -> Outcome:
+        """One rung of the ladder for a commanded velocity [m/s]."""
         function, result = self._climb(rung, vx, vy)
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
-        return _Outcome(
+        return Outcome(
             Attempt(rung, status, iterations, cost),
             bool(stats["success"]),
             np.array(result["x"]).ravel(),

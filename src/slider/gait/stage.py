@@ -13,31 +13,31 @@ from slider.config.robot import Mechanism
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait.costs import COSTS
 from slider.gait.dense import dense_violations
-from slider.gait.formulation import Formulation, formulate
+from slider.gait.formulation import formulate
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import (
     base_motion,
     coefficients,
     knee_trajectory,
-    prismatic_joints,
     rolls,
     samples,
 )
 from slider.gait.solve import GaitSolver, Solve
+from slider.robot.knee_map import prismatic_joints, with_upper_feet
 
 REPORT = "report.json"
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
-    form = formulation(section)
     config = from_dict(SolveConfig, section["solve"])
     vx, vy = (float(v) for v in section["velocity"])
-    problem = build(form)
+    robot = from_dict(Mechanism, section["robot"])
+    problem = build(formulate(robot, from_dict(FormulationConfig, section["formulation"])))
     job.progress(f"gait ({vx:g}, {vy:g}) m/s: built")
     solve = GaitSolver(problem, config.solver, config.step_time).solve(vx, vy)
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, form, config.kinematic_map)
+    arrays = gait_arrays(problem, solve, config.kinematic_map)
     for name, array in arrays.items():
         np.save(out / f"{name}.npy", array)
     report = _report(problem, solve, vx, vy)
@@ -45,21 +45,12 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {k: report[k] for k in ("vx", "vy", "status", "converged", "cost", "max_violation")}
 
 
-def formulation(section: Section) -> Formulation:
-    """The formulation of a section with ``robot`` and ``formulation``."""
-    robot = from_dict(Mechanism, section["robot"])
-    return formulate(robot, from_dict(FormulationConfig, section["formulation"]))
-
-
-def gait_arrays(
-    problem: GaitProblem, solve: Solve, form: Formulation, kinematic_map: str
-) -> dict[str, np.ndarray]:
+def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[str, np.ndarray]:
     """Arrays of a gait; see ``docs/reference/gait-library.md`` for shapes, units and frames."""
     layout, variables = problem.layout, solve.variables
     trajectory = knee_trajectory(problem, variables)
-    model = form.tree.model
-    position, velocity, effort = prismatic_joints(
-        trajectory, model.thigh, model.shank, form.robot.geometry.leg_length, kinematic_map
+    position, velocity = prismatic_joints(
+        trajectory.q, trajectory.v, problem.form.robot, kinematic_map
     )
     times = np.array([variables[layout.time_index(step)] for step in range(2)])
     first, second = layout.phase * times[0], times[0] + layout.phase * times[1]
@@ -76,7 +67,7 @@ def gait_arrays(
         "knee_positions": trajectory.q,
         "knee_velocities": trajectory.v,
         "knee_torques": trajectory.torques,
-        "efforts": effort,
+        "efforts": with_upper_feet(trajectory.efforts),
         "ground_wrench": trajectory.wrench,
         "swing_foot": trajectory.swing_foot,
         "roll": rolls(problem, variables),

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from slider.gait.tree import LEG_JOINTS, LEG_MIRROR, NUM_JOINTS
+from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
+from slider.robot.names import LEG_MIRROR_SIGN
 
 
 @dataclass(frozen=True)
@@ -52,5 +53,5 @@ class StepEnd:
 
 def mirrored(q: ca.SX) -> ca.SX:
     """Joint vector (10,) as the next step sees it: legs swapped and reflected."""
-    sign = ca.DM(LEG_MIRROR)
+    sign = ca.DM(LEG_MIRROR_SIGN[:LEG_JOINTS])
     return ca.SX(ca.vertcat(sign * q[LEG_JOINTS:], sign * q[:LEG_JOINTS]))

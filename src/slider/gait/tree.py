@@ -1,34 +1,21 @@
-"""Symbolic kinematics and dynamics of the robot in the virtual knee's coordinates.
-
-Rooted at the stance foot.
+"""The robot as a tree of bodies rooted at the stance foot, and its symbolic kinematics.
 
 The stance foot lies flat along its line: its frame can only roll about the line (world x). The
 tree runs from the stance (left) foot up to the base and down to the swing (right) foot; joints:
-stance then swing, each ``hip_yaw, hip_roll, hip_pitch, knee, ankle``. The recursive Newton-Euler
-pass follows Featherstone, *Rigid Body Dynamics Algorithms* (2008), chapter 5, in body frames.
-
-Bodies move as the prismatic leg's do (``PrismaticTree``: eq. 1 is a change of coordinates, and the
-dynamics are the real leg's, rotors included), or as the virtual knee's (``StanceTree``).
+stance then swing, each ``hip_yaw, hip_roll, hip_pitch, knee, ankle``.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
-from slider.gait.leg_map import LegMap
-from slider.robot.knee_model import LEG_BODIES, Body, KneeModel
-from slider.robot.prismatic_model import PrismaticModel
+from slider.gait.leg_map import LEG_JOINTS
+from slider.robot.knee_model import KneeModel
+from slider.robot.names import KNEE_JOINTS
 
-GRAVITY = 9.81  # [m/s²]
-NUM_JOINTS = 10
-LEG_JOINTS = 5
+NUM_JOINTS = len(KNEE_JOINTS)
 STANCE, SWING = "stance", "swing"
-# Axis and its sign per leg joint: the knee turns about −y.
-_AXES = ((2, 1.0), (0, 1.0), (1, 1.0), (1, -1.0), (1, 1.0))
-# Reflection at the sagittal plane: yaw and roll flip.
-LEG_MIRROR = np.array([-1.0, -1.0, 1.0, 1.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -49,6 +36,17 @@ class Edge:
     at_child: np.ndarray
     slides: bool = False
 
+    @property
+    def unit(self) -> ca.DM:
+        """The axis (3,)."""
+        return ca.DM(np.eye(3)[self.axis])
+
+    def place(self, q: ca.SX) -> ca.SX:
+        """Where the joint has moved the child to, in the parent's frame (3,) [m]."""
+        if not self.slides:
+            return ca.SX(ca.DM(self.at_parent))
+        return ca.DM(self.at_parent) + self.unit * (self.sign * q[self.joint])
+
 
 @dataclass(frozen=True)
 class BodyPose:
@@ -58,22 +56,6 @@ class BodyPose:
     origin: ca.SX
     angular: ca.SX
     linear: ca.SX
-
-
-@dataclass(frozen=True)
-class InverseDynamics:
-    """What a motion needs.
-
-    Attributes:
-        torques: of the virtual knee's joints (10,) [N m].
-        efforts: of the prismatic legs' joints, the same work (10,) [N m, N].
-        force, moment: on the stance foot at its origin [N], [N m].
-    """
-
-    torques: ca.SX
-    efforts: ca.SX
-    force: ca.SX
-    moment: ca.SX
 
 
 def rotation(axis: int, angle: ca.SX) -> ca.SX:
@@ -86,235 +68,55 @@ def rotation(axis: int, angle: ca.SX) -> ca.SX:
     return matrix
 
 
-def _vector(values: np.ndarray) -> ca.DM:
-    return ca.DM(np.asarray(values, dtype=float))
-
-
-class StanceTree:
-    """The virtual-knee robot standing on its left foot; ``leg_length``: at slide = 0 [m]."""
-
-    def __init__(self, model: KneeModel, leg_length: float) -> None:
-        self.model = model
-        self.map = LegMap.of(model, leg_length)
-        self.edges = _edges(model.hip_offset, _knee_leg(model))
-        self._sole = np.array([0.0, 0.0, -model.ankle_height])
-
-    def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
-        """The stance foot; the middle of its line is the world's origin."""
-        r = rotation(0, roll)
-        angular = ca.vertcat(roll_rate, 0, 0)
-        up = -_vector(self._sole)
-        return BodyPose(r, r @ up, angular, r @ ca.cross(angular, up))
-
-    def poses(self, roll: ca.SX, roll_rate: ca.SX, q: ca.SX, v: ca.SX) -> dict[str, BodyPose]:
-        """Poses and velocities of all bodies."""
-        poses = {"stance_foot": self.foot_pose(roll, roll_rate)}
-        for edge in self.edges:
-            poses[edge.child] = _next_pose(poses[edge.parent], edge, q, v)
-        return poses
-
-    def point(self, pose: BodyPose, local: np.ndarray) -> tuple[ca.SX, ca.SX]:
-        """World position and velocity of a point fixed in a body."""
-        p = _vector(local)
-        return pose.origin + pose.rotation @ p, pose.linear + pose.rotation @ ca.cross(
-            pose.angular, p
-        )
-
-    def inverse_dynamics(
-        self, roll: ca.SX, roll_rate: ca.SX, roll_acceleration: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
-    ) -> InverseDynamics:
-        """Torques and foot wrench of a motion under gravity."""
-        up = -_vector(self._sole)
-        angular = ca.vertcat(roll_rate, 0, 0)
-        turning = ca.vertcat(roll_acceleration, 0, 0)
-        linear = ca.cross(turning, up) + ca.cross(angular, ca.cross(angular, up))
-        linear += rotation(0, roll).T @ ca.DM([0, 0, GRAVITY])
-        return self.newton_euler(angular, turning, linear, q, v, a)
-
-    def newton_euler(
-        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
-    ) -> InverseDynamics:
-        """Recursive Newton-Euler pass from the stance foot's motion (in its own frame).
-
-        Args:
-            angular, turning: angular velocity and acceleration of the foot.
-            linear: acceleration of the foot's origin minus gravity.
-            q, v, a: joint positions, velocities, accelerations (10,).
-        """
-        foot = (angular, turning, linear)
-        torques, force, moment = _pass(self.edges, self.model.bodies, foot, q, v, a)
-        return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
-
-    def line_wrench(self, roll: ca.SX, dynamics: InverseDynamics) -> tuple[ca.SX, ca.SX]:
-        """Ground force and moment at the middle of the foot line, world axes."""
-        r = rotation(0, roll)
-        moment = dynamics.moment - ca.cross(_vector(self._sole), dynamics.force)
-        return r @ dynamics.force, r @ moment
-
-
-class PrismaticTree(StanceTree):
-    """The real robot standing on its left foot, its motion given in the virtual knee's coordinates.
-
-    Args:
-        model, leg_length: the coordinates.
-        leg: the prismatic robot's bodies, rotors and friction.
-    """
-
-    def __init__(self, model: KneeModel, leg_length: float, leg: PrismaticModel) -> None:
-        super().__init__(model, leg_length)
-        self._leg = leg
-        self._edges = _edges(model.hip_offset, _prismatic_leg(leg_length))
-
-    def newton_euler(
-        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
-    ) -> InverseDynamics:
-        """As :meth:`StanceTree.newton_euler`, of the prismatic legs, their rotors and friction."""
-        foot = (angular, turning, linear)
-        place, rate = self.map.positions(q), self.map.velocities(q, v)
-        turn = self.map.accelerations(q, v, a)
-        efforts, force, moment = _pass(self._edges, self._leg.bodies, foot, place, rate, turn)
-        inertia = ca.DM(np.kron(np.eye(2), self._leg.inertia))
-        efforts += inertia @ turn + ca.DM(np.tile(self._leg.damping, 2)) * rate
-        return InverseDynamics(self.map.knee_torques(q, efforts), efforts, force, moment)
-
-
-def _pass(
-    edges: list[Edge],
-    bodies: Mapping[str, Body],
-    foot: "Motion",
-    q: ca.SX,
-    v: ca.SX,
-    a: ca.SX,
-) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Joint efforts (10,), force and moment on the stance foot of a motion of the foot and joints.
-
-    ``bodies`` are named as the last part of an edge's bodies.
-    """
-    motion = {f"{STANCE}_foot": foot}
-    frames: dict[str, ca.SX] = {}
-    for edge in edges:
-        frames[edge.child], motion[edge.child] = _next_motion(motion[edge.parent], edge, q, v, a)
-    wrench = {n: _inertial_wrench(bodies[n.rsplit("_", 1)[-1]], *motion[n]) for n in motion}
-    efforts: list[ca.SX] = [ca.SX(0)] * NUM_JOINTS
-    for edge in reversed(edges):
-        force, moment = wrench[edge.child]
-        moment = moment - ca.cross(_vector(edge.at_child), force)
-        efforts[edge.joint] = edge.sign * (force if edge.slides else moment)[edge.axis]
-        force, moment = frames[edge.child] @ force, frames[edge.child] @ moment
-        own_force, own_moment = wrench[edge.parent]
-        moment = moment + ca.cross(_place(edge, q), force)
-        wrench[edge.parent] = (own_force + force, own_moment + moment)
-    return ca.vertcat(*efforts), *wrench[f"{STANCE}_foot"]
-
-
 # Bodies of a leg from the hip down: name, axis, its sign, place in the body above [m], slides.
 LegChain = list[tuple[str, int, float, np.ndarray, bool]]
 
 
-def _knee_leg(model: KneeModel) -> LegChain:
-    down = {"shank": np.array([0, 0, -model.thigh]), "foot": np.array([0, 0, -model.shank])}
+_ZERO = np.zeros(3)
+_HIP: LegChain = [("yaw", 2, 1.0, _ZERO, False), ("roll", 0, 1.0, _ZERO, False)]
+
+
+def knee_leg(model: KneeModel) -> LegChain:
+    """The knee bends about −y."""
     return [
-        (name, axis, turn, down.get(name, np.zeros(3)), False)
-        for name, (axis, turn) in zip(LEG_BODIES, _AXES, strict=True)
+        *_HIP,
+        ("thigh", 1, 1.0, _ZERO, False),
+        ("shank", 1, -1.0, np.array([0.0, 0.0, -model.thigh]), False),
+        ("foot", 1, 1.0, np.array([0.0, 0.0, -model.shank]), False),
     ]
 
 
-def _prismatic_leg(leg_length: float) -> LegChain:
+def prismatic_leg(leg_length: float) -> LegChain:
     """The slide lowers the tube along −z."""
-    zero = np.zeros(3)
     return [
-        ("yaw", 2, 1.0, zero, False),
-        ("roll", 0, 1.0, zero, False),
-        ("pitch", 1, 1.0, zero, False),
-        ("tube", 2, -1.0, zero, True),
+        *_HIP,
+        ("pitch", 1, 1.0, _ZERO, False),
+        ("tube", 2, -1.0, _ZERO, True),
         ("foot", 1, 1.0, np.array([0.0, 0.0, -leg_length]), False),
     ]
 
 
-def _edges(hip_offset: float, chain: LegChain) -> list[Edge]:
+def edges_of(hip_offset: float, chain: LegChain) -> list[Edge]:
     """From the stance foot up to the base and down to the swing foot."""
-    zero = np.zeros(3)
-    edges = []
+    edges: list[Edge] = []
     for side, sign in ((STANCE, 1.0), (SWING, -1.0)):
-        hip = np.array([0.0, sign * hip_offset, 0.0])
-        leg = []
-        parent = "base"
+        parent, hip = "base", np.array([0.0, sign * hip_offset, 0.0])
         for k, (name, axis, turn, below, slides) in enumerate(chain):
-            place = hip if k == 0 else below
-            leg.append((parent, f"{side}_{name}", k, axis, turn, place, slides))
-            parent = f"{side}_{name}"
-        if side == STANCE:
-            edges += [
-                Edge(child, parent, k, axis, -turn, zero, place, slides)
-                for parent, child, k, axis, turn, place, slides in reversed(leg)
-            ]
-        else:
-            edges += [
-                Edge(parent, child, LEG_JOINTS + k, axis, turn, place, zero, slides)
-                for parent, child, k, axis, turn, place, slides in leg
-            ]
+            place, child = hip if k == 0 else below, f"{side}_{name}"
+            if side == STANCE:
+                edges.insert(0, Edge(child, parent, k, axis, -turn, _ZERO, place, slides))
+            else:
+                edges.append(Edge(parent, child, LEG_JOINTS + k, axis, turn, place, _ZERO, slides))
+            parent = child
     return edges
 
 
-def _unit(axis: int) -> ca.DM:
-    return ca.DM(np.eye(3)[axis])
-
-
-def _next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
+def next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
+    """The child's pose of a parent's, where the joint turns."""
     turn = rotation(edge.axis, edge.sign * q[edge.joint])
     rot = pose.rotation @ turn
-    angular = turn.T @ pose.angular + _unit(edge.axis) * (edge.sign * v[edge.joint])
-    at_parent, at_child = _vector(edge.at_parent), _vector(edge.at_child)
+    angular = turn.T @ pose.angular + edge.unit * (edge.sign * v[edge.joint])
+    at_parent, at_child = ca.DM(edge.at_parent), ca.DM(edge.at_child)
     origin = pose.origin + pose.rotation @ at_parent - rot @ at_child
     linear = pose.linear + pose.rotation @ ca.cross(pose.angular, at_parent)
     return BodyPose(rot, origin, angular, linear - rot @ ca.cross(angular, at_child))
-
-
-Motion = tuple[ca.SX, ca.SX, ca.SX]
-
-
-def _place(edge: Edge, q: ca.SX) -> ca.SX:
-    """Where a joint has moved its child to, in the parent's frame (3,) [m]."""
-    if not edge.slides:
-        return ca.SX(_vector(edge.at_parent))
-    return _vector(edge.at_parent) + _unit(edge.axis) * (edge.sign * q[edge.joint])
-
-
-def _next_motion(motion: Motion, edge: Edge, q: ca.SX, v: ca.SX, a: ca.SX) -> tuple[ca.SX, Motion]:
-    angular, turning, linear = motion
-    if edge.slides:
-        place = _place(edge, q)
-        along = _unit(edge.axis) * edge.sign
-        moved = ca.cross(turning, place) + ca.cross(angular, ca.cross(angular, place))
-        moved += 2 * ca.cross(angular, along * v[edge.joint]) + along * a[edge.joint]
-        return ca.SX.eye(3), (angular, turning, linear + moved)
-    turn = rotation(edge.axis, edge.sign * q[edge.joint])
-    rate = _unit(edge.axis) * (edge.sign * v[edge.joint])
-    carried = turn.T @ angular
-    new_angular = carried + rate
-    new_turning = turn.T @ turning + _unit(edge.axis) * (edge.sign * a[edge.joint])
-    new_turning += ca.cross(carried, rate)
-    at_joint = turn.T @ (linear + _relative(angular, turning, edge.at_parent))
-    return turn, (
-        new_angular,
-        new_turning,
-        at_joint - _relative(new_angular, new_turning, edge.at_child),
-    )
-
-
-def _relative(angular: ca.SX, turning: ca.SX, place: np.ndarray) -> ca.SX:
-    """Acceleration of a body-fixed point relative to the frame's origin."""
-    if not np.any(place):
-        return ca.SX.zeros(3)
-    p = _vector(place)
-    return ca.cross(turning, p) + ca.cross(angular, ca.cross(angular, p))
-
-
-def _inertial_wrench(
-    body: Body, angular: ca.SX, turning: ca.SX, linear: ca.SX
-) -> tuple[ca.SX, ca.SX]:
-    """Force and moment about the frame's origin that produce a body's motion."""
-    inertia = ca.diag(_vector(body.inertia))
-    force = body.mass * (linear + _relative(angular, turning, body.com))
-    moment = inertia @ turning + ca.cross(angular, inertia @ angular)
-    return force, moment + ca.cross(_vector(body.com), force)

@@ -13,13 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.gait import bezier
-from slider.library.base_motion import aligned, normalise
-from slider.library.contents import LibraryContents
+from slider.library.mesh import aligned, normalise
+from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
-from slider.robot.names import JOINTS, KNEE_LEG_JOINTS, LEG_JOINTS, LEG_MIRROR_SIGN, NUM_JOINTS
-
-_KNEE_LEG = len(KNEE_LEG_JOINTS)
-_MIRROR = np.array(LEG_MIRROR_SIGN[:_KNEE_LEG])
+from slider.robot.names import JOINTS
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class Gait:
     base: np.ndarray
     forward: np.ndarray
     leftward: np.ndarray
-    library: LibraryContents
+    library: GaitLibrary
 
     def knee_joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Virtual-knee positions [rad] and velocities [rad/s] (N, 10), left leg then right leg.
@@ -56,19 +53,12 @@ class Gait:
         coefficients = self.coefficients[step]
         q = bezier.evaluate(coefficients, phase)
         v = bezier.evaluate(coefficients, phase, order=1) / self.step_time[step]
-        return (q, v) if step == 0 else (_reflected(q), _reflected(v))
+        return (q, v) if step == 0 else (knee_map.reflected(q), knee_map.reflected(v))
 
     def joints(self, step: int, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Positions and velocities (N, 12) of the prismatic joints (eq. 1) at phases (N,)."""
         q, v = self.knee_joints(step, phase)
-        shape = (len(q), NUM_JOINTS)
-        position, velocity = np.zeros(shape), np.zeros(shape)
-        for leg in range(2):
-            knee = slice(leg * _KNEE_LEG, (leg + 1) * _KNEE_LEG)
-            first = leg * len(LEG_JOINTS)
-            to = slice(first, first + _KNEE_LEG)  # the upper foot stays 0
-            position[:, to], velocity[:, to] = self._prismatic(q[:, knee], v[:, knee])
-        return position, velocity
+        return knee_map.prismatic_joints(q, v, self.library.robot, self.library.kinematic_map)
 
     def samples(self) -> np.ndarray:
         """The 26 channels (2 · nodes, 26) at the library's samples."""
@@ -78,20 +68,8 @@ class Gait:
         speeds = np.stack([self.forward, self.leftward], axis=1)
         return np.concatenate([position, velocity, speeds], axis=1)
 
-    def _prismatic(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """One leg (N, 5), (N, 5) from the virtual knee to the slide."""
-        robot, variant = self.library.robot, self.library.kinematic_map
-        lengths = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
-        place = knee_map.positions(q[:, 2], q[:, 3], q[:, 4], *lengths, variant)
-        speed = knee_map.velocities(v[:, 2], q[:, 3], v[:, 3], v[:, 4], *lengths, variant)
-        slide = place.length - robot.geometry.leg_length
-        return (
-            np.stack([q[:, 0], q[:, 1], place.hip_pitch, slide, place.ankle], axis=1),
-            np.stack([v[:, 0], v[:, 1], speed.hip_pitch, speed.length, speed.ankle], axis=1),
-        )
 
-
-def blend(library: LibraryContents, vx: float, vy: float) -> Gait:
+def blend(library: GaitLibrary, vx: float, vy: float) -> Gait:
     """Gait at a command [m/s]: bilinear in the four velocities around it, step times included.
 
     At a velocity of the library it is that gait. It is continuous in the command everywhere: at
@@ -121,9 +99,3 @@ def blend(library: LibraryContents, vx: float, vy: float) -> Gait:
 
 
 _BLENDED = ("step_time", "coefficients", "roll")
-
-
-def _reflected(joints: np.ndarray) -> np.ndarray:
-    """From stance and swing leg of the reflected second step to left and right leg (N, 10)."""
-    stance, swing = joints[:, :_KNEE_LEG], joints[:, _KNEE_LEG:]
-    return np.concatenate([_MIRROR * swing, _MIRROR * stance], axis=1)

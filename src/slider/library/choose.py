@@ -5,7 +5,7 @@ from pathlib import Path
 
 from slider.artefacts.current import current_folder
 from slider.artefacts.store import ARTEFACTS, Store
-from slider.library.contents import LibraryContents
+from slider.library.reader import STORE, GaitLibrary
 
 MAKE_LIBRARY = "snakemake -j2 gait_library"
 
@@ -26,13 +26,13 @@ def add_velocity_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--vy", type=float, default=0.0, help="leftward [m/s] (default: 0)")
 
 
-def read_library(arguments: argparse.Namespace) -> LibraryContents:
+def read_library(arguments: argparse.Namespace) -> GaitLibrary:
     """Read the library that the arguments mean.
 
     Raises:
         UserError: there is none yet, or the path holds none.
     """
-    return LibraryContents.load(library_path(arguments))
+    return GaitLibrary.load(library_path(arguments))
 
 
 def library_path(arguments: argparse.Namespace) -> Path:
@@ -44,4 +44,4 @@ def library_path(arguments: argparse.Namespace) -> Path:
     if arguments.library is not None:
         return arguments.library
     store = Store(arguments.artefacts)
-    return current_folder(store, "library", MAKE_LIBRARY) / "library.zarr"
+    return current_folder(store, "library", MAKE_LIBRARY) / STORE

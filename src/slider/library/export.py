@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.library.contents import LibraryContents
-from slider.library.schema import AXES, CONSTRAINT, GAIT_COORDINATES, LABELS
+from slider.library.reader import GaitLibrary
+from slider.library.schema import ARRAYS, CONSTRAINT, COORDINATES, LABELS
 from slider.robot.names import CHANNEL_UNITS, CHANNELS, JOINTS, SIDES
 
 _BASE_UNITS = ("m",) * 3 + ("1",) * 4 + ("m/s",) * 3 + ("rad/s",) * 3
 _WRENCH_UNITS = ("N",) * 3 + ("N m",) * 3
 
 
-def write_csv(library: LibraryContents, gait: int, path: Path) -> None:
+def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write one row per sample; the header names each column with its unit in brackets."""
     columns = csv_columns(library, gait)
     with path.open("w", newline="") as file:
@@ -24,9 +24,9 @@ def write_csv(library: LibraryContents, gait: int, path: Path) -> None:
             writer.writerow(v if isinstance(v, str) else f"{v:.10g}" for v in row)
 
 
-def csv_columns(library: LibraryContents, gait: int) -> dict[str, list[str] | np.ndarray]:
+def csv_columns(library: GaitLibrary, gait: int) -> dict[str, list[str] | np.ndarray]:
     """Columns of the CSV, each with one value per sample."""
-    arrays = {name: library.arrays[name][gait] for name in AXES}
+    arrays = {name: library.arrays[name][gait] for name in ARRAYS}
     stance = [SIDES[side] for side in arrays["contact"].argmax(axis=1)]
     columns: dict[str, list[str] | np.ndarray] = {"time [s]": arrays["time"], "stance": stance}
     effort_units = ["N" if name.endswith("slide") else "N m" for name in JOINTS]
@@ -42,9 +42,9 @@ def csv_columns(library: LibraryContents, gait: int) -> dict[str, list[str] | np
     return columns
 
 
-def write_npz(library: LibraryContents, gait: int, path: Path) -> None:
+def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write the library's arrays of one gait, without the axis of the gaits, and their labels."""
-    names = (*AXES, *GAIT_COORDINATES)
+    names = (*ARRAYS, *COORDINATES)
     arrays = {name: library.arrays[name][gait] for name in names}
     labels = LABELS | {CONSTRAINT: library.constraints}
     texts = {f"{axis}_names": np.array(values, dtype=str) for axis, values in labels.items()}
@@ -54,7 +54,7 @@ def write_npz(library: LibraryContents, gait: int, path: Path) -> None:
         np.savez(file, allow_pickle=False, channel_units=units, **arrays, **texts)
 
 
-FORMATS: dict[str, Callable[[LibraryContents, int, Path], None]] = {
+FORMATS: dict[str, Callable[[GaitLibrary, int, Path], None]] = {
     "csv": write_csv,
     "npz": write_npz,
 }

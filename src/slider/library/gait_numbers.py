@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from slider.library.blend import Gait, blend
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 
 _OUTSIDE = 1e-6  # [m/s]
 
@@ -22,7 +22,7 @@ class GaitNumbers(NamedTuple):
     velocity_variance: float
 
 
-def gait_numbers(library: LibraryContents, vx: float) -> GaitNumbers | None:
+def gait_numbers(library: GaitLibrary, vx: float) -> GaitNumbers | None:
     """Of the gait at (vx, 0) [m/s].
 
     For comparison, not a bound: the gaits are not optimised for an even speed. Between the

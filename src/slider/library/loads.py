@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
 from slider.robot.transmission import Transmission
@@ -29,34 +29,34 @@ class Peak:
         return self.value / self.limit
 
 
-def motor_torques(library: LibraryContents, gait: int) -> np.ndarray:
+def motor_torques(library: GaitLibrary, gait: int) -> np.ndarray:
     """Torques (S, 10) of all motors over a walk [N m]."""
     return Transmission.of(library.robot).torques(library.arrays["efforts"][gait])
 
 
-def motor_shares(library: LibraryContents) -> tuple[np.ndarray, np.ndarray]:
+def motor_shares(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
     """Greatest torque / limit and voltage / bus voltage (G, 10) of all motors over each walk."""
     speeds = library.arrays["samples"][..., _SPEEDS]
     torque, voltage = Transmission.of(library.robot).shares(library.arrays["efforts"], speeds)
     return np.abs(torque).max(axis=1), np.abs(voltage).max(axis=1)
 
 
-def torque_share(library: LibraryContents) -> np.ndarray:
+def torque_share(library: GaitLibrary) -> np.ndarray:
     """Greatest torque / limit (G,) over all motors [-]."""
     return motor_shares(library)[0].max(axis=1)
 
 
-def voltage_share(library: LibraryContents) -> np.ndarray:
+def voltage_share(library: GaitLibrary) -> np.ndarray:
     """Greatest share (G,) of the torque-speed lines over all motors [-]."""
     return motor_shares(library)[1].max(axis=1)
 
 
-def slide_speed(library: LibraryContents) -> np.ndarray:
+def slide_speed(library: GaitLibrary) -> np.ndarray:
     """Greatest speed (G,) of the slides [m/s]."""
     return np.abs(library.arrays["samples"][..., _SPEEDS][..., _SLIDES]).max(axis=(1, 2))
 
 
-def peaks(library: LibraryContents, gait: int) -> list[Peak]:
+def peaks(library: GaitLibrary, gait: int) -> list[Peak]:
     """Torque [N m] and share of the torque-speed line [-] of one gait, each at its worst motor."""
     torque, voltage = (shares[gait] for shares in motor_shares(library))
     worst, fastest = int(torque.argmax()), int(voltage.argmax())
@@ -67,7 +67,7 @@ def peaks(library: LibraryContents, gait: int) -> list[Peak]:
     ]
 
 
-def foot_heights(library: LibraryContents, gait: int) -> np.ndarray:
+def foot_heights(library: GaitLibrary, gait: int) -> np.ndarray:
     """Height of the lower end of each foot line (S, 2), left and right, above the ground [m]."""
     base = library.arrays["base"][gait]
     joints = library.arrays["samples"][gait][:, :NUM_JOINTS]
@@ -75,7 +75,7 @@ def foot_heights(library: LibraryContents, gait: int) -> np.ndarray:
     return base[:, 2:3] + ends[..., 2].min(axis=2)
 
 
-def clearance(library: LibraryContents, gait: int) -> float:
+def clearance(library: GaitLibrary, gait: int) -> float:
     """Height of the lower end of the swing foot at mid-step, the lower of the two steps [m]."""
     heights = foot_heights(library, gait)
     per_step = len(heights) // 2

@@ -5,12 +5,15 @@ in the four nodes around it and a command outside takes the border's, so that we
 continuous everywhere. A node with a gait is that gait alone. A node without one (a hole, or a
 velocity that only another part of the grid has) is filled once, from the gaits before and after
 it in its row and in its column, the nearer pair counting more; where it lies between no two
-gaits it is the nearest gait.
+gaits it is the nearest gait. Attitudes are blended as quaternions, aligned before and made unit
+after.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+
+_QUATERNION = slice(3, 7)  # of the 13 columns of the base's motion
 
 
 @dataclass(frozen=True)
@@ -94,3 +97,17 @@ def _bracket(line: np.ndarray, axis: np.ndarray, k: int) -> tuple[int, int, floa
     low, high = before[-1], after[0]
     fraction = (axis[k] - axis[low]) / (axis[high] - axis[low])
     return int(line[low]), int(line[high]), float(fraction), int(high - low)
+
+
+def aligned(base: np.ndarray) -> np.ndarray:
+    """Base motion (..., 13) with quaternions on one half sphere, so that they may be blended."""
+    result = base.copy()
+    result[..., _QUATERNION] *= np.where(base[..., 3:4] < 0, -1.0, 1.0)
+    return result
+
+
+def normalise(base: np.ndarray) -> np.ndarray:
+    """Make the quaternions of blended motion (..., 13) unit again, in place; return it."""
+    quaternion = base[..., _QUATERNION]
+    quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    return base

@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from slider.library import loads
-from slider.library.contents import Hole, LibraryContents, violations
+from slider.library.reader import GaitLibrary, Hole
 from slider.library.smoothness import smoothness
 from slider.robot.names import CHANNELS
 
 _WORST = 5  # constraints that are shown by name
 
 
-def gait_lines(library: LibraryContents, gait: int) -> list[str]:
+def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
     """Status, times, cost, peaks against the limits, worst residuals and clearance of a gait."""
     arrays = library.arrays
     vx, vy = library.velocities[gait]
@@ -35,7 +35,7 @@ def gait_lines(library: LibraryContents, gait: int) -> list[str]:
     return [*lines, "  worst residuals [SI unit of the constraint]", *_residuals(library, gait)]
 
 
-def library_lines(library: LibraryContents) -> list[str]:
+def library_lines(library: GaitLibrary) -> list[str]:
     """Grid, convergence, holes with what they violate, ranges, worst residual, smoothness."""
     return [
         *_grid(library),
@@ -46,19 +46,19 @@ def library_lines(library: LibraryContents) -> list[str]:
     ]
 
 
-def _step_lengths(library: LibraryContents, gait: int) -> np.ndarray:
+def _step_lengths(library: GaitLibrary, gait: int) -> np.ndarray:
     """Forward distance (2,) [m] from the stance foot to the touched-down foot of each step."""
     swing = library.arrays["swing_foot"][gait, :, 0]
     return swing[[len(swing) // 2 - 1, len(swing) - 1]]
 
 
-def _residuals(library: LibraryContents, gait: int) -> list[str]:
+def _residuals(library: GaitLibrary, gait: int) -> list[str]:
     values = library.arrays["residuals"][gait]
     worst = np.argsort(-values, kind="stable")[:_WORST]
     return [f"    {library.constraints[i]:<24}{values[i]:.1e}" for i in worst]
 
 
-def _grid(library: LibraryContents) -> list[str]:
+def _grid(library: GaitLibrary) -> list[str]:
     mesh = library.mesh
     asked = len(library) + len(library.holes)
     return [
@@ -90,10 +90,10 @@ def _run(values: np.ndarray) -> str:
 
 
 def _hole(hole: Hole) -> str:
-    return f"({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}, {violations(hole)}"
+    return f"({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}, {hole.violations}"
 
 
-def _ranges(library: LibraryContents) -> list[str]:
+def _ranges(library: GaitLibrary) -> list[str]:
     arrays = library.arrays
     rows: list[tuple[str, Sequence[float] | np.ndarray, str]] = [
         ("step time", arrays["step_time"], "s"),
@@ -112,7 +112,7 @@ def _spread(values: Sequence[float] | np.ndarray) -> str:
     return "".join(f"{f(values):>10.4g}" for f in (np.min, np.median, np.max))
 
 
-def _worst_residual(library: LibraryContents) -> str:
+def _worst_residual(library: GaitLibrary) -> str:
     residuals = library.arrays["residuals"]
     gait, constraint = np.unravel_index(residuals.argmax(), residuals.shape)
     vx, vy = library.velocities[gait]
@@ -120,7 +120,7 @@ def _worst_residual(library: LibraryContents) -> str:
     return f"  worst residual: {name} {residuals.max():.1e} at ({vx:g}, {vy:g}) m/s"
 
 
-def _smoothness(library: LibraryContents) -> str:
+def _smoothness(library: GaitLibrary) -> str:
     measured = smoothness(library.velocities, library.arrays["samples"])
     if not len(measured.pairs):
         return "  smoothness: no neighbouring gaits"

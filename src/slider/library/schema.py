@@ -1,32 +1,51 @@
 """Layout of the gait library's Zarr store; documented in ``docs/reference/gait-library.md``."""
 
+from typing import NamedTuple
+
 from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES
 
 SCHEMA = "slider-gait-library"
-VERSION = 1
+VERSION = 2
 
-# Axes after the first one, which is the gait.
-AXES: dict[str, tuple[str, ...]] = {
-    "velocities": ("component",),
-    "samples": ("sample", "channel"),
-    "time": ("sample",),
-    "step_time": ("step",),
-    "base": ("sample", "base_channel"),
-    "contact": ("sample", "foot"),
-    "coefficients": ("step", "knee_joint", "coefficient"),
-    "roll": ("step", "node", "roll_channel"),
-    "knee_positions": ("sample", "knee_joint"),
-    "knee_velocities": ("sample", "knee_joint"),
-    "knee_torques": ("sample", "knee_joint"),
-    "efforts": ("sample", "joint"),
-    "ground_wrench": ("sample", "wrench_component"),
-    "swing_foot": ("sample", "coordinate"),
-    "cost": (),
-    "max_violation": (),
-    "iterations": (),
-    "residuals": ("constraint",),
+
+class Array(NamedTuple):
+    """An array of the store.
+
+    Attributes:
+        unit: of its values.
+        axes: after the first one, which is the gait.
+    """
+
+    unit: str
+    axes: tuple[str, ...] = ()
+
+
+ARRAYS: dict[str, Array] = {
+    "velocities": Array("m/s", ("component",)),
+    "samples": Array("see channel_units", ("sample", "channel")),
+    "time": Array("s", ("sample",)),
+    "step_time": Array("s", ("step",)),
+    "base": Array("m, quaternion w x y z, m/s (world), rad/s (base)", ("sample", "base_channel")),
+    "contact": Array("1: stance", ("sample", "foot")),
+    "coefficients": Array("rad", ("step", "knee_joint", "coefficient")),
+    "roll": Array("rad, rad/s, rad/s^2", ("step", "node", "roll_channel")),
+    "knee_positions": Array("rad", ("sample", "knee_joint")),
+    "knee_velocities": Array("rad/s", ("sample", "knee_joint")),
+    "knee_torques": Array("N m", ("sample", "knee_joint")),
+    "efforts": Array("N m, N (slide)", ("sample", "joint")),
+    "ground_wrench": Array("N, N m at the foot line, world axes", ("sample", "wrench_component")),
+    "swing_foot": Array("m relative to the stance foot", ("sample", "coordinate")),
+    "cost": Array("see cost_unit"),
+    "max_violation": Array("SI unit of the worst constraint"),
+    "iterations": Array("1"),
+    "residuals": Array("unit of the constraint", ("constraint",)),
 }
-ARRAYS = tuple(AXES)
+# One value per gait, beside its place in the arrays; xarray takes them for coordinates.
+COORDINATES: dict[str, Array] = {
+    "vx": Array("m/s"),
+    "vy": Array("m/s"),
+    "status": Array("IPOPT's return status"),
+}
 
 # Names along the axes: one-dimensional arrays of text, which xarray takes for coordinates.
 # The names of the constraints are the formulation's and come with the gaits.
@@ -48,28 +67,8 @@ LABELS: dict[str, tuple[str, ...]] = {
     "coordinate": ("x", "y", "z"),
     "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
 }
-# What the gaits were made for and with, and the velocities that have none.
-ATTRIBUTES = ("holes", "robot", "kinematic_map", "cost_unit")
-# One value per gait, beside its place in the arrays.
-GAIT_COORDINATES: dict[str, str] = {"vx": "m/s", "vy": "m/s", "status": "IPOPT's return status"}
 
-UNITS: dict[str, str] = {
-    "velocities": "m/s",
-    "samples": "see channel_units",
-    "time": "s",
-    "step_time": "s",
-    "base": "m, quaternion w x y z, m/s (world), rad/s (base)",
-    "contact": "1: stance",
-    "coefficients": "rad",
-    "roll": "rad, rad/s, rad/s^2",
-    "knee_positions": "rad",
-    "knee_velocities": "rad/s",
-    "knee_torques": "N m",
-    "efforts": "N m, N (slide)",
-    "ground_wrench": "N, N m at the foot line, world axes",
-    "swing_foot": "m relative to the stance foot",
-    "cost": "see cost_unit",
-    "max_violation": "SI unit of the worst constraint",
-    "iterations": "1",
-    "residuals": "unit of the constraint",
-}
+# What the gaits were made for and with, which the configuration says (``gait.*``), ...
+ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")
+# ... and what their optimisation adds: the velocities that have no gait, the unit of the cost.
+OUTCOME = ("holes", "cost_unit")

@@ -12,19 +12,18 @@ from slider.config.convert import from_dict
 from slider.config.gait import LibraryConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.library.reader import STORE
 from slider.library.schema import (
     ARRAYS,
-    AXES,
     CONSTRAINT,
-    GAIT_COORDINATES,
+    COORDINATES,
     LABELS,
+    ORIGIN,
     SCHEMA,
-    UNITS,
     VERSION,
 )
 from slider.robot.names import CHANNEL_UNITS, CHANNELS
 
-STORE = "library.zarr"
 _REPORT = "report.json"
 _TEXT = np.dtypes.StringDType()
 
@@ -45,7 +44,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     _log(reports, job)
     if not good or (holes and not config.allow_holes):
         raise UserError(_describe(holes, len(good)))
-    about = {"robot": section["robot"], "kinematic_map": section["kinematic_map"]}
+    about = {name: section[name] for name in ORIGIN}
     about["holes"] = [_hole(report, config) for report in holes]
     about["cost_unit"] = reports[good[0]]["cost_unit"]
     write_library(out / STORE, [folders[i] for i in good], [reports[i] for i in good], about)
@@ -61,7 +60,7 @@ def write_library(
 ) -> None:
     """Write gaits to a Zarr store; the same gaits give the same bytes.
 
-    ``about`` holds further attributes: ``slider.library.schema.ATTRIBUTES``.
+    ``about`` holds the attributes ``ORIGIN`` and ``OUTCOME`` of ``slider.library.schema``.
     """
     group = zarr.open_group(path, mode="w", zarr_format=3)
     group.attrs.update(
@@ -71,19 +70,19 @@ def write_library(
             "channels": list(CHANNELS),
             "channel_units": list(CHANNEL_UNITS),
             "passive_channels": [i for i, name in enumerate(CHANNELS) if "upper_foot" in name],
-            "coordinates": " ".join(GAIT_COORDINATES),  # as xarray reads it
+            "coordinates": " ".join(COORDINATES),  # as xarray reads it
             **about,
         }
     )
     constraints = list(reports[0]["residuals"])
     known = _facts(reports, constraints)
-    for name in ARRAYS:
+    for name, array in ARRAYS.items():
         values = known.get(name)
         if values is None:
             values = np.stack([np.load(folder / f"{name}.npy") for folder in folders])
-        _write_array(group, name, values, ("gait", *AXES[name]), UNITS[name])
-    for name, unit in GAIT_COORDINATES.items():
-        _write_array(group, name, _column(reports, name), ("gait",), unit)
+        _write_array(group, name, values, ("gait", *array.axes), array.unit)
+    for name, array in COORDINATES.items():
+        _write_array(group, name, _column(reports, name), ("gait",), array.unit)
     for name, labels in (LABELS | {CONSTRAINT: tuple(constraints)}).items():
         _write_array(group, name, np.array(labels, dtype=_TEXT), (name,), "name")
 

@@ -18,7 +18,7 @@ from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
-from slider.library.lookup import GaitLibrary
+from slider.library.reader import GaitLibrary
 from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
 

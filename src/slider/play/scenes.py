@@ -13,7 +13,7 @@ from slider.config.robot import RobotConfig
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.env.terms import checked
-from slider.library.lookup import GaitLibrary
+from slider.library.reader import GaitLibrary
 from slider.play.baseline import simulate_baseline
 from slider.play.motion import Motion, Replay, simulate_ignorant, simulate_policy
 

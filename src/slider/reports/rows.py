@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from slider.evaluation.results import QUALITY, Estimate, Evaluation, Robots
-from slider.library.contents import LibraryContents
 from slider.library.gait_numbers import GaitNumbers, gait_numbers
+from slider.library.reader import GaitLibrary
 from slider.reports.controllers import OURS
 
 NAN = float("nan")
@@ -117,7 +117,7 @@ def reference_gaits(folders: Sequence[Path]) -> Reference:
     """Forward velocity → numbers of the gait of the library in the only folder, if there is one."""
     if not folders:
         return lambda command: None
-    library = LibraryContents.load(folders[0] / "library.zarr")
+    library = GaitLibrary.load(folders[0] / "library.zarr")
     return lambda command: gait_numbers(library, command)
 
 

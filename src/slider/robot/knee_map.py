@@ -9,6 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.config.robot import Mechanism
+from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, NUM_JOINTS, SIDES
+
+_LEG = len(KNEE_LEG_JOINTS)
+_MIRROR = np.array(LEG_MIRROR_SIGN[:_LEG])
 VARIANTS = ("exact", "paper")
 
 
@@ -88,17 +93,38 @@ def velocities(
     )
 
 
-def slide_force(
-    knee_torque: np.ndarray,
-    hip_torque: np.ndarray,
-    ankle_torque: np.ndarray,
-    theta: np.ndarray,
-    l1: float,
-    l2: float,
-) -> np.ndarray:
-    """Slide force [N] that does the work of the three torques [N m] (virtual work, exact map).
+def prismatic_joints(
+    q: np.ndarray, v: np.ndarray, robot: Mechanism, variant: str = "exact"
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and velocities (N, 12) of the prismatic robot of knee legs (N, 10): eq. 1.
 
-    Hip and ankle torques are the same in both models.
+    Upper feet rest; ``slide`` is zero at the nominal leg length.
+
+    Raises:
+        ValueError: an unknown variant.
     """
-    hip, ankle, slide = rates(theta, l1, l2)
-    return (knee_torque + hip * hip_torque + ankle * ankle_torque) / slide
+    lengths = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
+    position, velocity = q.copy(), v.copy()
+    for first in range(0, _LEG * len(SIDES), _LEG):
+        (pitch, theta, ankle), rates_ = q[:, first + 2 : first + 5].T, v[:, first + 2 : first + 5].T
+        place = positions(pitch, theta, ankle, *lengths, variant)
+        speed = velocities(rates_[0], theta, rates_[1], rates_[2], *lengths, variant)
+        slide = place.length - robot.geometry.leg_length
+        position[:, first + 2 : first + 5] = np.stack([place.hip_pitch, slide, place.ankle], axis=1)
+        velocity[:, first + 2 : first + 5] = np.stack(
+            [speed.hip_pitch, speed.length, speed.ankle], axis=1
+        )
+    return with_upper_feet(position), with_upper_feet(velocity)
+
+
+def with_upper_feet(joints: np.ndarray) -> np.ndarray:
+    """Values of all joints (..., 12) from those of the driven ones (..., 10); upper feet rest."""
+    full = np.zeros((*joints.shape[:-1], NUM_JOINTS))
+    full[..., list(ACTUATED)] = joints
+    return full
+
+
+def reflected(joints: np.ndarray) -> np.ndarray:
+    """Values (..., 10) of the knee legs in the sagittal mirror: swapped, yaw and roll flipped."""
+    first, second = joints[..., :_LEG], joints[..., _LEG:]
+    return np.concatenate([_MIRROR * second, _MIRROR * first], axis=-1)

@@ -21,17 +21,12 @@ import numpy as np
 
 from slider.config.robot import Link, RobotConfig
 from slider.robot import names
+from slider.robot.sensors import add_instruments, add_sensors
 from slider.robot.transmission import Transmission, by_motor
 
 BUS_VOLTAGE = 48.0  # [V]; cancels out of the torque-speed line
-DISTANCE_CUTOFF = 0.3  # legs further apart than this count as that far apart [m]
 _GROUND = (1, 0)  # contype, conaffinity of the floor
 _BODY = (0, 1)
-
-# Contact sensors: (data field bits, reduction, slots), as the XML attributes data, reduce and num.
-_NET_FORCE = (1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE), 3, 1)
-_FOUND = (1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND), 0, 1)
-
 
 Actuation = Literal["position", "torque"]
 
@@ -78,9 +73,9 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
         _add_leg(spec, base, robot, side, sign)
     _add_pairs(spec, robot)
     _add_motors(spec, robot, options.actuation)
-    _add_sensors(spec)
+    add_sensors(spec)
     if options.instruments:
-        _add_instruments(spec, robot)
+        add_instruments(spec, robot.geometry)
     return spec
 
 
@@ -275,87 +270,3 @@ def _add_tendon(spec: mujoco.MjSpec, name: str, row: np.ndarray, inertia: float)
     tendon = spec.add_tendon(name=name, armature=inertia)
     for joint in np.flatnonzero(row):
         tendon.wrap_joint(names.JOINTS[joint], row[joint])
-
-
-def _add_sensors(spec: mujoco.MjSpec) -> None:
-    site, sensor = mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtSensor
-    for name, kind in (
-        ("base_linear_velocity", sensor.mjSENS_VELOCIMETER),
-        ("base_angular_velocity", sensor.mjSENS_GYRO),
-    ):
-        spec.add_sensor(name=name, type=kind, objtype=site, objname=names.IMU)
-    for motor in names.MOTORS:
-        spec.add_sensor(
-            name=f"{motor}_torque",
-            type=sensor.mjSENS_ACTUATORFRC,
-            objtype=mujoco.mjtObj.mjOBJ_ACTUATOR,
-            objname=motor,
-        )
-    for side in names.SIDES:
-        for name, kind in (
-            ("position", sensor.mjSENS_FRAMEPOS),
-            ("velocity", sensor.mjSENS_FRAMELINVEL),
-        ):
-            spec.add_sensor(
-                name=f"{side}_sole_{name}", type=kind, objtype=site, objname=names.sole(side)
-            )
-        _add_contact_sensor(spec, f"{side}_foot_force", names.foot(side), _NET_FORCE)
-    for body in (names.BASE, *(names.tube(side) for side in names.SIDES)):
-        _add_contact_sensor(spec, f"{body}_contact", body, _FOUND)
-
-
-def _add_instruments(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
-    """Sense what metrics need beyond what a controller is told."""
-    sensor, site, geom = mujoco.mjtSensor, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_GEOM
-    for side in names.SIDES:
-        _add_foot_ends(spec, robot, side)
-        spec.add_sensor(
-            name=f"{side}_foot_turning",
-            type=sensor.mjSENS_FRAMEANGVEL,
-            objtype=site,
-            objname=names.sole(side),
-        )
-    for first, second in names.LEG_PAIRS:
-        spec.add_sensor(
-            name=names.distance(first, second),
-            type=sensor.mjSENS_GEOMDIST,
-            objtype=geom,
-            objname=first,
-            reftype=geom,
-            refname=second,
-            cutoff=DISTANCE_CUTOFF,
-        )
-
-
-def _add_foot_ends(spec: mujoco.MjSpec, robot: RobotConfig, side: str) -> None:
-    """Sites in the middle of the capsule's round ends, and how they move."""
-    geometry, sensor = robot.geometry, mujoco.mjtSensor
-    height = geometry.foot_radius - geometry.ankle_height
-    for end, x in zip(names.FOOT_ENDS, (-geometry.heel, geometry.toe), strict=True):
-        name = names.foot_end(side, end)
-        spec.body(names.foot(side)).add_site(name=name, pos=[x, 0, height])
-        for quantity, kind in (
-            ("position", sensor.mjSENS_FRAMEPOS),
-            ("velocity", sensor.mjSENS_FRAMELINVEL),
-        ):
-            spec.add_sensor(
-                name=f"{name}_{quantity}",
-                type=kind,
-                objtype=mujoco.mjtObj.mjOBJ_SITE,
-                objname=name,
-            )
-
-
-def _add_contact_sensor(
-    spec: mujoco.MjSpec, name: str, geom: str, content: tuple[int, int, int]
-) -> None:
-    """Sense the contact of a geom with the floor."""
-    spec.add_sensor(
-        name=name,
-        type=mujoco.mjtSensor.mjSENS_CONTACT,
-        objtype=mujoco.mjtObj.mjOBJ_GEOM,
-        objname=names.FLOOR,
-        reftype=mujoco.mjtObj.mjOBJ_GEOM,
-        refname=geom,
-        intprm=content,
-    )

@@ -1,4 +1,4 @@
-"""Names of joints, bodies, sites and sensors: defined once, used everywhere.
+"""Names of joints, bodies, sites and sensors, and gravity: defined once, used everywhere.
 
 Joint order: left leg, then right leg, each from hip to foot. x forward, y left, z up.
 """
@@ -24,6 +24,8 @@ KNEE_JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in KNEE_LEG_JO
 MIRROR_PERMUTATION = tuple((i + len(LEG_JOINTS)) % NUM_JOINTS for i in range(NUM_JOINTS))
 LEG_MIRROR_SIGN = (-1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
 MIRROR_SIGN = LEG_MIRROR_SIGN * len(SIDES)
+
+GRAVITY = 9.81  # [m/s²], as in MuJoCo
 
 BASE = "base"
 FLOOR = "floor"

@@ -5,13 +5,12 @@ time: q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
 """
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.robot import knee_map
-from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, NUM_JOINTS, SIDES
+from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, SIDES
 
 LEG = len(KNEE_LEG_JOINTS)
 _STARTS = LEG * np.arange(len(SIDES))
@@ -22,13 +21,6 @@ _DRIVEN = np.array(ACTUATED)
 
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Positions, velocities and accelerations (..., 10) [rad, m]."""
-
-
-def with_upper_feet(joints: np.ndarray) -> np.ndarray:
-    """Values of all joints (..., 12) from those of the driven ones (..., 10); upper feet rest."""
-    full = np.zeros((*joints.shape[:-1], NUM_JOINTS))
-    full[..., _DRIVEN] = joints
-    return full
 
 
 def driven(joints: np.ndarray) -> np.ndarray:
@@ -86,36 +78,21 @@ class SlideMap:
         return hip, -l1 * l2 * (np.cos(theta) / length + l1 * l2 * sine**2 / length**3)
 
 
-class Coordinates(Protocol):
-    """What the dynamics of a robot are written in; ``map`` leads to the prismatic legs."""
-
-    @property
-    def map(self) -> SlideMap: ...  # noqa: D102
-
-    def motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
-        """Motion of the robot's own joints of a motion of the knee legs."""
-        ...
-
-    def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Torques of the knee's joints, efforts of the slide's (10,) of forces at its own.
-
-        ``q``: positions of the knee legs.
-        """
-        ...
-
-
 @dataclass(frozen=True)
 class SlideCoordinates:
-    """The bodies move with the prismatic legs."""
+    """The bodies move with the prismatic legs; ``map`` leads from the knee legs to them."""
 
     map: SlideMap
 
     def motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
-        """After eq. 1."""
+        """Motion of the robot's own joints of a motion of the knee legs (..., 10): eq. 1."""
         return self.map.motion(q, v, a)
 
     def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """τ_k = Jᵀ τ_p."""
+        """Torques of the knee's joints, efforts of the slide's (10,) of forces at its own.
+
+        τ_k = Jᵀ τ_p at positions q of the knee legs.
+        """
         return self.map.jacobian(q).T @ forces, forces
 
 
@@ -126,9 +103,13 @@ class KneeCoordinates:
     map: SlideMap
 
     def motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
-        """As it is."""
+        """As :meth:`SlideCoordinates.motion`: the knee's own."""
         return q, v, a
 
     def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """τ_p = J⁻ᵀ τ_k."""
+        """As :meth:`SlideCoordinates.work`: τ_p = J⁻ᵀ τ_k."""
         return forces, np.linalg.solve(self.map.jacobian(q).T, forces)
+
+
+Coordinates = SlideCoordinates | KneeCoordinates
+"""What the dynamics of a robot are written in."""

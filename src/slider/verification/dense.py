@@ -10,9 +10,9 @@ import numpy as np
 
 from slider.config.gait import Posture
 from slider.config.robot import Mechanism
+from slider.robot.knee_map import with_upper_feet
 from slider.robot.names import JOINTS, SIDES, leg_joint
 from slider.robot.transmission import Transmission
-from slider.verification.coordinates import with_upper_feet
 from slider.verification.pin_robot import PinRobot
 from slider.verification.plant import Plant, pressure_share
 from slider.verification.stored import StepMotion, StoredGait

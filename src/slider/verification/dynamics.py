@@ -1,10 +1,12 @@
-"""Checks 1 and 2: stored samples against pinocchio's kinematics, dynamics and impacts."""
+"""Checks 1 to 3: stored samples against pinocchio, and the walk against its own start."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from slider.robot.kinematics import rotation_from_quaternion
+from slider.robot.knee_map import with_upper_feet
 from slider.robot.names import NUM_JOINTS, SIDES
-from slider.verification.coordinates import SlideMap, driven, with_upper_feet
+from slider.verification.coordinates import SlideMap, driven
 from slider.verification.pin_robot import FloatingState, PinRobot
 from slider.verification.stored import StoredGait
 
@@ -130,6 +132,37 @@ def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, F
         after = stored_state(gait, robot, (step + 1) * gait.half % (2 * gait.half))
         found.append((before, after, SIDES[1 - step]))
     return found
+
+
+def mean_velocity(gait: StoredGait) -> dict[str, float]:
+    """Displacement of the base over the walk, and the feet's, against the command [m/s].
+
+    The last sample is the first one of the next walk, but for its velocities.
+    """
+    walk = gait.step_time.sum()
+    travelled = [gait.base[-1, :2] - gait.base[0, :2]]
+    travelled.append(gait.swing_foot[gait.half - 1, :2] + gait.swing_foot[-1, :2])
+    errors = [np.abs(way / walk - gait.velocities).max() for way in travelled]
+    return {"mean_velocity": float(max(errors))}
+
+
+def periodicity(gait: StoredGait) -> dict[str, float]:
+    """Jump of joints [rad], base height [m] and base orientation [rad] over both touchdowns.
+
+    Velocities jump; by how much is the impact's check.
+    """
+    ends = [gait.half - 1, 2 * gait.half - 1]
+    starts = [gait.half, 0]
+    joints = gait.knee_positions[ends] - gait.knee_positions[starts]
+    height = gait.base[ends, 2] - gait.base[starts, 2]
+    turn = _rotations(gait, ends) * _rotations(gait, starts).inv()
+    middle = gait.base[gait.half - 1, :2] - gait.base[gait.half, :2]
+    jumps = (joints, height, turn.magnitude(), middle)
+    return {"periodicity": max(float(np.abs(jump).max()) for jump in jumps)}
+
+
+def _rotations(gait: StoredGait, samples: list[int]) -> Rotation:
+    return Rotation.from_quat(gait.base[samples, 3:7], scalar_first=True)
 
 
 def _worst(values: np.ndarray) -> float:

@@ -8,7 +8,7 @@ from functools import partial
 from slider.config.gait import Posture
 from slider.config.robot import RobotConfig
 from slider.config.verification import CheckConfig
-from slider.verification import dense, dynamics, periodicity, plant, replay, roll
+from slider.verification import dense, dynamics, plant, replay, roll
 from slider.verification.pin_robot import build_robot
 from slider.verification.stored import StoredGait
 
@@ -46,8 +46,8 @@ def checks(given: Surroundings) -> dict[str, Check]:
         "channels": partial(dynamics.channels, slides=slides, variant=variant),
         "dynamics": partial(dynamics.inverse_dynamics, robot=floating),
         "impact": partial(dynamics.impact, robot=floating),
-        "mean_velocity": periodicity.mean_velocity,
-        "periodicity": periodicity.periodicity,
+        "mean_velocity": dynamics.mean_velocity,
+        "periodicity": dynamics.periodicity,
         "roll": partial(roll.one_step_integration, robot=floating, integrator=config.integrator),
         "return_map": partial(
             roll.open_loop,

@@ -15,9 +15,9 @@ import numpy as np
 from slider.config.robot import RobotConfig
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion
+from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
-from slider.verification.coordinates import with_upper_feet
 from slider.verification.dynamics import stored_state, touchdowns
 from slider.verification.pin_robot import FloatingState, PinRobot, build_robot
 from slider.verification.stored import StepMotion, StoredGait

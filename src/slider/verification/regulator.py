@@ -12,10 +12,8 @@ import numpy as np
 from slider.config.robot import Geometry
 from slider.config.verification import RegulatorConfig
 from slider.robot import names
-from slider.verification.leg import level_leg
 from slider.verification.reference import Reference, tilt_of
 
-GRAVITY = 9.81  # [m/s²]
 _PRISMATIC = len(names.LEG_JOINTS)
 _HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
@@ -92,7 +90,7 @@ class Regulator:
 
     def displacement(self, found: Measurement, wanted: Reference, left: float) -> np.ndarray:
         """By how much (2,) [m] the swing foot lands away from the gait's own place."""
-        frequency = np.sqrt(GRAVITY / wanted.com[2])
+        frequency = np.sqrt(names.GRAVITY / wanted.com[2])
         place = found.com - found.stance - wanted.com
         error = place + (found.com_velocity - wanted.com_velocity) / frequency
         forward = np.interp(self.speed, self.config.speeds, self.config.forward)
@@ -105,3 +103,56 @@ def _smooth(x: float) -> float:
     """From 0 to 1 with zero slope at both ends."""
     x = min(max(x, 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)
+
+
+def level_leg(
+    geometry: Geometry,
+    side: str,
+    base: tuple[np.ndarray, np.ndarray],
+    sole: np.ndarray,
+    heading: np.ndarray,
+) -> np.ndarray:
+    """Hip yaw, roll and pitch [rad], slide [m], ankle [rad] (5,) of a foot line along a heading.
+
+    The leg turns pitch and ankle about one axis; it is perpendicular to the foot line and to the
+    way from the sole to the hip, so that yaw and roll follow from it in closed form.
+
+    Args:
+        geometry: of the robot.
+        side: the leg's.
+        base: position (3,) [m] and rotation to world (3, 3).
+        sole: middle of the foot line (3,) [m].
+        heading: unit vector (3,) along the foot line, towards the toe.
+    """
+    position, rotation = base
+    sign = 1.0 if side == names.SIDES[0] else -1.0
+    hip = position + rotation @ np.array([0.0, sign * geometry.hip_offset, 0.0])
+    axis = _cross(hip - sole, heading)
+    axis /= np.linalg.norm(axis)
+    ankle = sole + geometry.ankle_height * _cross(heading, axis)
+    turn = rotation.T @ axis
+    roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
+    yaw = np.arctan2(-turn[0], turn[1])
+    to_leg = _about_x(roll).T @ _about_z(yaw).T @ rotation.T
+    reach, toe = to_leg @ (ankle - hip), to_leg @ heading
+    pitch = np.arctan2(-reach[0], -reach[2])
+    level = np.arctan2(-toe[2], toe[0])
+    slide = np.linalg.norm(reach) - geometry.leg_length
+    return np.array([yaw, roll, pitch, slide, level - pitch])
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """np.cross for two vectors (3,), which it does ten times slower."""
+    return np.array(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )
+
+
+def _about_x(angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
+def _about_z(angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -14,10 +14,10 @@ from slider.config.robot import RobotConfig
 from slider.config.verification import CheckConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.library.reader import STORE, GaitLibrary
 from slider.verification import neighbours, summary
-from slider.verification.stored import StoredGait, load_gaits
+from slider.verification.stored import StoredGait, gaits_of
 
-LIBRARY = "library.zarr"
 RECORDS = "gaits.json"
 CSV, JSON, MARKDOWN = (f"verification.{suffix}" for suffix in ("csv", "json", "md"))
 _SHOWN = 5  # failures in the line that ends a job
@@ -33,16 +33,17 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         raise UserError("expected pinocchio, found none: pip install 'slider-ehzd[verify]'")
     from slider.verification import gaits
 
+    library = GaitLibrary.load(inputs["library"][0] / STORE)
     table = gaits.checks(
         gaits.Surroundings(
             from_dict(RobotConfig, section["robot"]),
             from_dict(Posture, section["posture"]),
-            section["dynamics"],
-            section["kinematic_map"],
+            library.dynamics,
+            library.kinematic_map,
             from_dict(CheckConfig, section["verification"]),
         )
     )
-    chosen = _choose(load_gaits(inputs["library"][0] / LIBRARY), section["velocities"])
+    chosen = _choose(gaits_of(library), section["velocities"])
     records, times = [], []
     for gait in chosen:
         values, seconds = gaits.check_gait(gait, table)
@@ -71,7 +72,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     settings = section["verification"]
     bounds: summary.Bounds = settings["bounds"]
     summary.check_names(bounds)
-    gaits = load_gaits(inputs["library"][0] / LIBRARY)
+    gaits = gaits_of(GaitLibrary.load(inputs["library"][0] / STORE))
     pairs = neighbours.smoothness(gaits, settings["reach"])
     rows = _rows(gaits, _records(inputs["gaits"]), pairs)
     failed = summary.failures(rows, bounds)

@@ -2,16 +2,13 @@
 
 from dataclasses import dataclass, fields
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import BPoly
 
-from slider.library.lookup import open_library
-from slider.robot.names import LEG_MIRROR_SIGN, SIDES
-from slider.verification.coordinates import LEG
-
-KNEE_MIRROR = np.array(LEG_MIRROR_SIGN[:LEG])
+from slider.library.reader import GaitLibrary
+from slider.robot.knee_map import reflected
+from slider.robot.names import SIDES
 
 
 @dataclass(frozen=True)
@@ -92,9 +89,7 @@ def step_motion(gait: StoredGait, step: int) -> StepMotion:
     duration = float(gait.step_time[step])
     joints, roll = gait.coefficients[step], gait.roll[step]
     if step == 1:  # stored reflected: stance leg first
-        joints = np.concatenate(
-            [KNEE_MIRROR[:, None] * joints[LEG:], KNEE_MIRROR[:, None] * joints[:LEG]]
-        )
+        joints = reflected(joints.T).T
         roll = -roll
     curve = BPoly(joints.T[:, None, :], [0.0, duration])
     nodes = np.linspace(0.0, duration, gait.half)
@@ -106,14 +101,10 @@ def _derivatives(curve: BPoly) -> tuple[BPoly, BPoly, BPoly]:
     return curve, curve.derivative(), curve.derivative(2)
 
 
-def load_gaits(path: Path) -> list[StoredGait]:
-    """All gaits of the library at ``path``, in its order.
-
-    Raises:
-        UserError: not a gait library, or of another version.
-    """
-    group = open_library(path)
-    names = [item.name for item in fields(StoredGait)]
-    arrays = {name: np.asarray(group[name][...]) for name in names}  # type: ignore
-    count = len(arrays["velocities"])
-    return [StoredGait(**{name: a[i] for name, a in arrays.items()}) for i in range(count)]
+def gaits_of(library: GaitLibrary) -> list[StoredGait]:
+    """All gaits of a library, in its order."""
+    arrays = {item.name: library.arrays[item.name] for item in fields(StoredGait)}
+    return [
+        StoredGait(**{name: values[i] for name, values in arrays.items()})
+        for i in range(len(library))
+    ]

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from slider.core.job import Job
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures import FILES, NAMES, convergence
 from slider.reports.figures.gait_sheet import draw as draw_sheet
 from slider.reports.figures.gait_tiles import postures
@@ -34,8 +34,8 @@ def folder(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def library(folder) -> LibraryContents:
-    return LibraryContents.load(folder / "library.zarr")
+def library(folder) -> GaitLibrary:
+    return GaitLibrary.load(folder / "library.zarr")
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.maps import VelocityMap, draw_map, frame
 from slider.reports.figures.style import DARK, new_figure
 
@@ -14,7 +14,7 @@ _MARKERS = "os^vD*P"
 _FLOOR = 1e-12  # residuals below this are zero but for rounding
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """Three maps, and the worst residual of each constraint over all gaits."""
     figure = new_figure(8.6)
     panels = figure.subplots(4, 1, height_ratios=(1, 1, 1, 3.2))
@@ -25,7 +25,7 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def solver_maps(library: LibraryContents) -> list[VelocityMap]:
+def solver_maps(library: GaitLibrary) -> list[VelocityMap]:
     """Iterations and worst residual of each gait."""
     residual = np.maximum(library.arrays["max_violation"], _FLOOR)
     unit = "SI unit of\nthe constraint"
@@ -35,7 +35,7 @@ def solver_maps(library: LibraryContents) -> list[VelocityMap]:
     ]
 
 
-def caption(library: LibraryContents) -> str:
+def caption(library: GaitLibrary) -> str:
     """Outcome in numbers; holes with what they violate."""
     arrays = library.arrays
     count = len(library) + len(library.holes)
@@ -55,7 +55,7 @@ def caption(library: LibraryContents) -> str:
     return "\n".join(lines) + "\n"
 
 
-def draw_times(library: LibraryContents, times: np.ndarray) -> Figure:
+def draw_times(library: GaitLibrary, times: np.ndarray) -> Figure:
     """Map of the times (G,) [s], and how many gaits took how long."""
     figure = new_figure(3.6)
     top, bottom = figure.subplots(2, 1, height_ratios=(1, 1.3))
@@ -76,7 +76,7 @@ def times_caption(times: np.ndarray) -> str:
     )
 
 
-def _outcomes(axes: Axes, library: LibraryContents) -> None:
+def _outcomes(axes: Axes, library: GaitLibrary) -> None:
     """A marker per return status; the commonest first."""
     found = [(*velocity, str(status)) for velocity, status in _converged(library)]
     found += [(hole.vx, hole.vy, hole.status) for hole in library.holes]
@@ -92,11 +92,11 @@ def _outcomes(axes: Axes, library: LibraryContents) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=len(counts), borderpad=0)
 
 
-def _converged(library: LibraryContents):
+def _converged(library: GaitLibrary):
     return zip(library.velocities, library.arrays["status"], strict=True)
 
 
-def _residuals(axes: Axes, library: LibraryContents) -> None:
+def _residuals(axes: Axes, library: GaitLibrary) -> None:
     worst = np.maximum(library.arrays["residuals"].max(axis=0), _FLOOR)
     order = np.argsort(worst, kind="stable")
     names = [library.constraints[i].replace("_", " ") for i in order]

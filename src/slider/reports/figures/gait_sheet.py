@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.library.contents import LibraryContents
 from slider.library.loads import foot_heights, motor_torques
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.gait_tiles import draw_tiles, tile_samples
 from slider.reports.figures.style import DARK, MIDDLE, new_figure
 from slider.robot.names import JOINTS, LEG_JOINTS, LEG_MOTORS, MOTORS, NUM_JOINTS, SIDES
@@ -16,7 +16,7 @@ _LINES = {"left": (DARK, "-"), "right": (MIDDLE, "--")}
 _HEIGHTS = (1.35, 1.15, 1.15, 1.15)  # of the rows [inch]
 
 
-def draw(library: LibraryContents, gait: int) -> Figure:
+def draw(library: GaitLibrary, gait: int) -> Figure:
     """Draw the gait with an index of the library; ``style()`` must be active."""
     figure = new_figure(sum(_HEIGHTS) + 1.4)
     heights = (_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6)
@@ -40,7 +40,7 @@ def draw(library: LibraryContents, gait: int) -> Figure:
 
 def _both_legs(
     axes: Axes,
-    library: LibraryContents,
+    library: GaitLibrary,
     gait: int,
     pair: list[str],
     order: tuple[str, ...],
@@ -49,7 +49,7 @@ def _both_legs(
     _two_lines(axes, library, gait, [values[:, order.index(name)] for name in pair])
 
 
-def _two_lines(axes: Axes, library: LibraryContents, gait: int, columns: list[np.ndarray]) -> None:
+def _two_lines(axes: Axes, library: GaitLibrary, gait: int, columns: list[np.ndarray]) -> None:
     """Left and right over time, in pieces: values jump at the touchdown."""
     time = library.arrays["time"][gait]
     half = len(time) // 2
@@ -60,7 +60,7 @@ def _two_lines(axes: Axes, library: LibraryContents, gait: int, columns: list[np
     axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
 
 
-def _label(panels: np.ndarray, library: LibraryContents) -> None:
+def _label(panels: np.ndarray, library: GaitLibrary) -> None:
     for axes, joint in zip(panels[0], _SHOWN, strict=True):
         axes.set_title(f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]")
     drives = by_motor(library.robot.drives)
@@ -69,7 +69,7 @@ def _label(panels: np.ndarray, library: LibraryContents) -> None:
     panels[0, 0].legend()
 
 
-def _ground(row: np.ndarray, library: LibraryContents, gait: int) -> None:
+def _ground(row: np.ndarray, library: GaitLibrary, gait: int) -> None:
     """Ground force under the stance foot, its line's loads, height and speed."""
     time, wrench = library.arrays["time"][gait], library.arrays["ground_wrench"][gait]
     half = len(time) // 2

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from slider.config.robot import Geometry
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.limit_cycles import forward_gaits
 from slider.reports.figures.style import DARK, LIGHT, MIDDLE, new_figure
 from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion
@@ -47,7 +47,7 @@ class Posture:
     stance: int
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """One row per velocity, time goes to the right."""
     chosen = forward_gaits(library, _ROWS)
     columns = tile_samples(library)
@@ -59,14 +59,14 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def tile_samples(library: LibraryContents) -> list[int]:
+def tile_samples(library: GaitLibrary) -> list[int]:
     """Samples of four tiles per step: its start, one third, two thirds and its end."""
     per_step = library.arrays["time"].shape[1] // 2
     within = [round(share * (per_step - 1) / 3) for share in range(4)]
     return [step * per_step + sample for step in range(2) for sample in within]
 
 
-def draw_tiles(row: Sequence[Axes], library: LibraryContents, gait: int) -> None:
+def draw_tiles(row: Sequence[Axes], library: GaitLibrary, gait: int) -> None:
     """Draw the tiles of one gait, with the time below each."""
     samples = tile_samples(library)
     times = library.arrays["time"][gait, samples]
@@ -85,7 +85,7 @@ def _tile(axes: Axes, posture: Posture) -> None:
     axes.spines[:].set_visible(False)
 
 
-def postures(library: LibraryContents, gait: int, samples: list[int]) -> list[Posture]:
+def postures(library: GaitLibrary, gait: int, samples: list[int]) -> list[Posture]:
     """Postures of a gait of the library at some of its samples."""
     geometry: Geometry = library.robot.geometry
     base = library.arrays["base"][gait, samples]

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from scipy.integrate import cumulative_trapezoid
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import DARK, EMPTY, LIGHT, MIDDLE, new_figure
 from slider.robot import knee_map
 
@@ -15,7 +15,7 @@ _STOP = 1.75
 _VARIANTS = ("paper", "exact")
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """Errors of angles, slide position and slide velocity over the knee angle."""
     knee = library.robot.virtual_knee
     theta = np.linspace(0.0, _STOP, 351)
@@ -36,7 +36,7 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def caption(library: LibraryContents) -> str:
+def caption(library: GaitLibrary) -> str:
     """What is printed, and how far it is off where the gaits of this library use it."""
     knee = library.robot.virtual_knee
     used = library.arrays["knee_positions"][..., [3, 8]]

@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from slider.library.blend import Gait, blend
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, new_figure
 from slider.robot.names import JOINTS, LEG_JOINTS
 
@@ -27,7 +27,7 @@ _SHOWN = LEG_JOINTS[:5]
 Pieces = list[tuple[np.ndarray, np.ndarray]]
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """Five driven joints and the roll of the stance foot."""
     chosen = forward_gaits(library, _GAITS)
     speeds = library.velocities[chosen, 0]
@@ -50,7 +50,7 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def forward_gaits(library: LibraryContents, count: int) -> np.ndarray:
+def forward_gaits(library: GaitLibrary, count: int) -> np.ndarray:
     """Indices of at most ``count`` gaits straight ahead, evenly spread, slowest to fastest.
 
     Straight ahead is the leftward velocity nearest to zero that the library has.

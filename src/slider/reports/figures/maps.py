@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from slider.library import loads
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE, new_figure
 
 CAPTION = """\
@@ -38,7 +38,7 @@ class VelocityMap:
     logarithmic: bool = False
 
 
-def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
+def draw_map(axes: Axes, library: GaitLibrary, item: VelocityMap) -> None:
     """One coloured cell per gait, a cross at each hole, a colour bar with the unit.
 
     Raises:
@@ -62,12 +62,12 @@ def draw_map(axes: Axes, library: LibraryContents, item: VelocityMap) -> None:
     axes.set_title(item.name, loc="left")
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """What the library alone can give, one map below the other."""
     return draw_maps(library, library_maps(library))
 
 
-def library_maps(library: LibraryContents) -> list[VelocityMap]:
+def library_maps(library: GaitLibrary) -> list[VelocityMap]:
     """Cost, step time, base height and use of the drives."""
     return [
         VelocityMap("cost", library.arrays["cost"], library.cost_unit),
@@ -79,7 +79,7 @@ def library_maps(library: LibraryContents) -> list[VelocityMap]:
     ]
 
 
-def draw_maps(library: LibraryContents, maps: Sequence[VelocityMap]) -> Figure:
+def draw_maps(library: GaitLibrary, maps: Sequence[VelocityMap]) -> Figure:
     """Any maps, one below the other, with a common velocity axis."""
     figure = new_figure(1.25 * len(maps) + 0.3)
     panels = figure.subplots(len(maps), 1, sharex=True, squeeze=False)[:, 0]
@@ -89,7 +89,7 @@ def draw_maps(library: LibraryContents, maps: Sequence[VelocityMap]) -> Figure:
     return figure
 
 
-def frame(axes: Axes, library: LibraryContents) -> None:
+def frame(axes: Axes, library: GaitLibrary) -> None:
     """Axes of a map over all velocities that were asked for, holes included."""
     mesh = library.mesh
     margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
@@ -101,7 +101,7 @@ def frame(axes: Axes, library: LibraryContents) -> None:
     axes.grid(visible=False)
 
 
-def _cells(library: LibraryContents) -> list[tuple[tuple[float, float], float, float]]:
+def _cells(library: GaitLibrary) -> list[tuple[tuple[float, float], float, float]]:
     """Lower left corner, width and height [m/s] of each gait's cell."""
     vx, vy = library.velocities.T
     low_x, high_x = _borders(library.mesh.vx)

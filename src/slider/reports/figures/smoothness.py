@@ -3,14 +3,14 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.library.smoothness import Smoothness, smoothness
 from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.style import DARK, new_figure
 from slider.robot.names import CHANNELS
 
 
-def draw(library: LibraryContents) -> Figure:
+def draw(library: GaitLibrary) -> Figure:
     """Map of each gait's greatest jump, and the greatest jump of each channel."""
     measured = _measure(library)
     jumps = 100 * measured.per_gait(len(library))
@@ -28,7 +28,7 @@ def draw(library: LibraryContents) -> Figure:
     return figure
 
 
-def caption(library: LibraryContents) -> str:
+def caption(library: GaitLibrary) -> str:
     """The scale of a jump, and where the greatest one is."""
     measured = _measure(library)
     text = (
@@ -45,5 +45,5 @@ def caption(library: LibraryContents) -> str:
     )
 
 
-def _measure(library: LibraryContents) -> Smoothness:
+def _measure(library: GaitLibrary) -> Smoothness:
     return smoothness(library.velocities, library.arrays["samples"])

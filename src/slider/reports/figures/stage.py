@@ -7,7 +7,7 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.library.contents import LibraryContents
+from slider.library.reader import GaitLibrary
 from slider.reports.figures import (
     NAMES,
     convergence,
@@ -24,8 +24,8 @@ class Drawing(NamedTuple):
     """A figure of a library and the Markdown that explains it."""
 
     title: str
-    draw: Callable[[LibraryContents], Figure]
-    caption: str | Callable[[LibraryContents], str]
+    draw: Callable[[GaitLibrary], Figure]
+    caption: str | Callable[[GaitLibrary], str]
 
 
 DRAWINGS = {
@@ -42,7 +42,7 @@ DRAWINGS = {
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Draw every figure of ``slider.reports.figures.NAMES`` as SVG, PNG and Markdown."""
-    library = LibraryContents.load(inputs["library"][0] / "library.zarr")
+    library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
     for name in NAMES:
         title, draw, caption = DRAWINGS[name]
         job.progress(name)

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
-from slider.verification.leg import level_leg
+from slider.verification.regulator import level_leg
 from tests.verification.sample import config
 
 

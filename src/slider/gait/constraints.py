@@ -1,0 +1,173 @@
+"""All constraints of a gait, in the order in which the solver has them.
+
+To add one: an entry in a list below (name, unit, source, rows, bounds, scale; rows that are not
+there yet go to ``slider.gait.motion``), and its bound in ``conf/gait``. The collocation's own
+rows are in ``slider.gait.pieces``.
+"""
+
+from collections.abc import Callable
+
+import casadi as ca
+import numpy as np
+
+from slider.gait.constraint import Constraint, at_least, between, equality, within
+from slider.gait.formulation import Formulation
+from slider.gait.motion import Node, Touchdown, end_loads, step_vector
+from slider.gait.symbols import StepEnd, mirrored
+from slider.gait.tree import SWING
+from slider.robot.names import LEG_JOINTS, LEG_MOTORS, SIDES
+
+ROLL_BOUNDS = (0.6, 6.0, 200.0)  # generous: solutions stay inside [rad, rad/s, rad/s²]
+_LENGTH = 0.1  # scale of small lengths [m]
+_BOUNDED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variables
+
+
+def of_node(node: Node) -> list[Constraint]:
+    """What holds at every node of both steps."""
+    form, posture = node.form, node.form.config.posture
+    weight, voltage, drives = form.weight, form.config.voltage, form.robot.drives
+    vertical, cone = end_loads(form, node.force, node.moment)
+    toe, heel = node.foot_ends(SWING)
+    torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
+    base, r = node.base, node.base.rotation
+    return [
+        # A foot line cannot carry a moment about itself: the roll equation.
+        equality("foot_line_moment", "N m", "line contact", node.moment[0], 10.0),
+        at_least(
+            "vertical_force",
+            "N",
+            "unilateral contact, gait.contact.min_vertical",
+            vertical,
+            form.config.contact.min_vertical * weight,
+            weight,
+        ),
+        at_least("friction", "N", "Coulomb, gait.contact.friction", cone, 0.0, weight),
+        within("motor_torque", "-", "robot.drives", node.motors.torque_shares(drives), 1.0),
+        within("motor_voltage", "-", "gait.voltage", node.motors.voltage_shares(drives), voltage),
+        between("position", "rad, m", "robot.joints", _positions(node), *_ranges(form)),
+        between(
+            "clearance",
+            "m",
+            "gait.posture.clearance, gait.posture.swing_height",
+            [toe[2], heel[2]],
+            _arc(posture.clearance, form.config.nodes),
+            posture.swing_height,
+            _LENGTH,
+            _arc(posture.clearance + posture.clearance_margin, form.config.nodes),
+        ),
+        between(
+            "foot_separation",
+            "m",
+            "gait.posture.foot_separation_min, gait.posture.foot_separation_max",
+            -((toe[1] + heel[1]) / 2),
+            posture.foot_separation_min,
+            posture.foot_separation_max,
+        ),
+        at_least(
+            "legs_apart", "m", "gait.posture.legs_apart", node.leg_distances(), posture.legs_apart
+        ),
+        # Sines of roll, pitch and yaw; without bounds of their rates the torso rocks.
+        within(
+            "torso",
+            "rad",
+            "gait.posture.torso_roll, gait.posture.torso_pitch, gait.posture.torso_yaw",
+            [r[2, 1], -r[2, 0], r[1, 0]],
+            torso,
+        ),
+        within("torso_rate", "rad/s", "gait.posture.torso_rate", base.angular, posture.torso_rate),
+    ]
+
+
+def of_touchdown(form: Formulation, before: StepEnd, after: StepEnd) -> list[Constraint]:
+    """Impact, continuity and foot placement from one step's end to the next one's start."""
+    t, limit = Touchdown.of(form, before, after), form.config.touchdown
+    vertical, cone = end_loads(form, t.force, t.moment)
+    (place, velocity), foot = t.sole, t.foot
+    level = [foot.rotation[2, 0], foot.rotation[1, 0], ca.sin(after.roll) + foot.rotation[2, 1]]
+    slow = np.array([limit.forward, limit.lateral, *[limit.angular] * 3])
+    return [
+        equality("impact", "N m s", "no impulsive torque", [t.torques, t.moment[0]], 1.0),
+        equality("foot_flat", "m, rad", "foot placement", [place[2], *level], _LENGTH),
+        equality("continuity", "rad", "impact keeps positions", after.q - mirrored(before.q), 1.0),
+        # The conditions of contact on impulses, which are of the order of 1 N s.
+        at_least("impact_vertical_force", "N s", "unilateral contact", vertical, 0.0),
+        at_least("impact_friction", "N s", "Coulomb, gait.contact.friction", cone, 0.0),
+        between(
+            "touchdown_speed",
+            "m/s",
+            "gait.touchdown.down_min, gait.touchdown.down_max",
+            [-v for v in t.landing],
+            limit.down_min,
+            limit.down_max,
+        ),
+        at_least("lift_off", "m/s", "old stance foot leaves", t.lifting, 0.0),
+        within(
+            "touchdown_velocity",
+            "m/s, rad/s",
+            "gait.touchdown.forward, gait.touchdown.lateral, gait.touchdown.angular",
+            [velocity[0], velocity[1], foot.angular],
+            slow,
+        ),
+    ]
+
+
+def of_walk(
+    form: Formulation,
+    starts: list[StepEnd],
+    ends: list[StepEnd],
+    times: list[ca.SX],
+    velocity: ca.SX,
+) -> list[Constraint]:
+    """Both touchdowns, mean velocity (2,) [m/s], equal step times [s] and forward step lengths.
+
+    Without equal lengths the cheapest slow walk keeps one foot 0.4 m ahead of the other.
+    """
+    travel = [step_vector(form, end) for end in ends]
+    walk = times[0] + times[1]
+    mean = [
+        travel[0][0] + travel[1][0] - velocity[0] * walk,
+        travel[0][1] - travel[1][1] - velocity[1] * walk,  # the second step is reflected
+    ]
+    return [
+        *of_touchdown(form, ends[0], starts[1]),
+        *of_touchdown(form, ends[1], starts[0]),
+        equality("mean_velocity", "m", "command", mean, 0.1),
+        equality("equal_step_times", "s", "symmetry", times[0] - times[1], 1.0),
+        equality("equal_step_lengths", "m", "symmetry", travel[0][0] - travel[1][0], 0.1),
+    ]
+
+
+def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
+    """Of the variables yaw, roll and knee (10,) [rad]; ``position`` bounds pitch and ankle."""
+    joints, posture = form.robot.joints, form.config.posture
+    yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
+    lower = np.tile([yaw.lower, roll.lower, -free, posture.knee_min, -free], len(SIDES))
+    upper = np.tile([yaw.upper, roll.upper, free, posture.knee_max, free], len(SIDES))
+    return lower, upper
+
+
+def _positions(node: Node) -> list[ca.SX]:
+    """Hip pitch, slide and ankle of both legs, after eq. 1."""
+    legs = ca.vertsplit(node.form.tree.map.positions(node.symbols.q), len(LEG_MOTORS))
+    return [leg[2:] for leg in legs]
+
+
+def _ranges(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
+    ranges = [form.robot.joints[name] for name in _BOUNDED] * len(SIDES)
+    return np.array([each.lower for each in ranges]), np.array([each.upper for each in ranges])
+
+
+def _arc(height: float, nodes: int) -> Callable[[np.ndarray], np.ndarray]:
+    """Parabola over the step as a bound of toe and heel (S, 2) [m].
+
+    In the first and the last interval the foot has only not to scuff; at the very ends touchdown
+    and lift-off have their own constraints.
+    """
+    first = 1.0 / (nodes - 1) - 1e-9
+
+    def bound(phase: np.ndarray) -> np.ndarray:
+        away = np.minimum(phase, 1.0 - phase)
+        arc = np.where(away > first, 4.0 * height * phase * (1.0 - phase), 0.0)
+        return np.repeat(np.where(away > 0, arc, -np.inf)[:, None], 2, axis=1)
+
+    return bound

@@ -1,0 +1,204 @@
+"""Symbolic dynamics of the robot in the virtual knee's coordinates, rooted at the stance foot.
+
+The recursive Newton-Euler pass follows Featherstone, *Rigid Body Dynamics Algorithms* (2008),
+chapter 5, in body frames. Bodies move as the prismatic leg's do (``PrismaticTree``: eq. 1 is a
+change of coordinates, and the dynamics are the real leg's, rotors included), or as the virtual
+knee's (``StanceTree``).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from slider.gait.leg_map import LegMap
+from slider.gait.tree import (
+    NUM_JOINTS,
+    STANCE,
+    BodyPose,
+    Edge,
+    edges_of,
+    knee_leg,
+    next_pose,
+    prismatic_leg,
+    rotation,
+)
+from slider.robot.knee_model import Body, KneeModel
+from slider.robot.names import GRAVITY
+from slider.robot.prismatic_model import PrismaticModel
+
+Motion = tuple[ca.SX, ca.SX, ca.SX]
+
+
+@dataclass(frozen=True)
+class InverseDynamics:
+    """What a motion needs.
+
+    Attributes:
+        torques: of the virtual knee's joints (10,) [N m].
+        efforts: of the prismatic legs' joints, the same work (10,) [N m, N].
+        force, moment: on the stance foot at its origin [N], [N m].
+    """
+
+    torques: ca.SX
+    efforts: ca.SX
+    force: ca.SX
+    moment: ca.SX
+
+
+class StanceTree:
+    """The virtual-knee robot standing on its left foot; ``leg_length``: at slide = 0 [m]."""
+
+    def __init__(self, model: KneeModel, leg_length: float) -> None:
+        self.model = model
+        self.map = LegMap.of(model, leg_length)
+        self.edges = edges_of(model.hip_offset, knee_leg(model))
+        self._sole = np.array([0.0, 0.0, -model.ankle_height])
+
+    def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
+        """The stance foot; the middle of its line is the world's origin."""
+        r = rotation(0, roll)
+        angular = ca.vertcat(roll_rate, 0, 0)
+        up = -ca.DM(self._sole)
+        return BodyPose(r, r @ up, angular, r @ ca.cross(angular, up))
+
+    def poses(self, roll: ca.SX, roll_rate: ca.SX, q: ca.SX, v: ca.SX) -> dict[str, BodyPose]:
+        """Poses and velocities of all bodies."""
+        poses = {"stance_foot": self.foot_pose(roll, roll_rate)}
+        for edge in self.edges:
+            poses[edge.child] = next_pose(poses[edge.parent], edge, q, v)
+        return poses
+
+    def point(self, pose: BodyPose, local: np.ndarray) -> tuple[ca.SX, ca.SX]:
+        """World position and velocity of a point fixed in a body."""
+        p = ca.DM(local)
+        return pose.origin + pose.rotation @ p, pose.linear + pose.rotation @ ca.cross(
+            pose.angular, p
+        )
+
+    def inverse_dynamics(
+        self, roll: ca.SX, roll_rate: ca.SX, roll_acceleration: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
+    ) -> InverseDynamics:
+        """Torques and foot wrench of a motion under gravity."""
+        up = -ca.DM(self._sole)
+        angular = ca.vertcat(roll_rate, 0, 0)
+        turning = ca.vertcat(roll_acceleration, 0, 0)
+        linear = ca.cross(turning, up) + ca.cross(angular, ca.cross(angular, up))
+        linear += rotation(0, roll).T @ ca.DM([0, 0, GRAVITY])
+        return self.newton_euler(angular, turning, linear, q, v, a)
+
+    def newton_euler(
+        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
+    ) -> InverseDynamics:
+        """Recursive Newton-Euler pass from the stance foot's motion (in its own frame).
+
+        Args:
+            angular, turning: angular velocity and acceleration of the foot.
+            linear: acceleration of the foot's origin minus gravity.
+            q, v, a: joint positions, velocities, accelerations (10,).
+        """
+        foot = (angular, turning, linear)
+        torques, force, moment = _pass(self.edges, self.model.bodies, foot, q, v, a)
+        return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
+
+    def line_wrench(self, roll: ca.SX, dynamics: InverseDynamics) -> tuple[ca.SX, ca.SX]:
+        """Ground force and moment at the middle of the foot line, world axes."""
+        r = rotation(0, roll)
+        moment = dynamics.moment - ca.cross(ca.DM(self._sole), dynamics.force)
+        return r @ dynamics.force, r @ moment
+
+
+class PrismaticTree(StanceTree):
+    """The real robot standing on its left foot, its motion given in the virtual knee's coordinates.
+
+    Args:
+        model, leg_length: the coordinates.
+        leg: the prismatic robot's bodies, rotors and friction.
+    """
+
+    def __init__(self, model: KneeModel, leg_length: float, leg: PrismaticModel) -> None:
+        super().__init__(model, leg_length)
+        self._leg = leg
+        self._edges = edges_of(model.hip_offset, prismatic_leg(leg_length))
+
+    def newton_euler(
+        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
+    ) -> InverseDynamics:
+        """As :meth:`StanceTree.newton_euler`, of the prismatic legs, their rotors and friction."""
+        foot = (angular, turning, linear)
+        place, rate = self.map.positions(q), self.map.velocities(q, v)
+        turn = self.map.accelerations(q, v, a)
+        efforts, force, moment = _pass(self._edges, self._leg.bodies, foot, place, rate, turn)
+        inertia = ca.DM(np.kron(np.eye(2), self._leg.inertia))
+        efforts += inertia @ turn + ca.DM(np.tile(self._leg.damping, 2)) * rate
+        return InverseDynamics(self.map.knee_torques(q, efforts), efforts, force, moment)
+
+
+def _pass(
+    edges: list[Edge],
+    bodies: Mapping[str, Body],
+    foot: Motion,
+    q: ca.SX,
+    v: ca.SX,
+    a: ca.SX,
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Joint efforts (10,), force and moment on the stance foot of a motion of the foot and joints.
+
+    ``bodies`` are named as the last part of an edge's bodies.
+    """
+    motion = {f"{STANCE}_foot": foot}
+    frames: dict[str, ca.SX] = {}
+    for edge in edges:
+        frames[edge.child], motion[edge.child] = _next_motion(motion[edge.parent], edge, q, v, a)
+    wrench = {n: _inertial_wrench(bodies[n.rsplit("_", 1)[-1]], *motion[n]) for n in motion}
+    efforts: list[ca.SX] = [ca.SX(0)] * NUM_JOINTS
+    for edge in reversed(edges):
+        force, moment = wrench[edge.child]
+        moment = moment - ca.cross(ca.DM(edge.at_child), force)
+        efforts[edge.joint] = edge.sign * (force if edge.slides else moment)[edge.axis]
+        force, moment = frames[edge.child] @ force, frames[edge.child] @ moment
+        own_force, own_moment = wrench[edge.parent]
+        moment = moment + ca.cross(edge.place(q), force)
+        wrench[edge.parent] = (own_force + force, own_moment + moment)
+    return ca.vertcat(*efforts), *wrench[f"{STANCE}_foot"]
+
+
+def _next_motion(motion: Motion, edge: Edge, q: ca.SX, v: ca.SX, a: ca.SX) -> tuple[ca.SX, Motion]:
+    angular, turning, linear = motion
+    if edge.slides:
+        place = edge.place(q)
+        along = edge.unit * edge.sign
+        moved = ca.cross(turning, place) + ca.cross(angular, ca.cross(angular, place))
+        moved += 2 * ca.cross(angular, along * v[edge.joint]) + along * a[edge.joint]
+        return ca.SX.eye(3), (angular, turning, linear + moved)
+    turn = rotation(edge.axis, edge.sign * q[edge.joint])
+    rate = edge.unit * (edge.sign * v[edge.joint])
+    carried = turn.T @ angular
+    new_angular = carried + rate
+    new_turning = turn.T @ turning + edge.unit * (edge.sign * a[edge.joint])
+    new_turning += ca.cross(carried, rate)
+    at_joint = turn.T @ (linear + _relative(angular, turning, edge.at_parent))
+    return turn, (
+        new_angular,
+        new_turning,
+        at_joint - _relative(new_angular, new_turning, edge.at_child),
+    )
+
+
+def _relative(angular: ca.SX, turning: ca.SX, place: np.ndarray) -> ca.SX:
+    """Acceleration of a body-fixed point relative to the frame's origin."""
+    if not np.any(place):
+        return ca.SX.zeros(3)
+    p = ca.DM(place)
+    return ca.cross(turning, p) + ca.cross(angular, ca.cross(angular, p))
+
+
+def _inertial_wrench(
+    body: Body, angular: ca.SX, turning: ca.SX, linear: ca.SX
+) -> tuple[ca.SX, ca.SX]:
+    """Force and moment about the frame's origin that produce a body's motion."""
+    inertia = ca.diag(ca.DM(body.inertia))
+    force = body.mass * (linear + _relative(angular, turning, body.com))
+    moment = inertia @ turning + ca.cross(angular, inertia @ angular)
+    return force, moment + ca.cross(ca.DM(body.com), force)

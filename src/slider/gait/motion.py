@@ -1,0 +1,168 @@
+"""What constraints and costs look at, as expressions: a node of a step, a touchdown."""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from slider.gait.dynamics import InverseDynamics
+from slider.gait.formulation import Formulation
+from slider.gait.motors import Motors
+from slider.gait.symbols import NodeSymbols, StepEnd, mirrored
+from slider.gait.tree import NUM_JOINTS, STANCE, SWING, BodyPose
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node of a step, of its vector (34,).
+
+    Attributes:
+        form: what the gait is.
+        symbols: its variables.
+        dynamics: joint torques and efforts.
+        force, moment: of the ground at the middle of the foot line [N], [N m], world axes.
+        poses: of all bodies.
+        motors: torques and speeds.
+    """
+
+    form: Formulation
+    symbols: NodeSymbols
+    dynamics: InverseDynamics
+    force: ca.SX
+    moment: ca.SX
+    poses: dict[str, BodyPose]
+    motors: Motors
+
+    @classmethod
+    def of(cls, form: Formulation, x: ca.SX) -> "Node":
+        """Of a node vector (34,)."""
+        s, tree = NodeSymbols.of(x), form.tree
+        dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
+        force, moment = tree.line_wrench(s.roll, dynamics)
+        poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
+        speeds = tree.map.velocities(s.q, s.v)
+        motors = Motors.of(dynamics.efforts, speeds, form.robot.capstan)
+        return cls(form, s, dynamics, force, moment, poses, motors)
+
+    @property
+    def base(self) -> BodyPose:
+        """The torso."""
+        return self.poses["base"]
+
+    def foot_ends(self, leg: str) -> list[ca.SX]:
+        """Toe and heel of ``STANCE`` or ``SWING`` (3,) [m]."""
+        foot = self.poses[f"{leg}_foot"]
+        return [self.form.tree.point(foot, end)[0] for end in self.form.foot_ends]
+
+    def tube_top(self, leg: str) -> ca.SX:
+        """The upper foot's axis (3,) [m]: on the line from ankle to hip, beyond it."""
+        hip, ankle = self.poses[f"{leg}_roll"].origin, self.poses[f"{leg}_foot"].origin
+        geometry = self.form.robot.geometry
+        way = (geometry.leg_length + geometry.upper_foot_height) / ca.norm_2(hip - ankle)
+        return ankle + way * (hip - ankle)
+
+    def leg_distances(self) -> list[ca.SX]:
+        """Lateral, in the base's axes, of foot ends from foot ends and of tube top from tube top.
+
+        A tube's lateral place is linear along it, so that tubes whose ends are apart are apart.
+        """
+        lateral = self.base.rotation[:, 1]
+        feet = [self.foot_ends(leg) for leg in (STANCE, SWING)]
+        tops = [self.tube_top(leg) for leg in (STANCE, SWING)]
+        pairs = [(own, other) for own in feet[0] for other in feet[1]] + [(tops[0], tops[1])]
+        return [ca.dot(lateral, own - other) for own, other in pairs]
+
+    def stored(self) -> list[ca.SX]:
+        """What a gait stores of a node.
+
+        Joint positions, velocities and torques of the virtual knee, efforts of the prismatic legs
+        (10 each), base rotation (9, columns first), origin,
+        velocity (world) and angular velocity (base), ground force and moment, swing foot.
+        """
+        s, base, dynamics = self.symbols, self.base, self.dynamics
+        swing = self.form.tree.point(self.poses["swing_foot"], self.form.sole)[0]
+        motion = [ca.vec(base.rotation), base.origin, base.linear, base.angular]
+        joints = [s.q, s.v, dynamics.torques, dynamics.efforts]
+        return [*joints, *motion, self.force, self.moment, swing]
+
+
+@dataclass(frozen=True)
+class Touchdown:
+    """From one step's end to the next one's start.
+
+    The impact is a Newton-Euler pass on the velocity jump, rooted at the new stance foot; torques
+    cannot be impulsive, and the line carries no impulsive moment about itself.
+
+    Attributes:
+        foot: the landing foot, in the old step's coordinates.
+        sole: its middle and that one's velocity (3,) [m], [m/s].
+        landing, lifting: vertical velocities (2,) of toe and heel: of the landing foot before, of
+            the old stance foot after [m/s].
+        torques: impulsive (10,) [N m s].
+        force, moment: impulses on the new stance foot's line [N s], [N m s].
+    """
+
+    foot: BodyPose
+    sole: tuple[ca.SX, ca.SX]
+    landing: list[ca.SX]
+    lifting: list[ca.SX]
+    torques: ca.SX
+    force: ca.SX
+    moment: ca.SX
+
+    @classmethod
+    def of(cls, form: Formulation, before: StepEnd, after: StepEnd) -> "Touchdown":
+        """Between two step ends; the second one's coordinates are reflected against the first's."""
+        tree = form.tree
+        old = tree.poses(before.roll, before.roll_rate, before.q, before.v)
+        new = tree.poses(after.roll, after.roll_rate, after.q, after.v)
+        foot = old["swing_foot"]
+        jump = _jump(form, foot, before, after)
+        return cls(
+            foot,
+            tree.point(foot, form.sole),
+            [tree.point(foot, end)[1][2] for end in form.foot_ends],
+            [tree.point(new["swing_foot"], end)[1][2] for end in form.foot_ends],
+            jump.torques,
+            *tree.line_wrench(after.roll, jump),
+        )
+
+
+def _jump(form: Formulation, foot: BodyPose, before: StepEnd, after: StepEnd) -> InverseDynamics:
+    reflect = ca.DM(np.diag([1.0, -1.0, 1.0]))
+    reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
+    new = form.tree.foot_pose(after.roll, after.roll_rate)
+    angular = new.angular - reflect_axial @ foot.angular
+    linear = new.rotation.T @ (new.linear - reflect @ foot.linear)
+    zero, rest = ca.SX.zeros(3), ca.SX.zeros(NUM_JOINTS)
+    return form.tree.newton_euler(
+        zero, angular, linear, after.q, rest, after.v - mirrored(before.v)
+    )
+
+
+def end_loads(form: Formulation, force: ca.SX, moment: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Vertical forces at toe and heel (2,), and what is left of the friction cone (6,) [N].
+
+    Works on forces [N] and on impulses [N s]. The cone is an inner pyramid, μ/√2 per axis.
+    """
+    mu = form.config.contact.friction / np.sqrt(2.0)
+    toe, heel = form.tree.model.toe, -form.tree.model.heel
+    toe_z = (-moment[1] - heel * force[2]) / (toe - heel)
+    heel_z = force[2] - toe_z
+    toe_y = (moment[2] - heel * force[1]) / (toe - heel)
+    heel_y = force[1] - toe_y
+    cone = ca.vertcat(
+        mu * toe_z - toe_y,
+        mu * toe_z + toe_y,
+        mu * heel_z - heel_y,
+        mu * heel_z + heel_y,
+        mu * force[2] - force[0],
+        mu * force[2] + force[0],
+    )
+    return ca.vertcat(toe_z, heel_z), cone
+
+
+def step_vector(form: Formulation, end: StepEnd) -> ca.SX:
+    """Horizontal displacement (2,) [m] from the stance foot to the touched-down foot."""
+    poses = form.tree.poses(end.roll, end.roll_rate, end.q, end.v)
+    return form.tree.point(poses["swing_foot"], form.sole)[0][:2]

@@ -1,0 +1,198 @@
+"""The gait library as everything reads it: arrays by name, holes, and what it was made for."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from scipy.spatial import KDTree
+
+from slider.config.convert import from_dict
+from slider.config.robot import Mechanism
+from slider.core.errors import UserError
+from slider.library.mesh import VelocityMesh
+from slider.library.schema import (
+    ARRAYS,
+    CONSTRAINT,
+    COORDINATES,
+    ORIGIN,
+    OUTCOME,
+    SCHEMA,
+    VERSION,
+)
+
+STORE = "library.zarr"
+_NAMES = (*ARRAYS, *COORDINATES, CONSTRAINT)
+_ANEW = "make it anew with `snakemake -j2 gait_library`"
+_SAME = 1e-6  # velocities closer than this are one [m/s]
+
+
+@dataclass(frozen=True)
+class Hole:
+    """A velocity [m/s] without a gait; ``residuals`` are the violated constraints, worst first."""
+
+    vx: float
+    vy: float
+    status: str
+    iterations: int
+    max_violation: float
+    residuals: Mapping[str, float]
+
+    @property
+    def violations(self) -> str:
+        """The three worst violated constraints by name."""
+        return ", ".join(f"{name} {value:.1e}" for name, value in [*self.residuals.items()][:3])
+
+
+@dataclass(frozen=True)
+class GaitLibrary:
+    """A gait library of G gaits with S samples per walk.
+
+    Attributes:
+        arrays: name → values, gaits along the first axis, each read when it is first asked for;
+            names, axes and units are those of ``slider.library.schema``.
+        attributes: of the store, as JSON has them; the properties below give them their types.
+    """
+
+    arrays: Mapping[str, np.ndarray]
+    attributes: Mapping[str, Any]
+
+    @classmethod
+    def load(cls, path: Path) -> "GaitLibrary":
+        """Open the Zarr store at ``path``.
+
+        Raises:
+            UserError: not a gait library, of another version, or without one of its parts.
+        """
+        try:
+            group = zarr.open_group(path, mode="r")
+        except (FileNotFoundError, ValueError):
+            raise UserError(f"expected a gait library at {path}, found none") from None
+        attributes = group.attrs.asdict()
+        schema, version = attributes.get("schema"), attributes.get("version")
+        if schema != SCHEMA:
+            raise UserError(f"expected a gait library at {path}, found the schema {schema}")
+        if version != VERSION:
+            raise UserError(
+                f"{path}: expected version {VERSION} of the gait library, found {version}; {_ANEW}"
+            )
+        there = {*group.array_keys(), *attributes}
+        for name in (*_NAMES, *ORIGIN, *OUTCOME):
+            if name not in there:
+                raise UserError(
+                    f"{path}: expected {name!r} in the gait library, found none; {_ANEW}"
+                )
+        return cls(_Stored(group), attributes)
+
+    def __len__(self) -> int:
+        """Number of gaits."""
+        return len(self.velocities)
+
+    @property
+    def velocities(self) -> np.ndarray:
+        """Commanded vx, vy (G, 2) [m/s]."""
+        return self.arrays["velocities"]
+
+    @property
+    def samples(self) -> np.ndarray:
+        """Channels (G, S, 26) of ``slider.robot.names``, the first half in left stance."""
+        return self.arrays["samples"]
+
+    @property
+    def base(self) -> np.ndarray:
+        """Motion of the base (G, S, 13), as MuJoCo has a free joint's.
+
+        Position [m] relative to the stance foot at the start of the walk, quaternion w, x, y, z,
+        linear velocity [m/s] (world), angular velocity [rad/s] (base).
+        """
+        return self.arrays["base"]
+
+    @property
+    def step_time(self) -> np.ndarray:
+        """Duration (G, 2) of the two steps [s]."""
+        return self.arrays["step_time"]
+
+    @cached_property
+    def constraints(self) -> tuple[str, ...]:
+        """Names along the second axis of ``residuals``."""
+        return tuple(str(name) for name in self.arrays[CONSTRAINT])
+
+    @cached_property
+    def holes(self) -> tuple[Hole, ...]:
+        """Velocities whose gait did not converge."""
+        return tuple(from_dict(list[Hole], self.attributes["holes"]))
+
+    @cached_property
+    def robot(self) -> Mechanism:
+        """What the gaits were made for: lengths, masses, limits."""
+        return from_dict(Mechanism, self.attributes["robot"])
+
+    @property
+    def dynamics(self) -> str:
+        """Whose bodies the gaits move: those of the ``prismatic`` leg, or of the ``knee``'s."""
+        return self.attributes["dynamics"]
+
+    @property
+    def kinematic_map(self) -> str:
+        """Variant of eq. 1 that converted the samples: ``exact`` or ``paper``."""
+        return self.attributes["kinematic_map"]
+
+    @property
+    def cost_unit(self) -> str:
+        """Unit of ``arrays["cost"]``."""
+        return self.attributes["cost_unit"]
+
+    @cached_property
+    def mesh(self) -> VelocityMesh:
+        """Weights of the gaits at any command."""
+        return VelocityMesh.of(self.velocities)
+
+    def nearest(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
+        """Index (N,) of the gait nearest to each command (N,), (N,) [m/s]."""
+        return np.asarray(self._tree.query(np.stack([vx, vy], axis=1))[1])
+
+    @cached_property
+    def _tree(self) -> KDTree:
+        return KDTree(self.velocities)
+
+    def find(self, vx: float, vy: float) -> int:
+        """Index of the gait of a velocity [m/s].
+
+        Raises:
+            UserError: names the nearest velocity, or what was violated if it is a hole.
+        """
+        distance = np.hypot(self.velocities[:, 0] - vx, self.velocities[:, 1] - vy)
+        index = int(distance.argmin())
+        if distance[index] <= _SAME:
+            return index
+        near_vx, near_vy = self.velocities[index]
+        nearest = f"the nearest gait is at ({near_vx:g}, {near_vy:g}) m/s"
+        for hole in self.holes:
+            if np.hypot(hole.vx - vx, hole.vy - vy) <= _SAME:
+                why = f"{hole.status}, {hole.violations}"
+                raise UserError(f"the gait ({vx:g}, {vy:g}) m/s did not converge: {why}; {nearest}")
+        found = f"found ({vx:g}, {vy:g}) m/s"
+        raise UserError(f"expected a velocity of the library, {found}; {nearest}")
+
+
+class _Stored(Mapping[str, np.ndarray]):
+    """Arrays of a Zarr group, each read when it is first asked for."""
+
+    def __init__(self, group: zarr.Group) -> None:
+        self._group = group
+        self._read: dict[str, np.ndarray] = {}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self._read:
+            array: Any = self._group[name]
+            self._read[name] = np.asarray(array[...])
+        return self._read[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_NAMES)
+
+    def __len__(self) -> int:
+        return len(_NAMES)

@@ -1,0 +1,115 @@
+"""The lists of constraints: where their bounds come from, and that a change of one is felt."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from slider.config.convert import to_dict
+from slider.gait.constraint import Constraint, at_least, between, equality, scaled_bounds
+from slider.gait.constraints import of_node
+from slider.gait.formulation import formulate
+from slider.gait.layout import NODE
+from slider.gait.motion import Node
+from tests.gait.gaits import config, form, nodes, problem, solved
+
+METHOD = Path(__file__).parents[2] / "docs" / "method.md"
+OF_VARIABLES = {"gait.posture.knee_min", "gait.posture.knee_max"}
+MARGINS = {"gait.posture.clearance_margin"}
+
+
+def constraints() -> list[Constraint]:
+    return [*problem().node_constraints, *problem().end_constraints]
+
+
+def named_keys() -> set[str]:
+    sources = [part for c in constraints() for part in c.source.split(", ")]
+    return {source for source in sources if source.startswith(("gait.", "robot."))}
+
+
+def test_every_source_that_is_a_key_is_in_the_configuration():
+    settings = to_dict(config())
+    for key in named_keys():
+        place = settings
+        for part in key.split("."):
+            assert part in place, key
+            place = place[part]
+
+
+def test_every_bound_in_the_configuration_belongs_to_a_constraint():
+    gait = to_dict(config().gait)
+    bounds = {
+        f"gait.{group}.{name}"
+        for group in ("touchdown", "posture", "contact")
+        for name in gait[group]
+    }
+    assert bounds - OF_VARIABLES - MARGINS == named_keys() & bounds
+    assert not OF_VARIABLES & named_keys()
+
+
+def test_the_documentation_names_every_constraint():
+    text = METHOD.read_text()
+    for constraint in constraints():
+        assert f"`{constraint.name}`" in text, constraint.name
+
+
+def test_a_name_stands_for_one_group_of_rows():
+    node = [c.name for c in problem().node_constraints]
+    ends = [c.name for c in problem().end_constraints]
+    assert len(set(node)) == len(node)
+    assert not set(node) & set(ends)
+    twice = {name for name in ends if ends.count(name) == 2}
+    assert len(ends) == 2 * len(twice) + 3, "both touchdowns, and three of the walk"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "name"),
+    [
+        ("legs_apart", 1.0, "legs_apart"),
+        ("torso_rate", 1e-3, "torso_rate"),
+        ("torso_pitch", 1e-4, "torso"),
+        ("swing_height", 0.01, "clearance"),
+        ("foot_separation_max", 0.05, "foot_separation"),
+    ],
+)
+def test_a_bound_of_the_configuration_bounds_the_rows_of_that_name(key, value, name):
+    """A solved gait violates a bound that it was not solved for, and that one alone."""
+    gait = config().gait
+    changed = replace(gait, posture=replace(gait.posture, **{key: value}))
+    assert violated(form()) == set()
+    assert violated(formulate(config().robot, changed)) == {name}
+
+
+def violated(formulation) -> set[str]:
+    x = ca.SX.sym("x", NODE)
+    found, phase = set(), problem().layout.phase
+    for constraint in of_node(Node.of(formulation, x)):
+        rows = ca.Function("rows", [x], [constraint.expression / constraint.scale])
+        lower, upper = (np.tile(bound, (2, 1)) for bound in constraint.bounds(phase))
+        values = np.array(rows.map(2 * len(phase))(nodes(0.4, 0.0).T)).T
+        if (values < lower - 1e-6).any() or (values > upper + 1e-6).any():
+            found.add(constraint.name)
+    assert solved(0.4, 0.0).success
+    return found
+
+
+def test_bounds_are_scaled_and_keep_a_margin_at_the_nodes():
+    rows, phase = ca.SX.sym("r", 2), np.array([0.0, 0.5, 1.0])
+
+    def arc(phase: np.ndarray) -> np.ndarray:
+        return np.stack([phase, 2 * phase], axis=1)
+
+    with_margin = between("a", "m", "", rows, arc, 3.0, 0.5, lambda phase: arc(phase) + 0.25)
+    lower, upper = scaled_bounds([with_margin, equality("b", "N", "", rows[0], 10.0)], phase)
+    np.testing.assert_allclose(lower, [[0.5, 0.5, 0], [1.5, 2.5, 0], [2.5, 4.5, 0]])
+    np.testing.assert_allclose(upper, [[6, 6, 0]] * 3)
+    between_nodes = scaled_bounds([with_margin], phase, at_nodes=False)[0]
+    np.testing.assert_allclose(between_nodes, [[0, 0], [1, 2], [2, 4]])
+
+
+def test_one_sided_rows_have_no_upper_bound():
+    rows = at_least("a", "N", "", [ca.SX.sym("x"), ca.SX.sym("y")], 4.0, 2.0)
+    lower, upper = rows.bounds(np.zeros(1))
+    assert (rows.size, lower.tolist(), upper.tolist()) == (2, [[2.0, 2.0]], [[np.inf, np.inf]])

@@ -1,0 +1,121 @@
+"""Reading the library: what is refused, what is read when, and which velocity is which gait."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import zarr
+
+from slider.core.errors import UserError
+from slider.library.reader import GaitLibrary
+from slider.library.schema import ARRAYS, CONSTRAINT, COORDINATES
+from tests.library.gaits import value, write_store
+
+GAITS, HOLES = [(0.0, 0.0), (0.5, 0.1)], [(0.5, 0.0)]
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory) -> Path:
+    return write_store(tmp_path_factory.mktemp("library"), GAITS, HOLES)
+
+
+@pytest.fixture
+def changed(store, tmp_path: Path) -> Callable[[Callable[[zarr.Group], object]], Path]:
+    """The store with something about it changed."""
+
+    def change(how: Callable[[zarr.Group], object]) -> Path:
+        path = tmp_path / "changed.zarr"
+        shutil.copytree(store, path)
+        how(zarr.open_group(path, mode="a"))
+        return path
+
+    return change
+
+
+def refused(path: Path) -> str:
+    with pytest.raises(UserError) as error:
+        GaitLibrary.load(path)
+    assert "\n" not in str(error.value)
+    return str(error.value)
+
+
+def test_what_is_no_library_is_refused(tmp_path: Path):
+    path = tmp_path / "nothing.zarr"
+    assert refused(path) == f"expected a gait library at {path}, found none"
+
+
+def test_another_store_is_refused(tmp_path: Path):
+    zarr.open_group(tmp_path / "other.zarr", mode="w").attrs["schema"] = "policies"
+    assert "expected a gait library" in refused(tmp_path / "other.zarr")
+    assert refused(tmp_path / "other.zarr").endswith("found the schema policies")
+
+
+def test_a_library_of_version_1_is_refused_with_what_to_do(changed):
+    path = changed(lambda group: group.attrs.update(version=1))
+    expected = f"{path}: expected version 2 of the gait library, found 1; make it anew with"
+    assert refused(path).startswith(expected)
+
+
+@pytest.mark.parametrize("name", ["samples", "status", CONSTRAINT])
+def test_a_missing_array_is_named(changed, name: str):
+    path = changed(lambda group: group.__delitem__(name))
+    assert f"expected {name!r} in the gait library, found none" in refused(path)
+
+
+@pytest.mark.parametrize("name", ["dynamics", "holes"])
+def test_a_missing_attribute_is_named(changed, name: str):
+    path = changed(lambda group: group.attrs.__delitem__(name))
+    assert f"expected {name!r} in the gait library, found none" in refused(path)
+
+
+def test_arrays_are_read_when_asked_for_and_once(store, tmp_path: Path):
+    path = tmp_path / "library.zarr"
+    shutil.copytree(store, path)
+    library = GaitLibrary.load(path)
+    read = library.samples
+    shutil.rmtree(path)
+    assert library.samples is read
+    np.testing.assert_array_equal(read[1], value("samples", 0.5, 0.1))
+    with pytest.raises(KeyError):
+        library.arrays["base"]
+
+
+def test_all_arrays_are_there_by_name(store):
+    library = GaitLibrary.load(store)
+    assert set(library.arrays) == {*ARRAYS, *COORDINATES, CONSTRAINT}
+    assert len(library.arrays) == len(set(library.arrays))
+    for name in (*ARRAYS, *COORDINATES):
+        assert len(library.arrays[name]) == len(library) == len(GAITS)
+    np.testing.assert_array_equal(library.base, library.arrays["base"])
+    np.testing.assert_array_equal(library.step_time[0], [0.42, 0.42])
+    np.testing.assert_array_equal(library.velocities, GAITS)
+
+
+def test_it_knows_what_its_gaits_were_made_for_and_with(store):
+    library = GaitLibrary.load(store)
+    assert (library.dynamics, library.kinematic_map) == ("prismatic", "exact")
+    assert library.attributes["transcription"] == "bezier"
+    assert (library.attributes["cost"], library.cost_unit) == ("paper", "N² m²/s")
+    assert library.robot.virtual_knee.thigh_length > 0.1
+    assert [(hole.vx, hole.vy) for hole in library.holes] == HOLES
+
+
+def test_nearest_gait():
+    velocities = np.random.default_rng(1).uniform(-0.5, 2.5, (30, 2))
+    library = GaitLibrary({"velocities": velocities}, {})
+    vx, vy = np.random.default_rng(0).uniform(-1.0, 3.0, (2, 200))
+    distance = np.hypot(velocities[:, 0] - vx[:, None], velocities[:, 1] - vy[:, None])
+    np.testing.assert_array_equal(library.nearest(vx, vy), distance.argmin(axis=1))
+
+
+def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(store):
+    library = GaitLibrary.load(store)
+    assert library.find(0.5, 0.1) == 1
+    with pytest.raises(
+        UserError, match=r"found \(0\.1, -0\.2\) m/s; the nearest gait is at \(0, 0\)"
+    ):
+        library.find(0.1, -0.2)
+    with pytest.raises(UserError, match=r"did not converge: Infeasible.*torso 3\.0e-01, impact"):
+        library.find(0.5, 0.0)

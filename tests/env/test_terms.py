@@ -26,7 +26,7 @@ from tests.env.synthetic import CONF, config, make_guide, make_state, make_view
 from tests.env.test_rewards import moving_view
 from tests.env.test_vec_env import NUM_ENVS, actions, build, settings
 
-PAGE = Path(__file__).parents[2] / "docs" / "extending.md"
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "extend.md"
 PARAMS = {
     name: term.params
     for reward in ("default", "turning", "paper", "unguided")

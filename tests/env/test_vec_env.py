@@ -269,7 +269,7 @@ def test_commands_are_seen_and_change():
 def test_unknown_terms_are_refused_at_once():
     for override, key, found in (
         ("+env.termination.terms.boredom=1.0", "env.termination.terms", "boredom"),
-        ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms", "glory"),
+        ("+train.walking.reward.terms.glory={weight: 1.0}", "reward.terms", "glory"),
     ):
         with pytest.raises(UserError) as error:
             build(settings("experiment=test", override))

@@ -1,7 +1,6 @@
 """Units of numbers, from comments as people write them."""
 
 import pytest
-
 from slider.config.units import unit
 
 COMMENTS = {

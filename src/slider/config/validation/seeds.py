@@ -1,12 +1,12 @@
-"""Checks that what is chosen by and what is reported never use the same seeds."""
+"""Rules of seeds: what is chosen by and what is reported never use the same ones."""
 
 from collections.abc import Sequence
 
 from slider.config.ablation import AblationConfig
+from slider.config.evaluation import SeedBlock, SeedsConfig
 from slider.config.schema import Config
-from slider.config.seeds import SeedBlock, SeedsConfig
 from slider.config.train import TrainConfig
-from slider.config.validation.checks import at_least, ordered, require
+from slider.config.validation.checks import ordered, require
 
 
 def check_seeds(config: Config) -> None:
@@ -28,7 +28,6 @@ def check_seeds(config: Config) -> None:
 def _apart(seeds: SeedsConfig) -> None:
     for name in ("final", "development"):
         block: SeedBlock = getattr(seeds, name)
-        at_least(f"seeds.{name}.first", block.first, 0)
         ordered(f"seeds.{name}", block.first, block.last)
     apart = seeds.final.last < seeds.development.first or seeds.development.last < seeds.final.first
     expected = f"no seed of seeds.development ({seeds.development})"

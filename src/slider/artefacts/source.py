@@ -166,5 +166,5 @@ def _strip_docstrings(tree: ast.Module) -> None:
 
 def _is_text(node: ast.stmt) -> bool:
     """A string by itself: a docstring, or what a class says under a field."""
-    alone = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-    return alone and isinstance(node.value.value, str)
+    value = node.value if isinstance(node, ast.Expr) else None
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)

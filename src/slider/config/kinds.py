@@ -86,11 +86,13 @@ def kind(hint: Any) -> Kind:
     inner, *metadata = get_args(hint)
     found, facts = _plain(inner), list(_facts(metadata))
     rules = [fact.text for fact in facts if isinstance(fact, Rule)]
+    name = found.name
     if any(getattr(fact, "min_length", 0) for fact in facts) and inner is not str:
-        rules.insert(0, "one or more")
+        start = "list of " if name.startswith("list of ") else ""
+        name = f"{start}one or more {name.removeprefix(start)}"
     units = [found.unit, *(fact for fact in facts if isinstance(fact, Unit))]
     interval = _interval(facts) or found.interval
-    return Kind(found.name, interval, (*found.rules, *rules), units[-1])
+    return Kind(name, interval, (*found.rules, *rules), units[-1])
 
 
 def _plain(hint: Any) -> Kind:
@@ -149,6 +151,7 @@ def _options(hint: Any) -> Iterator[Any]:
 def _fields(hint: Any) -> dict[str, Any]:
     """Types of a dataclass's fields, with the parameters of a generic one put in."""
     origin = get_origin(hint) or hint
-    chosen = dict(zip(getattr(origin, "__parameters__", ()), get_args(hint), strict=False))
+    parameters = getattr(origin, "__parameters__", ())
+    chosen: dict[Any, Any] = dict(zip(parameters, get_args(hint), strict=True))
     found = get_type_hints(origin, include_extras=True)
     return {name: chosen[t] if isinstance(t, TypeVar) else t for name, t in found.items()}

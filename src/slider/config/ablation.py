@@ -16,7 +16,7 @@ class VariantConfig:
 
     label: Name
     """name in table and figure"""
-    overrides: list[str]
+    overrides: list[Name]
     """of the configuration that the pipeline was given"""
 
 

@@ -64,7 +64,7 @@ class HeightScan:
 class ObservationConfig:
     """Observation terms in order, each with its scale, and the clip after scaling."""
 
-    terms: Annotated[dict[str, Number], Field(min_length=1)]
+    terms: Annotated[dict[str, Positive[Number]], Field(min_length=1)]
     """scale of the term"""
     clip: Positive[Number]
     """bound of |observation|, after scaling"""

@@ -43,7 +43,7 @@ def axis_size(axis: Axis | list[float]) -> int:
     """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
     if isinstance(axis, list):
         return len(axis)
-    if axis.step <= 0 or axis.stop < axis.start:
+    if axis.stop < axis.start:
         return 0
     return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import lru_cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -153,5 +154,10 @@ def _fields(hint: Any) -> dict[str, Any]:
     origin = get_origin(hint) or hint
     parameters = getattr(origin, "__parameters__", ())
     chosen: dict[Any, Any] = dict(zip(parameters, get_args(hint), strict=True))
-    found = get_type_hints(origin, include_extras=True)
+    found = _hints(origin)
     return {name: chosen[t] if isinstance(t, TypeVar) else t for name, t in found.items()}
+
+
+@lru_cache
+def _hints(cls: type) -> dict[str, Any]:
+    return get_type_hints(cls, include_extras=True)

@@ -75,7 +75,7 @@ class ReplayConfig:
     """force that counts as a touchdown"""
     height: NonNegative[Metres]
     """a lower base has fallen"""
-    tilt: NonNegative[Radians]
+    tilt: Positive[Radians]
     """a base that leans further has fallen"""
     patience: Annotated[Positive[Factor], Unit("step times")]
     """a swing foot that has not landed by then has missed the ground"""

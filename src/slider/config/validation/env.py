@@ -19,7 +19,7 @@ def check_env(env: EnvConfig) -> None:
     halt = env.phase.halt
     at_least("env.phase.halt.above", halt.above, halt.below)
     possible = env.phase.enabled or not (env.phase.mirror or halt.below > 0)
-    require(possible, "env.phase", "mirror and halt only with a phase", env.phase)
+    require(possible, "env.phase", "a clock for mirror and halt", "none")
 
 
 def check_disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:

@@ -58,6 +58,8 @@ def _segments(case: CaseConfig, duration: float, shortest: float, key: str) -> N
     distinct(key, [segment.name for segment in case.segments], "each name once")
     times = [segment.time for segment in case.segments]
     require(times[0] == 0.0, f"{key}[0].time", "0 s", times[0])
+    for index, (start, end) in enumerate(pairwise(times), start=1):
+        require(start < end, f"{key}[{index}].time", f"later than {start:g} s", end)
     expected = f"a control period longer than ramp and warm_up ({shortest:g} s)"
     for index, (start, end) in enumerate(pairwise([*times, duration])):
         length = end - start

@@ -33,9 +33,10 @@ def _grid(grid: GridConfig) -> None:
 
 
 def _axis(key: str, axis: Axis | list[float]) -> int:
-    size = axis_size(axis)
-    require(size > 0, key, "start ≤ stop (a grid that is not empty)", axis)
-    return size
+    if isinstance(axis, Axis):
+        possible = axis.start <= axis.stop
+        require(possible, key, "start ≤ stop, or a list", f"{axis.start} > {axis.stop}")
+    return axis_size(axis)
 
 
 def _step_time(time: StepTime) -> None:

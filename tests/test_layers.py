@@ -22,9 +22,8 @@ ALLOWED = {
 } | {name: {*GROUND, *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 ALLOWED["reports"] |= {"verification"}
 ALLOWED["commands"] = {*ALLOWED, "commands"}
-# The checks of the configuration know the names of joints and of terms.
+# The checks of the configuration know the names of terms.
 EXCEPTIONS = {
-    ("config/validation/robot.py", "slider.robot.names"),
     ("config/validation/terms.py", "slider.env"),
 }
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))

@@ -145,7 +145,7 @@ def is_clear(place: Place, text: str) -> bool:
     return bool(separator) and "\n" not in text and names
 
 
-@pytest.mark.parametrize("group", [name for name in Config.__dataclass_fields__])
+@pytest.mark.parametrize("group", list(Config.__dataclass_fields__))
 def test_nonsense_is_refused_in_one_line(group, config, plain):
     accepted = []
     for place, value in places({group: plain[group]}):

@@ -2,6 +2,7 @@
 # make table1 HYDRA="experiment=smoke"   with overrides of the configuration
 # make report                           one page about everything, with videos
 # make results                          fill the result tables of README.md and docs/ from reports/
+# make animation                         the picture at the top of README.md, from the trained policy
 # make docs                             the documentation as a site
 # make test                              lint, type check and tests
 PYTHON ?= python3
@@ -12,7 +13,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
 .DELETE_ON_ERROR:
-.PHONY: table1 report results docs install lint test clean
+.PHONY: table1 report results animation docs install lint test clean
 
 table1: $(STAMP)
 	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/table1.csv --config hydra='$(HYDRA)'
@@ -22,6 +23,9 @@ report: $(STAMP)
 
 results: $(STAMP) # tables of README.md and docs/, from the finished runs in reports/
 	$(BIN)/slider results
+
+animation: $(STAMP)
+	$(BIN)/slider play --film docs/images/walk.webp --command 1.2 0 0
 
 docs: $(STAMP) # site/; a broken link is an error
 	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[docs]'

@@ -13,6 +13,7 @@ from slider.config.compose import compose
 from slider.config.convert import to_dict
 
 ROOT = Path(__file__).parents[1]
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def leaves(node: dict[str, Any], prefix: str = "robot") -> dict[str, Any]:
@@ -33,17 +34,24 @@ def test_the_table_of_the_robot_is_the_configuration():
         tags = [provenance.get(".".join(path[:end])) for end in range(len(path), 0, -1)]
         text = str(list(value) if isinstance(value, tuple) else value)
         expected[key] = (text, next(tag for tag in tags if tag is not None))
-    page = (ROOT / "docs" / "robot.md").read_text()
+    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
     rows = re.findall(r"^\| `(robot\.[^`]+)` \| ([^|]+) \| (\w+) \| [^|]+ \|$", page, re.M)
     assert {key: (value, tag) for key, value, tag in rows} == expected
     assert len(rows) == len(expected)
+
+
+def test_the_mass_is_that_of_the_links():
+    links = to_dict(compose([], ROOT / "conf").robot)["links"]
+    mass = sum(link["mass"] * (1 if name == "base" else 2) for name, link in links.items())
+    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
+    assert f"The total mass is {mass:.2f} kg." in page
 
 
 def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
     robot = compose([], ROOT / "conf").robot
     motor, gains = robot.drives["capstan"], robot.gains["capstan"]
     r, n = robot.capstan.drum_radius, robot.capstan.foot_ratio
-    page = (ROOT / "docs" / "robot.md").read_text()
+    page = (ROOT / "docs" / "reference" / "robot.md").read_text()
     for slide, ankle in (
         (f"{2 * motor.torque / r:.0f} N", f"{2 * motor.torque / n:.1f} N m"),
         (f"{motor.speed * r:.1f} m/s", f"{motor.speed * n:.0f} rad/s"),
@@ -52,6 +60,16 @@ def test_what_joints_see_of_the_capstan_is_computed_from_the_configuration():
         (f"{2 * gains.kd / r**2:.1f} N s/m", f"{2 * gains.kd / n**2:.3f} N m s/rad"),
     ):
         assert f"| {slide} | {ankle} |" in page
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
+def test_a_link_leads_to_a_file(page):
+    targets = re.findall(r"\]\((?![a-z]+:|#)([^)#\s]+)", page.read_text())
+    assert not [target for target in targets if not (page.parent / target).exists()]
+
+
+def test_the_picture_of_the_readme_is_small():
+    assert (ROOT / "docs" / "images" / "walk.webp").stat().st_size < 500_000
 
 
 @pytest.mark.skipif(importlib.util.find_spec("mkdocs") is None, reason="needs the extra docs")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from slider.reports.sections.readings import _in_effect, read
 
-METHOD = Path(__file__).parents[2] / "docs" / "method.md"
+METHOD = Path(__file__).parents[2] / "docs" / "explanation" / "method.md"
 
 
 def cells(line: str) -> list[str]:

@@ -1,6 +1,7 @@
 """``slider play``: watch a policy, the baseline, a gait, or an agent that knows nothing."""
 
 import argparse
+import os
 from pathlib import Path
 
 from slider.artefacts.store import ARTEFACTS
@@ -27,6 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--web", action="store_true", help="show it in a browser")
     parser.add_argument("--port", type=int, default=0, help="of --web (default: from 8080 on)")
     parser.add_argument("--headless", action="store_true", help="show nothing, say how it went")
+    parser.add_argument("--film", type=Path, help="write an animated picture (.webp) instead")
     parser.add_argument("--seconds", type=float, help="stop after this time [s]")
     parser.add_argument("--seed", type=int, default=0, help="of the start and of the random agent")
     parser.add_argument(
@@ -45,6 +47,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Watch it; with ``--headless`` status 1 if the robot fell."""
+    if arguments.film is not None:
+        os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
     from slider.play import scenes
     from slider.play.control import Control
 
@@ -54,6 +58,11 @@ def run(arguments: argparse.Namespace) -> int:
         from slider.play import headless
 
         return headless.run(scene, control, arguments.seconds)
+    if arguments.film is not None:
+        from slider.play import animation
+
+        animation.run(scene, control, arguments.seconds, arguments.film)
+        return 0
     if arguments.web:
         from slider.play import web
 

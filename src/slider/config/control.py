@@ -1,4 +1,4 @@
-"""Typed settings of the model-predictive baseline; see ``docs/baseline.md``."""
+"""Typed settings of the model-predictive baseline; see ``docs/explanation/baseline.md``."""
 
 from typing import Annotated, Literal
 

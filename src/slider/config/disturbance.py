@@ -1,4 +1,4 @@
-"""Typed settings of what disturbs the simulated robots; see ``docs/disturbances.md``."""
+"""Typed settings of what disturbs the simulated robots; see ``docs/how-to/disturb.md``."""
 
 from pydantic.dataclasses import dataclass
 

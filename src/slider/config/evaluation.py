@@ -49,7 +49,7 @@ class CaseConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ProfileConfig:
-    """Commands that change during a rollout; see ``docs/protocols.md``.
+    """Commands that change during a rollout; see ``docs/how-to/evaluate.md``.
 
     ``rows`` and ``cases`` are not in the section of a single evaluation, which has its own case.
     """
@@ -68,7 +68,7 @@ class ProfileConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class EvaluationConfig:
-    """A protocol: every controller, command, trial and robot; see ``docs/method.md``.
+    """A protocol: every controller, command, trial and robot; see ``docs/explanation/method.md``.
 
     ``controllers`` and ``commands`` say which evaluations there are; they are not in the section
     of a single one, which would otherwise be redone with every new command. A protocol has either

@@ -156,7 +156,7 @@ class SolverConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
-    """What a gait is, the same for all commanded velocities; see ``docs/method.md``."""
+    """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
 
     nodes: Annotated[Odd[int], Field(ge=5, le=201)]
     """collocation nodes per step"""

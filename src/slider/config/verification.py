@@ -105,4 +105,4 @@ class VerificationConfig(CheckConfig):
     reach: Positive[MetresPerSecond]
     """velocities further apart are no neighbours"""
     bounds: dict[str, Annotated[NonNegative[Number], Unit("of the quantity")] | None]
-    """of the quantity, see docs/verification.md; null: reported only"""
+    """of the quantity, see docs/reference/verification.md; null: reported only"""

@@ -54,7 +54,7 @@ def formulation(section: Section) -> Formulation:
 def gait_arrays(
     problem: GaitProblem, solve: Solve, form: Formulation, kinematic_map: str
 ) -> dict[str, np.ndarray]:
-    """Arrays of a gait; see ``docs/gait-library.md`` for shapes, units and frames."""
+    """Arrays of a gait; see ``docs/reference/gait-library.md`` for shapes, units and frames."""
     layout, variables = problem.layout, solve.variables
     trajectory = knee_trajectory(problem, variables)
     model = form.tree.model

@@ -1,4 +1,7 @@
-"""Blending the motion of the base: position, quaternion, velocities (docs/gait-library.md)."""
+"""Blending the motion of the base: position, quaternion, velocities.
+
+Layout: ``docs/reference/gait-library.md``.
+"""
 
 import numpy as np
 

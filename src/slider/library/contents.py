@@ -35,7 +35,7 @@ class LibraryContents:
     """A gait library.
 
     Attributes:
-        arrays: name → values, gaits along the first axis; see ``docs/gait-library.md``.
+        arrays: name → values, gaits along the first axis; see ``docs/reference/gait-library.md``.
         constraints: names along the second axis of ``residuals``.
         holes: velocities whose gait did not converge.
         robot, kinematic_map: what the gaits were made for and with (eq. 1, variant).

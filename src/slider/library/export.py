@@ -1,4 +1,4 @@
-"""One gait as CSV or NPZ, for other controllers; columns in ``docs/gait-library.md``."""
+"""One gait as CSV or NPZ, for other controllers; columns in ``docs/reference/gait-library.md``."""
 
 import csv
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Layout of the gait library's Zarr store; documented in ``docs/gait-library.md``."""
+"""Layout of the gait library's Zarr store; documented in ``docs/reference/gait-library.md``."""
 
 from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES
 

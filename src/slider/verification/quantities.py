@@ -8,7 +8,7 @@ class Quantity:
     """One number per gait.
 
     Attributes:
-        check: number of the check in ``docs/verification.md``.
+        check: number of the check in ``docs/reference/verification.md``.
         unit, meaning: for reports.
         at_least: the bound is a lower one, and small values are the bad ones.
     """

@@ -16,7 +16,7 @@ KNEE_MIRROR = np.array(LEG_MIRROR_SIGN[:LEG])
 
 @dataclass(frozen=True)
 class StoredGait:
-    """One gait of the library; shapes, units and frames as in ``docs/gait-library.md``."""
+    """One gait of the library; shapes, units and frames: ``docs/reference/gait-library.md``."""
 
     velocities: np.ndarray
     samples: np.ndarray

@@ -3,8 +3,8 @@
 Told to stand it stands on both feet; told to go it sways into the sideways orbit and walks; told to
 stop it steps until it can be caught on both feet.
 
-It is given the true state, contact flags and a nominal model of the robot; ``docs/baseline.md``
-says how this compares with what the policy is given.
+It receives the true state, contact flags and a nominal model of the robot;
+``docs/explanation/baseline.md`` compares this with what the policy receives.
 """
 
 import numpy as np

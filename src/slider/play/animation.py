@@ -1,0 +1,80 @@
+"""A motion as an animation that repeats without a jump, for pages that cannot play a film."""
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from slider.core.errors import UserError
+from slider.env.episode import Frame
+from slider.play import loop
+from slider.play.control import Control
+from slider.play.scenes import Scene
+
+_WARM_UP = 4.0  # from rest to a periodic walk [s]
+_WALK = 1.0  # at least one walk of two steps, within which the end of the loop is looked for [s]
+_SECONDS = 3.8
+_FRAME_RATE = 25  # [1/s]
+_SIZE = (480, 320)  # [pixel]
+_QUALITY = 60
+
+
+def run(scene: Scene, control: Control, seconds: float | None, path: Path) -> None:
+    """Write the steady part of a motion, from the side, as an animated WebP.
+
+    Raises:
+        UserError: the robot falls, or nothing can be rendered on this machine.
+    """
+    frames: list[Frame] = []
+
+    def record(frame: Frame) -> bool:
+        frames.append(frame)
+        return not frame.failed
+
+    length = _SECONDS if seconds is None else seconds
+    last = loop.run(scene.motion, control, record, _WARM_UP + length, real_time=False)
+    if last.failed:
+        raise UserError(f"expected {scene.title} to stay up, it fell after {last.time:.2f} s")
+    shown = frames[:: round(1.0 / (_FRAME_RATE * scene.motion.period))]
+    first = round(_WARM_UP * _FRAME_RATE)
+    end = first + repeats_at(shown[first:])
+    # The camera follows with a lag: it moves as the robot does only after a while.
+    save(_pictures(scene, shown[first // 2 : end])[first - first // 2 :], path)
+    print(path)
+
+
+def repeats_at(frames: list[Frame]) -> int:
+    """Index of the frame whose pose is nearest to the first one's, among those of the last walk."""
+    poses = np.array([frame.qpos[2:] for frame in frames])
+    first = max(1, len(frames) - round(_WALK * _FRAME_RATE))
+    return first + int(np.argmin(np.linalg.norm(poses[first:] - poses[0], axis=1)))
+
+
+def _pictures(scene: Scene, frames: list[Frame]) -> list[Image.Image]:
+    from mujoco import FatalError  # pyright: ignore[reportAttributeAccessIssue]
+
+    from slider.reports import film
+    from slider.robot.scene import build_scene
+
+    model = build_scene(scene.robot, *_SIZE)
+    try:
+        pictures = list(film.render(model, frames, _SIZE, ("side",)))
+    except (ImportError, RuntimeError, AttributeError, FatalError) as error:  # broken OpenGL
+        raise UserError(
+            f"expected to render without a display, found: {error}; MUJOCO_GL=osmesa may work"
+        ) from None
+    return [Image.fromarray(picture) for picture in pictures]
+
+
+def save(pictures: list[Image.Image], path: Path) -> None:
+    """Encode pictures as an endless animation."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pictures[0].save(
+        path,
+        save_all=True,
+        append_images=pictures[1:],
+        duration=1000 // _FRAME_RATE,
+        loop=0,
+        quality=_QUALITY,
+        method=4,
+    )

@@ -1,0 +1,58 @@
+"""An animation repeats at a pose like its first one; a robot that falls is none."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from pipeline.rendering import find_renderer
+from slider.cli import main
+from slider.env.episode import Frame
+from slider.play import animation
+from tests.env.synthetic import CONF
+
+
+def frame(time: float, phase: float, failed: bool = False) -> Frame:
+    """A pose that goes round with its phase, further along the ground."""
+    qpos = np.zeros(19)
+    qpos[0], qpos[2], qpos[3] = time, 0.7, 1.0
+    qpos[7:9] = np.cos(phase), np.sin(phase)
+    return Frame(time, qpos, np.zeros(2), failed)
+
+
+def test_repeats_after_whole_walks():
+    period = 21  # pictures of a walk
+    frames = [frame(k / 25, 2 * np.pi * k / period) for k in range(80)]
+    assert animation.repeats_at(frames) == 3 * period
+
+
+def test_refuses_a_robot_that_falls(tmp_path, capsys):
+    path = tmp_path / "walk.webp"
+    assert main(["play", "random", "--film", str(path), "--conf", str(CONF)]) == 1
+    assert "expected agent random to stay up, it fell after" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
+def test_writes_pictures_that_move(tmp_path):
+    path = tmp_path / "images" / "walk.webp"
+    options = ["mpc_wbc_tuned", "--film", str(path), "--seconds", "1.6", "--conf", str(CONF)]
+    done = subprocess.run(  # MuJoCo picks its renderer when it is imported
+        [sys.executable, "-m", "slider.cli", "play", *options],
+        env={**os.environ, "MUJOCO_GL": find_renderer()},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    with Image.open(path) as image:
+        assert (image.format, image.n_frames >= 2, image.info["loop"]) == ("WEBP", True, 0)
+        pictures = []
+        for index in (0, image.n_frames - 1):
+            image.seek(index)
+            pictures.append(np.asarray(image.convert("L"), dtype=int))
+    assert np.ptp(pictures[0]) > 100  # not an empty picture
+    assert (pictures[0] != pictures[1]).any()

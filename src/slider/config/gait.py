@@ -149,7 +149,8 @@ class SolverConfig:
     constraint_tolerance: Tolerance
     """IPOPT constr_viol_tol, in the scaled units of the problem"""
     guesses: Some[Literal["cold", "fast", "crouched", "ramp"]]
-    """starts tried in turn"""
+    """starts tried in turn: knees bent most, long steps (crouched); short quick steps (fast); less
+    bent, long steps (cold); warm starts from walking in place (ramp)"""
     keep: Literal["first", "best"]
     """first: the first start that converges; best: try all, keep the cheapest gait"""
 

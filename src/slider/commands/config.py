@@ -31,7 +31,6 @@ def run(arguments: argparse.Namespace) -> None:
         print(OmegaConf.to_yaml(OmegaConf.create(to_dict(config))), end="")
         return
     rows = [HEADER, *(entry.cells for entry in matching(entries(config), arguments.keys))]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER) - 1)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
-        padded = (cell.ljust(width) for cell, width in zip(row, [*widths, 0], strict=True))
-        print("  ".join(padded).rstrip())
+        print("  ".join(map(str.ljust, row, widths)).rstrip())

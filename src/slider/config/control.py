@@ -110,9 +110,7 @@ class TaskConfig:
     """Gains of a task, and its weights."""
 
     kp: Annotated[NonNegative[Number], Unit("1/s²")]
-    """proportional gain"""
     kd: Annotated[NonNegative[Number], Unit("1/s")]
-    """derivative gain"""
     weight: Vector3[NonNegative[Number]]
     """per axis; of stance: position, pitch and yaw"""
 

@@ -21,21 +21,14 @@ class SensingConfig:
     """Standard deviations of white noise on what a controller receives about the robot."""
 
     joint_position: NonNegative[Radians]
-    """white noise: hinges"""
     slide_position: NonNegative[Metres]
-    """white noise: slides"""
     joint_velocity: NonNegative[RadiansPerSecond]
-    """white noise: hinges"""
     slide_velocity: NonNegative[MetresPerSecond]
-    """white noise: slides"""
     angular_velocity: NonNegative[RadiansPerSecond]
-    """white noise: base"""
     orientation: NonNegative[Radians]
-    """white noise: base about each axis, and with it the direction of gravity"""
+    """of the base about each axis, and with it the direction of gravity"""
     linear_velocity: NonNegative[MetresPerSecond]
-    """white noise: base"""
     base_height: NonNegative[Metres]
-    """white noise: base"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -27,7 +27,6 @@ class PhysicsConfig:
     """Simulation step, its repetitions per control step, and solver iterations."""
 
     timestep: Positive[Seconds]
-    """simulation step"""
     substeps: Annotated[Count, Field(le=1000)]
     """simulation steps per control step"""
     solver_iterations: Annotated[Count, Field(le=10_000)]
@@ -53,9 +52,7 @@ class HeightScan:
     """Grid of points around the base at which ground height is measured."""
 
     points_x: Annotated[Count, Field(le=1000)]
-    """points along x, of the term height_scan"""
     points_y: Annotated[Count, Field(le=1000)]
-    """points along y"""
     spacing: Positive[Metres]
     """distance of neighbouring points"""
 
@@ -101,17 +98,11 @@ class StartNoise:
     """Standard deviations of a robot's start about the nominal pose at rest."""
 
     joint_position: NonNegative[Radians]
-    """noise of the start: hinges"""
     slide_position: NonNegative[Metres]
-    """noise of the start: slides"""
     tilt: NonNegative[Radians]
-    """noise of the start: base roll and pitch"""
     linear_velocity: NonNegative[MetresPerSecond]
-    """noise of the start: base"""
     angular_velocity: NonNegative[RadiansPerSecond]
-    """noise of the start: base"""
     joint_velocity: NonNegative[RadiansPerSecond]
-    """noise of the start: joints"""
 
 
 @dataclass(frozen=True, config=STRICT)

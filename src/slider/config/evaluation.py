@@ -32,11 +32,8 @@ class Segment:
     time: Seconds
     """from when on"""
     vx: MetresPerSecond
-    """commanded forward velocity"""
     vy: MetresPerSecond = 0.0
-    """commanded leftward velocity"""
     yaw_rate: RadiansPerSecond = 0.0
-    """commanded yaw rate"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -104,9 +101,7 @@ class SeedBlock:
     """Consecutive seeds, ``first`` and ``last`` included."""
 
     first: Seed
-    """first seed of the block"""
     last: Seed
-    """last seed of the block"""
 
     def __contains__(self, seed: int) -> bool:
         return self.first <= seed <= self.last

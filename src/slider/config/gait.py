@@ -32,11 +32,8 @@ class Axis:
     """start, start + step, ... up to and including stop."""
 
     start: MetresPerSecond
-    """first commanded velocity"""
     stop: MetresPerSecond
-    """last commanded velocity"""
     step: Positive[MetresPerSecond]
-    """between neighbouring commanded velocities"""
 
 
 def axis_size(axis: Axis | list[float]) -> int:
@@ -53,9 +50,9 @@ class GridBlock:
     """A rectangle of commanded velocities; an axis may be a list of values."""
 
     vx: Axis | Distinct[Some[MetresPerSecond]]
-    """forward"""
+    """commanded forward velocities"""
     vy: Axis | Distinct[Some[MetresPerSecond]]
-    """leftward"""
+    """commanded leftward velocities"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -71,9 +68,7 @@ class StepTime:
     """Duration of a step."""
 
     lower: Positive[Seconds]
-    """least duration"""
     upper: Positive[Seconds]
-    """greatest duration"""
     law: Literal["free", "fixed", "speed"]
     """free within the bounds; fixed: value; speed: value + slope · speed, within the bounds"""
     value: Positive[Seconds]
@@ -115,11 +110,8 @@ class Posture:
     legs_apart: NonNegative[Metres]
     """least lateral distance of feet, and of the tubes' upper ends, in the base's axes"""
     torso_roll: NonNegative[Radians]
-    """bound of |roll|"""
     torso_pitch: NonNegative[Radians]
-    """bound of |pitch|"""
     torso_yaw: NonNegative[Radians]
-    """bound of |yaw|"""
     torso_rate: NonNegative[RadiansPerSecond]
     """bound of each component of the angular velocity"""
     knee_min: NonNegative[Radians]

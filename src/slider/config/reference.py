@@ -78,15 +78,22 @@ def page(conf: Path) -> str:
 
 def _entries(hint: Any, value: Any, place: tuple[str, ...], text: str) -> Iterator[Entry]:
     """Keys at or below a place; what has no meaning of its own has that of the group around it."""
-    if is_dataclass(value) and not isinstance(value, type):
+    if _is_group(value):
         for name in (item.name for item in fields(value)):
+            item = getattr(value, name)
             below = meaning(type(value), name) or text
-            yield from _entries(child(hint, name), getattr(value, name), (*place, name), below)
+            if not below and not isinstance(item, dict) and not _is_group(item):
+                below = _first_line(value)
+            yield from _entries(child(hint, name), item, (*place, name), below)
     elif isinstance(value, dict) and value:
         for name, item in value.items():
             yield from _entries(child(hint, name), item, (*place, name), text)
     else:
         yield Entry(".".join(place), kind_at(Config, place), _text(value), text)
+
+
+def _is_group(value: Any) -> bool:
+    return is_dataclass(value) and not isinstance(value, type)
 
 
 def _text(value: Any) -> str:

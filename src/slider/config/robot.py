@@ -32,7 +32,6 @@ class Link:
     """A rigid body."""
 
     mass: Positive[Kilograms]
-    """mass"""
     com: Vector3[Metres]
     """centre of mass, in the frame of the link's joint"""
     inertia: Vector3[Positive[KilogramMetres2]]
@@ -95,9 +94,7 @@ class Joint:
     """Range and passive properties of a joint."""
 
     lower: JointPosition
-    """least position"""
     upper: JointPosition
-    """greatest position"""
     damping: Annotated[NonNegative[Number], Unit("N m s/rad | N s/m")]
     """viscous damping"""
     armature: Annotated[NonNegative[Number], Unit("kg m² | kg")]
@@ -123,9 +120,7 @@ class Gains:
     """Position loop on board of a motor."""
 
     kp: Annotated[NonNegative[Number], Unit("N m/rad")]
-    """proportional gain of the motor's position loop"""
     kd: Annotated[NonNegative[Number], Unit("N m s/rad")]
-    """derivative gain of the motor's position loop"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -163,7 +158,6 @@ class RobotConfig(Mechanism):
     """Everything that defines the machine; gains by leg drive."""
 
     name: Name
-    """name of the machine"""
     gains: dict[str, Gains]
     contact: Contact
     provenance: dict[str, Provenance] = field(default_factory=dict)

@@ -5,14 +5,13 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.ablation import AblationConfig
 from slider.config.control import ControlConfig
 from slider.config.env import EnvConfig
 from slider.config.evaluation import EvaluationConfig, SeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
-from slider.config.sensitivity import SensitivityConfig
+from slider.config.studies import AblationConfig, SensitivityConfig
 from slider.config.train import TrainConfig, TrainingsConfig
 from slider.config.types import STRICT, Count, Name
 from slider.config.verification import VerificationConfig
@@ -60,3 +59,15 @@ class Config:
     tracking: TrackingConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None
+
+    @property
+    def evaluations(self) -> dict[str, EvaluationConfig]:
+        """Protocols by their keys."""
+        others = {f"protocols.{name}": protocol for name, protocol in self.protocols.items()}
+        return {"evaluation": self.evaluation, **others}
+
+    @property
+    def trainings(self) -> dict[str, TrainConfig]:
+        """Trainings by their keys."""
+        found = {"train.standing": self.train.standing, "train.walking": self.train.walking}
+        return found | ({"finetuning": self.finetuning} if self.finetuning else {})

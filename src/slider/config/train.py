@@ -42,11 +42,8 @@ class CommandConfig:
     """Ranges of the commanded velocities, drawn uniformly, and how often they change."""
 
     vx: Interval[MetresPerSecond]
-    """commanded forward velocity"""
     vy: Interval[MetresPerSecond]
-    """commanded leftward velocity"""
     yaw_rate: Interval[RadiansPerSecond]
-    """commanded yaw rate"""
     period: Seconds
     """mean time between changes; 0: never within an episode"""
     standing_fraction: Share
@@ -174,7 +171,6 @@ class SelectionConfig:
     seed: Seed
     """of the starts, the same ones in every check"""
     duration: Positive[Seconds]
-    """of a check"""
     warm_up: Seconds
     """start that does not count for the error"""
     fall_weight: Positive[Number]

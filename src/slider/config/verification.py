@@ -24,17 +24,13 @@ from slider.config.types import (
     Unit,
 )
 
-Points = Annotated[int, Field(ge=2, le=1_000_000)]
-
 
 @dataclass(frozen=True, config=STRICT)
 class IntegratorConfig:
     """Tolerances of DOP853."""
 
     relative: Tolerance
-    """relative tolerance of DOP853"""
     absolute: Annotated[Tolerance, Unit("rad, rad/s")]
-    """absolute tolerance of DOP853"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -69,7 +65,7 @@ class ReplayConfig:
     """of the physics"""
     substeps: Annotated[Count, Field(le=1000)]
     """of the physics per control step"""
-    points: Points
+    points: Annotated[Count, Field(ge=2)]
     """of the table of targets, per step"""
     contact: NonNegative[Newtons]
     """force that counts as a touchdown"""
@@ -89,7 +85,7 @@ class CheckConfig:
     integrator: IntegratorConfig
     perturbation: Annotated[Tolerance, Unit("rad, rad/s")]
     """of roll and roll rate in the differences of the return map"""
-    points: Points
+    points: Annotated[Count, Field(ge=2)]
     """per step, for the resampling between nodes"""
     replay: ReplayConfig
 

@@ -24,7 +24,7 @@ def validate(config: Config) -> None:
     check_robot(config.robot)
     check_gait(config.gait)
     check_env(config.env)
-    check_trainings(config.train, config.finetuning, config.env)
+    check_trainings(config)
     check_controls(config.control, config.env)
     check_protocols(config)
     check_regulator(config.verification.replay.regulator)

@@ -12,11 +12,6 @@ def require(condition: bool, key: str, expected: str, found: Any) -> None:
         raise UserError(f"{key}: expected {expected}, found {found}")
 
 
-def at_least(key: str, value: float, least: float) -> None:
-    """value ≥ least."""
-    require(value >= least, key, f"a value ≥ {least}", value)
-
-
 def period(key: str, start: float, end: float, step: float) -> None:
     """From ``start`` there is at least a ``step`` before ``end`` [s]."""
     require(start <= end - step + 1e-9, key, f"a time in [0, {end - step:g}] s", start)

@@ -2,8 +2,9 @@
 
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import EnvConfig
-from slider.config.validation.checks import at_least, multiple, require
-from slider.config.validation.robot import check_joints
+from slider.config.legs import LEG_JOINTS
+from slider.config.validation.checks import multiple, require
+from slider.config.validation.robot import check_names
 
 MAX_CELLS = 400
 
@@ -13,11 +14,12 @@ def check_env(env: EnvConfig) -> None:
     period = env.physics.timestep * env.physics.substeps
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
     require(abs(period - env.control_period) < 1e-9, "env.physics", expected, period)
-    check_joints("env.action.scale", env.action.scale)
+    check_names("env.action.scale", env.action.scale, LEG_JOINTS)
     possible = env.phase.enabled or env.action.offset == "nominal"
     require(possible, "env.action.offset", "nominal where there is no phase", env.action.offset)
     halt = env.phase.halt
-    at_least("env.phase.halt.above", halt.above, halt.below)
+    expected = f"a value ≥ {halt.below}"
+    require(halt.above >= halt.below, "env.phase.halt.above", expected, halt.above)
     possible = env.phase.enabled or not (env.phase.mirror or halt.below > 0)
     require(possible, "env.phase", "a clock for mirror and halt", "none")
 

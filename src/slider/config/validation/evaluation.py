@@ -15,8 +15,7 @@ def check_protocols(config: Config) -> None:
     """All protocols and their disturbances; that of Table 1 has no profile."""
     expected = "none (the commands of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
-    others = {f"protocols.{name}": protocol for name, protocol in config.protocols.items()}
-    for key, protocol in {"evaluation": config.evaluation, **others}.items():
+    for key, protocol in config.evaluations.items():
         _protocol(protocol, _controllers(config.control), key, config.env.control_period)
         check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
 

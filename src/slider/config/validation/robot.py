@@ -9,9 +9,9 @@ from slider.config.validation.checks import require
 
 def check_robot(robot: RobotConfig) -> None:
     """Every joint and drive, ranges that are not empty, and legs that reach."""
-    _names("robot.joints", robot.joints, LEG_JOINTS)
-    _names("robot.drives", robot.drives, LEG_DRIVES)
-    _names("robot.gains", robot.gains, LEG_DRIVES)
+    check_names("robot.joints", robot.joints, LEG_JOINTS)
+    check_names("robot.drives", robot.drives, LEG_DRIVES)
+    check_names("robot.gains", robot.gains, LEG_DRIVES)
     for name, joint in robot.joints.items():
         found = f"{joint.lower} and {joint.upper}"
         require(joint.lower < joint.upper, f"robot.joints.{name}", "lower < upper", found)
@@ -21,11 +21,7 @@ def check_robot(robot: RobotConfig) -> None:
     require(reach > length, "robot.virtual_knee", expected, reach)
 
 
-def check_joints(key: str, found: Iterable[str]) -> None:
-    """Exactly the joints of a leg, in any order."""
-    _names(key, found, LEG_JOINTS)
-
-
-def _names(key: str, found: Iterable[str], expected: Iterable[str]) -> None:
+def check_names(key: str, found: Iterable[str], expected: Iterable[str]) -> None:
+    """Exactly the expected ones, in any order."""
     found, expected = tuple(found), tuple(expected)
     require(set(found) == set(expected), key, ", ".join(expected), ", ".join(found))

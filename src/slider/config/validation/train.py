@@ -1,35 +1,30 @@
 """Rules of the trainings: batches, network, reward, checks and what they share."""
 
 from slider.config.env import EnvConfig
+from slider.config.schema import Config
 from slider.config.train import (
     NetworkConfig,
     RewardConfig,
     SelectionConfig,
     TrainConfig,
-    TrainingsConfig,
 )
-from slider.config.validation.checks import at_least, period, require
+from slider.config.validation.checks import period, require
 from slider.config.validation.env import check_disturbance
 from slider.config.validation.terms import check_terms
 
 
-def check_trainings(
-    trainings: TrainingsConfig, finetuning: TrainConfig | None, env: EnvConfig
-) -> None:
+def check_trainings(config: Config) -> None:
     """All trainings and their disturbances."""
-    keyed = {"train.standing": trainings.standing, "train.walking": trainings.walking}
-    starts = trainings.standing.reset.reference_fraction
+    walking, standing = config.train.walking, config.train.standing
+    starts = standing.reset.reference_fraction
     expected = "0 (pre-training has no guide to start on)"
     require(starts == 0, "train.standing.reset.reference_fraction", expected, starts)
-    if trainings.pretraining:
-        _same_network(trainings.walking.network, trainings.standing.network, "train.standing")
-    if finetuning is not None:
-        keyed["finetuning"] = finetuning
-        _same_network(trainings.walking.network, finetuning.network, "finetuning")
-    for key, train in keyed.items():
-        _train(train, env, key)
-        check_disturbance(train.disturbance, env, f"{key}.disturbance")
-    check_terms(env, keyed)
+    for key, train in config.trainings.items():
+        if train is not standing or config.train.pretraining:
+            _same_network(walking.network, train.network, key)
+        _train(train, config.env, key)
+        check_disturbance(train.disturbance, config.env, f"{key}.disturbance")
+    check_terms(config.env, config.trainings)
 
 
 def _same_network(walking: NetworkConfig, other: NetworkConfig, key: str) -> None:
@@ -41,7 +36,8 @@ def _same_network(walking: NetworkConfig, other: NetworkConfig, key: str) -> Non
 
 
 def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
-    at_least(f"{key}.episode_length", train.episode_length, env.control_period)
+    length, least = train.episode_length, env.control_period
+    require(length >= least, f"{key}.episode_length", f"a value ≥ {least}", length)
     _symmetry(train, env, f"{key}.ppo.symmetry")
     _mini_batches(train, key)
     _network(train.network, f"{key}.network")

@@ -4,12 +4,16 @@ from pathlib import Path
 
 from mkdocs.structure.files import File
 
-from slider.config.reference import reference
+from slider.config.compose import compose
+from slider.config.reference import OPTIONAL, page
+from slider.env.terms import kinds
 
 ROOT = Path(__file__).parents[1]
 
 
 def on_files(files, config):
     """Add the configuration reference."""
-    files.append(File.generated(config, "configuration.md", content=reference(ROOT / "conf")))
+    default = compose(OPTIONAL, ROOT / "conf")
+    text = page(default, kinds(default))
+    files.append(File.generated(config, "configuration.md", content=text))
     return files

@@ -15,10 +15,10 @@ from pipeline.stages.evaluation import POLICY, evaluations_of
 from pipeline.stages.gaits import library_job
 from pipeline.stages.training import training_jobs
 from slider.artefacts.plan import JobSpec
-from slider.config.ablation import AblationConfig, VariantConfig
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.config.studies import AblationConfig, VariantConfig
 from slider.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.env.terms import checked

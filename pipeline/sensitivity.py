@@ -7,7 +7,6 @@ are then solved once.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 from pipeline.stages.entries import job
@@ -17,10 +16,8 @@ from pipeline.stages.sections import robot, without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.parameters import Parameter, choose, parameters, scaled
-from slider.config.reference import read_comments
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
-from slider.config.units import unit
 from slider.config.validation import validate
 from slider.core.errors import UserError
 
@@ -54,24 +51,18 @@ class _Jobs:
         return list(self.found).index(made.recipe)
 
 
-def sensitivity_job(config: Config, walking: JobSpec, conf: Path) -> JobSpec:
-    """Gaits and rollouts of all changed robots, and the table of them.
-
-    Args:
-        config: configuration of the pipeline.
-        walking: the policy's training.
-        conf: folder of the configuration, whose comments tell the units.
-    """
-    settings, known = config.sensitivity, parameters(config.robot)
-    chosen = choose(known, settings.provenance, settings.parameters)
+def sensitivity_job(config: Config, walking: JobSpec) -> JobSpec:
+    """Gaits and rollouts of all changed robots, and the table of them, for the trained policy."""
+    settings = config.sensitivity
+    chosen = choose(parameters(config.robot), settings.provenance, settings.parameters)
     gaits, rollouts = _Jobs(), _Jobs()
     nominal = _made(config, config.robot, "", walking, gaits, rollouts)
-    units, rows = _units(known, conf), []
+    rows = []
     for variant in _variants(config, [item for item in chosen if not item.zero]):
         made: dict[str, Any] = {"note": variant.note, "gaits": [], "rollout": None}
         if variant.robot is not None:
             made |= _made(config, variant.robot, variant.label, walking, gaits, rollouts)
-        rows.append(_about(variant, units) | made)
+        rows.append(_about(variant) | made)
     section = {
         "change": settings.change,
         "commands": settings.commands,
@@ -147,12 +138,12 @@ def _noted(made: JobSpec, label: str) -> JobSpec:
     return replace(made, label=f"{made.label}, {label}") if label else made
 
 
-def _about(variant: _Variant, units: dict[str, str]) -> dict[str, Any]:
+def _about(variant: _Variant) -> dict[str, Any]:
     nominal = variant.parameter.value
     return {
         "parameter": variant.parameter.path,
         "provenance": variant.parameter.provenance,
-        "unit": units[variant.parameter.path],
+        "unit": variant.parameter.unit,
         "factor": variant.factor,
         "nominal": _text(nominal),
         "value": _text([item * variant.factor for item in nominal]),
@@ -162,15 +153,3 @@ def _about(variant: _Variant, units: dict[str, str]) -> dict[str, Any]:
 def _text(values: Sequence[float]) -> str:
     """Numbers of a table's cell, those of a vector with blanks between."""
     return " ".join(f"{value:.6g}" for value in values)
-
-
-def _units(known: Sequence[Parameter], conf: Path) -> dict[str, str]:
-    """Unit by path, from the comments of ``conf/``."""
-    comments, groups = read_comments(conf), {}
-    for item in known:
-        group, _, name = item.path.rpartition(".")
-        groups.setdefault(group, []).append(name)
-    return {
-        item.path: unit(f"robot.{item.path}", groups[item.path.rpartition(".")[0]], comments)
-        for item in known
-    }

@@ -65,7 +65,7 @@ def _seeds(config: Config, targets: Targets, overrides: Sequence[str], conf: Pat
 
 
 def _sensitivity(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
-    return sensitivity_job(config, targets["walking"], conf)
+    return sensitivity_job(config, targets["walking"])
 
 
 ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] = {

@@ -22,8 +22,6 @@ ALLOWED = {
 } | {name: {*GROUND, *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 ALLOWED["reports"] |= {"verification"}
 ALLOWED["commands"] = {*ALLOWED, "commands"}
-# The checks of the configuration know the names of joints.
-EXCEPTIONS = {("config/validation/robot.py", "slider.robot.names")}
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
 
 
@@ -49,13 +47,8 @@ def test_module_imports_only_to_its_left(path):
         return
     for target in imports(path):
         parts = target.split(".")
-        if parts[0] != "slider" or len(parts) < 2 or _is_exception(name, target):
-            continue
-        assert parts[1] in ALLOWED[package], f"{name} imports {target}"
-
-
-def _is_exception(name: str, target: str) -> bool:
-    return any(name == path and target.startswith(module) for path, module in EXCEPTIONS)
+        if parts[0] == "slider" and len(parts) > 1:
+            assert parts[1] in ALLOWED[package], f"{name} imports {target}"
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(SOURCE)))

@@ -22,7 +22,7 @@ def run():
 ''',
     "slider/gait/solve.py": "import json\nfrom ..robot import names\n\ndef solve(x): return x\n",
     "slider/robot/__init__.py": "",
-    "slider/robot/names.py": "JOINTS = (1, 2)\n",
+    "slider/robot/names.py": 'class Link:\n    mass: float\n    """mass"""\n\nJOINTS = (1, 2)\n',
     "slider/env/__init__.py": "",
     "slider/env/other.py": "import torch\n",
 }
@@ -61,6 +61,7 @@ def test_follows_all_imports_and_nothing_else(root):
         ("gait/stage.py", '"""Run."""', '"""Do something else,\n\n    at length.\n    """'),
         ("gait/stage.py", '"""A stage."""', "# no docstring"),
         ("gait/solve.py", "return x", "return (x)  # parentheses and\n\n"),
+        ("robot/names.py", '"""mass"""', '"""what a body weighs"""'),
         ("env/other.py", "import torch", "import casadi"),
     ],
 )

@@ -93,16 +93,16 @@ def test_zeros_are_known_as_such(robot):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("sensitivity.change=1.0", "sensitivity.change: expected a share in (0, 1)"),
-        ("sensitivity.change=0", "sensitivity.change: expected a share in (0, 1)"),
-        ("sensitivity.commands=[]", "sensitivity.commands: expected at least one command"),
+        ("sensitivity.change=1.0", "sensitivity.change: expected a number in (0, 1), found 1.0"),
+        ("sensitivity.change=0", "sensitivity.change: expected a number in (0, 1), found 0"),
+        ("sensitivity.commands=[]", "sensitivity.commands: expected a list of one or more"),
         ("sensitivity.commands=[1.2,1.2]", "sensitivity.commands: expected each once"),
-        ("sensitivity.robots=0", "sensitivity.robots: expected a value ≥ 1, found 0"),
+        ("sensitivity.robots=0", "sensitivity.robots: expected an integer in [1, 1e6], found 0"),
         ("sensitivity.duration=1.0", "sensitivity.warm_up: expected a time in [0, 0.98] s"),
         ("sensitivity.parameters=[legs]", "numbers of the robot tagged assumed, found legs"),
         ("sensitivity.parameters=[geometry.foot_radius]", "tagged assumed, found geometry.foot"),
-        ("sensitivity.provenance=[guessed]", "sensitivity.provenance: expected one of earlier"),
-        ("sensitivity.provenance=[]", "sensitivity.provenance: expected at least one tag"),
+        ("sensitivity.provenance=[guessed]", "sensitivity.provenance[0]: expected one of paper, "),
+        ("sensitivity.provenance=[]", "sensitivity.provenance: expected a list of one or more"),
     ],
 )
 def test_every_mistake_is_one_line(override, message):

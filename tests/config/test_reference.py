@@ -1,37 +1,82 @@
-"""The configuration reference: complete, with the comments of ``conf/``."""
+"""The configuration reference: complete, with bound, unit and meaning of every key."""
 
 import dataclasses
 from pathlib import Path
 
+import pytest
+
+from slider.cli import main
 from slider.config.compose import compose
-from slider.config.reference import OPTIONAL, group_entries, read_comments, reference
+from slider.config.reference import OPTIONAL, Entry, entries, matching, page
 from slider.config.schema import Config
+from slider.core.errors import UserError
+from slider.env.terms import kinds
 
 CONF = Path(__file__).parents[2] / "conf"
 
 
-def test_every_value_has_an_entry_and_nearly_all_a_meaning():
-    config, comments = compose(OPTIONAL, CONF), read_comments(CONF)
-    found = [
-        entry
-        for item in dataclasses.fields(Config)
-        for entry in group_entries(getattr(config, item.name), item.name, comments)
-    ]
+@pytest.fixture(scope="module")
+def config() -> Config:
+    return compose(OPTIONAL, CONF)
+
+
+@pytest.fixture(scope="module")
+def found(config) -> list[Entry]:
+    return entries(config, kinds(config))
+
+
+def test_every_value_has_an_entry_and_a_meaning(found):
     paths = {entry.path for entry in found}
     assert {"gait.nodes", "train.walking.ppo.schedule", "report.video.quality"} <= paths
-    assert len(paths) == len(found) > 100
-    silent = [entry.path for entry in found if not entry.comment]
-    assert len(silent) < 0.12 * len(found), silent
+    assert {"robot.joints.slide.upper", "protocols.heldout.profile.rows"} <= paths
+    assert len(paths) == len(found) > 500
+    assert [entry.path for entry in found if not entry.meaning] == []
+    assert {entry.path for entry in found if entry.kind.name == "value"} == set()
 
 
-def test_takes_the_comment_of_the_key_itself():
-    comments = read_comments(CONF)
-    assert comments["gait.posture.clearance"].startswith("of the swing foot at mid-step")
-    assert comments["tracking.experiment"] == "name of the MLflow experiment"
+def test_every_number_has_a_bound_and_every_real_one_a_unit(found):
+    numbers = [entry for entry in found if "number" in entry.kind.name]
+    assert len(numbers) > 300
+    assert [entry.path for entry in numbers if not entry.kind.interval] == []
+    assert [entry.path for entry in numbers if not entry.kind.unit] == []
+    integers = [entry for entry in found if "integer" in entry.kind.name]
+    assert [entry.path for entry in integers if not entry.kind.interval] == []
 
 
-def test_is_a_page_with_a_table_per_group():
-    page = reference(CONF)
-    assert page.count("| key | type | default | meaning |") == len(dataclasses.fields(Config))
-    assert "| `gait.nodes` | int | `21` |" in page
-    assert "| `finetuning.disturbance.push.interval` | float | `2.0` |" in page
+def test_keys_are_chosen_by_their_group_or_by_a_pattern(found):
+    gains = {entry.path for entry in matching(found, "robot.gains")}
+    assert len(gains) == 8
+    assert {entry.path for entry in matching(found, "*.gains.*")} == gains
+    assert [entry.path for entry in matching(found, "gait.nodes")] == ["gait.nodes"]
+    assert matching(found, "") == found
+    with pytest.raises(UserError, match=r"expected a key, or a pattern .*, found gait\.nod$"):
+        matching(found, "gait.nod")
+
+
+def test_is_a_page_with_a_table_per_group(config):
+    text = page(config, kinds(config))
+    header = "| key | type | unit | bound | default | meaning |"
+    assert text.count(header) == len(dataclasses.fields(Config))
+    row = "| `gait.nodes` | integer |  | [5, 201], an odd number | `21` | collocation nodes per st"
+    assert row in text
+    assert "| `env.termination.terms.tilt` | number | rad | (0, 3.14" in text
+    assert "| `train.walking.reward.terms.heading.params.width` | number | rad² | (0, 1" in text
+    assert "| `finetuning.disturbance.push.interval` | number | s | (0, 100000] | `2.0` |" in text
+
+
+def test_the_command_prints_keys_with_their_bounds(capsys):
+    command = ["config", "train.walking.ppo.gamma=0.9", "--conf", str(CONF)]
+    assert main([*command, "--keys", "train.walking.ppo"]) == 0
+    header, *rows = capsys.readouterr().out.splitlines()
+    assert header.split() == ["key", "type", "unit", "bound", "default", "meaning"]
+    (gamma,) = (row for row in rows if row.startswith("train.walking.ppo.gamma "))
+    assert gamma.split(maxsplit=6)[1:] == [
+        "number",
+        "-",
+        "(0,",
+        "1]",
+        "0.9",
+        "discount per control step",
+    ]
+    assert main([*command, "--keys", "nothing"]) == 1
+    assert len(capsys.readouterr().err.splitlines()) == 1

@@ -27,7 +27,7 @@ def _constant_code():
 
 def sensitivity(*overrides: str) -> JobSpec:
     config = compose(["experiment=test", *overrides], CONF)
-    return sensitivity_job(config, table1_jobs(config)["walking"], CONF)
+    return sensitivity_job(config, table1_jobs(config)["walking"])
 
 
 def only(*paths: str) -> str:
@@ -101,7 +101,7 @@ def test_the_gaits_of_the_unchanged_robot_are_the_library_s():
     config = compose(["experiment=test"], CONF)
     jobs = table1_jobs(config)
     own = {gait.recipe for gait in jobs["library"].inputs["gaits"]}
-    job = sensitivity_job(config, jobs["walking"], CONF)
+    job = sensitivity_job(config, jobs["walking"])
     nominal = [job.inputs["gaits"][place].recipe for place in job.section["nominal"]["gaits"]]
     assert set(nominal) == own
 

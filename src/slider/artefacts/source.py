@@ -34,8 +34,8 @@ class _Module:
 def closure(entry: str, root: Path) -> Closure:
     """Follow the imports of module ``entry`` within its own package below folder ``root``.
 
-    The digest covers the syntax trees without docstrings (comments are not part of them) and
-    the data files that lie beside the modules.
+    The digest covers the syntax trees without docstrings, those of fields too (comments are not
+    part of them), and the data files that lie beside the modules.
 
     Raises:
         UserError: the entry module does not exist or a module does not parse.
@@ -160,5 +160,11 @@ def _base(node: ast.ImportFrom, name: str, is_package: bool) -> str:
 def _strip_docstrings(tree: ast.Module) -> None:
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
     for node in _statements(tree):
-        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
-            del node.body[0]
+        if isinstance(node, documented):
+            node.body = [item for item in node.body if not _is_text(item)]
+
+
+def _is_text(node: ast.stmt) -> bool:
+    """A string by itself: a docstring, or what a class says under a field."""
+    value = node.value if isinstance(node, ast.Expr) else None
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)

@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -74,15 +74,12 @@ def run(arguments: argparse.Namespace) -> None:
     """Print a table, one row per number of nodes."""
     from slider.artefacts.runner import limit_threads
     from slider.config.compose import compose
-    from slider.config.validation import validate
 
     limit_threads(1)  # as a job of the pipeline has
     print(f"load of the machine: {os.getloadavg()[0]:.1f}")
     print(_HEADER)
     for nodes in arguments.nodes:
-        config = compose(arguments.overrides, arguments.conf)
-        config = replace(config, gait=replace(config.gait, nodes=nodes))
-        validate(config)
+        config = compose([*arguments.overrides, f"gait.nodes={nodes}"], arguments.conf)
         print(measure(config.robot, config.gait, VELOCITIES).line(), flush=True)
     config = compose(arguments.overrides, arguments.conf)
     print(_FRESH_HEADER)

@@ -1,4 +1,4 @@
-"""``slider config``: print the resolved configuration."""
+"""``slider config``: print the resolved configuration, or what its keys mean."""
 
 import argparse
 from pathlib import Path
@@ -8,15 +8,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("overrides", nargs="*", help="such as gait.cost=torque experiment=paper")
     parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
+    parser.add_argument(
+        "--keys",
+        nargs="?",
+        const="",
+        metavar="KEY",
+        help="print type, unit, bound, default and meaning of all keys, of those at or below KEY, "
+        "or of those that match it, such as '*.ppo.*'",
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print YAML that shows every value."""
+    """Print YAML that shows every value, or a table of keys."""
     from omegaconf import OmegaConf
 
     from slider.config.compose import compose
     from slider.config.convert import to_dict
-    from slider.env.terms import checked
+    from slider.config.reference import HEADER, entries, matching
+    from slider.env.terms import checked, kinds
 
-    values = to_dict(checked(compose(arguments.overrides, arguments.conf)))
-    print(OmegaConf.to_yaml(OmegaConf.create(values)), end="")
+    config = checked(compose(arguments.overrides, arguments.conf))
+    if arguments.keys is None:
+        print(OmegaConf.to_yaml(OmegaConf.create(to_dict(config))), end="")
+        return
+    rows = [
+        HEADER,
+        *(entry.cells for entry in matching(entries(config, kinds(config)), arguments.keys)),
+    ]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        print("  ".join(map(str.ljust, row, widths)).rstrip())

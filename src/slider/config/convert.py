@@ -1,11 +1,13 @@
 """Between plain nested values and typed configuration objects."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
+from slider.config.kinds import kind_at
 from slider.core.errors import UserError
 
 T = TypeVar("T")
@@ -16,8 +18,8 @@ def to_dict(config: Any) -> dict[str, Any]:
     return asdict(config)
 
 
-def from_dict(cls: type[T], values: Any) -> T:
-    """A configuration object from plain nested values.
+def from_dict(cls: type[T], values: Any, key: str = "") -> T:
+    """A configuration object from plain nested values; ``key`` is what people call the whole.
 
     Raises:
         UserError: names the key, what was expected and what was found.
@@ -25,26 +27,34 @@ def from_dict(cls: type[T], values: Any) -> T:
     try:
         return TypeAdapter(cls).validate_json(json.dumps(values))
     except ValidationError as error:
-        raise UserError(_first_mistake(error, values)) from None
+        raise UserError(_mistake(cls, error, values, key)) from None
 
 
-def _first_mistake(error: ValidationError, values: Any) -> str:
-    """One line: key, what was expected and what was found."""
-    first, *others = error.errors()
-    place, texts = first["loc"], [first["msg"]]
-    missing = first["type"] == "missing"
-    if not missing and _is_at(values, place[:-1], first["input"]):  # the last part is a type's name
-        place = place[:-1]
-        texts += [other["msg"] for other in others if other["loc"][: len(place)] == place]
-    key = ".".join(str(part) for part in place)
-    expected = " or ".join(dict.fromkeys(texts)).replace(" or Input should be", " or")
-    found = "" if missing else f", found {first['input']!r}"
-    return f"configuration key '{key}': {expected}{found}"
+def _mistake(cls: type, error: ValidationError, values: Any, key: str) -> str:
+    """One line: key, what was expected and what was found; of a union's types the nearest."""
+    found = [(_place(item["loc"], values), item) for item in error.errors()]
+    place, first = max(found, key=lambda item: len(item[0]))
+    absent = first["type"] == "missing"
+    if absent and isinstance(first["loc"][-1], str):  # else a number of a vector
+        place = [*place, first["loc"][-1]]
+    name = key + "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)
+    name = name.lstrip(".") or "configuration"
+    if first["type"] == "unexpected_keyword_argument":
+        return f"unknown configuration key '{name}'"
+    expected = first["msg"] if first["type"] == "rule" else kind_at(cls, place)
+    value = "none" if absent else json.dumps(first["input"], ensure_ascii=False)
+    return f"{name}: expected {expected}, found {value}"
 
 
-def _is_at(values: Any, place: tuple[int | str, ...], value: Any) -> bool:
-    for part in place:
-        if not isinstance(values, dict | list | tuple):
-            return False
-        values = values[part]  # pyright: ignore[reportArgumentType, reportCallIssue]
-    return bool(place) and values == value
+def _place(location: Sequence[str | int], values: Any) -> list[str | int]:
+    """The parts of a location that lead somewhere; others are names of types."""
+    place: list[str | int] = []
+    for part in location:
+        if part in values if isinstance(values, dict) else _is_index(part, values):
+            place.append(part)
+            values = values[part]
+    return place
+
+
+def _is_index(part: str | int, values: Any) -> bool:
+    return isinstance(part, int) and isinstance(values, list | tuple) and part < len(values)

@@ -2,71 +2,71 @@
 
 from pydantic.dataclasses import dataclass
 
-from slider.config.interval import Interval
-from slider.config.strict import STRICT
+from slider.config.types import (
+    STRICT,
+    Factor,
+    Interval,
+    Metres,
+    MetresPerSecond,
+    NonNegative,
+    Positive,
+    Radians,
+    RadiansPerSecond,
+    Seconds,
+)
 
 
 @dataclass(frozen=True, config=STRICT)
 class SensingConfig:
-    """Standard deviations of white noise on what a controller is told about the robot.
+    """Standard deviations of white noise on what a controller receives about the robot."""
 
-    Hinges [rad], [rad/s]; slides [m], [m/s]; base angular velocity [rad/s], orientation about each
-    axis [rad], linear velocity [m/s], height [m].
-    """
-
-    joint_position: float
-    slide_position: float
-    joint_velocity: float
-    slide_velocity: float
-    angular_velocity: float
-    orientation: float
-    linear_velocity: float
-    base_height: float
+    joint_position: NonNegative[Radians]
+    slide_position: NonNegative[Metres]
+    joint_velocity: NonNegative[RadiansPerSecond]
+    slide_velocity: NonNegative[MetresPerSecond]
+    angular_velocity: NonNegative[RadiansPerSecond]
+    orientation: NonNegative[Radians]
+    """of the base about each axis, and with it the direction of gravity"""
+    linear_velocity: NonNegative[MetresPerSecond]
+    base_height: NonNegative[Metres]
 
 
 @dataclass(frozen=True, config=STRICT)
 class PushConfig:
-    """Change of the base's horizontal velocity [m/s] in a random direction, every ``interval`` s.
+    """Change of the base's horizontal velocity in a random direction."""
 
-    A ``speed`` of zero means no pushes.
-    """
-
-    speed: float
-    interval: float
+    speed: NonNegative[MetresPerSecond]
+    """change of the base's horizontal velocity; 0: no pushes"""
+    interval: Positive[Seconds]
+    """time from the start and between pushes, a multiple of env.control_period"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class GroundConfig:
-    """Grid of random heights within ± ``amplitude`` [m], with square cells of ``cell`` [m].
+    """Grid of random heights."""
 
-    It repeats every ``period`` [m]. An ``amplitude`` of zero is flat ground.
-    """
-
-    amplitude: float
-    cell: float
-    period: float
+    amplitude: NonNegative[Metres]
+    """heights are uniform within ± this; 0: flat ground"""
+    cell: Positive[Metres]
+    """edge of its square cells"""
+    period: Positive[Metres]
+    """the ground repeats itself, a multiple of cell"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class DisturbanceConfig:
-    """What is drawn per robot and episode, uniformly in the intervals, and what happens in it.
-
-    Attributes:
-        sensing: noise on the state that the controller is given.
-        delay: between a controller's output and the drives [s], multiples of the simulation step.
-        motor_gain: achieved over demanded torque of each drive [-].
-        mass: of all links over the nominal one [-], one value per robot.
-        centre_of_mass: of the base, largest shift along each axis [m].
-        friction: of the feet on the ground [-]; none: the robot's.
-        push: impulses on the base.
-        ground: uneven ground.
-    """
+    """What is drawn per robot and episode, uniformly in the intervals, and what happens in it."""
 
     sensing: SensingConfig
-    delay: Interval
-    motor_gain: Interval
-    mass: Interval
-    centre_of_mass: float
-    friction: Interval | None
+    delay: Interval[Seconds]
+    """from the controller's output to the drives, multiples of env.physics.timestep"""
+    motor_gain: Interval[Positive[Factor]]
+    """achieved over demanded torque, each drive its own"""
+    mass: Interval[Positive[Factor]]
+    """of all links over the nominal one, one value per robot"""
+    centre_of_mass: NonNegative[Metres]
+    """of the base: largest shift along each axis"""
+    friction: Interval[Positive[Factor]] | None
+    """of the feet on the ground; null: robot.contact.friction"""
     push: PushConfig
     ground: GroundConfig

@@ -1,55 +1,73 @@
 """Typed settings of the simulated environment: the same for training and evaluation."""
 
 from dataclasses import field
+from typing import Annotated, Literal
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.strict import STRICT
+from slider.config.types import (
+    STRICT,
+    Count,
+    Metres,
+    MetresPerSecond,
+    MetresPerSecond2,
+    NonNegative,
+    Number,
+    Positive,
+    Radians,
+    RadiansPerSecond,
+    Seconds,
+    Unit,
+)
 
 
 @dataclass(frozen=True, config=STRICT)
 class PhysicsConfig:
-    """Simulation step [s], its repetitions per control step, and solver iterations."""
+    """Simulation step, its repetitions per control step, and solver iterations."""
 
-    timestep: float
-    substeps: int
-    solver_iterations: int
-    line_search_iterations: int
+    timestep: Positive[Seconds]
+    substeps: Annotated[Count, Field(le=1000)]
+    """simulation steps per control step"""
+    solver_iterations: Annotated[Count, Field(le=10_000)]
+    """greatest number of iterations of the contact solver"""
+    line_search_iterations: Annotated[Count, Field(le=10_000)]
+    """greatest number of iterations of its line search"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class ActionConfig:
-    """Desired joint position = origin + scale · clip(action); scale [rad or m] per leg joint.
+    """Desired joint position = origin + scale · clip(action)."""
 
-    ``offset`` says what the origin is: the ``nominal`` pose, or the ``gait`` of the reference
-    velocity at the clock's phase, so that the action is a residual.
-    """
-
-    offset: str
-    clip: float
-    scale: dict[str, float]
+    offset: Literal["nominal", "gait"]
+    """origin: the nominal pose, or the gait of the reference velocity at the clock's phase"""
+    clip: Positive[Number]
+    """bound of |action|"""
+    scale: dict[str, Annotated[NonNegative[Number], Unit("rad | m")]]
+    """per leg joint"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class HeightScan:
     """Grid of points around the base at which ground height is measured."""
 
-    points_x: int
-    points_y: int
-    spacing: float
+    points_x: Annotated[Count, Field(le=1000)]
+    points_y: Annotated[Count, Field(le=1000)]
+    spacing: Positive[Metres]
+    """distance of neighbouring points"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class ObservationConfig:
-    """Observation terms in order, each with its scale, and the clip after scaling.
+    """Observation terms in order, each with its scale, and the clip after scaling."""
 
-    ``velocity_filter`` [s] low-passes the velocity, and the reference that it is compared with.
-    """
-
-    terms: dict[str, float]
-    clip: float
+    terms: Annotated[dict[str, Positive[Number]], Field(min_length=1)]
+    """scale of the term"""
+    clip: Positive[Number]
+    """bound of |observation|, after scaling"""
     height_scan: HeightScan
-    velocity_filter: float
+    velocity_filter: Seconds
+    """time constant of filtered velocities and of their reference; 0: not filtered"""
 
     def filter_gain(self, period: float) -> float:
         """Share of the way that filtered velocities go per control period [s]."""
@@ -58,53 +76,55 @@ class ObservationConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ReferenceConfig:
-    """The reference velocity goes to the command with ``acceleration`` [m/s²]; 0: at once.
+    """The velocity that goes from one command to the next.
 
     Clock, guide and the gait under the actions are those of the reference velocity.
     """
 
-    acceleration: float
+    acceleration: MetresPerSecond2
+    """with which it goes to the command, along x and y; 0: at once"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class TerminationConfig:
-    """Active termination terms: name → parameter."""
+    """What ends an episode."""
 
-    terms: dict[str, float]
+    terms: dict[str, Number]
+    """parameter of the active termination term"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class StartNoise:
-    """Standard deviations of a robot's start: [rad], [m], [rad], [m/s], [rad/s], [rad/s]."""
+    """Standard deviations of a robot's start about the nominal pose at rest."""
 
-    joint_position: float
-    slide_position: float
-    tilt: float
-    linear_velocity: float
-    angular_velocity: float
-    joint_velocity: float
+    joint_position: NonNegative[Radians]
+    slide_position: NonNegative[Metres]
+    tilt: NonNegative[Radians]
+    linear_velocity: NonNegative[MetresPerSecond]
+    angular_velocity: NonNegative[RadiansPerSecond]
+    joint_velocity: NonNegative[RadiansPerSecond]
 
 
 @dataclass(frozen=True, config=STRICT)
 class HaltConfig:
-    """At zero command the clock stays at the next change of feet once the low-passed velocity is
-    less than ``below``, and runs on when the velocity is more than ``above`` [m/s]; 0: never stays.
-    """
+    """At zero command the clock stays at the next change of feet, both of them on the ground."""
 
-    below: float
-    above: float
+    below: NonNegative[MetresPerSecond]
+    """it stays once the low-passed velocity is less than this; 0: never, step in place"""
+    above: NonNegative[MetresPerSecond]
+    """it runs on when the velocity is more than this: the robot tips over"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class PhaseConfig:
-    """Clock that runs through the two steps of a walk; ``mirror`` shows left stance only.
-
-    ``step_time`` [s] fixes its pace; at 0 it has the step times of the gait library.
-    """
+    """Clock that runs through the two steps of a walk."""
 
     enabled: bool
+    """whether there is a clock"""
     mirror: bool
-    step_time: float
+    """reflect observation and action in right stance: the network sees left stance only"""
+    step_time: Seconds
+    """fixed duration of a step; 0: that of the gait library at the reference velocity"""
     halt: HaltConfig
 
 
@@ -112,7 +132,8 @@ class PhaseConfig:
 class PlantConfig:
     """The part of an environment that does not depend on who controls the robot."""
 
-    control_period: float
+    control_period: Positive[Seconds]
+    """time between two outputs of the policy"""
     physics: PhysicsConfig
     termination: TerminationConfig
 
@@ -121,7 +142,8 @@ class PlantConfig:
 class EnvConfig:
     """What a controller of the robot sees and commands, and what ends an episode."""
 
-    control_period: float
+    control_period: Positive[Seconds]
+    """time between two outputs of the policy; timestep × substeps"""
     physics: PhysicsConfig
     reference: ReferenceConfig
     action: ActionConfig

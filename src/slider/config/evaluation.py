@@ -1,31 +1,47 @@
-"""Typed settings of evaluation protocols, tracking and resources."""
+"""Typed settings of evaluation protocols, and the seeds that they draw from."""
 
 from dataclasses import field
+from typing import Annotated, Literal
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import StartNoise
-from slider.config.strict import STRICT
+from slider.config.types import (
+    STRICT,
+    Count,
+    Distinct,
+    Factor,
+    MetresPerSecond,
+    Name,
+    NonNegative,
+    Positive,
+    RadiansPerSecond,
+    Seconds,
+    Seed,
+    Some,
+)
 
 
 @dataclass(frozen=True, config=STRICT)
 class Segment:
-    """From ``time`` [s] on: vx, vy [m/s] and yaw rate [rad/s], until the next segment."""
+    """A constant command, until the next segment."""
 
-    name: str
-    time: float
-    vx: float
-    vy: float = 0.0
-    yaw_rate: float = 0.0
+    name: Name
+    time: Seconds
+    """from when on"""
+    vx: MetresPerSecond
+    vy: MetresPerSecond = 0.0
+    yaw_rate: RadiansPerSecond = 0.0
 
 
 @dataclass(frozen=True, config=STRICT)
 class CaseConfig:
     """One rollout: its segments in the order of time, the first one from 0 s on."""
 
-    name: str
-    segments: list[Segment]
+    name: Name
+    segments: Some[Segment]
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -33,20 +49,18 @@ class ProfileConfig:
     """Commands that change during a rollout; see ``docs/how-to/evaluate.md``.
 
     ``rows`` and ``cases`` are not in the section of a single evaluation, which has its own case.
-
-    Attributes:
-        ramp: how long a command takes to get from one segment's to the next one's [s].
-        warm_up: start of each segment that does not count for its errors [s].
-        window: moving average over which velocities are drawn [s].
-        rows: of the report's table: ``segments`` of its only case, or ``cases`` by their last one.
-        cases: each is a rollout of its own.
     """
 
-    ramp: float
-    warm_up: float
-    window: float
-    rows: str = "segments"
-    cases: list[CaseConfig] = field(default_factory=list)
+    ramp: Seconds
+    """how long a command takes to get from one segment's to the next one's; 0: a step"""
+    warm_up: Seconds
+    """start of each segment that does not count for its errors"""
+    window: Positive[Seconds]
+    """moving average over which velocities are drawn"""
+    rows: Literal["segments", "cases"] = "segments"
+    """of the report's table: segments of the only case, or cases, each by its last segment"""
+    cases: Some[CaseConfig] = field(default_factory=list)
+    """rollouts: from a time on, vx, vy and yaw_rate, 0 if not said"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -58,30 +72,52 @@ class EvaluationConfig:
     ``commands``, constant forward velocities, or a ``profile``.
     """
 
-    trials: int
-    robots: int
-    duration: float
-    warm_up: float
-    tracking_tolerance: float
-    tracking_relative: float
-    seed: int
+    trials: Annotated[Count, Field(le=100_000)]
+    """trials, each with a seed of its own"""
+    robots: Count
+    """per trial, each with its own start"""
+    duration: Positive[Seconds]
+    """of a rollout"""
+    warm_up: Seconds
+    """start of mse_steady and of the tracked mean velocity"""
+    tracking_tolerance: NonNegative[MetresPerSecond]
+    """tracked: |mean v − command| ≤ max(this, tracking_relative · command)"""
+    tracking_relative: Factor
+    """the same relative to the command"""
+    seed: Seed
+    """of the first trial"""
     start: StartNoise
     disturbance: DisturbanceConfig
-    controllers: list[str] = field(default_factory=list)
-    commands: list[float] = field(default_factory=list)
+    controllers: Distinct[Some[Name]] = field(default_factory=list)
+    """rows of the table"""
+    commands: Distinct[list[MetresPerSecond]] = field(default_factory=list)
+    """constant forward velocities; none with a profile"""
     profile: ProfileConfig | None = None
+    """commands that change; null: constant ones"""
 
 
 @dataclass(frozen=True, config=STRICT)
-class TrackingConfig:
-    """MLflow: whether runs are recorded, and the name of the experiment."""
+class SeedBlock:
+    """Consecutive seeds, ``first`` and ``last`` included."""
 
-    enabled: bool
-    experiment: str
+    first: Seed
+    last: Seed
+
+    def __contains__(self, seed: int) -> bool:
+        return self.first <= seed <= self.last
+
+    def __str__(self) -> str:
+        return f"{self.first} to {self.last}"
 
 
 @dataclass(frozen=True, config=STRICT)
-class ResourcesConfig:
-    """Threads of a training or evaluation job. Never part of a recipe."""
+class SeedsConfig:
+    """Blocks of seeds that are held apart: nothing is chosen by results from ``final``.
 
-    threads: int
+    Trial k of an evaluation draws its starts from its seed + k.
+    """
+
+    final: SeedBlock
+    development: SeedBlock
+    selection: Seed
+    """of development: the checks that pick a training's checkpoint"""

@@ -2,123 +2,167 @@
 
 import math
 from dataclasses import field
+from typing import Annotated, Literal
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.strict import STRICT
+from slider.config.types import (
+    STRICT,
+    Count,
+    Distinct,
+    Factor,
+    Metres,
+    MetresPerSecond,
+    NonNegative,
+    Odd,
+    Positive,
+    Radians,
+    RadiansPerSecond,
+    Seconds,
+    Share,
+    Some,
+    Tolerance,
+    Unit,
+)
 
 
 @dataclass(frozen=True, config=STRICT)
 class Axis:
-    """start, start + step, ... up to and including stop [m/s]."""
+    """start, start + step, ... up to and including stop."""
 
-    start: float
-    stop: float
-    step: float
+    start: MetresPerSecond
+    stop: MetresPerSecond
+    step: Positive[MetresPerSecond]
 
 
 def axis_size(axis: Axis | list[float]) -> int:
     """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
     if isinstance(axis, list):
         return len(axis)
-    if axis.step <= 0 or axis.stop < axis.start:
+    if axis.stop < axis.start:
         return 0
     return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
 @dataclass(frozen=True, config=STRICT)
 class GridBlock:
-    """A rectangle of commanded velocities [m/s]; an axis may be a list of values."""
+    """A rectangle of commanded velocities; an axis may be a list of values."""
 
-    vx: Axis | list[float]
-    vy: Axis | list[float]
+    vx: Axis | Distinct[Some[MetresPerSecond]]
+    """commanded forward velocities"""
+    vy: Axis | Distinct[Some[MetresPerSecond]]
+    """commanded leftward velocities"""
 
 
 @dataclass(frozen=True, config=STRICT)
-class GridConfig:
+class GridConfig(GridBlock):
     """The commanded velocities of the library: one rectangle, and further ones beside it."""
 
-    vx: Axis | list[float]
-    vy: Axis | list[float]
     extra: list[GridBlock] = field(default_factory=list)
+    """further rectangles"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class StepTime:
-    """Duration of a step [s].
+    """Duration of a step."""
 
-    ``law``: ``free`` within the bounds; ``fixed`` at ``value``; ``speed``: value + slope · speed,
-    within the bounds, ``slope`` in s per m/s.
-    """
-
-    lower: float
-    upper: float
-    law: str
-    value: float
-    slope: float
+    lower: Positive[Seconds]
+    upper: Positive[Seconds]
+    law: Literal["free", "fixed", "speed"]
+    """free within the bounds; fixed: value; speed: value + slope · speed, within the bounds"""
+    value: Positive[Seconds]
+    """duration of the laws fixed and speed"""
+    slope: Annotated[float, Unit("s per m/s"), Field(ge=-1e3, le=1e3)]
+    """change with the speed"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class Touchdown:
-    """Velocity of the swing foot just before impact: [m/s], angular rate [rad/s]."""
+    """Velocity of the swing foot just before impact."""
 
-    forward: float
-    lateral: float
-    down_min: float
-    down_max: float
-    angular: float
+    forward: NonNegative[MetresPerSecond]
+    """bound of |vx|"""
+    lateral: NonNegative[MetresPerSecond]
+    """bound of |vy|"""
+    down_min: NonNegative[MetresPerSecond]
+    """least downward speed"""
+    down_max: NonNegative[MetresPerSecond]
+    """greatest downward speed"""
+    angular: NonNegative[RadiansPerSecond]
+    """bound of each component of the angular velocity"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class Posture:
-    """Geometric limits of a gait: [m], [rad]."""
+    """Geometric limits of a gait."""
 
-    clearance: float
-    clearance_margin: float
-    swing_height: float
-    foot_separation_min: float
-    foot_separation_max: float
-    legs_apart: float
-    torso_roll: float
-    torso_pitch: float
-    torso_yaw: float
-    torso_rate: float
-    knee_min: float
-    knee_max: float
+    clearance: NonNegative[Metres]
+    """of the swing foot at mid-step, parabola over the step"""
+    clearance_margin: NonNegative[Metres]
+    """added at the nodes, for what happens between them"""
+    swing_height: Positive[Metres]
+    """greatest height of the swing foot"""
+    foot_separation_min: NonNegative[Metres]
+    """least lateral distance of the feet"""
+    foot_separation_max: Positive[Metres]
+    """greatest lateral distance of the feet"""
+    legs_apart: NonNegative[Metres]
+    """least lateral distance of feet, and of the tubes' upper ends, in the base's axes"""
+    torso_roll: NonNegative[Radians]
+    torso_pitch: NonNegative[Radians]
+    torso_yaw: NonNegative[Radians]
+    torso_rate: NonNegative[RadiansPerSecond]
+    """bound of each component of the angular velocity"""
+    knee_min: NonNegative[Radians]
+    """least virtual knee flexion; away from the straight leg"""
+    knee_max: Positive[Radians]
+    """greatest virtual knee flexion"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class ContactLimits:
-    """Friction coefficient [-], least vertical force at toe and heel [fraction of weight]."""
+    """What the ground may do to the stance foot."""
 
-    friction: float
-    min_vertical: float
+    friction: Positive[Factor]
+    """Coulomb coefficient that the gait may use"""
+    min_vertical: Annotated[Share, Unit("fraction of weight")]
+    """least vertical force at toe and heel"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class SolverConfig:
     """IPOPT settings, what is tried in turn, and whether the first or the best result counts."""
 
-    max_iterations: int
-    tolerance: float
-    constraint_tolerance: float
-    guesses: list[str]
-    keep: str
+    max_iterations: Count
+    """greatest number of iterations of a start"""
+    tolerance: Tolerance
+    """IPOPT tol"""
+    constraint_tolerance: Tolerance
+    """IPOPT constr_viol_tol, in the scaled units of the problem"""
+    guesses: Some[Literal["cold", "fast", "crouched", "ramp"]]
+    """starts tried in turn: knees bent most, long steps (crouched); short quick steps (fast); less
+    bent, long steps (cold); warm starts from walking in place (ramp)"""
+    keep: Literal["first", "best"]
+    """first: the first start that converges; best: try all, keep the cheapest gait"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
-    """What a gait is, the same for all commanded velocities; see ``docs/explanation/method.md``.
+    """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
 
-    ``voltage``: share of the bus that motors may use at the nodes; the rest is for between them.
-    """
-
-    nodes: int
-    transcription: str
-    degree: int
-    dynamics: str
-    cost: str
-    voltage: float
+    nodes: Annotated[Odd[int], Field(ge=5, le=201)]
+    """collocation nodes per step"""
+    transcription: Literal["bezier", "collocation"]
+    """bezier: joints are polynomials of the phase (virtual constraints); collocation: all free"""
+    degree: Annotated[int, Field(ge=3, le=12)]
+    """of the Bézier polynomials"""
+    dynamics: Literal["prismatic", "knee"]
+    """whose bodies move: the real leg's and its rotors', or the virtual knee's"""
+    cost: Literal["paper", "torque", "transport"]
+    """paper: eq. 2 as printed; torque: (1/T) ∫ ‖τ‖² dt; transport: mean |power| / (m g)"""
+    voltage: Positive[Share]
+    """share of the bus that motors may use at the nodes; the rest is for between them"""
     touchdown: Touchdown
     posture: Posture
     contact: ContactLimits
@@ -128,7 +172,8 @@ class FormulationConfig:
 class SolveConfig:
     """How a gait is found and converted."""
 
-    kinematic_map: str
+    kinematic_map: Literal["exact", "paper"]
+    """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
     step_time: StepTime
     solver: SolverConfig
 
@@ -145,4 +190,6 @@ class LibraryConfig:
     """How gaits are collected."""
 
     allow_holes: bool
-    max_violation: float
+    """false: a gait that did not converge stops the library with a list of them"""
+    max_violation: Annotated[Tolerance, Unit("SI")]
+    """worst constraint violation of a gait that counts as converged"""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, TypeGuard
 
 from slider.config.convert import from_dict, to_dict
+from slider.config.kinds import kind_at
 from slider.config.robot import RobotConfig
 
 PROVENANCE = "provenance"
@@ -18,11 +19,13 @@ class Parameter:
         path: dotted, below ``robot``.
         value: the numbers, one for a scalar.
         provenance: tag of the longest matching path; empty without one.
+        unit: such as ``kg m²``; ``-`` of a share or a factor.
     """
 
     path: str
     value: tuple[float, ...]
     provenance: str
+    unit: str
 
     @property
     def zero(self) -> bool:
@@ -34,7 +37,10 @@ def parameters(robot: RobotConfig) -> list[Parameter]:
     """All numbers and vectors of a robot, in the order of its configuration."""
     values = to_dict(robot)
     tags = values.pop(PROVENANCE)
-    return [Parameter(path, numbers, tag(tags, path)) for path, numbers in _leaves(values)]
+    return [
+        Parameter(path, numbers, tag(tags, path), kind_at(RobotConfig, path.split(".")).unit)
+        for path, numbers in _leaves(values)
+    ]
 
 
 def choose(
@@ -66,7 +72,7 @@ def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:
     for group in groups:
         node = node[group]
     node[name] = _times(node[name], factor)
-    return from_dict(RobotConfig, values)
+    return from_dict(RobotConfig, values, "robot")
 
 
 def _within(path: str, group: str) -> bool:

@@ -1,141 +1,106 @@
-"""Reference of the configuration: every key with type, default and the comment of ``conf/``."""
+"""Reference of the configuration: every key with what its value may be, default and meaning."""
 
-import dataclasses
-import typing
+import fnmatch
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from slider.config.compose import compose
 from slider.config.convert import to_dict
-from slider.config.evaluation import EvaluationConfig
+from slider.config.kinds import Kind, child, kind_at, meaning
 from slider.config.schema import Config
+from slider.core.errors import UserError
 
-_BASES = ("base.yaml", "default.yaml")  # their comments are about the defaults, and win
 OPTIONAL = ("finetuning=robust",)  # groups that the default configuration does not have
-_LIKE = {  # keys that are explained once
-    "train.standing.": "train.walking.",
-    "finetuning.": "train.walking.",
-    "control.observer.": "control.tuned.",
-    "control.literal.": "control.",
-    "control.tuned.": "control.",
-}
+HEADER = ("key", "type", "unit", "bound", "default", "meaning")
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One key: dotted path, type, default as text, comment."""
+    """One key: dotted path, what its value may be, default as text, meaning."""
 
     path: str
-    kind: str
+    kind: Kind
     default: str
-    comment: str
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """Under ``HEADER``."""
+        kind = self.kind
+        return (self.path, kind.name, kind.unit, kind.bound, self.default, self.meaning)
 
 
-def reference(conf: Path) -> str:
-    """Markdown page with one table per group of the configuration."""
-    config = compose(OPTIONAL, conf)
-    comments = read_comments(conf)
+def entries(config: Config, kinds: Mapping[str, Kind]) -> list[Entry]:
+    """Every key of a configuration, in its order; ``kinds`` of keys about which terms say more."""
+    found = _entries(Config, config, (), "")
+    return [replace(entry, kind=kinds.get(entry.path, entry.kind)) for entry in found]
+
+
+def matching(found: list[Entry], pattern: str) -> list[Entry]:
+    """Entries at or below a key, or whose key matches a pattern such as ``*.ppo.*``.
+
+    Raises:
+        UserError: there is none.
+    """
+    chosen = [
+        item
+        for item in found
+        if f"{item.path}.".startswith(f"{pattern}.") or fnmatch.fnmatch(item.path, pattern)
+    ]
+    if not chosen and pattern:
+        raise UserError(f"expected a key, or a pattern such as *.ppo.*, found {pattern}")
+    return chosen or found
+
+
+def page(config: Config, kinds: Mapping[str, Kind]) -> str:
+    """Markdown page with one table per group of a configuration."""
     lines = [
         "# Configuration reference",
         "",
-        "Generated from the typed schema and the comments of `conf/`. Defaults are those of "
-        f"`experiment=default`, and of `{' '.join(OPTIONAL)}`; override any of them with "
-        "`--config hydra='key=value key=value'`.",
+        "Generated from the types of the schema. Defaults are those of `experiment=default`, and "
+        f"of `{' '.join(OPTIONAL)}`; override any of them with `--config hydra='key=value "
+        "key=value'`. `slider config --keys train.walking.ppo` prints a part of it.",
         "",
     ]
-    for item in dataclasses.fields(Config):
-        value = getattr(config, item.name)
-        kind = EvaluationConfig if item.name == "protocols" else type(value)
-        lines += [f"## {item.name}", "", _first_line(kind), ""]
-        lines += ["| key | type | default | meaning |", "|---|---|---|---|"]
-        for entry in group_entries(value, item.name, comments):
-            cells = (f"`{entry.path}`", entry.kind, f"`{entry.default}`", entry.comment)
+    known = entries(config, kinds)
+    for item in fields(Config):
+        lines += [f"## {item.name}", "", _first_line(getattr(config, item.name)), ""]
+        lines += [f"| {' | '.join(HEADER)} |", "|---" * len(HEADER) + "|"]
+        for entry in matching(known, item.name):
+            path, *middle, default, text = entry.cells
+            cells = (f"`{path}`", *middle, f"`{default}`", text)
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         lines.append("")
     return "\n".join(lines)
 
 
-def group_entries(group: Any, path: str, comments: Mapping[str, str]) -> Iterator[Entry]:
-    """Keys of a group: a dataclass, or several of them by name."""
-    if isinstance(group, dict):
-        for name, node in group.items():
-            yield from entries(node, f"{path}.{name}", comments)
+def _entries(hint: Any, value: Any, place: tuple[str, ...], text: str) -> Iterator[Entry]:
+    """Keys at or below a place; what has no meaning of its own has that of the group around it."""
+    if _is_group(value):
+        for name in (item.name for item in fields(value)):
+            item = getattr(value, name)
+            below = meaning(type(value), name) or text
+            if not below and not isinstance(item, dict) and not _is_group(item):
+                below = _first_line(value)
+            yield from _entries(child(hint, name), item, (*place, name), below)
+    elif isinstance(value, dict) and value:
+        for name, item in value.items():
+            yield from _entries(child(hint, name), item, (*place, name), text)
     else:
-        yield from entries(group, path, comments)
+        yield Entry(".".join(place), kind_at(Config, place), _text(value), text)
 
 
-def entries(node: Any, path: str, comments: Mapping[str, str]) -> Iterator[Entry]:
-    """Keys below a dataclass of the configuration; other values are one entry each."""
-    hints = typing.get_type_hints(type(node))
-    for item in dataclasses.fields(node):
-        value, key = getattr(node, item.name), f"{path}.{item.name}"
-        if dataclasses.is_dataclass(value):
-            yield from entries(value, key, comments)
-        else:
-            yield Entry(key, _kind(hints[item.name]), _text(value), _comment(key, comments))
-
-
-def read_comments(conf: Path) -> dict[str, str]:
-    """Comment of each dotted path in the files of ``conf/`` but the experiments."""
-    found: dict[str, str] = {}
-    paths = [path for path in conf.rglob("*.yaml") if path.parent.name != "experiment"]
-    for path in sorted(paths, key=lambda path: (path.name in _BASES, str(path))):
-        prefix = "".join(f"{part}." for part in path.parent.relative_to(conf).parts)
-        found |= {f"{prefix}{key}": text for key, text in _file_comments(path)}
-    return found
-
-
-def _file_comments(path: Path) -> Iterator[tuple[str, str]]:
-    """(dotted key, comment) of the commented lines of a YAML file."""
-    stack: list[tuple[int, str]] = []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        body, hash_, comment = line.partition(" #")
-        name, colon, _ = body.strip().partition(":")
-        if not colon or name.startswith(("-", "#", "{")):
-            continue
-        indent = len(line) - len(line.lstrip())
-        stack = [(depth, parent) for depth, parent in stack if depth < indent] + [(indent, name)]
-        if hash_:
-            yield ".".join(parent for _, parent in stack), comment.strip()
-
-
-def _comment(key: str, comments: Mapping[str, str]) -> str:
-    """Own comment, that of the same key elsewhere, or that of the nearest group with one."""
-    for prefix, other in _LIKE.items():
-        if key.startswith(prefix) and key not in comments:
-            key = other + key.removeprefix(prefix)
-    parts = key.split(".")
-    if parts[0] == "protocols":  # protocols.NAME.key is explained as evaluation.key
-        parts = ["evaluation", *parts[2:]]
-    elif "disturbance" in parts and key not in comments:  # a training's are an evaluation's
-        parts = ["evaluation", *parts[parts.index("disturbance") :]]
-    for end in range(len(parts), 1, -1):
-        text = comments.get(".".join(parts[:end]))
-        if text:
-            return text
-    return ""
-
-
-def _kind(hint: Any) -> str:
-    return getattr(hint, "__name__", str(hint)) if not typing.get_args(hint) else _generic(hint)
-
-
-def _generic(hint: Any) -> str:
-    inner = ", ".join(_kind(item) for item in typing.get_args(hint) if item is not Ellipsis)
-    return f"{getattr(typing.get_origin(hint), '__name__', hint)} of {inner}"
+def _is_group(value: Any) -> bool:
+    return is_dataclass(value) and not isinstance(value, type)
 
 
 def _text(value: Any) -> str:
-    plain = (
-        {k: to_dict(v) if dataclasses.is_dataclass(v) else v for k, v in value.items()}
-        if (isinstance(value, dict))
-        else value
-    )
-    text = str(plain)
+    items = [to_dict(i) if is_dataclass(i) else i for i in value] if isinstance(value, list) else []
+    text = str(items or value)
     return text if len(text) <= 90 else text[:87] + "…"
 
 
-def _first_line(kind: type) -> str:
-    return (kind.__doc__ or "").strip().splitlines()[0]
+def _first_line(group: Any) -> str:
+    """Of the text about a group, or about the first of several by name."""
+    some = next(iter(group.values())) if isinstance(group, dict) else group
+    return (type(some).__doc__ or "").strip().splitlines()[0]

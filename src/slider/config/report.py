@@ -2,14 +2,16 @@
 
 from pydantic.dataclasses import dataclass
 
-from slider.config.strict import STRICT
+from slider.config.types import STRICT, Distinct, MetresPerSecond, Name, Some
 from slider.config.video import VideoConfig
 
 
 @dataclass(frozen=True, config=STRICT)
 class ReportConfig:
-    """Sections of the page in order, and their settings."""
+    """The page reports/index.html and the videos in it."""
 
-    sections: list[str]
-    tracking_commands: list[float]
+    sections: Distinct[Some[Name]]
+    """of the page, in order"""
+    tracking_commands: Distinct[list[MetresPerSecond]]
+    """velocity tracking is drawn for these, where evaluated"""
     video: VideoConfig

@@ -1,20 +1,41 @@
 """Typed robot parameters. Values and their provenance live in ``conf/robot``."""
 
 from dataclasses import field
-from typing import Any
+from typing import Annotated, Literal
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.strict import STRICT, Vector3
+from slider.config.types import (
+    STRICT,
+    Factor,
+    JointPosition,
+    KilogramMetres2,
+    Kilograms,
+    Metres,
+    Name,
+    NewtonMetres,
+    NonNegative,
+    Number,
+    Positive,
+    RadiansPerSecond,
+    Share,
+    Unit,
+    Vector3,
+)
+
+Provenance = Literal["paper", "earlier", "assumed"]
 
 
 @dataclass(frozen=True, config=STRICT)
 class Link:
-    """A rigid body: mass [kg], centre of mass in its own frame [m], diagonal inertia [kg m²]."""
+    """A rigid body."""
 
-    mass: float
-    com: Vector3
-    inertia: Vector3
+    mass: Positive[Kilograms]
+    com: Vector3[Metres]
+    """centre of mass, in the frame of the link's joint"""
+    inertia: Vector3[Positive[KilogramMetres2]]
+    """diagonal inertia about the centre of mass"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -32,84 +53,92 @@ class Links:
 
 @dataclass(frozen=True, config=STRICT)
 class Geometry:
-    """Lengths [m]."""
+    """Lengths."""
 
-    hip_offset: float
-    leg_length: float
-    ankle_height: float
-    toe: float
-    heel: float
-    foot_radius: float
-    upper_foot_height: float
-    tube_radius: float
-    hip_radius: float
-    base_half_size: Vector3
+    hip_offset: Positive[Metres]
+    """lateral distance of the hip roll axis from the middle"""
+    leg_length: Positive[Metres]
+    """hip pitch axis to ankle at slide = 0"""
+    ankle_height: Positive[Metres]
+    """ankle axis to sole"""
+    toe: Positive[Metres]
+    """ankle axis to the front end of the foot line"""
+    heel: Positive[Metres]
+    """ankle axis to the rear end of the foot line"""
+    foot_radius: Positive[Metres]
+    """half of the foot's width"""
+    upper_foot_height: Positive[Metres]
+    """upper foot axis above the hip pitch axis at slide = 0"""
+    tube_radius: Positive[Metres]
+    """of the leg"""
+    hip_radius: Positive[Metres]
+    """of the drives about the hip"""
+    base_half_size: Vector3[Positive[Metres]]
+    """box between the hips"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class VirtualKnee:
     """The revolute leg that stands for the slide in the gait solver."""
 
-    thigh_length: float
-    shank_length: float
-    shank_mass_fraction: float
+    thigh_length: Positive[Metres]
+    """l₁"""
+    shank_length: Positive[Metres]
+    """l₂"""
+    shank_mass_fraction: Share
+    """share of the tube's mass that moves with the virtual shank"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class Joint:
-    """Position range [rad or m], viscous damping [N m s/rad or N s/m].
+    """Range and passive properties of a joint."""
 
-    ``armature``: inertia of its own, beside that of the drives [kg m² or kg].
-    """
-
-    lower: float
-    upper: float
-    damping: float
-    armature: float
+    lower: JointPosition
+    upper: JointPosition
+    damping: Annotated[NonNegative[Number], Unit("N m s/rad | N s/m")]
+    """viscous damping"""
+    armature: Annotated[NonNegative[Number], Unit("kg m² | kg")]
+    """inertia of its own, beside that of the drives"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class Drive:
-    """A motor with its gear.
+    """A motor with its gear."""
 
-    Attributes:
-        torque: limit [N m].
-        speed: where the torque-speed line ends [rad/s].
-        stall_ratio: torque of that line at rest, as a multiple of the limit [-].
-        inertia: of the rotor, reflected to the output [kg m²].
-    """
-
-    torque: float
-    speed: float
-    stall_ratio: float
-    inertia: float
+    torque: Positive[NewtonMetres]
+    """limit"""
+    speed: Positive[RadiansPerSecond]
+    """where the torque-speed line ends: no load"""
+    stall_ratio: Annotated[Factor, Field(ge=1)]
+    """torque of that line at rest, as a multiple of the limit"""
+    inertia: Positive[KilogramMetres2]
+    """of the rotor, reflected to the output"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class Gains:
-    """Position loop on board of a motor: [N m/rad], [N m s/rad]."""
+    """Position loop on board of a motor."""
 
-    kp: float
-    kd: float
+    kp: Annotated[NonNegative[Number], Unit("N m/rad")]
+    kd: Annotated[NonNegative[Number], Unit("N m s/rad")]
 
 
 @dataclass(frozen=True, config=STRICT)
 class Capstan:
-    """Differential of slide and foot, moved by two equal motors (``drives.capstan``).
+    """Differential of slide and foot, moved by two equal motors (``drives.capstan``)."""
 
-    ``drum_radius``: way of the slide per angle of both motors in the same sense [m/rad];
-    ``foot_ratio``: angle of the foot per angle of both in opposite senses [-].
-    """
-
-    drum_radius: float
-    foot_ratio: float
+    drum_radius: Annotated[Positive[Factor], Unit("m/rad")]
+    """way of the slide per angle of both motors in the same sense"""
+    foot_ratio: Positive[Factor]
+    """angle of the foot per angle of both motors in opposite senses"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class Contact:
     """Foot-ground contact."""
 
-    friction: float
+    friction: Positive[Factor]
+    """coefficient of the foot on the ground"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -128,7 +157,8 @@ class Mechanism:
 class RobotConfig(Mechanism):
     """Everything that defines the machine; gains by leg drive."""
 
-    name: str
+    name: Name
     gains: dict[str, Gains]
     contact: Contact
-    provenance: dict[str, Any] = field(default_factory=dict)
+    provenance: dict[str, Provenance] = field(default_factory=dict)
+    """where values come from, by dotted path; the longest matching path counts"""

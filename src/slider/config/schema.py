@@ -1,19 +1,38 @@
 """Root of the typed configuration."""
 
+from typing import Annotated
+
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.ablation import AblationConfig
 from slider.config.control import ControlConfig
 from slider.config.env import EnvConfig
-from slider.config.evaluation import EvaluationConfig, ResourcesConfig, TrackingConfig
+from slider.config.evaluation import EvaluationConfig, SeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
-from slider.config.seeds import SeedsConfig
-from slider.config.sensitivity import SensitivityConfig
-from slider.config.strict import STRICT
+from slider.config.studies import AblationConfig, SensitivityConfig
 from slider.config.train import TrainConfig, TrainingsConfig
+from slider.config.types import STRICT, Count, Name
 from slider.config.verification import VerificationConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class TrackingConfig:
+    """MLflow."""
+
+    enabled: bool
+    """false: no MLflow run is written"""
+    experiment: Name
+    """name of the MLflow experiment"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class ResourcesConfig:
+    """Of the machine that computes. Never part of a recipe."""
+
+    threads: Annotated[Count, Field(le=1024)]
+    """threads of a training job (an evaluation has one)"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -40,3 +59,15 @@ class Config:
     tracking: TrackingConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None
+
+    @property
+    def evaluations(self) -> dict[str, EvaluationConfig]:
+        """Protocols by their keys."""
+        others = {f"protocols.{name}": protocol for name, protocol in self.protocols.items()}
+        return {"evaluation": self.evaluation, **others}
+
+    @property
+    def trainings(self) -> dict[str, TrainConfig]:
+        """Trainings by their keys."""
+        found = {"train.standing": self.train.standing, "train.walking": self.train.walking}
+        return found | ({"finetuning": self.finetuning} if self.finetuning else {})

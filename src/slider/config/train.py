@@ -1,66 +1,85 @@
-"""Typed settings of the two trainings (standing, walking)."""
+"""Typed settings of the trainings."""
 
 from dataclasses import field
+from typing import Annotated, Literal
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from slider.config.disturbance import DisturbanceConfig
-from slider.config.interval import Interval
-from slider.config.strict import STRICT
+from slider.config.types import (
+    STRICT,
+    Count,
+    Distinct,
+    Factor,
+    Interval,
+    MetresPerSecond,
+    NonNegative,
+    Number,
+    Positive,
+    RadiansPerSecond,
+    Seconds,
+    Seed,
+    Share,
+    Some,
+)
 
 
 @dataclass(frozen=True, config=STRICT)
 class CurriculumConfig:
-    """Commands grow with success: their ranges are a share of the configured ones.
+    """Commands grow with success: their ranges are a share of the configured ones."""
 
-    The share begins at ``start`` and grows by ``growth`` whenever at least ``success`` of as many
-    episodes as there are robots ended without a fall; a start of 1 is no curriculum.
-    """
-
-    start: float
-    growth: float
-    success: float
+    start: Positive[Share]
+    """share at the start; 1: no curriculum"""
+    growth: Positive[Factor]
+    """added to the share"""
+    success: Positive[Share]
+    """share of as many episodes as there are robots that must end without a fall"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class CommandConfig:
-    """Ranges of the commanded velocities and how often they change.
+    """Ranges of the commanded velocities, drawn uniformly, and how often they change."""
 
-    vx, vy [m/s]; yaw rate [rad/s]; ``period`` [s] is the mean time between changes (0: never);
-    ``standing_fraction`` of the commands are zero.
-    """
-
-    vx: Interval
-    vy: Interval
-    yaw_rate: Interval
-    period: float
-    standing_fraction: float
+    vx: Interval[MetresPerSecond]
+    vy: Interval[MetresPerSecond]
+    yaw_rate: Interval[RadiansPerSecond]
+    period: Seconds
+    """mean time between changes; 0: never within an episode"""
+    standing_fraction: Share
+    """share of zero commands"""
     curriculum: CurriculumConfig
 
 
 @dataclass(frozen=True, config=STRICT)
 class GuideConfig:
-    """Which gait guides a command between those of the library: ``interpolated``, ``nearest``."""
+    """Which gait guides a command between those of the library."""
 
-    gait: str
+    gait: Literal["interpolated", "nearest"]
+    """between the gaits of the library; interpolated: at the reference velocity"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class RewardTerm:
     """Weight of a reward term and its parameters."""
 
-    weight: float
-    params: dict[str, float] = field(default_factory=dict)
+    weight: Number
+    """factor on the term; 0 switches it off"""
+    params: dict[str, Number] = field(default_factory=dict)
+    """parameter of the term"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class RewardConfig:
     """Weighted sum of terms, times ``scale``, at least ``floor``; then ``on_fall`` is added."""
 
-    terms: dict[str, RewardTerm]
-    scale: float
-    floor: float
-    on_fall: float
+    terms: Annotated[dict[str, RewardTerm], Field(min_length=1)]
+    scale: Positive[Number]
+    """factor on the sum of the terms"""
+    floor: Number
+    """the scaled sum is not less than this"""
+    on_fall: Number
+    """added when the episode ends in a fall"""
 
     @property
     def active(self) -> dict[str, RewardTerm]:
@@ -70,9 +89,10 @@ class RewardConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ResetConfig:
-    """Share of episodes that start on the reference gait instead of at rest."""
+    """How episodes start."""
 
-    reference_fraction: float
+    reference_fraction: Share
+    """share of episodes that start on the gait; the others start at rest"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -84,64 +104,95 @@ class NetworkConfig:
     ``std_final``.
     """
 
-    hidden: list[int]
-    activation: str
-    initial_std: float
-    std_min: float
-    std_max: float
-    std_final: float
-    anneal_from: float
-    output_scale: float
+    hidden: Some[Annotated[Count, Field(le=65536)]]
+    """widths of the hidden layers, actor and critic alike"""
+    activation: Literal["elu", "relu", "tanh"]
+    """of the hidden layers"""
+    initial_std: Positive[Factor]
+    """of the action noise at the start"""
+    std_min: Positive[Factor]
+    """least action noise"""
+    std_max: Positive[Factor]
+    """greatest action noise"""
+    std_final: Positive[Factor]
+    """greatest action noise at the end"""
+    anneal_from: Positive[Share]
+    """share of the iterations from which the greatest action noise falls, geometrically"""
+    output_scale: Positive[Factor]
+    """factor on the last layer's initial weights: small first actions"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class PpoConfig:
-    """Proximal policy optimisation with generalised advantage estimation.
+    """Proximal policy optimisation with generalised advantage estimation."""
 
-    ``actor_ema`` is the share of the old average of the actor that an update leaves; the average
-    is what is exported.
-    """
-
-    learning_rate: float
-    schedule: str
-    desired_kl: float
-    epochs: int
-    mini_batches: int
-    clip: float
-    gamma: float
-    lam: float
-    value_coefficient: float
-    entropy_coefficient: float
-    max_grad_norm: float
-    precision: str
-    symmetry: str
-    symmetry_weight: float
-    actor_ema: float
+    learning_rate: Positive[Factor]
+    """at the start, where the schedule adapts it"""
+    schedule: Literal["adaptive", "fixed"]
+    """adaptive: follow desired_kl"""
+    desired_kl: Positive[Factor]
+    """divergence per update that the adaptive schedule aims at"""
+    epochs: Annotated[Count, Field(le=1000)]
+    """passes over the samples of an update"""
+    mini_batches: Count
+    """per pass"""
+    clip: Positive[Factor]
+    """of the probability ratio and of the value"""
+    gamma: Positive[Share]
+    """discount per control step"""
+    lam: Share
+    """λ of the generalised advantage estimate"""
+    value_coefficient: Factor
+    """weight of the value loss"""
+    entropy_coefficient: Factor
+    """weight of the entropy bonus"""
+    max_grad_norm: Positive[Number]
+    """gradients are cut to this norm"""
+    precision: Literal["auto", "float32", "bfloat16"]
+    """of the update; auto: bfloat16 where the processor has it"""
+    symmetry: Literal["none", "augmentation", "loss"]
+    """left and right: reflected samples too, or a mirror loss; with env.phase.mirror=false"""
+    symmetry_weight: Factor
+    """of the mirror loss"""
+    actor_ema: Annotated[Share, Field(lt=1)]
+    """share of the actor's old average that an update leaves; the average is judged and exported"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class SelectionConfig:
     """Periodic small evaluation that picks the checkpoint to keep."""
 
-    interval: int
-    commands: list[float]
-    robots: int
-    seed: int
-    duration: float
-    warm_up: float
-    fall_weight: float
-    flight_weight: float
+    interval: Count
+    """iterations between checks; a checkpoint is written at the same time"""
+    commands: Distinct[Some[MetresPerSecond]]
+    """forward velocities of the checks"""
+    robots: Count
+    """per command"""
+    seed: Seed
+    """of the starts, the same ones in every check"""
+    duration: Positive[Seconds]
+    warm_up: Seconds
+    """start that does not count for the error"""
+    fall_weight: Positive[Number]
+    """score of a robot that fell; one that tracks badly has less than half of it"""
+    flight_weight: NonNegative[Number]
+    """score of the share of time without contact"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class TrainConfig:
     """One training run."""
 
-    iterations: int
-    robots: int
-    steps_per_iteration: int
-    episode_length: float
-    seed: int
+    iterations: Annotated[int, Field(ge=0, le=10_000_000)]
+    """updates; samples = iterations × robots × steps_per_iteration"""
+    robots: Count
+    """robots simulated at once"""
+    steps_per_iteration: Annotated[Count, Field(le=100_000)]
+    """control steps of each robot between updates"""
+    episode_length: Positive[Seconds]
+    """after which a robot starts anew"""
+    seed: Seed
+    """of networks, environments and noise"""
     commands: CommandConfig
     guide: GuideConfig
     reward: RewardConfig
@@ -154,8 +205,9 @@ class TrainConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class TrainingsConfig:
-    """Standing pre-training (if ``pretraining``), then walking."""
+    """Standing pre-training, then walking."""
 
     pretraining: bool
+    """walking starts from the standing policy; false: from scratch"""
     standing: TrainConfig
     walking: TrainConfig

@@ -1,92 +1,104 @@
 """Typed settings of the independent checks of gaits."""
 
+from typing import Annotated, Literal
+
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.strict import STRICT
+from slider.config.types import (
+    STRICT,
+    Count,
+    Factor,
+    Metres,
+    MetresPerSecond,
+    Newtons,
+    NonNegative,
+    Number,
+    Positive,
+    Radians,
+    Rule,
+    Seconds,
+    Share,
+    Some,
+    Tolerance,
+    Unit,
+)
 
 
 @dataclass(frozen=True, config=STRICT)
 class IntegratorConfig:
-    """Tolerances of DOP853: relative [-], absolute [rad, rad/s]."""
+    """Tolerances of DOP853."""
 
-    relative: float
-    absolute: float
+    relative: Tolerance
+    absolute: Annotated[Tolerance, Unit("rad, rad/s")]
 
 
 @dataclass(frozen=True, config=STRICT)
 class RegulatorConfig:
-    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``.
+    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``."""
 
-    Attributes:
-        lateral, forward: shares of the predicted error; the latter at the gait velocities
-            ``speeds`` [m/s], linear between.
-        reach: greatest change of a foot's place [m].
-        settle, fade: phases by which the foot is over its place, errors of the impact are gone.
-        descent: speed of a late swing foot [m/s].
-    """
-
-    lateral: float
-    forward: list[float]
-    speeds: list[float]
-    reach: float
-    settle: float
-    fade: float
-    descent: float
+    lateral: Factor
+    """share of the predicted error that a step takes away, sideways"""
+    forward: Some[Factor]
+    """the same forwards, at the velocities ``speeds``, linear between"""
+    speeds: Annotated[
+        Some[MetresPerSecond], Rule("rising velocities", lambda values: values == sorted(values))
+    ]
+    """gait velocities of ``forward``"""
+    reach: NonNegative[Metres]
+    """greatest change of a foot's place"""
+    settle: Positive[Share]
+    """phase by which the swing foot is over its new place"""
+    fade: Positive[Share]
+    """phase by which errors left by the impact are gone"""
+    descent: NonNegative[MetresPerSecond]
+    """speed at which a late swing foot is lowered"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class ReplayConfig:
-    """Replay in MuJoCo.
+    """Replay in MuJoCo."""
 
-    Attributes:
-        steps: length of the walk.
-        timestep: of the physics [s].
-        substeps: of the physics per control step.
-        points: of the table of targets, per step.
-        contact: force that counts as a touchdown [N].
-        height, tilt: a lower [m] or more tilted [rad] base has fallen.
-        patience: step times after which a swing foot that has not landed missed the ground.
-    """
-
-    steps: int
-    timestep: float
-    substeps: int
-    points: int
-    contact: float
-    height: float
-    tilt: float
-    patience: float
+    steps: Annotated[Count, Field(le=100_000)]
+    """length of the walk"""
+    timestep: Positive[Seconds]
+    """of the physics"""
+    substeps: Annotated[Count, Field(le=1000)]
+    """of the physics per control step"""
+    points: Annotated[Count, Field(ge=2)]
+    """of the table of targets, per step"""
+    contact: NonNegative[Newtons]
+    """force that counts as a touchdown"""
+    height: NonNegative[Metres]
+    """a lower base has fallen"""
+    tilt: Positive[Radians]
+    """a base that leans further has fallen"""
+    patience: Annotated[Positive[Factor], Unit("step times")]
+    """a swing foot that has not landed by then has missed the ground"""
     regulator: RegulatorConfig
 
 
 @dataclass(frozen=True, config=STRICT)
 class CheckConfig:
-    """What the checks of a single gait need.
-
-    Attributes:
-        perturbation: of roll [rad] and roll rate [rad/s] in the return map's differences.
-        points: per step, for the resampling between nodes.
-    """
+    """What the checks of a single gait need."""
 
     integrator: IntegratorConfig
-    perturbation: float
-    points: int
+    perturbation: Annotated[Tolerance, Unit("rad, rad/s")]
+    """of roll and roll rate in the differences of the return map"""
+    points: Annotated[Count, Field(ge=2)]
+    """per step, for the resampling between nodes"""
     replay: ReplayConfig
 
 
 @dataclass(frozen=True, config=STRICT)
 class VerificationConfig(CheckConfig):
-    """All of the verification.
+    """All of the verification."""
 
-    Attributes:
-        chunk: gaits per job.
-        on_failure: ``error`` ends the collecting job, ``report`` only says so in its results.
-        reach: velocities further apart than this are no neighbours [m/s].
-        bounds: of every quantity of ``slider.verification.quantities``; null where a quantity is
-            only reported.
-    """
-
-    chunk: int
-    on_failure: str
-    reach: float
-    bounds: dict[str, float | None]
+    chunk: Count
+    """gaits per job"""
+    on_failure: Literal["error", "report"]
+    """report: a bound that does not hold is written down; error: it ends the collecting job"""
+    reach: Positive[MetresPerSecond]
+    """velocities further apart are no neighbours"""
+    bounds: dict[str, Annotated[NonNegative[Number], Unit("of the quantity")] | None]
+    """of the quantity, see docs/reference/verification.md; null: reported only"""

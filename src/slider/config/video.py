@@ -1,31 +1,48 @@
 """Typed settings of the videos; apart from the page, so that a new section films nothing anew."""
 
 from dataclasses import field
-from typing import Literal
+from typing import Annotated, Literal
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.strict import STRICT
+from slider.config.types import (
+    STRICT,
+    Count,
+    Distinct,
+    Even,
+    MetresPerSecond,
+    Positive,
+    Seconds,
+    Seed,
+)
 
-RENDERERS = ("auto", "egl", "osmesa", "none")
+Pixels = Annotated[Even[int], Field(ge=32, le=1920)]
+"""H.264 stores colours at half the resolution."""
 
 
 @dataclass(frozen=True, config=STRICT)
 class VideoConfig:
-    """Which videos are made, and how; ``commands`` is not in the section of a single one.
+    """Which videos are made, and how; ``commands`` is not in the section of a single one."""
 
-    ``camera`` is where they are filmed from; ``both`` shows the two pictures next to each other.
-    """
-
-    renderer: str
+    renderer: Literal["auto", "egl", "osmesa", "none"]
+    """none: a page without videos; auto: the first that works"""
     camera: Literal["side", "front", "both"]
-    duration: float
-    width: int
-    height: int
-    frame_rate: int
-    quality: int
-    seed: int
-    commands: list[float] = field(default_factory=list)
+    """where they are filmed from; both: two pictures next to each other"""
+    duration: Positive[Seconds]
+    """from rest"""
+    width: Pixels
+    """of a picture, in pixels"""
+    height: Pixels
+    """of a picture, in pixels"""
+    frame_rate: Annotated[Count, Field(le=1000)]
+    """frames per second; must divide the control rate"""
+    quality: Annotated[int, Field(ge=0, le=51)]
+    """constant rate factor of H.264, 0 (lossless, large) to 51"""
+    seed: Seed
+    """of the start's noise"""
+    commands: Distinct[list[MetresPerSecond]] = field(default_factory=list)
+    """one video per controller and command"""
 
     @property
     def cameras(self) -> tuple[str, ...]:

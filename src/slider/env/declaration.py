@@ -1,11 +1,10 @@
-"""What every term says of itself: its parameters with units and bounds, what it needs."""
+"""What every term says of itself: types of its parameters, and what it needs."""
 
 import inspect
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import Flag, auto
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -21,41 +20,22 @@ class Needs(Flag):
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """A number that a term takes: its unit ("-" for none) and its bounds."""
-
-    unit: str = "-"
-    above: float = -math.inf
-    least: float = -math.inf
-    most: float = math.inf
-
-    def check(self, key: str, value: float) -> None:
-        """Refuse a value out of the bounds with a ``UserError`` that names the key."""
-        if not (self.above < value and self.least <= value <= self.most):
-            signs = {">": self.above, "≥": self.least, "≤": self.most}
-            bounds = " and ".join(f"{s} {b:g}" for s, b in signs.items() if math.isfinite(b))
-            raise UserError(f"{key}: expected a value {bounds} [{self.unit}], found {value}")
-
-
-@dataclass(frozen=True)
 class Term:
     """A pure function, by whose name the configuration calls the term.
 
     Attributes:
         function: of what it looks at, and of its parameters; an array with a row per robot.
         needs: without which it is worth nothing.
-        declared: units and bounds of its parameters, where they have any.
     """
 
     function: Callable[..., np.ndarray]
     needs: Needs
-    declared: Mapping[str, Parameter]
 
     @property
-    def parameters(self) -> dict[str, Parameter]:
-        """All that it takes, in order."""
-        names = list(inspect.signature(self.function).parameters)[1:]
-        return {name: self.declared.get(name, Parameter()) for name in names}
+    def parameters(self) -> dict[str, Any]:
+        """Types of its parameters in order, with their units and bounds."""
+        found = inspect.get_annotations(self.function)
+        return {name: found[name] for name in list(inspect.signature(self.function).parameters)[1:]}
 
 
 AnyTerm = TypeVar("AnyTerm", bound=Term)
@@ -67,16 +47,13 @@ def register(
 ) -> Callable[[Function], Function]:
     """A decorator that adds the term of a function to ``terms``, and leaves the function as it is.
 
-    It raises a ValueError at a name that is taken, and at a declared parameter that is not there.
+    It raises a ValueError at a name that is taken.
     """
 
     def add(function: Function) -> Function:
         name, term = function.__name__, make(function)
         if name in terms:
             raise ValueError(f"expected a new name for a term, found {name} again")
-        if not set(term.declared) <= set(term.parameters):
-            found = list(term.declared)
-            raise ValueError(f"{name}: expected some of {list(term.parameters)}, found {found}")
         terms[name] = term
         return function
 

@@ -87,7 +87,7 @@ def observation(
     needs: Needs = Needs.NOTHING,
 ) -> Callable[[Function], Function]:
     """Declare an observation term; the arguments are those of :class:`Observation`."""
-    return register(TERMS, lambda f: Observation(f, needs, {}, components, units, frame, mirror))
+    return register(TERMS, lambda f: Observation(f, needs, components, units, frame, mirror))
 
 
 @observation(_XYZ, "m/s", "base", _POLAR)

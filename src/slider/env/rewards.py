@@ -2,13 +2,25 @@
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from pydantic import Field
 
+from slider.config.convert import from_dict
 from slider.config.train import RewardConfig, RewardTerm
+from slider.config.types import (
+    Metres,
+    MetresPerSecond,
+    Newtons,
+    NonNegative,
+    Number,
+    Positive,
+    Share,
+    Unit,
+)
 from slider.core.errors import UserError
-from slider.env.declaration import Function, Needs, Parameter, Term, check_names, register
+from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.observations import target_angular_velocity, target_linear_velocity
 from slider.env.phase import standing
 from slider.env.view import View
@@ -19,7 +31,10 @@ if TYPE_CHECKING:  # the configuration is checked with these terms: let that be 
     from slider.env.guide import Guide
 
 TERMS: dict[str, Term] = {}
-_FORCE = Parameter("N", least=0)
+_Radians2 = Annotated[float, Unit("rad²"), Field(gt=0, le=1e4)]
+_Metres2 = Annotated[float, Unit("m²"), Field(gt=0, le=1e4)]
+_Radians2PerSecond2 = Annotated[float, Unit("rad²/s²"), Field(gt=0, le=1e4)]
+_Metres2PerSecond2 = Annotated[float, Unit("m²/s²"), Field(gt=0, le=1e4)]
 _BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
 # Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
 # like several radians.
@@ -48,9 +63,9 @@ class RewardView:
         return self.guide.at_phase(self.view)
 
 
-def reward(needs: Needs = Needs.NOTHING, **parameters: Parameter) -> Callable[[Function], Function]:
+def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
     """Declare a reward term: a function of a :class:`RewardView` and parameters, (N,)."""
-    return register(TERMS, lambda function: Term(function, needs, parameters))
+    return register(TERMS, lambda function: Term(function, needs))
 
 
 def _kernel(square: np.ndarray, width: np.ndarray | float) -> np.ndarray:
@@ -79,61 +94,65 @@ def _filtered_error(view: View) -> np.ndarray:
     return view.filtered_velocity - view.expected_velocity
 
 
-@reward(width=Parameter("m²/s²", above=0), relative=Parameter("-", least=0))
-def forward_velocity_filtered(r: RewardView, width: float, relative: float) -> np.ndarray:
+@reward()
+def forward_velocity_filtered(
+    r: RewardView, width: _Metres2PerSecond2, relative: NonNegative[Number]
+) -> np.ndarray:
     """exp(−e²/(width + relative·vx²)), low-passed forward velocity minus reference."""
     error = _filtered_error(r.view)[:, 0]
     return _kernel(error**2, width + relative * r.view.expected_velocity[:, 0] ** 2)
 
 
-@reward(width=Parameter("m/s", above=0))
-def lateral_velocity_filtered(r: RewardView, width: float) -> np.ndarray:
+@reward()
+def lateral_velocity_filtered(r: RewardView, width: Positive[MetresPerSecond]) -> np.ndarray:
     """1 − tanh(|e|/width), low-passed leftward velocity minus reference."""
     return 1.0 - np.tanh(np.abs(_filtered_error(r.view)[:, 1]) / width)
 
 
-@reward(width=Parameter("rad²/s²", above=0))
-def yaw_rate(r: RewardView, width: float) -> np.ndarray:
+@reward()
+def yaw_rate(r: RewardView, width: _Radians2PerSecond2) -> np.ndarray:
     """exp(−e²/width) of the yaw rate."""
     return _kernel((r.state.angular_velocity[:, 2] - r.view.command[:, 2]) ** 2, width)
 
 
-@reward(width=Parameter("rad²", above=0))
-def heading(r: RewardView, width: float) -> np.ndarray:
+@reward()
+def heading(r: RewardView, width: _Radians2) -> np.ndarray:
     """exp(−e²/width) of the heading error."""
     return _kernel(r.view.command[:, 3] ** 2, width)
 
 
-@reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("rad²", above=0))
-def guide_phase(r: RewardView, width: float) -> np.ndarray:
+@reward(Needs.CLOCK | Needs.LIBRARY)
+def guide_phase(r: RewardView, width: _Radians2) -> np.ndarray:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS]
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
-@reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("rad²", above=0))
-def guide_phase_turning(r: RewardView, width: float) -> np.ndarray:
+@reward(Needs.CLOCK | Needs.LIBRARY)
+def guide_phase_turning(r: RewardView, width: _Radians2) -> np.ndarray:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
 
 
-@reward(loaded=_FORCE, width=Parameter("rad²/s²", above=0))
-def stand_still(r: RewardView, loaded: float, width: float) -> np.ndarray:
+@reward()
+def stand_still(r: RewardView, loaded: Newtons, width: _Radians2PerSecond2) -> np.ndarray:
     """At zero command: share of feet with more than ``loaded``, times exp(−‖q̇‖²/width)."""
     share = (r.state.foot_forces > loaded).mean(axis=1)
     speed = (r.state.joint_velocities**2).sum(axis=1)
     return standing(r.view.command) * share * _kernel(speed, width)
 
 
-@reward(Needs.LIBRARY, masked=Parameter("-", least=0, most=1))
-def guide_nearest(r: RewardView, masked: float) -> np.ndarray:
+@reward(Needs.LIBRARY)
+def guide_nearest(r: RewardView, masked: Share) -> np.ndarray:
     """−‖Ô − Ĝ‖ to the nearest sample (eq. 3); ``masked`` 1 leaves the upper feet out."""
     return -r.guide.nearest_distance(r.view, masked > 0)
 
 
-@reward(Needs.CLOCK, loaded=_FORCE, unloaded=_FORCE, margin=Parameter("-", least=0, most=0.5))
-def contact_schedule(r: RewardView, loaded: float, unloaded: float, margin: float) -> np.ndarray:
+@reward(Needs.CLOCK)
+def contact_schedule(
+    r: RewardView, loaded: Newtons, unloaded: Newtons, margin: Annotated[Share, Field(le=0.5)]
+) -> np.ndarray:
     """Half for a loaded stance foot, half for a free swing foot, away from the switches.
 
     ``margin``: share of a step at either end in which nothing is asked.
@@ -147,20 +166,20 @@ def contact_schedule(r: RewardView, loaded: float, unloaded: float, margin: floa
     return np.where(asked, 0.5 * (stance > loaded) + 0.5 * (swing < unloaded), 1.0)
 
 
-@reward(width=Parameter("-", above=0))
-def upright(r: RewardView, width: float) -> np.ndarray:
+@reward()
+def upright(r: RewardView, width: Positive[Number]) -> np.ndarray:
     """exp(−(g_x² + g_y²)/width) of the projected gravity."""
     return _kernel((r.state.gravity[:, :2] ** 2).sum(axis=1), width)
 
 
-@reward(width=Parameter("m²", above=0))
-def height(r: RewardView, width: float) -> np.ndarray:
+@reward()
+def height(r: RewardView, width: _Metres2) -> np.ndarray:
     """exp(−(z − nominal)²/width) of the base height."""
     return _kernel((r.state.base_height - r.view.nominal_height) ** 2, width)
 
 
-@reward(Needs.CLOCK | Needs.LIBRARY, width=Parameter("m²", above=0))
-def guide_height(r: RewardView, width: float) -> np.ndarray:
+@reward(Needs.CLOCK | Needs.LIBRARY)
+def guide_height(r: RewardView, width: _Metres2) -> np.ndarray:
     """exp(−(z − gait(phase))²/width) of the base height."""
     return _kernel((r.state.base_height - r.reference[:, _BASE_HEIGHT]) ** 2, width)
 
@@ -183,21 +202,21 @@ def effort(r: RewardView) -> np.ndarray:
     return ((r.state.motor_torques / r.view.torque_limits) ** 2).sum(axis=1)
 
 
-@reward(loaded=_FORCE, width=Parameter("m²/s²", above=0))
-def foot_slip(r: RewardView, loaded: float, width: float) -> np.ndarray:
+@reward()
+def foot_slip(r: RewardView, loaded: Newtons, width: _Metres2PerSecond2) -> np.ndarray:
     """Σ over loaded feet of 1 − exp(−v²/width), v the horizontal speed of the sole."""
     square = (r.state.foot_velocities[:, :, :2] ** 2).sum(axis=2)
     return ((1.0 - _kernel(square, width)) * (r.state.foot_forces > loaded)).sum(axis=1)
 
 
-@reward(unloaded=_FORCE)
-def airborne(r: RewardView, unloaded: float) -> np.ndarray:
+@reward()
+def airborne(r: RewardView, unloaded: Newtons) -> np.ndarray:
     """1 where both feet carry less than ``unloaded``."""
     return (r.state.foot_forces < unloaded).all(axis=1).astype(float)
 
 
-@reward(least=Parameter("m", above=0))
-def feet_close(r: RewardView, least: float) -> np.ndarray:
+@reward()
+def feet_close(r: RewardView, least: Positive[Metres]) -> np.ndarray:
     """Share by which the lateral distance of the soles, left from right, is below ``least``."""
     way = r.state.foot_positions[:, 0] - r.state.foot_positions[:, 1]
     distance = turn_to_heading(way, r.state.yaw)[:, 1]
@@ -269,4 +288,4 @@ def check(terms: Mapping[str, RewardTerm], key: str = "reward.terms") -> None:
             texts = f"expected {sorted(expected)}, found {sorted(found)}"
             raise UserError(f"{key}.{name}.params: {texts}")
         for parameter, value in found.items():
-            expected[parameter].check(f"{key}.{name}.params.{parameter}", value)
+            from_dict(expected[parameter], value, f"{key}.{name}.params.{parameter}")

@@ -1,35 +1,39 @@
 """Termination terms: pure functions of a state, True where a robot has failed."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
-from slider.env.declaration import Function, Needs, Parameter, Term, check_names, register
+from slider.config.convert import from_dict
+from slider.config.types import Metres, NonNegative, Number, Positive, Radians
+from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.state import RobotState
 
 TERMS: dict[str, Term] = {}
 
 
-def termination(**parameter: Parameter) -> Callable[[Function], Function]:
+def termination(function: Function) -> Function:
     """Declare a termination term: a function of a state and one parameter, (N,) bool."""
-    return register(TERMS, lambda function: Term(function, Needs.NOTHING, parameter))
+    return register(TERMS, lambda f: Term(f, Needs.NOTHING))(function)
 
 
-@termination(minimum=Parameter("m"))
-def base_height(state: RobotState, minimum: float) -> np.ndarray:
+@termination
+def base_height(state: RobotState, minimum: NonNegative[Metres]) -> np.ndarray:
     """Base less than ``minimum`` above the ground."""
     return state.base_height < minimum
 
 
-@termination(maximum=Parameter("rad", above=0, most=math.pi))
-def tilt(state: RobotState, maximum: float) -> np.ndarray:
+@termination
+def tilt(state: RobotState, maximum: Annotated[Positive[Radians], Field(le=math.pi)]) -> np.ndarray:
     """Base tilted by more than ``maximum``."""
     return -state.gravity[:, 2] < np.cos(maximum)
 
 
-@termination(maximum=Parameter("-", least=0))
-def body_contact(state: RobotState, maximum: float) -> np.ndarray:
+@termination
+def body_contact(state: RobotState, maximum: NonNegative[Number]) -> np.ndarray:
     """More than ``maximum`` contacts of a body other than a foot with the ground."""
     return state.body_contacts > maximum
 
@@ -44,7 +48,7 @@ def check(terms: Mapping[str, float]) -> None:
     check_names(TERMS, terms, key)
     for name, value in terms.items():
         (parameter,) = TERMS[name].parameters.values()
-        parameter.check(f"{key}.{name}", value)
+        from_dict(parameter, value, f"{key}.{name}")
 
 
 def failed(state: RobotState, terms: Mapping[str, float]) -> np.ndarray:

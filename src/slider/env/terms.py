@@ -1,6 +1,7 @@
 """The terms of a configuration together: whether they exist and fit, and what they need."""
 
 from slider.config.env import EnvConfig
+from slider.config.kinds import Kind, kind
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import UserError
@@ -16,11 +17,23 @@ def checked(config: Config) -> Config:
     """
     terminations.check(config.env.termination.terms)
     observations.Observer(config.env.observation)
-    rewards.check(config.train.standing.reward.terms, "train.standing.reward.terms")
-    rewards.check(config.train.walking.reward.terms, "train.walking.reward.terms")
-    if config.finetuning is not None:
-        rewards.check(config.finetuning.reward.terms, "finetuning.reward.terms")
+    for key, train in config.trainings.items():
+        rewards.check(train.reward.terms, f"{key}.reward.terms")
     return config
+
+
+def kinds(config: Config) -> dict[str, Kind]:
+    """What the values of the terms' parameters may be, by their keys in the configuration."""
+    found = {
+        f"env.termination.terms.{name}": kind(hint)
+        for name in config.env.termination.terms
+        for hint in terminations.TERMS[name].parameters.values()
+    }
+    for key, train in config.trainings.items():
+        for name in train.reward.terms:
+            for parameter, hint in rewards.TERMS[name].parameters.items():
+                found[f"{key}.reward.terms.{name}.params.{parameter}"] = kind(hint)
+    return found
 
 
 def check_clock(env: EnvConfig, train: TrainConfig, label: str) -> None:

@@ -3,16 +3,16 @@
 Joint order: left leg, then right leg, each from hip to foot. x forward, y left, z up.
 """
 
+from slider.config.legs import LEG_JOINTS
+
 SIDES = ("left", "right")
 FOOT_ENDS = ("heel", "toe")
-LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
 JOINTS = tuple(f"{side}_{joint}" for side in SIDES for joint in LEG_JOINTS)
 NUM_JOINTS = len(JOINTS)
 PASSIVE_LEG_JOINTS = ("upper_foot",)
 ACTUATED = tuple(i for i, name in enumerate(JOINTS) if not name.endswith(PASSIVE_LEG_JOINTS))
 
 # Motors: one per hip joint, and two equal ones for slide and ankle together.
-LEG_DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan")
 LEG_MOTORS = ("hip_yaw", "hip_roll", "hip_pitch", "capstan_1", "capstan_2")
 MOTORS = tuple(f"{side}_{motor}" for side in SIDES for motor in LEG_MOTORS)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.config.interval import Interval
+from slider.config.types import Interval
 from slider.env.disturbance.delay import DelayLine
 from slider.robot import names
 from slider.robot.mjcf import Actuation

@@ -1,51 +1,36 @@
-"""Checks of the simulated environment: physics, actions, phase and observations."""
+"""Rules of the simulated environment and of what disturbs the robot in it."""
 
+from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import EnvConfig
-from slider.config.validation.checks import (
-    all_at_least,
-    at_least,
-    one_of,
-    positive,
-    require,
-    some,
-)
-from slider.config.validation.robot import check_joints
+from slider.config.legs import LEG_JOINTS
+from slider.config.validation.checks import multiple, require
+from slider.config.validation.robot import check_names
+
+MAX_CELLS = 400
 
 
 def check_env(env: EnvConfig) -> None:
-    """The plant, and what a policy sees and does."""
-    _physics(env)
-    _action(env)
-    at_least("env.phase.step_time", env.phase.step_time, 0.0)
-    positive("env.observation.clip", env.observation.clip)
-    some("env.observation.terms", env.observation.terms, "term")
-    at_least("env.observation.velocity_filter", env.observation.velocity_filter, 0.0)
-    at_least("env.reference.acceleration", env.reference.acceleration, 0.0)
-    scan = env.observation.height_scan
-    all_at_least("env.observation.height_scan", scan, ("points_x", "points_y"), 1)
-    _phase(env)
-
-
-def _phase(env: EnvConfig) -> None:
-    halt = env.phase.halt
-    at_least("env.phase.halt.below", halt.below, 0.0)
-    at_least("env.phase.halt.above", halt.above, halt.below)
-    possible = env.phase.enabled or not (env.phase.mirror or halt.below > 0)
-    require(possible, "env.phase", "mirror and halt only with a phase", env.phase)
-
-
-def _physics(env: EnvConfig) -> None:
-    positive("env.control_period", env.control_period)
-    positive("env.physics.timestep", env.physics.timestep)
-    at_least("env.physics.substeps", env.physics.substeps, 1)
+    """Steps that fill the control period, and a clock where something needs it."""
     period = env.physics.timestep * env.physics.substeps
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
     require(abs(period - env.control_period) < 1e-9, "env.physics", expected, period)
-
-
-def _action(env: EnvConfig) -> None:
-    check_joints("env.action.scale", env.action.scale)
-    positive("env.action.clip", env.action.clip)
-    one_of("env.action.offset", env.action.offset, ("nominal", "gait"))
+    check_names("env.action.scale", env.action.scale, LEG_JOINTS)
     possible = env.phase.enabled or env.action.offset == "nominal"
     require(possible, "env.action.offset", "nominal where there is no phase", env.action.offset)
+    halt = env.phase.halt
+    expected = f"a value ≥ {halt.below}"
+    require(halt.above >= halt.below, "env.phase.halt.above", expected, halt.above)
+    possible = env.phase.enabled or not (env.phase.mirror or halt.below > 0)
+    require(possible, "env.phase", "a clock for mirror and halt", "none")
+
+
+def check_disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:
+    """Times that the simulation can hit, and ground that repeats."""
+    for name in ("lower", "upper"):
+        delay = getattr(disturbance.delay, name)
+        multiple(f"{key}.delay.{name}", delay, env.physics.timestep)
+    multiple(f"{key}.push.interval", disturbance.push.interval, env.control_period)
+    ground = disturbance.ground
+    multiple(f"{key}.ground.period", ground.period, ground.cell)
+    cells = round(ground.period / ground.cell)
+    require(cells <= MAX_CELLS, f"{key}.ground.period", f"at most {MAX_CELLS} cells", cells)

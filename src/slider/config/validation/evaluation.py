@@ -1,4 +1,4 @@
-"""Checks of the evaluation protocols: Table 1's and the others."""
+"""Rules of the evaluation protocols: Table 1's and the others."""
 
 from collections.abc import Iterable
 from dataclasses import fields
@@ -7,25 +7,15 @@ from itertools import pairwise
 from slider.config.control import ControlConfig
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.config.schema import Config
-from slider.config.validation.checks import (
-    all_at_least,
-    at_least,
-    distinct,
-    one_of,
-    period,
-    positive,
-    require,
-    some,
-)
-from slider.config.validation.disturbance import check_disturbance
+from slider.config.validation.checks import distinct, one_of, period, require
+from slider.config.validation.env import check_disturbance
 
 
 def check_protocols(config: Config) -> None:
     """All protocols and their disturbances; that of Table 1 has no profile."""
     expected = "none (the commands of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
-    others = {f"protocols.{name}": protocol for name, protocol in config.protocols.items()}
-    for key, protocol in {"evaluation": config.evaluation, **others}.items():
+    for key, protocol in config.evaluations.items():
         _protocol(protocol, _controllers(config.control), key, config.env.control_period)
         check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
 
@@ -38,12 +28,8 @@ def _protocol(
     protocol: EvaluationConfig, controllers: Iterable[str], key: str, control_period: float
 ) -> None:
     _commands(protocol, control_period, key)
-    some(f"{key}.controllers", protocol.controllers, "controller")
     for name in protocol.controllers:
         one_of(f"{key}.controllers", name, controllers)
-    distinct(f"{key}.controllers", protocol.controllers, "each once")
-    all_at_least(key, protocol, ("trials", "robots"), 1)
-    at_least(f"{key}.seed", protocol.seed, 0)
     period(f"{key}.warm_up", protocol.warm_up, protocol.duration, control_period)
 
 
@@ -51,18 +37,13 @@ def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> No
     """Either constant ones or a profile."""
     commands, profile = protocol.commands, protocol.profile
     if profile is None:
-        some(f"{key}.commands", commands, "command")
-        distinct(f"{key}.commands", commands, "each once")
+        require(len(commands) > 0, f"{key}.commands", "at least one command", "none")
         return
     require(not commands, f"{key}.commands", "none with a profile", commands)
     _profile(profile, protocol.duration, control_period, f"{key}.profile")
 
 
 def _profile(profile: ProfileConfig, duration: float, control_period: float, key: str) -> None:
-    all_at_least(key, profile, ("ramp", "warm_up"), 0.0)
-    positive(f"{key}.window", profile.window)
-    one_of(f"{key}.rows", profile.rows, ("segments", "cases"))
-    some(f"{key}.cases", profile.cases, "case")
     names = [case.name for case in profile.cases]
     distinct(f"{key}.cases", names, "each name once")
     possible = profile.rows == "cases" or len(names) == 1
@@ -73,10 +54,11 @@ def _profile(profile: ProfileConfig, duration: float, control_period: float, key
 
 
 def _segments(case: CaseConfig, duration: float, shortest: float, key: str) -> None:
-    some(key, case.segments, "segment")
     distinct(key, [segment.name for segment in case.segments], "each name once")
     times = [segment.time for segment in case.segments]
     require(times[0] == 0.0, f"{key}[0].time", "0 s", times[0])
+    for index, (start, end) in enumerate(pairwise(times), start=1):
+        require(start < end, f"{key}[{index}].time", f"later than {start:g} s", end)
     expected = f"a control period longer than ramp and warm_up ({shortest:g} s)"
     for index, (start, end) in enumerate(pairwise([*times, duration])):
         length = end - start

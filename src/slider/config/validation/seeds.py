@@ -1,34 +1,29 @@
-"""Checks that what is chosen by and what is reported never use the same seeds."""
+"""Rules of seeds: what is chosen by and what is reported never use the same ones."""
 
 from collections.abc import Sequence
 
-from slider.config.ablation import AblationConfig
+from slider.config.evaluation import SeedBlock, SeedsConfig
 from slider.config.schema import Config
-from slider.config.seeds import SeedBlock, SeedsConfig
+from slider.config.studies import AblationConfig
 from slider.config.train import TrainConfig
-from slider.config.validation.checks import at_least, ordered, require
+from slider.config.validation.checks import ordered, require
 
 
 def check_seeds(config: Config) -> None:
     """Every evaluation is of one block; checkpoints and variants are chosen in development."""
     seeds = config.seeds
     _apart(seeds)
-    others = {f"protocols.{name}": protocol for name, protocol in config.protocols.items()}
-    for key, protocol in {"evaluation": config.evaluation, **others}.items():
+    for key, protocol in config.evaluations.items():
         blocks = (seeds.final, seeds.development)
         _within(f"{key}.seed", protocol.seed, protocol.trials, blocks)
     _ablation(config.ablation, seeds)
-    trainings = {"train.standing": config.train.standing, "train.walking": config.train.walking}
-    if config.finetuning is not None:
-        trainings["finetuning"] = config.finetuning
-    for key, train in trainings.items():
+    for key, train in config.trainings.items():
         _training(train, seeds, key)
 
 
 def _apart(seeds: SeedsConfig) -> None:
     for name in ("final", "development"):
         block: SeedBlock = getattr(seeds, name)
-        at_least(f"seeds.{name}.first", block.first, 0)
         ordered(f"seeds.{name}", block.first, block.last)
     apart = seeds.final.last < seeds.development.first or seeds.development.last < seeds.final.first
     expected = f"no seed of seeds.development ({seeds.development})"

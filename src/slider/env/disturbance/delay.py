@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.config.interval import Interval
+from slider.config.types import Interval
 
 
 class DelayLine:

@@ -8,8 +8,8 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 
-from slider.config.interval import Interval
 from slider.config.robot import RobotConfig
+from slider.config.types import Interval
 from slider.env.disturbance import machines, sensing, terrain
 from slider.env.disturbance.delay import DelayLine
 from slider.env.disturbance.draws import GROUND, NOISE, PUSH, ROBOT, Disturbance, Draws

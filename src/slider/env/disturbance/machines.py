@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from slider.config.disturbance import DisturbanceConfig
-from slider.config.interval import Interval
+from slider.config.types import Interval
 from slider.robot import names
 
 _DRIVES = len(names.MOTORS)

@@ -1,0 +1,93 @@
+"""What values of the configuration may be: bounds, units, and their combinations.
+
+The schema combines them, ``Positive[Metres]``, and says under each field what it means. Upper
+bounds are generous: they refuse what is no length, no time and no count at all, such as 1e30.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass as plain_dataclass
+from itertools import pairwise
+from typing import Annotated, Any, Generic, TypeVar
+
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler, model_validator
+from pydantic.dataclasses import dataclass
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
+"""Settings of all configuration classes; infinity and NaN are refused everywhere."""
+
+SAME = 1e-6
+"""Numbers of a list that are not further apart are one number, written twice."""
+
+T = TypeVar("T")
+
+
+class Unit(str):
+    """Unit of a number; ``rad | m``: of a joint that turns, and of the slide."""
+
+
+@plain_dataclass(frozen=True)
+class Rule:
+    """What else must hold of a value, in words and as a test."""
+
+    text: str
+    holds: Callable[[Any], bool]
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_after_validator_function(self._checked, handler(source))
+
+    def _checked(self, value: Any) -> Any:
+        if not self.holds(value):
+            raise PydanticCustomError("rule", self.text)  # pyright: ignore[reportArgumentType]
+        return value
+
+
+def _distinct(values: list[Any]) -> bool:
+    pairs = pairwise(sorted(values))
+    return all(a != b if isinstance(a, str) else b - a > SAME for a, b in pairs)
+
+
+Positive = Annotated[T, Field(gt=0)]
+NonNegative = Annotated[T, Field(ge=0)]
+Even = Annotated[T, Rule("an even number", lambda value: value % 2 == 0)]
+Odd = Annotated[T, Rule("an odd number", lambda value: value % 2 == 1)]
+Some = Annotated[list[T], Field(min_length=1)]
+Distinct = Annotated[T, Rule("each once", _distinct)]
+Vector3 = tuple[T, T, T]
+
+Name = Annotated[str, Field(min_length=1)]
+Count = Annotated[int, Field(ge=1, le=1_000_000)]
+Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
+
+Number = Annotated[float, Unit("-"), Field(ge=-1e9, le=1e9)]
+Factor = Annotated[float, Unit("-"), Field(ge=0, le=1e3)]
+Share = Annotated[float, Unit("-"), Field(ge=0, le=1)]
+Tolerance = Annotated[float, Unit("-"), Field(gt=0, le=1)]
+
+Seconds = Annotated[float, Unit("s"), Field(ge=0, le=1e5)]
+Metres = Annotated[float, Unit("m"), Field(ge=-1e3, le=1e3)]
+MetresPerSecond = Annotated[float, Unit("m/s"), Field(ge=-100, le=100)]
+MetresPerSecond2 = Annotated[float, Unit("m/s²"), Field(ge=0, le=1e4)]
+Radians = Annotated[float, Unit("rad"), Field(ge=-100, le=100)]
+RadiansPerSecond = Annotated[float, Unit("rad/s"), Field(ge=-1e4, le=1e4)]
+Kilograms = Annotated[float, Unit("kg"), Field(ge=0, le=1e4)]
+KilogramMetres2 = Annotated[float, Unit("kg m²"), Field(ge=0, le=1e4)]
+Newtons = Annotated[float, Unit("N"), Field(ge=0, le=1e6)]
+NewtonMetres = Annotated[float, Unit("N m"), Field(ge=0, le=1e6)]
+JointPosition = Annotated[float, Unit("rad | m"), Field(ge=-100, le=100)]
+
+
+@dataclass(frozen=True, config=STRICT)
+class Interval(Generic[T]):
+    """Closed interval."""
+
+    lower: T
+    upper: T
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "Interval[T]":
+        if self.lower > self.upper:  # pyright: ignore[reportOperatorIssue]
+            raise PydanticCustomError("rule", "lower ≤ upper")
+        return self

@@ -1,0 +1,189 @@
+"""Every value of the configuration refuses nonsense of its kind in one line that names it."""
+
+import math
+from collections.abc import Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from slider.config.compose import compose
+from slider.config.convert import from_dict, to_dict
+from slider.config.reference import OPTIONAL
+from slider.config.schema import Config
+from slider.config.validation import validate
+from slider.core.errors import UserError
+from slider.env.terms import checked
+
+CONF = Path(__file__).parents[2] / "conf"
+Place = tuple[str | int, ...]
+
+NUMBERS = (-1, 0, math.nan, math.inf, -math.inf, 1e30, 10**30, "nonsense", True, [], None)
+TRUTHS = (3, "nonsense", [], None)
+TEXTS = ("", "nonsense", 3, True, [], None)
+LISTS = ([], {}, 3, "nonsense", None)
+GROUPS = ([], 3, "nonsense", None)
+
+# Leaves, as patterns, that take a value which is nonsense elsewhere, and why.
+ALLOWED: dict[Any, tuple[str, ...]] = {
+    -1: (
+        *("*.vx*", "*.vy*", "*.yaw_rate.lower", "*.yaw_rate", "*commands[[]*"),  # backward, right
+        "*.speeds[[]0]",  # of a gait: as above
+        *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
+        "gait.step_time.slope",  # faster walks step faster
+        *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
+    ),
+    0: (
+        *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "*.speeds[[]0]"),  # to stand still
+        *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
+        *("*.start.*", "*.sensing.*", "*.delay.*", "*.centre_of_mass", "*.push.speed"),  # nominal
+        *("*.amplitude", "*.damping", "*.armature"),  # flat; none of its own
+        *("*.kp", "*.kd", "*.whole_body.*.weight[[]*", "*_weight", "*_coefficient"),  # switched off
+        *("*.reward.terms.*.weight", "*.reward.terms.*.params.*", "*.floor", "*.on_fall"),
+        *("*.action.scale.*", "*.termination.terms.*"),  # a passive joint; no contact at all
+        *("*.warm_up", "*.ramp", "*.segments[[]0].time", "*.tracking_*"),  # at once, exact
+        *("*.iterations", "*.period", "*fraction", "*.lam", "*.actor_ema"),  # never, none
+        *("*.velocity_filter", "*.step_time", "*.halt.*", "*.acceleration"),  # documented: off
+        *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
+        *("*.planner.width_min", "*.planner.integral*", "*.swing.*", "*.entry.*"),
+        *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
+        *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
+        *(
+            "*.seed",
+            "*.seeds[[]*",
+            "*seeds.*.first",
+            "seeds.selection",
+            "*.quality",
+        ),  # counted from
+    ),
+    "": (),
+    "nonsense": (
+        *("*.name", "*.label", "tracking.experiment"),  # names
+        "*.overrides[[]*",  # read when the variant is composed
+        "report.sections[[]*",  # known to whoever lays out the jobs
+    ),
+    "[]": (
+        *("*.extra", "*.overrides", "sensitivity.parameters"),  # nothing beside the rest; all
+        *("report.*commands", "protocols.*.commands"),  # nothing drawn; a profile instead
+    ),
+    None: (
+        *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's
+        *("protocols.*.profile", "verification.bounds.*"),  # constant commands; reported only
+    ),
+}
+
+
+@pytest.fixture(scope="module")
+def config() -> Config:
+    return compose(OPTIONAL, CONF)
+
+
+@pytest.fixture(scope="module")
+def plain(config) -> dict[str, Any]:
+    return to_dict(config)
+
+
+def places(node: Any, place: Place = ()) -> Iterator[tuple[Place, Any]]:
+    """Places below a node with what is there; of a long list the first and the last item."""
+    items = enumerate(node) if isinstance(node, (list, tuple)) else ()
+    for name, value in node.items() if isinstance(node, dict) else items:
+        if isinstance(name, str) or name in (0, len(node) - 1):
+            yield (*place, name), value
+            yield from places(value, (*place, name))
+
+
+def nonsense(value: Any) -> tuple[Any, ...]:
+    if isinstance(value, bool):
+        return TRUTHS
+    if isinstance(value, (int, float)):
+        return NUMBERS
+    if isinstance(value, str):
+        return TEXTS
+    if isinstance(value, dict):
+        return GROUPS
+    return LISTS if isinstance(value, (list, tuple)) else NUMBERS[4:-1]
+
+
+def key(place: Place) -> str:
+    return "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).removeprefix(".")
+
+
+def allowed(place: Place, wrong: Any) -> bool:
+    if isinstance(wrong, (bool, dict)):
+        return False
+    name = "[]" if isinstance(wrong, list) else wrong
+    return any(fnmatch(key(place), pattern) for pattern in ALLOWED.get(name, ()))
+
+
+def replaced(node: Any, place: Place, value: Any) -> Any:
+    """A copy of nested values with another one at a place."""
+    if not place:
+        return value
+    copy = dict(node) if isinstance(node, dict) else list(node)
+    copy[place[0]] = replaced(copy[place[0]], place[1:], value)  # pyright: ignore
+    return copy
+
+
+def complaint(config: Config, plain: dict[str, Any], place: Place, wrong: Any) -> str:
+    """What the group of a place says of a wrong value, or else the whole configuration."""
+    group = str(place[0])
+    try:
+        own = getattr(config, group)
+        values = replaced(plain[group], place[1:], wrong)
+        if not isinstance(own, dict) and values is not None:
+            from_dict(type(own), values, group)  # quicker than the whole
+        whole = from_dict(Config, plain | {group: values})
+        validate(whole)
+        checked(whole)
+    except UserError as error:
+        return str(error)
+    return "nothing"
+
+
+def is_clear(place: Place, text: str) -> bool:
+    """One line about the key, or about the group around it that does not fit together."""
+    found, separator, _ = text.partition(": expected ")
+    around = key(place) if len(place) < 2 else key(place[:-1])
+    names = found == key(place) or (found.startswith(around) and key(place).startswith(found))
+    return bool(separator) and "\n" not in text and names
+
+
+@pytest.mark.parametrize("group", list(Config.__dataclass_fields__))
+def test_nonsense_is_refused_in_one_line(group, config, plain):
+    accepted = []
+    for place, value in places({group: plain[group]}):
+        for wrong in nonsense(value):
+            if allowed(place, wrong):
+                continue
+            text = complaint(config, plain, place, wrong)
+            if not is_clear(place, text):
+                accepted.append(f"{key(place)}={wrong}: {text}")
+    assert accepted == []
+
+
+def test_every_exception_has_a_leaf(plain):
+    keys = [key(place) for place, _ in places(plain)]
+    for patterns in ALLOWED.values():
+        for pattern in patterns:
+            assert any(fnmatch(name, pattern) for name in keys), pattern
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("env.observation.height_scan.points_x", 10**18),
+        ("train.walking.network.hidden", [256, 10**9]),
+        ("train.walking.robots", 10**9),
+        ("robot.links.base.mass", 1e7),
+        ("robot.geometry.leg_length", 1e5),
+        ("evaluation.duration", 1e9),
+        ("evaluation.commands", [0.2, 0.2000000001]),
+        ("ablation.seeds", [1, 1]),
+    ],
+)
+def test_absurd_sizes_and_doubles_are_refused(name, wrong, config, plain):
+    text = complaint(config, plain, tuple(name.split(".")), wrong)
+    assert text.startswith(name)
+    assert ": expected " in text
+    assert "\n" not in text

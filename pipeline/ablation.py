@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import POLICY, evaluations_of
+from pipeline.stages.evaluation import evaluations_of
 from pipeline.stages.gaits import library_job
 from pipeline.stages.training import training_jobs
 from slider.artefacts.plan import JobSpec
 from slider.config.compose import compose
+from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.config.studies import AblationConfig, VariantConfig

@@ -10,10 +10,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import POLICY, protocol_section
+from pipeline.stages.evaluation import protocol_section
 from pipeline.stages.gaits import gait, gait_section
 from pipeline.stages.sections import robot, without
 from slider.artefacts.plan import JobSpec
+from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.parameters import Parameter, choose, parameters, scaled
 from slider.config.robot import RobotConfig

@@ -5,12 +5,10 @@ from typing import Any
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
+from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.config.schema import Config
-
-POLICY = "policy"
-BASELINE_PREFIX = "mpc_wbc_"
 
 
 def evaluations_of(
@@ -65,7 +63,7 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
     return section | {
         "robot": robot(config),
         "plant": only(to_dict(config.env), "control_period", "physics", "termination"),
-        "control": to_dict(getattr(config.control, controller.removeprefix(BASELINE_PREFIX))),
+        "control": without(to_dict(config.control[controller]), "label"),
     }
 
 

@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import POLICY, controlled, protocol_section
+from pipeline.stages.evaluation import controlled, protocol_section
 from pipeline.stages.sections import origin, without
 from slider.artefacts.plan import JobSpec
+from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.reports.sections.registry import OPTIONAL, SECTIONS

@@ -16,9 +16,12 @@ TAGS = ("paper", "earlier", "assumed")
 
 
 def options() -> list[str]:
-    """``group=name`` for every file but the bases, which only others use."""
+    """``group=name`` for every file but bases, which others use, and controllers: all are in."""
     paths = [path.relative_to(CONF) for path in CONF.rglob("*.yaml") if path.stem != "base"]
-    return sorted(f"{path.parent}={path.stem}" for path in paths if path.parent != Path("."))
+    groups = {path: str(path.parent) for path in paths}
+    return sorted(
+        f"{group}={p.stem}" for p, group in groups.items() if group not in (".", "control")
+    )
 
 
 @pytest.mark.parametrize(
@@ -116,12 +119,27 @@ def test_every_option_composes(option):
         ("evaluation.commands=[0.2,0.2]", "evaluation.commands: expected each once"),
         ("evaluation.controllers=[policy,policy]", "evaluation.controllers: expected each once"),
         ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
-        ("control.tuned.substeps=2", "control.tuned.substeps: expected a control rate of at least"),
-        ("control.tuned.substeps=3", "control.tuned.substeps: expected a divisor of"),
-        ("control.observer.observer.delay=0.012", "observer.delay: expected a multiple of 0.005"),
-        ("control.observer.observer.velocity=0", "observer.velocity: expected a number in (0, 1]"),
-        ("control.literal.step.time=0.6", "control.literal.step: expected lower ≤ upper"),
-        ("control.tuned.step.switching=luck", "control.tuned.step.switching"),
+        (
+            "control.mpc_wbc_tuned.substeps=2",
+            "control.mpc_wbc_tuned.substeps: expected a control rate of at least",
+        ),
+        (
+            "control.mpc_wbc_tuned.substeps=3",
+            "control.mpc_wbc_tuned.substeps: expected a divisor of",
+        ),
+        (
+            "control.mpc_wbc_observer.observer.delay=0.012",
+            "observer.delay: expected a multiple of 0.005",
+        ),
+        (
+            "control.mpc_wbc_observer.observer.velocity=0",
+            "observer.velocity: expected a number in (0, 1]",
+        ),
+        (
+            "control.mpc_wbc_literal.step.time=0.6",
+            "control.mpc_wbc_literal.step: expected lower ≤ upper",
+        ),
+        ("control.mpc_wbc_tuned.step.switching=luck", "control.mpc_wbc_tuned.step.switching"),
         (
             "evaluation.disturbance.delay.upper=0.012",
             "evaluation.disturbance.delay.upper: expected a multiple of 0.005, found 0.012",

@@ -46,7 +46,7 @@ def test_what_a_value_may_be(path, text):
         ("robot.gains.ankle.kp", "N m/rad"),
         ("robot.drives.capstan.stall_ratio", "-"),
         ("env.action.scale.slide", "m"),
-        ("control.tuned.whole_body.regularisation", "1/(rad/s²)², 1/N²"),
+        ("control.mpc_wbc_tuned.whole_body.regularisation", "1/(rad/s²)², 1/N²"),
         ("train.walking.robots", ""),
     ],
 )

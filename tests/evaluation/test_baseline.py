@@ -16,43 +16,45 @@ from tests.env.synthetic import config
 PROTOCOL = ("experiment=test", "evaluation.duration=0.6")
 
 
-def section(setting: str = "tuned", **changes) -> dict:
+def section(controller: str = "mpc_wbc_tuned", **changes) -> dict:
     whole = config(*PROTOCOL)
     env = to_dict(whole.env)
     return {
         "robot": to_dict(whole.robot),
         "plant": {name: env[name] for name in ("control_period", "physics", "termination")},
-        "control": to_dict(getattr(whole.control, setting)),
+        "control": to_dict(whole.control[controller]),
         "evaluation": to_dict(replace(whole.evaluation, **changes)),
-        "controller": f"mpc_wbc_{setting}",
+        "controller": controller,
         "command": 0.2,
     }
 
 
-def run(out, setting: str = "tuned", **changes):
+def run(out, controller: str = "mpc_wbc_tuned", **changes):
     out.mkdir()
     job = Job(out.parent)
-    return baseline.run(section(setting, **changes), {}, out, job), job
+    return baseline.run(section(controller, **changes), {}, out, job), job
 
 
 WALK = {"duration": 3.0, "warm_up": 1.4}  # [s]; from there on whole strides
 
 
-@pytest.mark.parametrize(("setting", "speed"), [("literal", 0.167), ("tuned", 0.21)])
-def test_walks_and_its_records_are_those_of_the_policy(tmp_path, setting, speed):
+@pytest.mark.parametrize(
+    ("controller", "speed"), [("mpc_wbc_literal", 0.167), ("mpc_wbc_tuned", 0.21)]
+)
+def test_walks_and_its_records_are_those_of_the_policy(tmp_path, controller, speed):
     """A command of 0.2 m/s; the literal settings take it as the speed at the end of a step."""
-    summary, job = run(tmp_path / "out", setting, **WALK)
+    summary, job = run(tmp_path / "out", controller, **WALK)
     found = Evaluation.load(tmp_path / "out")
     assert tuple(found.robots.columns) == COLUMNS
     assert len(found.robots.survived) == 6
     assert summary["success_rate"] == 1.0
-    assert summary["controller"] == f"mpc_wbc_{setting}"
+    assert summary["controller"] == controller
     np.testing.assert_allclose(found.robots.columns["mean_velocity"], speed, atol=0.03)
     np.testing.assert_array_equal(found.robots.columns["alternation"], 1.0)
-    step = getattr(config(*PROTOCOL).control, setting).step
+    step = config(*PROTOCOL).control[controller].step
     np.testing.assert_allclose(found.robots.columns["touchdown_rate"], 1 / step.time, atol=0.7)
     assert {"model", "assembly", "solution"} <= set(job.volatile["tick_us"])
-    assert found.controller == f"mpc_wbc_{setting}"
+    assert found.controller == controller
     assert found.robots.success.value == 1.0
 
 
@@ -94,13 +96,13 @@ def test_both_settings_are_jobs_of_their_own_that_need_no_training():
     assert names == {"policy", "mpc_wbc_literal", "mpc_wbc_tuned"}
     assert len(found) == 3 * len(config().evaluation.commands)
     for (controller, _), job in found.items():
-        assert (job.stage == "baseline") == controller.startswith("mpc_wbc_")
+        assert (job.stage == "baseline") == (controller in config().control)
         assert bool(job.inputs) == (controller == "policy")
     assert "torch" not in found["mpc_wbc_tuned", 0.2].code.versions
 
 
 def test_a_setting_reruns_only_its_own_jobs():
-    before, after = jobs(), jobs("control.tuned.step.apex=0.08", "env.action.clip=3.0")
+    before, after = jobs(), jobs("control.mpc_wbc_tuned.step.apex=0.08", "env.action.clip=3.0")
     changed = {key[0] for key, job in before.items() if job.recipe != after[key].recipe}
     assert changed == {"policy", "mpc_wbc_tuned"}  # the policy for its actions
 

@@ -208,7 +208,7 @@ def test_policy_and_baseline_meet_the_same_robots():
     """Same masses, whatever the drives and the control rate."""
     whole = config(*WHOLE, "evaluation=robust", "evaluation.trials=2", "evaluation.robots=3")
     test = protocol.Protocol("policy", 0.2, None, whole.robot, whole.evaluation)
-    count, control = test.count, whole.control.tuned
+    count, control = test.count, whole.control["mpc_wbc_tuned"]
     slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=test.disturbance)
     fast = baseline.build_plant(
         whole.robot, whole.env.physics, control, count, disturbance=test.disturbance

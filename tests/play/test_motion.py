@@ -11,7 +11,7 @@ from slider.env.episode import Frame
 from slider.library.reader import GaitLibrary
 from slider.play import loop
 from slider.play.control import Control
-from slider.play.motion import Replay, simulate_ignorant
+from slider.play.motion import Replay, simulate_agent
 
 CONF = Path(__file__).parents[2] / "conf"
 SAMPLES = 10
@@ -50,7 +50,7 @@ def config():
 @pytest.mark.parametrize("random", [False, True])
 def test_ignorant_agents_start_upright_and_repeat_themselves(config, random):
     def run():
-        motion = simulate_ignorant(config.robot, config.env, config.evaluation.start, 3, random)
+        motion = simulate_agent(config.robot, config.env, config.evaluation.start, 3, random)
         frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(5)]
         return np.array([frame.qpos for frame in frames])
 
@@ -61,7 +61,7 @@ def test_ignorant_agents_start_upright_and_repeat_themselves(config, random):
 
 def test_a_push_changes_the_velocity_of_the_base(config):
     def velocity(push):
-        motion = simulate_ignorant(config.robot, config.env, config.evaluation.start, 3, False)
+        motion = simulate_agent(config.robot, config.env, config.evaluation.start, 3, False)
         motion.start(np.zeros(3))
         motion.push(np.array(push))
         return motion.step(np.zeros(3)).velocity
@@ -107,7 +107,7 @@ def test_headless_says_how_it_went(capsys, tmp_path):
     assert main(["play", "zero", *common]) == 1  # nobody stands on two lines without control
     assert "agent zero: fell after" in capsys.readouterr().out
     assert main(["play", "--artefacts", str(tmp_path), *common]) == 1
-    assert "found no plan there" in capsys.readouterr().err
+    assert "make it with `snakemake -j2 policy`" in capsys.readouterr().err
 
 
 def test_a_window_needs_a_display(capsys, monkeypatch):

@@ -7,11 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.commands.play import add_arguments
+from slider.commands.play import add_arguments, choose
 from slider.config.env import TerminationConfig
 from slider.core.errors import UserError
 from slider.play import scenes
-from slider.play.scenes import build
 from tests.control.export.policies import write_policy
 from tests.env.synthetic import CONF
 
@@ -19,7 +18,7 @@ from tests.env.synthetic import CONF
 def scene(*arguments: str):
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    return build(parser.parse_args([*arguments, "--conf", str(CONF)]))
+    return choose(parser.parse_args([*arguments, "--conf", str(CONF)]))
 
 
 @pytest.mark.parametrize("override", ["env=paper", "robot.gains.capstan.kp=2.8"])

@@ -1,18 +1,27 @@
-"""``slider play``: watch a policy, the baseline, a gait, or an agent that knows nothing."""
+"""``slider play``: watch a policy, a model-predictive controller, a gait or a smoke agent."""
 
 import argparse
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from slider.artefacts.store import ARTEFACTS
+from slider.config.control import POLICY, SMOKE_AGENTS
+from slider.core.errors import UserError
 
-BASELINES = ("mpc_wbc_literal", "mpc_wbc_tuned", "mpc_wbc_observer")
-AGENTS = ("policy", *BASELINES, "zero", "random")
+if TYPE_CHECKING:
+    from slider.play.scenes import Scene
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("agent", nargs="?", choices=AGENTS, default="policy", help="who walks")
+    smoke = " or ".join(SMOKE_AGENTS)
+    parser.add_argument(
+        "agent",
+        nargs="?",
+        default=POLICY,
+        help=f"{POLICY} (default), a controller of conf/control, {smoke}",
+    )
     parser.add_argument("--policy", type=Path, help="policy file (default: of the current plan)")
     parser.add_argument(
         "--gait",
@@ -49,10 +58,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Watch it; with ``--headless`` status 1 if the robot fell."""
     if arguments.film is not None:
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
-    from slider.play import scenes
     from slider.play.control import Control
 
-    scene = scenes.build(arguments)
+    scene = choose(arguments)
     control = Control(arguments.command)
     if arguments.headless:
         from slider.play import headless
@@ -72,3 +80,33 @@ def run(arguments: argparse.Namespace) -> int:
 
     window.run(scene, control, arguments.seconds)
     return 0
+
+
+def choose(arguments: argparse.Namespace) -> "Scene":
+    """The scene that the arguments mean.
+
+    Raises:
+        UserError: there is no such agent, policy or library, or they contradict each other.
+    """
+    from slider.artefacts.current import current_folder
+    from slider.artefacts.store import Store
+    from slider.config.compose import compose
+    from slider.control.policy_file import POLICY_FILE
+    from slider.env.terms import checked
+    from slider.library.choose import library_path
+    from slider.play import scenes
+
+    config = checked(compose(arguments.set, arguments.conf))
+    if arguments.gait is not None:
+        vx, vy = arguments.gait
+        return scenes.gait_scene(library_path(arguments), vx, vy, config)
+    path = arguments.policy
+    if arguments.agent != POLICY:
+        if path is not None:
+            raise UserError(f"expected --policy with the agent {POLICY}, found {arguments.agent}")
+        return scenes.agent_scene(arguments.agent, config, arguments.seed)
+    if path is None:
+        store = Store(arguments.artefacts)
+        path = current_folder(store, "walking", "snakemake -j2 policy") / POLICY_FILE
+    plain = compose([], arguments.conf)
+    return scenes.policy_scene(path, config, plain, arguments.seed)

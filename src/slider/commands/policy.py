@@ -40,13 +40,14 @@ def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
     """The policy file, and what the store knows about it."""
     from slider.artefacts.current import current_folder, current_result
     from slider.artefacts.store import Store
+    from slider.control.policy_file import POLICY_FILE
 
     if arguments.file is not None:
         return arguments.file, {}
     store = Store(arguments.artefacts)
     folder = current_folder(store, "walking", _MAKE)
     job, _ = current_result(store, "walking", _MAKE)
-    return folder / "policy.pt", {"recipe": job.recipe, "source": job.code.source}
+    return folder / POLICY_FILE, {"recipe": job.recipe, "source": job.code.source}
 
 
 def _export(file: Path, origin: dict[str, Any], out: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any, cast
 
 from hydra import compose as hydra_compose
 from hydra import initialize_config_dir
+from hydra.core.config_store import ConfigStore
 from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import HydraException
 from omegaconf import OmegaConf
@@ -35,6 +36,7 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
 def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
+    _store_controllers(conf)
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
         try:
@@ -46,6 +48,13 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(_first_line(error)) from None
         except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
+
+
+def _store_controllers(conf: Path) -> None:
+    """Write the option ``control=all``: each file of ``conf/control`` under its own name."""
+    names = sorted(path.stem for path in (conf / "control").glob("*.yaml"))
+    defaults = [f"{name}@{name}" for name in names if name != "base"]
+    ConfigStore.instance().store("all", {"defaults": defaults}, group="control")
 
 
 def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:

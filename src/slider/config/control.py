@@ -1,4 +1,4 @@
-"""Typed settings of the model-predictive baseline; see ``docs/explanation/baseline.md``."""
+"""Typed settings of the model-predictive controllers; see ``docs/explanation/baseline.md``."""
 
 from typing import Annotated, Literal
 
@@ -21,6 +21,9 @@ from slider.config.types import (
     Unit,
     Vector3,
 )
+
+POLICY = "policy"  # the learned controller; every other one is named in ``Config.control``
+SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -155,7 +158,7 @@ class ObserverConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class MpcConfig:
-    """The baseline: footstep planner, swing, entry and whole-body controller."""
+    """A model-predictive controller: footstep planner, swing, entry and whole-body control."""
 
     substeps: Annotated[Count, Field(le=1000)]
     """simulation steps per control tick"""
@@ -166,12 +169,5 @@ class MpcConfig:
     whole_body: WholeBodyConfig
     observer: ObserverConfig | None = None
     """null: the controller receives what is measured"""
-
-
-@dataclass(frozen=True, config=STRICT)
-class ControlConfig:
-    """Settings of the baseline; the evaluation's controller ``mpc_wbc_NAME`` has ``NAME``."""
-
-    literal: MpcConfig
-    tuned: MpcConfig
-    observer: MpcConfig
+    label: str = ""
+    """what tables and figures call it"""

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.control import ControlConfig
+from slider.config.control import MpcConfig
 from slider.config.env import EnvConfig
 from slider.config.evaluation import EvaluationConfig, SeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
@@ -39,6 +39,7 @@ class ResourcesConfig:
 class Config:
     """Root of the configuration; one field per group of ``conf/``.
 
+    ``control`` holds the controllers beside the policy, by the name that evaluations have for them.
     ``evaluation`` is the protocol of Table 1; ``protocols`` are others, each with its own report.
     ``finetuning`` goes on from the walking policy; its result is then the policy.
     """
@@ -48,7 +49,7 @@ class Config:
     library: LibraryConfig
     env: EnvConfig
     train: TrainingsConfig
-    control: ControlConfig
+    control: dict[str, MpcConfig]
     seeds: SeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]

@@ -14,7 +14,7 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
-from slider.control.policy_file import load_policy
+from slider.control.policy_file import POLICY_FILE, load_policy
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
@@ -65,7 +65,7 @@ def simulate(
     """
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbance)
-    policy = load_policy(inputs["walking"][0] / "policy.pt")
+    policy = load_policy(inputs["walking"][0] / POLICY_FILE)
     agent = agent_of(policy, policy.robot if changed else robot, env, count)
     controller = PolicyController(policy.network, agent)
     return Simulated(controller, physics, env)

@@ -7,10 +7,12 @@ from typing import Protocol
 import numpy as np
 import torch
 
+from slider.config.control import MpcConfig
 from slider.config.disturbance import DisturbanceConfig
-from slider.config.env import EnvConfig, StartNoise
+from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
+from slider.control.mpc.baseline import build_controller
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
 from slider.env.disturbance.draws import Disturbance
@@ -18,6 +20,7 @@ from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
+from slider.evaluation.baseline import build_plant
 from slider.library.reader import GaitLibrary
 from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_JOINTS
@@ -125,13 +128,28 @@ def simulate_policy(
         UserError: the policy is for other observations or actions.
     """
     agent = agent_of(policy, robot, env, 1)
-    return _simulate_agent(robot, env, agent, policy.network, noise, seed, disturbance)
+    return _simulate_network(robot, env, agent, policy.network, noise, seed, disturbance)
 
 
-def simulate_ignorant(
+def simulate_mpc(
+    robot: RobotConfig,
+    plant: PlantConfig,
+    config: MpcConfig,
+    noise: StartNoise,
+    seed: int,
+    disturbance: DisturbanceConfig,
+) -> Simulation:
+    """A model-predictive controller on torque drives, as in its evaluation."""
+    physics = build_plant(robot, plant.physics, config, 1, Disturbance(disturbance, (seed,)))
+    controller = build_controller(robot, config, plant.physics, 1)
+    episode = Episode(controller, physics, plant)
+    return Simulation(episode, plant.control_period, _starts(robot, noise, seed))
+
+
+def simulate_agent(
     robot: RobotConfig, env: EnvConfig, noise: StartNoise, seed: int, random: bool
 ) -> Simulation:
-    """An agent that holds the nominal pose, or one whose actions are uniform in ±1."""
+    """A smoke agent: it holds the nominal pose, or its actions are uniform in ±1."""
     times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
     env = replace(env, action=replace(env.action, offset="nominal"))
     agent = AgentInterface(robot, env, 1, times)
@@ -142,10 +160,10 @@ def simulate_ignorant(
             return torch.zeros(1, NUM_JOINTS)
         return 2.0 * torch.rand(1, NUM_JOINTS, generator=generator) - 1.0
 
-    return _simulate_agent(robot, env, agent, network, noise, seed)
+    return _simulate_network(robot, env, agent, network, noise, seed)
 
 
-def _simulate_agent(
+def _simulate_network(
     robot: RobotConfig,
     env: EnvConfig,
     agent: AgentInterface,
@@ -158,10 +176,10 @@ def _simulate_agent(
     disturbed = None if disturbance is None else Disturbance(disturbance, (seed,))
     physics = BatchedPhysics(robot, env.physics, 1, disturbance=disturbed)
     episode = Episode(controller, physics, env)
-    return Simulation(episode, env.control_period, starts(robot, noise, seed))
+    return Simulation(episode, env.control_period, _starts(robot, noise, seed))
 
 
-def starts(robot: RobotConfig, noise: StartNoise, seed: int) -> Start:
+def _starts(robot: RobotConfig, noise: StartNoise, seed: int) -> Start:
     """Starts at rest, each with new noise."""
     rng = np.random.default_rng(seed)
     return lambda: at_rest(robot, noise, rng, 1)

@@ -1,21 +1,17 @@
-"""From the arguments of ``slider play`` to what is shown."""
+"""What ``slider play`` can show: a policy, another controller, a smoke agent or a gait."""
 
-from argparse import Namespace
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TypeVar
 
-from slider.artefacts.plan import JobSpec, read_plan
-from slider.artefacts.store import Store
-from slider.config.compose import compose
+from slider.config.control import POLICY, SMOKE_AGENTS
 from slider.config.env import EnvConfig, PlantConfig
 from slider.config.robot import RobotConfig
+from slider.config.schema import Config
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
-from slider.env.terms import checked
 from slider.library.reader import GaitLibrary
-from slider.play.baseline import simulate_baseline
-from slider.play.motion import Motion, Replay, simulate_ignorant, simulate_policy
+from slider.play.motion import Motion, Replay, simulate_agent, simulate_mpc, simulate_policy
 
 Section = TypeVar("Section", EnvConfig, RobotConfig)
 
@@ -29,34 +25,23 @@ class Scene:
     motion: Motion
 
 
-def build(arguments: Namespace) -> Scene:
-    """Scene that the arguments ask for.
+def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
+    """A policy on its own robot and in its own environment.
+
+    Args:
+        path: of the policy file.
+        config: its parts of robot and environment that differ from ``plain`` replace the policy's.
+        plain: the same configuration without overrides.
+        seed: of start and disturbance.
 
     Raises:
-        UserError: there is no such policy or library, or they contradict each other.
+        UserError: the policy is for other observations or actions.
     """
-    if arguments.gait is not None:
-        return _replay(arguments)
-    if arguments.agent != "policy":
-        if arguments.policy is not None:
-            raise UserError(f"expected --policy with the agent policy, found {arguments.agent}")
-        return (
-            _baseline(arguments) if arguments.agent.startswith("mpc_wbc_") else _ignorant(arguments)
-        )
-    return _policy(arguments)
-
-
-def _policy(arguments: Namespace) -> Scene:
-    config = checked(compose(arguments.set, arguments.conf))
-    plain = compose([], arguments.conf)
-    path = arguments.policy
-    if path is None:
-        path = _current(arguments.artefacts, "walking", "policy.pt")
     policy = load_policy(path)
     robot = _changed(policy.robot, config.robot, plain.robot)
     env = _changed(policy.env, config.env, plain.env)
     test = config.evaluation
-    motion = simulate_policy(policy, robot, env, test.start, arguments.seed, test.disturbance)
+    motion = simulate_policy(policy, robot, env, test.start, seed, test.disturbance)
     return Scene(f"policy {path}", robot, motion)
 
 
@@ -67,49 +52,27 @@ def _changed(own: Section, asked: Section, plain: Section) -> Section:
     return replace(own, **{n: part for n, part in parts.items() if part != getattr(plain, n)})
 
 
-def _baseline(arguments: Namespace) -> Scene:
-    config = checked(compose(arguments.set, arguments.conf))
-    control = getattr(config.control, arguments.agent.removeprefix("mpc_wbc_"))
-    test = config.evaluation
-    plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
-    motion = simulate_baseline(
-        config.robot, plant, control, test.start, arguments.seed, test.disturbance
-    )
-    return Scene(f"baseline {arguments.agent}", config.robot, motion)
+def agent_scene(name: str, config: Config, seed: int) -> Scene:
+    """A controller of the configuration as in its evaluation, or a smoke agent.
+
+    Raises:
+        UserError: there is no agent of this name.
+    """
+    test, env = config.evaluation, config.env
+    if name in config.control:
+        plant = PlantConfig(env.control_period, env.physics, env.termination)
+        control, disturbance = config.control[name], test.disturbance
+        motion = simulate_mpc(config.robot, plant, control, test.start, seed, disturbance)
+        return Scene(f"baseline {name}", config.robot, motion)
+    if name in SMOKE_AGENTS:
+        motion = simulate_agent(config.robot, env, test.start, seed, random=name == "random")
+        return Scene(f"agent {name}", config.robot, motion)
+    known = ", ".join((POLICY, *config.control, *SMOKE_AGENTS))
+    raise UserError(f"agent: expected one of {known}, found {name}")
 
 
-def _ignorant(arguments: Namespace) -> Scene:
-    config = checked(compose(arguments.set, arguments.conf))
-    random = arguments.agent == "random"
-    noise = config.evaluation.start
-    motion = simulate_ignorant(config.robot, config.env, noise, arguments.seed, random)
-    return Scene(f"agent {arguments.agent}", config.robot, motion)
-
-
-def _replay(arguments: Namespace) -> Scene:
-    config = checked(compose(arguments.set, arguments.conf))
-    path = arguments.library
-    if path is None:
-        path = _current(arguments.artefacts, "library", "library.zarr")
-    library = GaitLibrary.load(path)
-    wanted_vx, wanted_vy = arguments.gait
-    motion = Replay(library, wanted_vx, wanted_vy, config.env.control_period)
+def gait_scene(path: Path, vx: float, vy: float, config: Config) -> Scene:
+    """The gait of a library that is nearest to (vx, vy) [m/s], without physics."""
+    motion = Replay(GaitLibrary.load(path), vx, vy, config.env.control_period)
     vx, vy = motion.velocity
     return Scene(f"gait {vx:.2f} {vy:+.2f} m/s", config.robot, motion)
-
-
-def _current(artefacts: Path, target: str, name: str) -> Path:
-    """File of a target's result in the latest plan."""
-    plans = sorted((artefacts / "plans").glob("*.json"), key=lambda path: path.stat().st_mtime)
-    if not plans:
-        raise UserError(f"expected a pipeline run in {artefacts}, found no plan there")
-    plan = read_plan(plans[-1])
-    job: JobSpec = plan.jobs[plan.targets[target]]
-    store = Store(artefacts)
-    if not store.manifest_path(job.stage, job.recipe).is_file():
-        raise UserError(
-            f"expected the {target} result of the latest plan in {artefacts}, found none: "
-            "run the pipeline, or name a file"
-        )
-    result = store.read_manifest(job.stage, job.recipe).result
-    return store.object_folder(result.object) / name

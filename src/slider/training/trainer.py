@@ -11,7 +11,7 @@ import torch
 from rsl_rl.runners import OnPolicyRunner
 
 from slider.control.network import UNVARIED, from_actor
-from slider.control.policy_file import Policy, save_policy
+from slider.control.policy_file import POLICY_FILE, Policy, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
@@ -22,7 +22,6 @@ from slider.training.selection import Score, Selector
 
 CHECKPOINT = "checkpoint.pt"
 BEST = "best.pt"
-POLICY = "policy.pt"
 WEIGHTS = "weights.pt"
 _RESUMED = ("actor", "critic", "optimizer", "average")
 
@@ -167,11 +166,11 @@ class Trainer:
             facts={"seed": self._task.train.seed, **facts},
             reference=self._task.reference,
         )
-        save_policy(policy, out / POLICY)
+        save_policy(policy, out / POLICY_FILE)
         torch.save(weights, out / WEIGHTS)
         _write_rows(self._history, out / SELECTION)
         _write_rows(self._curve, out / CURVE)
-        self._job.tracker.log_file(out / POLICY)
+        self._job.tracker.log_file(out / POLICY_FILE)
         return facts
 
 

@@ -9,7 +9,7 @@ from slider.control.mpc import lip
 from slider.control.mpc.entry import Entry
 from tests.env.synthetic import config
 
-OMEGA, TUNED = lip.rate(0.65), config().control.tuned
+OMEGA, TUNED = lip.rate(0.65), config().control["mpc_wbc_tuned"]
 MIDDLE, REACH = np.zeros((1, 2)), 0.085
 
 

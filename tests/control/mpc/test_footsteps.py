@@ -10,7 +10,7 @@ from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
 from tests.env.synthetic import config
 
 OMEGA = lip.rate(0.65)
-STEP = config().control.tuned.step
+STEP = config().control["mpc_wbc_tuned"].step
 TIME = STEP.time
 
 

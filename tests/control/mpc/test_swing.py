@@ -6,7 +6,7 @@ import pytest
 from slider.control.mpc import swing
 from tests.env.synthetic import config
 
-SETTINGS = config().control.tuned.swing
+SETTINGS = config().control["mpc_wbc_tuned"].swing
 TIME, APEX, PERIOD, GROUND = 0.3, 0.07, 0.005, 0.002
 
 

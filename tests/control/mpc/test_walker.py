@@ -53,7 +53,7 @@ def test_walks_forward_with_the_mean_velocity_that_it_is_told():
     recording, controller = walk((0.6, 0.0, 0.0), seconds=SETTLED)
     np.testing.assert_allclose(steady(recording), [0.6, 0.0], atol=0.05)
     assert (controller.gait.mode == WALK).all()
-    expected = (SETTLED - 0.3) / config().control.tuned.step.time
+    expected = (SETTLED - 0.3) / config().control["mpc_wbc_tuned"].step.time
     np.testing.assert_allclose(controller.gait.steps, expected, atol=3)
     contact = recording.foot_forces > CONTACT_FORCE
     single = contact.sum(axis=2) == 1
@@ -97,7 +97,7 @@ def test_a_robot_does_not_depend_on_the_others():
     recording, _ = walk((0.6, 0.0, 0.0), seconds=1.0, noise=True)
     whole = config()
     physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
-    controller = MpcController(robot_config(), whole.control.tuned, physics.period)
+    controller = MpcController(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
     qpos, qvel = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
     alone = roll_out(
         controller, physics, whole.env, (qpos[1:2], qvel[1:2]), np.array([[0.6, 0, 0]]), 1.0
@@ -106,7 +106,7 @@ def test_a_robot_does_not_depend_on_the_others():
 
 
 def test_switches_off_where_it_has_fallen():
-    control = config().control.tuned
+    control = config().control["mpc_wbc_tuned"]
     controller = MpcController(robot_config(), control, 0.005)
     state = make_state(2, foot_forces=60.0)
     controller.reset(state, np.zeros((2, 3)))
@@ -122,7 +122,7 @@ def test_torques_stay_within_the_limits():
     recorded = []
     whole = config()
     physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
-    controller = MpcController(robot_config(), whole.control.tuned, physics.period)
+    controller = MpcController(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
     step = physics.step
 
     def spying(torques: np.ndarray) -> None:
@@ -182,7 +182,7 @@ def test_the_reference_goes_from_the_old_command_to_the_new_one():
     np.testing.assert_allclose(gait.old[:, 0], 0.6)
     gone = gait.walked - gait.changed
     np.testing.assert_allclose(gone, 0.1, atol=1e-9)
-    planner = config().control.tuned.planner
+    planner = config().control["mpc_wbc_tuned"].planner
     left = np.hypot(0.6, 0.1) - planner.acceleration * 0.1
     reference = ReferenceVelocity(planner, 0.005).of(gait, np.arange(COUNT))
     found = np.linalg.norm(reference - [0.0, 0.1], axis=1)

@@ -15,7 +15,7 @@ from slider.robot import names
 from tests.control.mpc.test_qp import conditions
 from tests.env.synthetic import TORQUE_LIMITS, config, motor_torques, robot_config
 
-CONTROL = config().control.tuned.whole_body
+CONTROL = config().control["mpc_wbc_tuned"].whole_body
 COUNT = 3
 MOTOR = TORQUE_LIMITS[3]  # of a capstan [N m]
 

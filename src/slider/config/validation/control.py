@@ -1,18 +1,23 @@
-"""Rules of the model-predictive baseline's settings."""
+"""Rules of the model-predictive controllers."""
 
-from dataclasses import fields
+from collections.abc import Mapping
 
-from slider.config.control import ControlConfig, MpcConfig
+from slider.config.control import POLICY, SMOKE_AGENTS, MpcConfig
 from slider.config.env import EnvConfig, PhysicsConfig
-from slider.config.validation.checks import multiple, ordered, require
+from slider.config.validation.checks import distinct, multiple, ordered, require
 
 LEAST_RATE = 200  # [Hz]
+_TAKEN = (POLICY, *SMOKE_AGENTS)  # names with a meaning of their own
 
 
-def check_controls(controls: ControlConfig, env: EnvConfig) -> None:
-    """Every setting of the baseline."""
-    for item in fields(controls):
-        _control(getattr(controls, item.name), env, f"control.{item.name}")
+def check_controls(controls: Mapping[str, MpcConfig], env: EnvConfig) -> None:
+    """Every controller beside the policy; people tell them apart by their labels."""
+    for name, control in controls.items():
+        key = f"control.{name}"
+        require(name not in _TAKEN, key, f"another name than {', '.join(_TAKEN)}", name)
+        require(bool(control.label), f"{key}.label", "a label", "none")
+        _control(control, env, key)
+    distinct("control.*.label", [control.label for control in controls.values()], "each once")
 
 
 def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:

@@ -1,10 +1,9 @@
 """Rules of the evaluation protocols: Table 1's and the others."""
 
 from collections.abc import Iterable
-from dataclasses import fields
 from itertools import pairwise
 
-from slider.config.control import ControlConfig
+from slider.config.control import POLICY
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.config.schema import Config
 from slider.config.validation.checks import distinct, one_of, period, require
@@ -16,12 +15,8 @@ def check_protocols(config: Config) -> None:
     expected = "none (the commands of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():
-        _protocol(protocol, _controllers(config.control), key, config.env.control_period)
+        _protocol(protocol, (POLICY, *config.control), key, config.env.control_period)
         check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
-
-
-def _controllers(control: ControlConfig) -> list[str]:
-    return ["policy", *(f"mpc_wbc_{item.name}" for item in fields(control))]
 
 
 def _protocol(

@@ -1,18 +1,14 @@
-"""The baseline in the viewer: it obeys a command that changes, and a push."""
+"""Controllers in the viewer: they obey a command that changes, and a push."""
 
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from slider.cli import main
-from slider.commands.play import BASELINES
 from slider.config.compose import compose
-from slider.config.control import ControlConfig
 from slider.config.env import PlantConfig
-from slider.play.baseline import simulate_baseline
-from slider.play.motion import Simulation
+from slider.play.motion import Simulation, simulate_mpc
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -21,8 +17,8 @@ CONF = Path(__file__).parents[2] / "conf"
 def motion() -> Simulation:
     config = compose(["experiment=test"], CONF)
     plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
-    test, control = config.evaluation, config.control.tuned
-    return simulate_baseline(config.robot, plant, control, test.start, 0, test.disturbance)
+    test, control = config.evaluation, config.control["mpc_wbc_tuned"]
+    return simulate_mpc(config.robot, plant, control, test.start, 0, test.disturbance)
 
 
 def mean_velocity(motion: Simulation, command, seconds: float) -> np.ndarray:
@@ -44,8 +40,20 @@ def test_a_push_moves_the_base(motion):
     assert motion.step(np.zeros(3)).velocity[1] - before[1] > 0.2
 
 
-def test_every_setting_of_the_baseline_can_be_watched(capsys):
-    assert {f"mpc_wbc_{field.name}" for field in fields(ControlConfig)} == set(BASELINES)
-    arguments = ["--conf", str(CONF), "--headless", "--seconds", "2"]
-    assert main(["play", "mpc_wbc_literal", *arguments]) == 0
-    assert "baseline mpc_wbc_literal: up after 2.00 s" in capsys.readouterr().out
+def play(*arguments: str) -> int:
+    return main(["play", *arguments, "--conf", str(CONF), "--headless", "--seconds", "1"])
+
+
+@pytest.mark.parametrize("name", ["mpc_wbc_literal", "mpc_wbc_observer"])
+def test_a_controller_of_the_configuration_can_be_watched(name, capsys):
+    assert play(name) == 0
+    assert f"baseline {name}: up after 1.00 s" in capsys.readouterr().out
+
+
+def test_an_unknown_agent_is_told_the_known_ones(capsys):
+    assert play("mpc_wbc_tunde") == 1
+    expected = (
+        "agent: expected one of policy, mpc_wbc_literal, mpc_wbc_observer, mpc_wbc_tuned, "
+        "zero, random, found mpc_wbc_tunde"
+    )
+    assert expected in capsys.readouterr().err

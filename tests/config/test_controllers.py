@@ -1,0 +1,84 @@
+"""Controllers are data: a file in ``conf/control`` is one, under its own name."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from pipeline.stages import table1_jobs
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+from slider.core.errors import UserError
+
+CONF = Path(__file__).parents[2] / "conf"
+MINE = "defaults:\n  - mpc_wbc_tuned\n  - _self_\n\nlabel: mine\nstep:\n  apex: 0.1\n"
+
+
+@pytest.fixture
+def conf(tmp_path) -> Path:
+    return Path(shutil.copytree(CONF, tmp_path / "conf"))
+
+
+def add(conf: Path, name: str, text: str = MINE) -> Path:
+    (conf / "control" / f"{name}.yaml").write_text(text)
+    return conf
+
+
+def test_every_file_but_the_base_is_a_controller():
+    files = {path.stem for path in (CONF / "control").glob("*.yaml")} - {"base"}
+    assert files == {*compose([], CONF).control}
+
+
+def test_a_file_is_enough_for_table_1(conf):
+    add(conf, "mine")
+    overrides = ["evaluation.controllers=[policy,mine]", "control.mine.step.width=0.22"]
+    config = compose(overrides, conf)
+    evaluations = table1_jobs(config)["table1"].inputs["evaluations"]
+    mine = [job for job in evaluations if job.section["controller"] == "mine"]
+    assert len(mine) == len(config.evaluation.commands)
+    assert {job.stage for job in mine} == {"baseline"}
+    expected = to_dict(config.control["mpc_wbc_tuned"])
+    expected["step"] |= {"apex": 0.1, "width": 0.22}
+    del expected["label"]  # what people call it changes no result
+    assert mine[0].section["control"] == expected
+
+
+def test_an_experiment_may_change_a_controller(conf):
+    text = "# @package _global_\ncontrol:\n  mpc_wbc_tuned:\n    step: {apex: 0.09}\n"
+    (conf / "experiment" / "high.yaml").write_text(text)
+    controls = compose(["experiment=high"], conf).control
+    assert controls["mpc_wbc_tuned"].step.apex == 0.09
+    assert controls["mpc_wbc_observer"].step.apex == 0.07
+
+
+def test_another_file_changes_no_other_recipe(conf):
+    def recipes():
+        jobs = table1_jobs(compose([], conf))["table1"].inputs["evaluations"]
+        return [job.recipe for job in jobs]
+
+    before = recipes()
+    assert before == (add(conf, "mine"), recipes())[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("policy", MINE, "control.policy: expected another name than policy, zero, random"),
+        ("mine", MINE.replace("label: mine\n", ""), r"control.\*.label: expected each once"),
+        ("mine", MINE.replace("mine\n", '""\n'), "control.mine.label: expected a label"),
+        ("mine", MINE + "  apx: 0.1\n", "control.mine.step.apx"),
+    ],
+)
+def test_a_mistake_in_a_file_is_one_line(conf, name, text, message):
+    with pytest.raises(UserError, match=message) as caught:
+        compose([], add(conf, name, text))
+    assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_controller_is_answered_by_the_known_ones():
+    expected = (
+        "evaluation.controllers: expected one of policy, mpc_wbc_literal, mpc_wbc_observer, "
+        "mpc_wbc_tuned, found mine"
+    )
+    with pytest.raises(UserError, match=expected):
+        compose(["evaluation.controllers=[policy,mine]"], CONF)

@@ -59,7 +59,6 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
     """All gaits in one store."""
     section = {
         "library": to_dict(config.library),
-        "velocities": [gait.section["velocity"] for gait in gaits],
         # Written into the library, which so says what its gaits were made for and with.
         "robot": mechanism(config),
         **only(to_dict(config.gait), "dynamics", "transcription", "cost", "kinematic_map"),

@@ -11,7 +11,7 @@ _COLLECTED = ("on_failure", "reach", "bounds")  # settings of the collection alo
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """Chunks of gaits, their collection, and maps of what it found."""
-    commands = library.section["velocities"]
+    commands = [gait.section["velocity"] for gait in library.inputs["gaits"]]
     size = config.verification.chunk
     chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
     gaits = [verification_of_gaits(config, chunk, library) for chunk in chunks]

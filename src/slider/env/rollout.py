@@ -18,8 +18,7 @@ from slider.env import terminations
 from slider.env.instruments import Contacts, DriveLoads, join, over
 from slider.env.physics import BatchedPhysics
 from slider.env.state import RobotState
-
-GRAVITY = 9.81  # [m/s²]
+from slider.robot.names import GRAVITY
 
 
 class Controller(Protocol):

@@ -11,6 +11,7 @@ from slider.config.convert import from_dict
 from slider.config.gait import FormulationConfig, SolveConfig
 from slider.config.robot import Mechanism
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.gait import REPORT
 from slider.gait.costs import COSTS
 from slider.gait.dense import dense_violations
 from slider.gait.formulation import formulate
@@ -24,8 +25,6 @@ from slider.gait.solution import (
 )
 from slider.gait.solve import GaitSolver, Solve
 from slider.robot.knee_map import prismatic_joints, with_upper_feet
-
-REPORT = "report.json"
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:

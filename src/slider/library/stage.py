@@ -12,6 +12,7 @@ from slider.config.convert import from_dict
 from slider.config.gait import LibraryConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.gait import REPORT
 from slider.library.reader import STORE
 from slider.library.schema import (
     ARRAYS,
@@ -24,7 +25,6 @@ from slider.library.schema import (
 )
 from slider.robot.names import CHANNEL_UNITS, CHANNELS
 
-_REPORT = "report.json"
 _TEXT = np.dtypes.StringDType()
 
 Report = dict[str, Any]
@@ -38,7 +38,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """
     config = from_dict(LibraryConfig, section["library"])
     folders = list(inputs["gaits"])
-    reports = [json.loads((folder / _REPORT).read_text()) for folder in folders]
+    reports = [json.loads((folder / REPORT).read_text()) for folder in folders]
     good = [i for i, report in enumerate(reports) if _acceptable(report, config)]
     holes = [report for i, report in enumerate(reports) if i not in set(good)]
     _log(reports, job)

@@ -9,7 +9,7 @@ import numpy as np
 
 from slider.evaluation.results import QUALITY, Estimate, Evaluation, Robots
 from slider.library.gait_numbers import GaitNumbers, gait_numbers
-from slider.library.reader import GaitLibrary
+from slider.library.reader import STORE, GaitLibrary
 from slider.reports.controllers import OURS
 
 NAN = float("nan")
@@ -117,7 +117,7 @@ def reference_gaits(folders: Sequence[Path]) -> Reference:
     """Forward velocity → numbers of the gait of the library in the only folder, if there is one."""
     if not folders:
         return lambda command: None
-    library = GaitLibrary.load(folders[0] / "library.zarr")
+    library = GaitLibrary.load(folders[0] / STORE)
     return lambda command: gait_numbers(library, command)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import Evaluation
 from slider.evaluation.stage import folder_name
+from slider.gait import REPORT
 from slider.reports import rows as tables
 from slider.reports.figures import sensitivity as figure
 from slider.reports.figures.style import write_pictures
@@ -21,7 +22,6 @@ ABOUT = ("parameter", "provenance", "unit", "nominal", "factor", "value")
 GAIT = ("gait_converged", "gait_iterations", "gait_cost", "gait_cost_change")
 POLICY = ("success_rate", "mse_steady", "mean_velocity")
 COLUMNS = (*ABOUT, "command", *GAIT, *POLICY, "note")
-_REPORT = "report.json"
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -66,7 +66,7 @@ def _rows(about: Row, made: Mapping[str, Any], section: Section, inputs: Inputs)
 def _gait(places: Sequence[int], index: int, folders: Sequence[Path]) -> Row:
     if not places:
         return dict.fromkeys(GAIT, NAN)
-    report = json.loads((folders[places[index]] / _REPORT).read_text())
+    report = json.loads((folders[places[index]] / REPORT).read_text())
     converged = report["converged"]
     return {
         "gait_converged": float(converged),

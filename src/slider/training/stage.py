@@ -8,6 +8,7 @@ from slider.config.robot import RobotConfig
 from slider.config.train import TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.task import Task, task_of
+from slider.library.reader import STORE
 from slider.training.trainer import WEIGHTS, Trainer
 
 
@@ -32,5 +33,5 @@ def _train(task: Task, inputs: Inputs, out: Path, job: Job) -> Summary:
 def _task(section: Section, inputs: Inputs, guided: bool) -> Task:
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     train = from_dict(TrainConfig, section["train"])
-    library = inputs["library"][0] / "library.zarr" if "library" in inputs else None
+    library = inputs["library"][0] / STORE if "library" in inputs else None
     return task_of(robot, env, train, library, guided)

@@ -6,7 +6,7 @@ mode", IROS 2001. States are (…, 2): position relative to the foot [m] and vel
 
 import numpy as np
 
-GRAVITY = 9.81  # [m/s²], as in MuJoCo
+from slider.robot.names import GRAVITY
 
 
 def rate(height: float) -> float:

@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 
 from slider.config.robot import RobotConfig
-from slider.control.mpc.lip import GRAVITY
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 
@@ -87,7 +86,7 @@ class NominalModel:
             feet[i], turns[i] = data.site_xpos[self._soles], data.site_xmat[self._soles]
             self._differentiate(jacobians[i], rates[i], feet[i])
         com_jacobian = mass[:, :3] / self.mass  # momentum = mass × velocity of the centre of mass
-        com_bias = bias[:, :3] / self.mass - [0.0, 0.0, GRAVITY]
+        com_bias = bias[:, :3] / self.mass - [0.0, 0.0, names.GRAVITY]
         return Dynamics(
             qvel=qvel,
             mass_matrix=mass,

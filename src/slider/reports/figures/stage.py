@@ -7,7 +7,7 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.library.reader import GaitLibrary
+from slider.library.reader import STORE, GaitLibrary
 from slider.reports.figures import (
     NAMES,
     convergence,
@@ -42,7 +42,7 @@ DRAWINGS = {
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Draw every figure of ``slider.reports.figures.NAMES`` as SVG, PNG and Markdown."""
-    library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
+    library = GaitLibrary.load(inputs["library"][0] / STORE)
     for name in NAMES:
         title, draw, caption = DRAWINGS[name]
         job.progress(name)

@@ -7,7 +7,7 @@ import numpy as np
 
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.library.reader import GaitLibrary
+from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import write_figure
@@ -42,7 +42,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     Raises:
         UserError: the table lacks a gait of the library.
     """
-    library = GaitLibrary.load(inputs["library"][0] / "library.zarr")
+    library = GaitLibrary.load(inputs["library"][0] / STORE)
     table = read_table(inputs["verification"][0] / TABLE)
     maps = [
         VelocityMap(QUANTITIES[name].meaning, _column(library, table, name), unit(name))

@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from slider.library.reader import GaitLibrary
+from slider.library.reader import STORE, GaitLibrary
 from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour
 from slider.reports.figures.convergence import solver_maps
@@ -24,7 +24,7 @@ _FIRST_SHOWN = (0.6, 0.0)  # the cycle drawn before anything is hovered [m/s]
 
 def blocks(sources: Sources) -> Iterator[Text | Chart]:
     """A map whose colour can be chosen; hovering a gait draws its limit cycle beside it."""
-    library = GaitLibrary.load(sources.file("library", "library.zarr"))
+    library = GaitLibrary.load(sources.file("library", STORE))
     first = int(np.argmin(np.linalg.norm(library.velocities - _FIRST_SHOWN, axis=1)))
     yield Text(
         f"{len(library)} gaits. Move the pointer over a gait, or tap it, to see its limit cycle. "

@@ -29,13 +29,14 @@ GROUPS = ([], 3, "nonsense", None)
 ALLOWED: dict[Any, tuple[str, ...]] = {
     -1: (
         *("*.vx*", "*.vy*", "*.yaw_rate.lower", "*.yaw_rate", "*commands[[]*"),  # backward, right
-        "*.speeds[[]0]",  # of a gait: as above
+        *("*.speeds[[]0]", "speeds.table1[[]*"),  # as above
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster
         *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
     ),
     0: (
-        *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "*.speeds[[]0]"),  # to stand still
+        *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "speeds.table1[[]*"),  # to stand still
+        "*.speeds[[]0]",
         *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
         *("*.start.*", "*.sensing.*", "*.delay.*", "*.centre_of_mass", "*.push.speed"),  # nominal
         *("*.amplitude", "*.damping", "*.armature"),  # flat; none of its own

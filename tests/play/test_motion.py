@@ -91,7 +91,7 @@ class Counter:
 
 
 def test_the_loop_obeys():
-    motion, control = Counter(), Control((0.4, 0.0, 0.0))
+    motion, control = Counter(), Control((0.4, 0.0, 0.0), 3.0)
     assert loop.run(motion, control, lambda frame: True, 1.0, real_time=False).time == 1.0
     assert loop.run(motion, control, lambda frame: frame.time < 0.25, real_time=False).time < 0.35
     control.paused = True

@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     from slider.play.control import Control
 
     scene = choose(arguments)
-    control = Control(arguments.command)
+    control = Control(arguments.command, scene.top)
     if arguments.headless:
         from slider.play import headless
 

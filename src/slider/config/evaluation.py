@@ -25,6 +25,16 @@ from slider.config.types import (
 
 
 @dataclass(frozen=True, config=STRICT)
+class SpeedsConfig:
+    """Commanded forward velocities that several parts of the configuration share."""
+
+    table1: Distinct[Some[MetresPerSecond]]
+    """of Table 1"""
+    top: Positive[MetresPerSecond]
+    """the highest one, of gaits, training commands and the viewer"""
+
+
+@dataclass(frozen=True, config=STRICT)
 class Segment:
     """A constant command, until the next segment."""
 

@@ -7,7 +7,7 @@ from pydantic.dataclasses import dataclass
 
 from slider.config.control import MpcConfig
 from slider.config.env import EnvConfig
-from slider.config.evaluation import EvaluationConfig, SeedsConfig
+from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
@@ -51,6 +51,7 @@ class Config:
     train: TrainingsConfig
     control: dict[str, MpcConfig]
     seeds: SeedsConfig
+    speeds: SpeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]
     verification: VerificationConfig

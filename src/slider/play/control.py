@@ -1,4 +1,4 @@
-"""What the person at the keyboard wants; written by one thread, read by another."""
+"""Commands from keyboard or browser; written by one thread, read by another."""
 
 from collections.abc import Sequence
 
@@ -6,20 +6,26 @@ import numpy as np
 
 from slider.robot.cameras import CAMERAS
 
-LIMITS = ((-1.0, 3.0), (-0.5, 0.5), (-1.0, 1.0))  # vx, vy [m/s], yaw rate [rad/s]
+BACKWARD, SIDEWAYS, TURNING = 1.0, 0.5, 1.0  # highest commands [m/s], [m/s], [rad/s]
 PUSH = 0.4  # change of the base's velocity [m/s]
 
 
 class Control:
-    """Command, pause, camera, and wishes that are granted once.
+    """Command, pause, camera, and requests that are met once.
+
+    Args:
+        velocity: first command.
+        top: highest forward command [m/s].
 
     Attributes:
         velocity: vx, vy [m/s], yaw rate [rad/s].
+        limits: lowest and highest value of each of them.
         paused: whether time stands still.
     """
 
-    def __init__(self, velocity: Sequence[float]) -> None:
+    def __init__(self, velocity: Sequence[float], top: float) -> None:
         self.velocity = np.array(velocity, dtype=float)
+        self.limits = ((-BACKWARD, top), (-SIDEWAYS, SIDEWAYS), (-TURNING, TURNING))
         self.paused = False
         self._pushes: list[np.ndarray] = []
         self._restart = False
@@ -32,7 +38,7 @@ class Control:
 
     def set(self, index: int, value: float) -> None:
         """Set one part of the command, within its limits."""
-        self.velocity[index] = np.round(np.clip(value, *LIMITS[index]), 3)
+        self.velocity[index] = np.round(np.clip(value, *self.limits[index]), 3)
 
     def stop(self) -> None:
         """Command standing still."""
@@ -57,8 +63,8 @@ class Control:
 
     def take_camera(self) -> str | None:
         """Camera that was asked for since the last call; the first one at first."""
-        wanted, self._camera = self._camera, None
-        return wanted
+        camera, self._camera = self._camera, None
+        return camera
 
     def take_push(self) -> np.ndarray | None:
         """Oldest push that was not given yet."""
@@ -66,5 +72,5 @@ class Control:
 
     def take_restart(self) -> bool:
         """Whether a new start was asked for since the last call."""
-        wanted, self._restart = self._restart, False
-        return wanted
+        restart, self._restart = self._restart, False
+        return restart

@@ -18,11 +18,12 @@ Section = TypeVar("Section", EnvConfig, RobotConfig)
 
 @dataclass(frozen=True)
 class Scene:
-    """A motion and the robot that moves."""
+    """A motion, the robot that moves, and the highest forward command [m/s]."""
 
     title: str
     robot: RobotConfig
     motion: Motion
+    top: float
 
 
 def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
@@ -42,7 +43,7 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
     env = _changed(policy.env, config.env, plain.env)
     test = config.evaluation
     motion = simulate_policy(policy, robot, env, test.start, seed, test.disturbance)
-    return Scene(f"policy {path}", robot, motion)
+    return Scene(f"policy {path}", robot, motion, config.speeds.top)
 
 
 def _changed(own: Section, asked: Section, plain: Section) -> Section:
@@ -63,10 +64,10 @@ def agent_scene(name: str, config: Config, seed: int) -> Scene:
         plant = PlantConfig(env.control_period, env.physics, env.termination)
         control, disturbance = config.control[name], test.disturbance
         motion = simulate_mpc(config.robot, plant, control, test.start, seed, disturbance)
-        return Scene(f"baseline {name}", config.robot, motion)
+        return Scene(f"baseline {name}", config.robot, motion, config.speeds.top)
     if name in SMOKE_AGENTS:
         motion = simulate_agent(config.robot, env, test.start, seed, random=name == "random")
-        return Scene(f"agent {name}", config.robot, motion)
+        return Scene(f"agent {name}", config.robot, motion, config.speeds.top)
     known = ", ".join((POLICY, *config.control, *SMOKE_AGENTS))
     raise UserError(f"agent: expected one of {known}, found {name}")
 
@@ -75,4 +76,4 @@ def gait_scene(path: Path, vx: float, vy: float, config: Config) -> Scene:
     """The gait of a library that is nearest to (vx, vy) [m/s], without physics."""
     motion = Replay(GaitLibrary.load(path), vx, vy, config.env.control_period)
     vx, vy = motion.velocity
-    return Scene(f"gait {vx:.2f} {vy:+.2f} m/s", config.robot, motion)
+    return Scene(f"gait {vx:.2f} {vy:+.2f} m/s", config.robot, motion, config.speeds.top)

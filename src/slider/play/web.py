@@ -9,7 +9,7 @@ from mujoco.studio.dear_imgui import dear_imgui as imgui
 
 from slider.env.episode import Frame
 from slider.play import loop
-from slider.play.control import LIMITS, PUSH, Control
+from slider.play.control import PUSH, Control
 from slider.play.scenes import Scene
 from slider.robot import names
 from slider.robot.cameras import aim
@@ -32,9 +32,9 @@ class Panel(plugin.ViewerPlugin):
     def on_build_gui(self, event: messages.BuildGuiEvent) -> None:
         """Draw the panel."""
         self._follow_robot()
-        wanted = self._control.take_camera()
-        if wanted is not None:
-            aim(self.viewer.camera, wanted, _DISTANCE)
+        camera = self._control.take_camera()
+        if camera is not None:
+            aim(self.viewer.camera, camera, _DISTANCE)
         imgui.SetNextWindowPos(imgui.Vec2(10, 10), _ONCE)
         imgui.SetNextWindowSize(imgui.Vec2(330, 240), _ONCE)
         imgui.Begin("SLIDER")
@@ -56,7 +56,7 @@ class Panel(plugin.ViewerPlugin):
 
     def _sliders(self) -> None:
         velocity = self._control.velocity
-        for index, (name, limits) in enumerate(zip(_SLIDERS, LIMITS, strict=True)):
+        for index, (name, limits) in enumerate(zip(_SLIDERS, self._control.limits, strict=True)):
             changed, value = imgui.SliderFloat(name, float(velocity[index]), *limits)
             if changed:
                 self._control.set(index, value)

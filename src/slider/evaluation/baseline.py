@@ -7,7 +7,7 @@ from slider.config.control import MpcConfig
 from slider.config.convert import from_dict
 from slider.config.env import PhysicsConfig, PlantConfig
 from slider.config.robot import RobotConfig
-from slider.control.mpc.baseline import Baseline, build_controller
+from slider.control.mpc.controller import Baseline, build_controller
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics

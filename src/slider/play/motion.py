@@ -12,7 +12,7 @@ from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
-from slider.control.mpc.baseline import build_controller
+from slider.control.mpc.controller import build_controller
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
 from slider.env.disturbance.draws import Disturbance

@@ -8,7 +8,7 @@ import pytest
 from slider.config.control import ObserverConfig
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.types import Interval
-from slider.control.mpc.baseline import build_controller
+from slider.control.mpc.controller import build_controller
 from slider.control.mpc.observer import Observer, _rotation_between, _turned
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from slider.control.mpc import qp
-from slider.control.mpc.motion import Motion, join
 from slider.control.mpc.nominal import Dynamics, NominalModel
+from slider.control.mpc.tasks import Motion, join
 from slider.control.mpc.whole_body import WholeBody
 from slider.env.starts import at_rest
 from slider.robot import names

@@ -1,25 +1,28 @@
-"""The baseline as a controller: entry, footstep MPC, swing foot and whole-body QP for N robots.
+"""The model-predictive controller: entry, footstep MPC, swing foot and whole-body QP for N robots.
 
-Told to stand it stands on both feet; told to go it sways into the sideways orbit and walks; told to
-stop it steps until it can be caught on both feet.
+At zero command it stands on both feet. At another it sways into the sideways orbit and walks. Back
+at zero it steps until the capture point lies between the feet.
 
-It receives the true state, contact flags and a nominal model of the robot;
-``docs/explanation/baseline.md`` compares this with what the policy receives.
+It receives the true state, contact flags and a nominal model of the robot, or the estimate of an
+observer; ``docs/explanation/baseline.md`` compares this with what the policy receives.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from slider.config.control import MpcConfig
+from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.control.mpc import lip
 from slider.control.mpc.clock import TickClock
-from slider.control.mpc.drives import Drives, Solved
 from slider.control.mpc.entry import Entry
 from slider.control.mpc.memory import OFF, STAND, SWAY, WALK, Gait
 from slider.control.mpc.modes import Modes
 from slider.control.mpc.nominal import Dynamics, NominalModel
-from slider.control.mpc.steps import Steps
-from slider.control.mpc.velocity import ReferenceVelocity
+from slider.control.mpc.observer import Observer
+from slider.control.mpc.steps import ReferenceVelocity, Steps
+from slider.control.mpc.tasks import Drives, Solved
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names
@@ -101,3 +104,54 @@ class MpcController:
         """Counts on the stance foot, whatever its ``contact``."""
         self._steps.advance(self.gait, robots, dynamics)
         return self._drives.on_one_foot(self.gait, robots, dynamics)
+
+
+class ObservingController:
+    """The controller, told what its observer estimates."""
+
+    def __init__(self, controller: MpcController, observer: Observer) -> None:
+        self._controller, self._observer = controller, observer
+
+    @property
+    def clock(self) -> TickClock:
+        """Cost of the parts of a tick."""
+        return self._controller.clock
+
+    def reset(self, state: RobotState, velocity: np.ndarray) -> None:
+        """Start anew; see :class:`MpcController`."""
+        self._observer.reset(state)
+        self._controller.reset(state, velocity)
+
+    def command(self, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from now on."""
+        self._controller.command(velocity)
+
+    def control(self, state: RobotState) -> np.ndarray:
+        """Torques (N, 12) [N m or N] from measured states."""
+        with self.clock.part("observer"):
+            estimate = self._observer.estimate(state)
+        torques = self._controller.control(estimate)
+        self._observer.send(torques)
+        return torques
+
+
+Baseline = MpcController | ObservingController
+
+
+def build_controller(
+    robot: RobotConfig, config: MpcConfig, physics: PhysicsConfig, count: int, threads: int = 1
+) -> Baseline:
+    """The baseline for ``count`` robots.
+
+    Args:
+        robot: the nominal robot, not the plant.
+        config: settings.
+        physics: of the plant; the observer's model has the same.
+        count: number of robots.
+        threads: of the observer's simulation.
+    """
+    tick = replace(physics, substeps=config.substeps)
+    controller = MpcController(robot, config, tick.substeps * tick.timestep)
+    if config.observer is None:
+        return controller
+    return ObservingController(controller, Observer(robot, tick, config.observer, count, threads))

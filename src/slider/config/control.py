@@ -64,7 +64,7 @@ class PlannerConfig:
     """cost of (step − nominal step)² against (velocity error)²"""
     time_weight: Annotated[NonNegative[Number], Unit("m²/s⁴")]
     """cost of (duration − nominal duration)²"""
-    reach: Positive[Metres]
+    length_max: Positive[Metres]
     """largest forward step"""
     width_min: NonNegative[Metres]
     """least lateral distance of successive feet: they do not cross"""
@@ -102,7 +102,7 @@ class EntryConfig:
     """a sway that has not reached the orbit this long after its end is repeated"""
     tolerance: NonNegative[Metres]
     """allowed lack of orbital energy, as a length"""
-    settle: NonNegative[MetresPerSecond]
+    speed_tolerance: NonNegative[MetresPerSecond]
     """largest forward speed off the reference at the exit"""
     push: NonNegative[Metres]
     """largest distance of the centre of pressure from the middle of the feet, to gain speed"""

@@ -28,7 +28,7 @@ def walk(
     noise: bool = False,
 ) -> tuple[Recording, MpcController]:
     whole = config()
-    control = getattr(whole.control, setting)
+    control = whole.control[f"mpc_wbc_{setting}"]
     settings = replace(whole.env.physics, substeps=control.substeps)
     physics = BatchedPhysics(plant or robot_config(), settings, COUNT, 1, "torque")
     controller = MpcController(robot_config(), control, physics.period)
@@ -52,9 +52,9 @@ def steady(recording: Recording, steps: int = 90) -> np.ndarray:
 def test_walks_forward_with_the_mean_velocity_that_it_is_told():
     recording, controller = walk((0.6, 0.0, 0.0), seconds=SETTLED)
     np.testing.assert_allclose(steady(recording), [0.6, 0.0], atol=0.05)
-    assert (controller.gait.mode == WALK).all()
+    assert (controller.memory.mode == WALK).all()
     expected = (SETTLED - 0.3) / config().control["mpc_wbc_tuned"].step.time
-    np.testing.assert_allclose(controller.gait.steps, expected, atol=3)
+    np.testing.assert_allclose(controller.memory.steps, expected, atol=3)
     contact = recording.foot_forces > CONTACT_FORCE
     single = contact.sum(axis=2) == 1
     assert single[50:].mean() > 0.9
@@ -74,7 +74,7 @@ def test_literal_settings_walk_slower_than_the_command():
 def test_starts_from_the_protocols_starts(setting):
     recording, controller = walk((0.6, 0.0, 0.0), setting, noise=True)
     assert recording.survived.all()
-    assert (controller.gait.mode == WALK).all()
+    assert (controller.memory.mode == WALK).all()
 
 
 def test_steps_in_place_sideways_and_turns():
@@ -112,7 +112,7 @@ def test_switches_off_where_it_has_fallen():
     controller.reset(state, np.zeros((2, 3)))
     lying = replace(state, gravity=np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]))
     torques = controller.control(lying)
-    assert controller.gait.mode[1] == OFF
+    assert controller.memory.mode[1] == OFF
     assert not torques[1].any()
     assert np.abs(torques[0, [3, 9]]).min() > 20, "the other one stands"
     assert not controller.control(state)[1].any(), "off is for ever"
@@ -169,7 +169,7 @@ def test_stands_still_goes_sideways_and_turning_and_stops(setting):
     yaw = np.unwrap(recording.yaw, axis=0)
     turned = yaw[steps[2] - 1] - yaw[steps[1] + 50]
     np.testing.assert_allclose(turned / 1.98, 0.3, atol=0.02)
-    assert (controller.gait.mode == STAND).all()
+    assert (controller.memory.mode == STAND).all()
     assert contact[-50:].all(), "it stands again"
     moved = recording.position[-1] - recording.position[-50]
     np.testing.assert_allclose(np.linalg.norm(moved, axis=1), 0.0, atol=0.01)
@@ -178,12 +178,12 @@ def test_stands_still_goes_sideways_and_turning_and_stops(setting):
 def test_the_reference_goes_from_the_old_command_to_the_new_one():
     command = profile((1.5, (0.6, 0.0, 0.0)), (0.1, (0.0, 0.1, 0.0)))
     _, controller = walk(command, seconds=1.6)
-    gait = controller.gait
-    np.testing.assert_allclose(gait.old[:, 0], 0.6)
-    gone = gait.walked - gait.changed
+    memory = controller.memory
+    np.testing.assert_allclose(memory.old[:, 0], 0.6)
+    gone = memory.walked - memory.changed
     np.testing.assert_allclose(gone, 0.1, atol=1e-9)
     planner = config().control["mpc_wbc_tuned"].planner
     left = np.hypot(0.6, 0.1) - planner.acceleration * 0.1
-    reference = ReferenceVelocity(planner, 0.005).of(gait, np.arange(COUNT))
+    reference = ReferenceVelocity(planner, 0.005).of(memory, np.arange(COUNT))
     found = np.linalg.norm(reference - [0.0, 0.1], axis=1)
     np.testing.assert_allclose(found, left, atol=1e-9)

@@ -57,7 +57,7 @@ def test_leaves_when_the_pendulum_has_the_energy_and_the_direction(side):
     assert done(1.01 * speed)
     assert not done(0.5 * speed)
     assert not done(-1.01 * speed)
-    assert not done(1.01 * speed, forward=2 * TUNED.entry.settle)
+    assert not done(1.01 * speed, forward=2 * TUNED.entry.speed_tolerance)
 
 
 def test_out_of_time_it_sways_again_or_steps_where_it_cannot_stop():

@@ -15,7 +15,7 @@ TIME = STEP.time
 
 
 def planner(setting: str = "tuned", step: dict | None = None, **changes) -> FootstepPlanner:
-    control = getattr(config().control, setting)
+    control = config().control[f"mpc_wbc_{setting}"]
     changed = replace(control.step, **(step or {}))
     return FootstepPlanner(changed, replace(control.planner, **changes), OMEGA)
 

@@ -107,7 +107,7 @@ def test_walks_with_noise_and_delay_that_stop_the_controller_without():
     command = np.tile((0.4, 0.0, 0.0), (COUNT, 1))
     survivors = {}
     for setting in ("tuned", "observer"):
-        control = getattr(whole.control, setting)
+        control = whole.control[f"mpc_wbc_{setting}"]
         controller = build_controller(robot_config(), control, whole.env.physics, COUNT)
         recording = roll_out(controller, plant(settings), whole.env, start, command, 4.0)
         survivors[setting] = int(recording.survived.sum())

@@ -8,7 +8,7 @@ import pytest
 
 from slider.control.mpc import qp
 from slider.control.mpc.nominal import Dynamics, NominalModel
-from slider.control.mpc.tasks import Motion, join
+from slider.control.mpc.tasks import BodyTasks, join
 from slider.control.mpc.whole_body import WholeBody
 from slider.env.starts import at_rest
 from slider.robot import names
@@ -34,7 +34,7 @@ def dynamics(nominal) -> Dynamics:
 
 
 def build(dynamics: Dynamics, feet: np.ndarray, acceleration=(0.0, 0.0, 0.0), settings=CONTROL):
-    motion, body = Motion(settings), WholeBody(robot_config(), settings)
+    motion, body = BodyTasks(settings), WholeBody(robot_config(), settings)
     zero = np.zeros(COUNT)
     parts = [
         motion.com(dynamics, np.tile(acceleration, (COUNT, 1)), np.ones(3)),
@@ -87,7 +87,7 @@ def test_tasks_are_met_where_they_can_be(dynamics):
     for i in range(COUNT):
         acceleration = problem.to_acceleration[i] @ np.append(solution(problem, i), 1.0)
         found = tasks.jacobian[i] @ acceleration
-        np.testing.assert_allclose(found, tasks.wanted[i], atol=0.02)
+        np.testing.assert_allclose(found, tasks.desired[i], atol=0.02)
 
 
 def test_forces_lie_in_the_friction_cone_and_carry_the_weight(nominal, dynamics):

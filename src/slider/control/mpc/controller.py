@@ -17,12 +17,12 @@ from slider.config.robot import RobotConfig
 from slider.control.mpc import lip
 from slider.control.mpc.clock import TickClock
 from slider.control.mpc.entry import Entry
-from slider.control.mpc.memory import OFF, STAND, SWAY, WALK, Gait
+from slider.control.mpc.memory import OFF, STAND, SWAY, WALK, Memory
 from slider.control.mpc.modes import Modes
 from slider.control.mpc.nominal import Dynamics, NominalModel
 from slider.control.mpc.observer import Observer
 from slider.control.mpc.steps import ReferenceVelocity, Steps
-from slider.control.mpc.tasks import Drives, Solved
+from slider.control.mpc.tasks import Solved, TorqueControl
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names
@@ -49,65 +49,65 @@ class MpcController:
         self._entry = Entry(config.step, config.entry, omega, reach)
         self._steps = Steps(config, omega, self._velocity, period, self.clock)
         self._modes = Modes(self._entry, self._steps, omega, reach)
-        self._drives = Drives(robot, config, self._model.nominal_height, self.clock)
+        self._torques = TorqueControl(robot, config, self._model.nominal_height, self.clock)
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
-        self.gait = Gait.on_both_feet(velocity, state.yaw)
+        self.memory = Memory.on_both_feet(velocity, state.yaw)
         dynamics = self._model.evaluate(state.qpos, state.qvel)
-        self._modes.sway(self.gait, np.arange(state.num_robots), dynamics)
+        self._modes.sway(self.memory, np.arange(state.num_robots), dynamics)
 
     def command(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
-        self._velocity.change(self.gait, velocity)
+        self._velocity.change(self.memory, velocity)
 
     def control(self, state: RobotState) -> np.ndarray:
         """Torques (N, 12) [N m or N]; the upper feet have no drive."""
-        gait = self.gait
-        gait.mode[-state.gravity[:, 2] < np.cos(_GIVE_UP_TILT)] = OFF
+        memory = self.memory
+        memory.mode[-state.gravity[:, 2] < np.cos(_GIVE_UP_TILT)] = OFF
         torques = np.zeros((state.num_robots, names.NUM_JOINTS))
-        active = np.flatnonzero(gait.mode != OFF)
+        active = np.flatnonzero(memory.mode != OFF)
         if len(active):
             self.clock.ticks += len(active)
             with self.clock.part("model"):
                 dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
             contact = state.foot_forces[active] > CONTACT_FORCE
-            self._modes.switch(gait, active, dynamics, contact)
+            self._modes.switch(memory, active, dynamics, contact)
             torques[active] = self._drive(active, dynamics, contact)
-            gait.heading[active] += gait.yaw_rate(active) * self._period
-        gait.tick += 1
+            memory.heading[active] += memory.yaw_rate(active) * self._period
+        memory.tick += 1
         return torques
 
     def _drive(self, active: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> np.ndarray:
         """Torques (n, 12) of the active robots, one mode after the other."""
         torques = np.zeros((len(active), names.NUM_JOINTS))
-        modes = self.gait.mode[active]
+        modes = self.memory.mode[active]
         for mode, drive in ((STAND, self._stand), (SWAY, self._sway), (WALK, self._walk)):
             index = np.flatnonzero(modes == mode)
             if len(index):
                 found = drive(active[index], dynamics.of(index), contact[index])
                 torques[index], solved = found
-                self.gait.mode[active[index[~solved]]] = OFF
+                self.memory.mode[active[index[~solved]]] = OFF
         return torques
 
     def _stand(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> Solved:
         still = np.zeros((len(robots), 2, 3))
-        return self._drives.on_both_feet(self.gait, robots, dynamics, contact, still)
+        return self._torques.on_both_feet(self.memory, robots, dynamics, contact, still)
 
     def _sway(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> Solved:
-        sway = self.gait.sway
-        wanted = self._entry.reference(sway.of(robots))
+        sway = self.memory.sway
+        desired = self._entry.reference(sway.of(robots))
         sway.elapsed[robots] += self._period
-        return self._drives.on_both_feet(self.gait, robots, dynamics, contact, wanted)
+        return self._torques.on_both_feet(self.memory, robots, dynamics, contact, desired)
 
     def _walk(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> Solved:
         """Counts on the stance foot, whatever its ``contact``."""
-        self._steps.advance(self.gait, robots, dynamics)
-        return self._drives.on_one_foot(self.gait, robots, dynamics)
+        self._steps.advance(self.memory, robots, dynamics)
+        return self._torques.on_one_foot(self.memory, robots, dynamics)
 
 
 class ObservingController:
-    """The controller, told what its observer estimates."""
+    """The controller behind its observer, whose estimates it receives."""
 
     def __init__(self, controller: MpcController, observer: Observer) -> None:
         self._controller, self._observer = controller, observer

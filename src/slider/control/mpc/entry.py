@@ -117,7 +117,7 @@ class Entry:
         energy = lip.orbital_energy(self._omega, sideways)
         ready = (sideways[:, 1] > 0) & (energy > self.energy - self._config.tolerance * self._width)
         planned = self._forward(sway)[:, 1]
-        calm = np.abs(velocity[:, 0] - planned) < self._config.settle
+        calm = np.abs(velocity[:, 0] - planned) < self._config.speed_tolerance
         begun = sway.elapsed > self._config.duration / 2
         capture = (position - sway.middle)[:, 0] + velocity[:, 0] / self._omega
         lost = self._late(sway) & (np.abs(capture) > self._reach)

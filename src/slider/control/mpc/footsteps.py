@@ -3,7 +3,7 @@
 Forward and sideways axes are independent. With ξ₀ the state at the end of the current step relative
 to its foot and dₖ the length of step k, the state at the end of step k is
 ξₖ = Aᵏ ξ₀ − Σⱼ Aᵏ⁻ʲ⁺¹ e₁ dⱼ, so the velocities there are v = f(ξ₀) + F d. The QP is
-min Σ (vₖ − v̂ₖ)² + w Σ (dₖ − d̂ₖ)² with bounds on d (reach; feet do not cross). Its Hessian is
+min Σ (vₖ − v̂ₖ)² + w Σ (dₖ − d̂ₖ)² with bounds on d (largest step; feet do not cross). Its Hessian is
 constant.
 """
 
@@ -17,14 +17,14 @@ from slider.control.mpc import lip, qp
 
 @dataclass(frozen=True)
 class Pendulum:
-    """What n robots know at planning time, in the frame of their heading, about the stance foot.
+    """States of n robots at planning time in the frame of their heading, about the stance foot.
 
     Attributes:
         position, velocity: of the centre of mass (n, 2) forward, left [m], [m/s].
         swing_sign: (n,) +1 where the left foot is in the air, −1 for the right one.
         elapsed: time in this step (n,) [s].
         duration: planned time of this step (n,) [s].
-        command: wanted velocity (n, 2) [m/s].
+        command: reference velocity (n, 2) [m/s].
     """
 
     position: np.ndarray
@@ -127,7 +127,7 @@ class FootstepPlanner:
         speeds[:, 1] -= side * lip.lateral_end_velocity(self.omega, step.time, step.width)
         lengths = along * step.time
         lengths[:, 1] += side * step.width
-        lower, upper = np.full(shape, -config.reach), np.full(shape, config.reach)
+        lower, upper = np.full(shape, -config.length_max), np.full(shape, config.length_max)
         lower[:, 1] = np.where(side > 0, config.width_min, -config.width_max)
         upper[:, 1] = np.where(side > 0, config.width_max, -config.width_min)
         return speeds, lengths, lower, upper

@@ -17,14 +17,14 @@ FEET = np.array([LEFT, RIGHT])
 
 
 @dataclass
-class Gait:
+class Memory:
     """Memory of N robots; methods take and give the rows of some of them, ``robots`` (n,).
 
     Attributes:
         command: (N, 3) vx, vy [m/s], yaw rate [rad/s].
         tick: number of ticks since the start.
         mode: (N,) SWAY, WALK, OFF or STAND.
-        heading: (N,) wanted yaw [rad].
+        heading: (N,) desired yaw [rad].
         sway: on both feet before the first step.
         stance: (N,) foot on the ground.
         elapsed, duration: of the step (N,) [s].
@@ -57,8 +57,8 @@ class Gait:
     changed: np.ndarray
 
     @classmethod
-    def on_both_feet(cls, command: np.ndarray, heading: np.ndarray) -> "Gait":
-        """Before the first step, with ``command`` (N, 3), looking along ``heading`` (N,) [rad]."""
+    def on_both_feet(cls, command: np.ndarray, heading: np.ndarray) -> "Memory":
+        """Before the first step, with ``command`` (N, 3), facing along ``heading`` (N,) [rad]."""
         n = len(command)
         return cls(
             command=command,
@@ -84,7 +84,7 @@ class Gait:
         for values in (self.walked, self.steps, self.old, self.changed, self.correction):
             values[robots] = 0
 
-    def told_to_stand(self, robots: np.ndarray) -> np.ndarray:
+    def commanded_to_stand(self, robots: np.ndarray) -> np.ndarray:
         """Whether the command is to stand (n,)."""
         return standing(self.command[robots])
 

@@ -1,4 +1,4 @@
-"""What the controller knows of the robot's dynamics: MuJoCo's terms of its own, nominal model."""
+"""Dynamics of the controller's own, nominal model of the robot: MuJoCo's terms."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -54,7 +54,7 @@ class Dynamics:
 
 
 class NominalModel:
-    """Evaluates the nominal model; knows neither the plant's perturbations nor its contacts."""
+    """Evaluates the nominal model, without the plant's perturbations and contacts."""
 
     def __init__(self, robot: RobotConfig) -> None:
         self.model = build_model(robot, SimulationOptions(actuation="torque"))

@@ -2,7 +2,7 @@
 
 A Luenberger observer with the nominal robot in MuJoCo, contacts included: each tick it simulates
 the torques that act now, moves its estimate towards what is measured, and simulates the torques
-that are still under way. It knows the delay and the torques it sent, and neither the plant's
+that are still under way. It has the delay and the torques it sent, and neither the plant's
 masses, motors and friction nor its pushes.
 """
 

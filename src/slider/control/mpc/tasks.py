@@ -9,17 +9,17 @@ from slider.config.control import MpcConfig, TaskConfig, WholeBodyConfig
 from slider.config.robot import RobotConfig
 from slider.control.mpc import lip
 from slider.control.mpc.clock import TickClock
-from slider.control.mpc.memory import FEET, Gait
+from slider.control.mpc.memory import FEET, Memory
 from slider.control.mpc.nominal import NUM_DOFS, Dynamics
 from slider.control.mpc.whole_body import Tasks, WholeBody
 from slider.robot.kinematics import about_z, yaw_of
 
 Part = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Jacobian (n, r, 18), wanted acceleration less the bias (n, r), weight (r,)."""
+"""Jacobian (n, r, 18), desired acceleration less the bias (n, r), weight (r,)."""
 Solved = tuple[np.ndarray, np.ndarray]
 
 
-class Drives:
+class TorqueControl:
     """Turns references of n robots into torques.
 
     Args:
@@ -34,58 +34,58 @@ class Drives:
     ) -> None:
         self._config, self._height, self._clock = config, height, clock
         self._omega = lip.rate(height)
-        self._motion = Motion(config.whole_body)
+        self._tasks = BodyTasks(config.whole_body)
         self._whole_body = WholeBody(robot, config.whole_body)
 
     def on_both_feet(
         self,
-        gait: Gait,
+        memory: Memory,
         robots: np.ndarray,
         dynamics: Dynamics,
         contact: np.ndarray,
-        wanted: np.ndarray,
+        desired: np.ndarray,
     ) -> Solved:
-        """Centre of mass as ``wanted``; feet without ``contact`` (n, 2) search the ground.
+        """Centre of mass as ``desired``; feet without ``contact`` (n, 2) search the ground.
 
-        ``wanted`` (n, 2, 3): forward and leftward place from the middle of the feet [m], velocity,
+        ``desired`` (n, 2, 3): forward and leftward place from the middle of the feet [m], velocity,
         acceleration.
         """
-        position = gait.to_heading(dynamics.com[:, :2], robots)
-        velocity = gait.to_heading(dynamics.com_velocity[:, :2], robots)
+        position = memory.to_heading(dynamics.com[:, :2], robots)
+        velocity = memory.to_heading(dynamics.com_velocity[:, :2], robots)
         task = self._config.whole_body.com
-        error = wanted[:, :, 0] - (position - gait.sway.middle[robots])
-        flat = wanted[:, :, 2] + task.kp * error + task.kd * (wanted[:, :, 1] - velocity)
-        flat = gait.to_world(flat, robots)
+        error = desired[:, :, 0] - (position - memory.sway.middle[robots])
+        flat = desired[:, :, 2] + task.kp * error + task.kd * (desired[:, :, 1] - velocity)
+        flat = memory.to_world(flat, robots)
         ground = dynamics.foot_positions[:, :, 2].mean(axis=1)
         weight = np.ones(3) * max(task.weight)
         feet = np.tile(FEET, (len(robots), 1))
         sinking = np.where(contact, 0.0, self._config.swing.search_velocity)
         parts = [
-            *self._body(gait, robots, dynamics, flat, ground, weight),
-            self._motion.stance(dynamics, feet, sinking),
+            *self._body(memory, robots, dynamics, flat, ground, weight),
+            self._tasks.stance(dynamics, feet, sinking),
         ]
         return self._solve(dynamics, parts, feet, contact)
 
-    def on_one_foot(self, gait: Gait, robots: np.ndarray, dynamics: Dynamics) -> Solved:
+    def on_one_foot(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
         """The pendulum falls freely over the stance foot; the other one follows its reference."""
-        config, stance = self._config, gait.stance[robots]
+        config, stance = self._config, memory.stance[robots]
         support = dynamics.foot_positions[np.arange(len(robots)), stance]
         flat = self._omega**2 * (dynamics.com - support)[:, :2]
         weight = np.array(config.whole_body.com.weight)
-        foot, yaw_rate = 1 - stance, gait.yaw_rate(robots)
-        heading = gait.heading[robots] + 0.5 * yaw_rate * config.step.time
+        foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
+        heading = memory.heading[robots] + 0.5 * yaw_rate * config.step.time
         feet = stance[:, None]
         parts = [
-            *self._body(gait, robots, dynamics, flat, support[:, 2], weight),
-            self._motion.swing(dynamics, foot, gait.swing[robots]),
-            self._motion.swing_rotation(dynamics, foot, heading, yaw_rate),
-            self._motion.stance(dynamics, feet, np.zeros(feet.shape)),
+            *self._body(memory, robots, dynamics, flat, support[:, 2], weight),
+            self._tasks.swing(dynamics, foot, memory.swing[robots]),
+            self._tasks.swing_rotation(dynamics, foot, heading, yaw_rate),
+            self._tasks.stance(dynamics, feet, np.zeros(feet.shape)),
         ]
         return self._solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
 
     def _body(
         self,
-        gait: Gait,
+        memory: Memory,
         robots: np.ndarray,
         dynamics: Dynamics,
         flat: np.ndarray,
@@ -96,8 +96,8 @@ class Drives:
         lift = self._lift(dynamics, ground)
         acceleration = np.concatenate([flat, lift[:, None]], axis=1)
         return [
-            self._motion.com(dynamics, acceleration, weight),
-            self._motion.base(dynamics, gait.heading[robots], gait.yaw_rate(robots)),
+            self._tasks.com(dynamics, acceleration, weight),
+            self._tasks.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
         ]
 
     def _lift(self, dynamics: Dynamics, ground: np.ndarray) -> np.ndarray:
@@ -115,14 +115,14 @@ class Drives:
             return self._whole_body.solve(problem)
 
 
-class Motion:
+class BodyTasks:
     """Builds tasks for n robots from their dynamics and references."""
 
     def __init__(self, config: WholeBodyConfig) -> None:
         self._config = config
 
     def com(self, dynamics: Dynamics, acceleration: np.ndarray, weight: np.ndarray) -> Part:
-        """Centre of mass with a wanted acceleration (n, 3) [m/s²]."""
+        """Centre of mass with a desired acceleration (n, 3) [m/s²]."""
         return dynamics.com_jacobian, acceleration - dynamics.com_bias, weight
 
     def base(self, dynamics: Dynamics, heading: np.ndarray, yaw_rate: np.ndarray) -> Part:
@@ -133,7 +133,7 @@ class Motion:
         jacobian = np.zeros((n, 3, NUM_DOFS))
         jacobian[:, :, 3:6] = rotation  # base rates are in its own frame
         error = _rotation_error(about_z(heading), rotation)
-        return jacobian, *_wanted(self._config.base, error, rate)
+        return jacobian, *_feedback(self._config.base, error, rate)
 
     def swing(self, dynamics: Dynamics, foot: np.ndarray, reference: np.ndarray) -> Part:
         """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration."""
@@ -141,9 +141,9 @@ class Motion:
         jacobian = dynamics.foot_jacobians[robots, foot, :3]
         error = reference[:, :, 0] - dynamics.foot_positions[robots, foot]
         rate = reference[:, :, 1] - _velocity(jacobian, dynamics.qvel)
-        wanted, weight = _wanted(self._config.swing, error, rate)
+        desired, weight = _feedback(self._config.swing, error, rate)
         bias = dynamics.foot_bias[robots, foot, :3]
-        return jacobian, wanted + reference[:, :, 2] - bias, weight
+        return jacobian, desired + reference[:, :, 2] - bias, weight
 
     def swing_rotation(
         self, dynamics: Dynamics, foot: np.ndarray, heading: np.ndarray, yaw_rate: np.ndarray
@@ -159,8 +159,8 @@ class Motion:
         )
         rate = -_velocity(jacobian, dynamics.qvel)
         rate[:, 1] += yaw_rate
-        wanted, weight = _wanted(self._config.swing_rotation, error, rate)
-        return jacobian, wanted - bias, weight[1:]
+        desired, weight = _feedback(self._config.swing_rotation, error, rate)
+        return jacobian, desired - bias, weight[1:]
 
     def stance(self, dynamics: Dynamics, feet: np.ndarray, sinking: np.ndarray) -> Part:
         """The lines of ``feet`` (n, k) do not move; those in the air sink (n, k) [m/s]."""
@@ -174,15 +174,15 @@ class Motion:
         rate = -_velocity(jacobian, dynamics.qvel).reshape(n, count, 5)
         rate[:, :, 2] -= sinking
         task = self._config.stance
-        wanted = task.kd * rate.reshape(n, -1) - bias
+        desired = task.kd * rate.reshape(n, -1) - bias
         weight = np.tile([task.weight[0]] * 3 + [task.weight[1], task.weight[2]], count)
-        return jacobian, wanted, weight
+        return jacobian, desired, weight
 
 
 def join(parts: list[Part]) -> Tasks:
     """One set of rows from several parts."""
-    jacobians, wanted, weights = zip(*parts, strict=True)
-    return Tasks(np.concatenate(jacobians, 1), np.concatenate(wanted, 1), np.concatenate(weights))
+    jacobians, desired, weights = zip(*parts, strict=True)
+    return Tasks(np.concatenate(jacobians, 1), np.concatenate(desired, 1), np.concatenate(weights))
 
 
 def pitch_and_yaw(rotation: np.ndarray) -> np.ndarray:
@@ -194,7 +194,9 @@ def pitch_and_yaw(rotation: np.ndarray) -> np.ndarray:
     return axes
 
 
-def _wanted(task: TaskConfig, error: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _feedback(
+    task: TaskConfig, error: np.ndarray, rate: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     return task.kp * error + task.kd * rate, np.array(task.weight)
 
 
@@ -202,9 +204,9 @@ def _velocity(jacobian: np.ndarray, qvel: np.ndarray) -> np.ndarray:
     return (jacobian @ qvel[:, :, None])[..., 0]
 
 
-def _rotation_error(wanted: np.ndarray, found: np.ndarray) -> np.ndarray:
-    """World vector (n, 3) [rad] of the turn from ``found`` to ``wanted``, small angles."""
-    difference = wanted @ found.swapaxes(1, 2)
+def _rotation_error(desired: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """World vector (n, 3) [rad] of the turn from ``found`` to ``desired``, small angles."""
+    difference = desired @ found.swapaxes(1, 2)
     skew = 0.5 * (difference - difference.swapaxes(1, 2))
     return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 

@@ -1,4 +1,4 @@
-"""Whole-body control: joint torques that realise wanted accelerations best, as a QP per robot.
+"""Whole-body control: joint torques that realise desired accelerations best, as a QP per robot.
 
 Unknowns are the contact forces f and the accelerations of the actuated joints; the rest of q̈
 follows from the unactuated rows of the equations of motion (base and upper feet), so that these
@@ -27,16 +27,16 @@ _JOINTS = np.array(names.ACTUATED)
 
 @dataclass(frozen=True)
 class Tasks:
-    """Wanted accelerations of n robots: J q̈ + bias = wanted, per row.
+    """Desired accelerations of n robots: J q̈ + bias = desired, per row.
 
     Attributes:
         jacobian: (n, r, 18).
-        wanted: (n, r) without the bias: acceleration − J̇ q̇.
+        desired: (n, r) without the bias: acceleration − J̇ q̇.
         weight: (r,).
     """
 
     jacobian: np.ndarray
-    wanted: np.ndarray
+    desired: np.ndarray
     weight: np.ndarray
 
 
@@ -113,7 +113,7 @@ class WholeBody:
 
     def _cost(self, tasks: Tasks, transform: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         image = tasks.jacobian @ transform
-        rows, offset = image[:, :, :-1], tasks.wanted - image[:, :, -1]
+        rows, offset = image[:, :, :-1], tasks.desired - image[:, :, -1]
         weighted = rows.swapaxes(1, 2) * tasks.weight
         hessian = weighted @ rows
         size = hessian.shape[1]

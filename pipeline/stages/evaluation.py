@@ -1,11 +1,12 @@
 """Evaluations of a protocol, of the policy and of the baselines, and Table 1."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
-from slider.config.control import POLICY
+from slider.config.control import POLICY, POLICY_LABEL
 from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.config.schema import Config
@@ -67,13 +68,19 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
     }
 
 
+def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
+    """What people call some controllers."""
+    found = {POLICY: POLICY_LABEL} | {name: c.label for name, c in config.control.items()}
+    return {name: found[name] for name in controllers}
+
+
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     """Table 1 from the records of all evaluations.
 
     A library that the policy was trained with also gives the gaits' own sway. A table without one
     (of baselines alone, of a training without library) does not wait for it.
     """
-    section = {"evaluation": protocol_section(config.evaluation)}
+    section = {"labels": labels(config, config.evaluation.controllers)}
     trainings = [walking for item in evaluations for walking in item.inputs.get("walking", ())]
     inputs = {"evaluations": evaluations}
     if trainings and "library" in trainings[0].inputs:

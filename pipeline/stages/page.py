@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import controlled, protocol_section
+from pipeline.stages.evaluation import controlled, labels, protocol_section
 from pipeline.stages.sections import origin, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
@@ -23,9 +23,11 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
         name = need.removesuffix(OPTIONAL)
         if name == need or name in available:
             inputs[name] = available[name]
+    shown = _shown(config, inputs)
     section = {
         "report": to_dict(config.report),
-        "configuration": _shown(config, inputs),
+        "configuration": shown,
+        "labels": labels(config, [POLICY, *shown["control"]]),
         "origins": {name: [origin(made) for made in jobs] for name, jobs in inputs.items()},
     }
     return job("report", "report", section, inputs)
@@ -53,11 +55,11 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
         to_dict(config), "resources", "tracking", "ablation", "sensitivity", "protocols"
     )
     shown["evaluation"] = protocol_section(config.evaluation)
-    protocols = {
-        name: protocol_section(p) for name, p in config.protocols.items() if name in inputs
-    }
+    protocols = {name: p for name, p in config.protocols.items() if name in inputs}
     if protocols:
-        shown["protocols"] = protocols
+        shown["protocols"] = {name: protocol_section(p) for name, p in protocols.items()}
+    used = {c for p in (config.evaluation, *protocols.values()) for c in p.controllers}
+    shown["control"] = {name: node for name, node in shown["control"].items() if name in used}
     if "ablation" in inputs:
         shown["ablation"] = to_dict(config.ablation)
     return shown
@@ -76,6 +78,7 @@ def _videos(config: Config, walking: JobSpec) -> list[JobSpec]:
 def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
     """A short film of one controller at one command."""
     section = controlled(config, controller, command) | {
+        "label": labels(config, [controller])[controller],
         "start": to_dict(config.evaluation.start),
         "disturbance": to_dict(config.evaluation.disturbance),
         "video": without(to_dict(config.report.video), "commands"),

@@ -1,7 +1,7 @@
 """Reports of the protocols beside that of Table 1 (``config.protocols``)."""
 
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import evaluations_of, protocol_section
+from pipeline.stages.evaluation import evaluations_of, labels, protocol_section
 from slider.artefacts.plan import JobSpec
 from slider.config.schema import Config
 
@@ -15,5 +15,9 @@ def protocol_report(config: Config, name: str, walking: JobSpec) -> JobSpec:
     """Table and figure of a protocol: of constant speeds, of segments of a case, or of cases."""
     protocol = config.protocols[name]
     stage = "speeds" if protocol.profile is None else protocol.profile.rows
-    section = {"name": name, "evaluation": protocol_section(protocol)}
+    section = {
+        "name": name,
+        "evaluation": protocol_section(protocol),
+        "labels": labels(config, protocol.controllers),
+    }
     return job(stage, name, section, {"evaluations": evaluations_of(config, protocol, walking)})

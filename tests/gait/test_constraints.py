@@ -15,7 +15,7 @@ from slider.gait.layout import NODE
 from slider.gait.motion import Node
 from tests.gait.gaits import config, form, nodes, problem, solved
 
-METHOD = Path(__file__).parents[2] / "docs" / "method.md"
+METHOD = Path(__file__).parents[2] / "docs" / "explanation" / "method.md"
 OF_VARIABLES = {"gait.posture.knee_min", "gait.posture.knee_max"}
 MARGINS = {"gait.posture.clearance_margin"}
 

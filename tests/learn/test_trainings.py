@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from slider.control import POLICY_FILE
 from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
 from slider.control.policy_file import load_policy
@@ -16,7 +17,7 @@ from slider.env.starts import USUAL_NOISE, at_rest
 from slider.env.task import Task
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
-from slider.training.trainer import POLICY, Trainer
+from slider.training.trainer import Trainer
 from tests.env.synthetic import config
 from tests.training.test_trainer import Run, job
 
@@ -42,7 +43,7 @@ def train(folder: Path, training: str, iterations: int) -> Run:
     """A training with its policy in the same folder."""
     whole = config(*SHORT, f"train.{training}.iterations={iterations}")
     with np.load(GAITS) as arrays:
-        library = GaitLibrary(**{name: arrays[name].astype(float) for name in arrays})
+        library = GaitLibrary({name: arrays[name].astype(float) for name in arrays}, {})
     table = GaitTable.from_library(library)
     settings = getattr(whole.train, training)
     guide = Guide(library, table, settings.guide.gait) if training == "walking" else None
@@ -56,7 +57,7 @@ def train(folder: Path, training: str, iterations: int) -> Run:
 
 def roll(folder: Path, speed: float) -> Recording:
     """The exported policy, from rest."""
-    policy = load_policy(folder / POLICY)
+    policy = load_policy(folder / POLICY_FILE)
     physics = BatchedPhysics(policy.robot, policy.env.physics, ROBOTS)
     controller = PolicyController(
         policy.network, agent_of(policy, policy.robot, policy.env, ROBOTS)

@@ -19,6 +19,7 @@ from tests.library.gaits import write_store
 # Design, section 3: success with its interval, MSE with and without the start, tracking; spreads.
 COLUMNS = [
     "controller",
+    "label",
     "source",
     "command_velocity",
     "success_rate",
@@ -27,6 +28,8 @@ COLUMNS = [
     "success_high",
     *(name + suffix for name in ("mse", "mse_steady", "tracking_rate") for suffix in ("", "_std")),
 ]
+
+SECTION = {"labels": {"policy": "policy (ours)"}}
 
 
 def test_a_row_has_the_numbers_of_its_evaluation():
@@ -53,7 +56,7 @@ def test_the_papers_rows_are_the_papers():
         assert row["controller"] == printed["controller"]
         for name in ("command_velocity", "success_rate", "mse"):
             assert row[name] == float(printed[name])
-        assert np.isnan([row[name] for name in COLUMNS[4:] if name != "mse"]).all()
+        assert np.isnan([row[name] for name in COLUMNS[5:] if name != "mse"]).all()
 
 
 def test_some_of_the_papers_numbers():
@@ -73,7 +76,9 @@ def test_the_stage(tmp_path):
     ]
     out = tmp_path / "out"
     out.mkdir()
-    summary = table1.run({}, {"evaluations": inputs}, out, Job(tmp_path))
+    summary = table1.run(
+        {"labels": {"policy": "policy (ours)"}}, {"evaluations": inputs}, out, Job(tmp_path)
+    )
     assert summary == {"rows": 2}
     rows = list(csv.DictReader((out / "table1.csv").read_text().splitlines()))
     assert list(rows[0]) == COLUMNS
@@ -111,7 +116,7 @@ def test_extremes_are_those_of_all_robots_that_survive():
     assert row["leg_distance"] == -0.01
     assert (row["legs_touch"], row["robots_touch"]) == (pytest.approx(0.1), 0.5)
     assert (row["legs_cross"], row["robots_cross"]) == (pytest.approx(0.2), 1.0)
-    controller, command, *others = quality_row(
+    controller, _, command, *others = quality_row(
         Evaluation("policy", 0.6, make_robots([[0]], [[1]]))
     ).values()
     assert (controller, command) == ("policy", 0.6)
@@ -125,7 +130,7 @@ def test_same_input_same_bytes(tmp_path):
     for folder in (source, tmp_path / "copy"):
         out = tmp_path / f"out{len(tables)}"
         out.mkdir()
-        table1.run({}, {"evaluations": [folder]}, out, Job(tmp_path))
+        table1.run(SECTION, {"evaluations": [folder]}, out, Job(tmp_path))
         tables.append((out / "table1.csv").read_bytes())
     assert tables[0] == tables[1]
 
@@ -138,7 +143,7 @@ def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path, na
     out = tmp_path / "out"
     out.mkdir()
     groups = {"evaluations": inputs, "library": [store.parent]}
-    table1.run({}, groups, out, Job(tmp_path))
+    table1.run(SECTION, groups, out, Job(tmp_path))
     quality = list(csv.DictReader((out / "gait_quality.csv").read_text().splitlines()))
     names = list(quality[0])
     at = names.index(name)

@@ -54,6 +54,7 @@ def film(folder: Path, renderer: str):
         "disturbance": to_dict(config.evaluation.disturbance),
         "video": video,
         "controller": "policy",
+        "label": "policy (ours)",
         "command": 0.2,
     }
     (folder / "section.json").write_text(json.dumps(section))

@@ -11,11 +11,12 @@ import pytest
 import torch
 
 from slider.config.train import TrainConfig
+from slider.control import POLICY_FILE
 from slider.control.policy_file import load_policy
 from slider.core.job import Job, NoTracker
 from slider.env.task import Task
 from slider.training.selection import Score
-from slider.training.trainer import CHECKPOINT, CURVE, POLICY, SELECTION, WEIGHTS, Trainer
+from slider.training.trainer import CHECKPOINT, CURVE, SELECTION, WEIGHTS, Trainer
 from tests.env.synthetic import config, gait_table, make_guide
 
 TINY = (
@@ -177,7 +178,7 @@ def test_same_seed_same_policy(tmp_path):
         for run in runs[:2]
     ]
     assert files[0] == files[1]
-    assert set(files[0]) == {POLICY, WEIGHTS, SELECTION, CURVE}
+    assert set(files[0]) == {POLICY_FILE, WEIGHTS, SELECTION, CURVE}
 
 
 def test_the_learning_curve_has_every_reward_term(tmp_path):
@@ -275,7 +276,7 @@ def test_the_best_policy_is_exported_not_the_last(tmp_path):
     trainer.run()
     facts = trainer.export(tmp_path)
     assert (facts["value"], facts["iteration"]) == (1.0, 2)
-    exported = load_policy(tmp_path / POLICY).network.mlp[0].weight
+    exported = load_policy(tmp_path / POLICY_FILE).network.mlp[0].weight
     assert [torch.equal(exported, weight) for weight in judged] == [False, True, False]
 
 
@@ -296,7 +297,7 @@ def test_neither_the_average_nor_the_checks_change_the_learning(tmp_path, part):
 def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):
     trainer = trained(tmp_path, iterations=1).trainer
     facts = trainer.export(tmp_path)
-    policy = load_policy(tmp_path / POLICY)
+    policy = load_policy(tmp_path / POLICY_FILE)
     assert policy.observations == trainer.env.agent.observer.layout
     assert policy.times is not None
     assert (policy.robot, policy.env) == (task().robot, task().env)
@@ -320,7 +321,7 @@ def test_first_actions_are_small(tmp_path):
 def test_no_iterations_still_give_a_policy(tmp_path):
     trainer = trained(tmp_path, iterations=0).trainer
     trainer.export(tmp_path)
-    assert load_policy(tmp_path / POLICY).observations == trainer.env.agent.observer.layout
+    assert load_policy(tmp_path / POLICY_FILE).observations == trainer.env.agent.observer.layout
     assert not (tmp_path / CURVE).exists(), "no curve of nothing"
 
 
@@ -346,7 +347,7 @@ def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
 
 def test_a_resumed_training_keeps_the_share_of_its_commands(tmp_path):
     commands = task().train.commands
-    curriculum = replace(commands.curriculum, start=0.4, growth=0.1, success=0.0)
+    curriculum = replace(commands.curriculum, start=0.4, growth=0.1, success=1e-6)
     changes = {
         "iterations": 2,
         "episode_length": 0.04,

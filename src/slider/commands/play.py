@@ -91,7 +91,7 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     from slider.artefacts.current import current_folder
     from slider.artefacts.store import Store
     from slider.config.compose import compose
-    from slider.control.policy_file import POLICY_FILE
+    from slider.control import POLICY_FILE
     from slider.env.terms import checked
     from slider.library.choose import library_path
     from slider.play import scenes

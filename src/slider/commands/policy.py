@@ -40,7 +40,7 @@ def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
     """The policy file, and what the store knows about it."""
     from slider.artefacts.current import current_folder, current_result
     from slider.artefacts.store import Store
-    from slider.control.policy_file import POLICY_FILE
+    from slider.control import POLICY_FILE
 
     if arguments.file is not None:
         return arguments.file, {}

@@ -23,6 +23,7 @@ from slider.config.types import (
 )
 
 POLICY = "policy"  # the learned controller; every other one is named in ``Config.control``
+POLICY_LABEL = "policy (ours)"
 SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
 
 

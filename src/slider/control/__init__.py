@@ -1,1 +1,3 @@
-"""Controllers of the robot: the learned policy."""
+"""Controllers of the robot: the learned policy and the model-predictive ones."""
+
+POLICY_FILE = "policy.pt"  # of a training

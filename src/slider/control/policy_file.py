@@ -17,7 +17,6 @@ from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
 from slider.robot.names import JOINTS
 
-POLICY_FILE = "policy.pt"  # where a result has it
 FORMAT = "slider-policy"
 VERSION = 6
 

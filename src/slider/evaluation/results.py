@@ -104,6 +104,7 @@ class Evaluation:
         segments: in a case the robots of each segment, columns ``SEGMENT_COLUMNS``; ``survived``
             is true for robots that stood until its end, whatever happened later.
         traces: in a case (S, 10), see :func:`slider.evaluation.segments.traces`.
+        label: what people call the controller; not in the folder, since nothing depends on it.
     """
 
     controller: str
@@ -113,6 +114,7 @@ class Evaluation:
     case: str = ""
     segments: tuple[Robots, ...] = ()
     traces: np.ndarray | None = None
+    label: str = ""
 
     def save(self, folder: Path) -> None:
         """Write the files of a folder."""

@@ -12,9 +12,10 @@ import torch
 from slider.config.convert import from_dict
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
+from slider.control import POLICY_FILE
 from slider.control.agent import agent_of
 from slider.control.policy import PolicyController
-from slider.control.policy_file import POLICY_FILE, load_policy
+from slider.control.policy_file import load_policy
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics

@@ -90,7 +90,7 @@ def _row(evaluation: Evaluation, reference: tables.Reference) -> Row:
     tracked = tables.table_row(evaluation)
     row = {name: tracked[name] for name in ("command_velocity", *_TRACKING)}
     quality = tables.with_reference(tables.quality_row(evaluation), reference)
-    return row | {name: value for name, value in quality.items() if name != "controller"}
+    return row | {name: value for name, value in quality.items() if name not in tables.NAMED}
 
 
 def check_rows(training: Training, batch: int) -> Iterator[Row]:

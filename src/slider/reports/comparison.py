@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from slider.reports.controllers import PAPER, label, speed
+from slider.reports.controllers import PAPER, speed
 from slider.reports.quantities import QUANTITIES, decimals
 from slider.reports.rows import Row
 from slider.reports.table import Cell, Table
@@ -36,7 +36,8 @@ def compare(rows: Sequence[Row], name: str) -> Table:
         [Cell(speed(v), v), *_marked([cells.get((*one, v)) for one in controllers], name)]
         for v in commands
     ]
-    heads = ["command [m/s]", *(label(controller, source) for source, controller in controllers)]
+    names = {(row["source"], row["controller"]): row["label"] for row in rows}
+    heads = ["command [m/s]", *(names[one] for one in controllers)]
     quantity = QUANTITIES[name]
     return Table(heads, body, quantity.title if quantity.share else quantity.heading)
 

@@ -15,7 +15,7 @@ from plotly.offline import get_plotlyjs
 from slider.config.convert import from_dict
 from slider.config.report import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.reports.controllers import label, speed
+from slider.reports.controllers import speed
 from slider.reports.sections.registry import SECTIONS, Sources
 
 PAGE = "index.html"
@@ -36,13 +36,14 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     sources = Sources(
         report=report,
         configuration=section["configuration"],
+        labels=section["labels"],
         origins=section["origins"],
         inputs=inputs,
         times=job.input_volatile,
         page=job.volatile,
     )
     contents = {name: content(name, sources) for name in report.sections}
-    page = render(_TITLE, _facts(section["configuration"]), contents)
+    page = render(_TITLE, _facts(sources), contents)
     (out / PAGE).write_text(page, encoding="utf-8")
     job.tracker.log_file(out / PAGE)
     return {"sections": report.sections, "megabytes": round(len(page.encode()) / 1e6, 1)}
@@ -84,13 +85,14 @@ def data_address(path: Path, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
-def _facts(configuration: Mapping[str, Any]) -> dict[str, str]:
+def _facts(sources: Sources) -> dict[str, str]:
     """What a reader wants to know before anything else."""
+    configuration = sources.configuration
     evaluation = configuration["evaluation"]
     trainings = (configuration["train"]["walking"], configuration["finetuning"] or {})
     samples = sum(map(_samples, trainings))
     return {
-        "controllers": " · ".join(map(label, evaluation["controllers"])),
+        "controllers": " · ".join(sources.labels[name] for name in evaluation["controllers"]),
         "commands": ", ".join(map(speed, evaluation["commands"])) + " m/s",
         "robots per command": f"{evaluation['trials']} trials × {evaluation['robots']}",
         "training": f"{samples / 1e6:.1f} million control steps",

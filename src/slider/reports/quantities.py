@@ -61,8 +61,8 @@ def _share(title: str, of: str = "") -> Quantity:
 
 QUANTITIES = {
     "success_rate": _share("Success rate"),
-    "mse_steady": Quantity("Velocity MSE from 2 s on", "m²/s²"),
-    "mse": Quantity("Velocity MSE over all 10 s, start from rest included", "m²/s²"),
+    "mse_steady": Quantity("Velocity MSE after the warm-up", "m²/s²"),
+    "mse": Quantity("Velocity MSE of the whole trial, start from rest included", "m²/s²"),
     "tracking_rate": _share("Tracking rate"),
     "standing_rate": _share("Standing"),
     "mean_velocity": Quantity("Mean velocity", "m/s"),

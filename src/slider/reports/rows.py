@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.reports.controllers import OURS
 
 NAN = float("nan")
+NAMED = ("controller", "label")
 Row = dict[str, Any]
 Reference = Callable[[float], GaitNumbers | None]
 
@@ -51,15 +53,26 @@ def distinct(rows: Iterable[Row], name: str) -> list[float]:
     return sorted({row[name] for row in rows})
 
 
+def evaluations(folders: Iterable[Path], labels: Mapping[str, str]) -> list[Evaluation]:
+    """What folders hold, each with its controller's label."""
+    found = map(Evaluation.load, folders)
+    return [replace(one, label=labels[one.controller]) for one in found]
+
+
 def table_row(evaluation: Evaluation) -> Row:
     """Success, tracking and errors; spreads are standard deviations over trials."""
     robots = evaluation.robots
-    row: Row = {"controller": evaluation.controller, "source": OURS}
+    row = named(evaluation) | {"source": OURS}
     row |= {"command_velocity": evaluation.command} | success(robots)
     for name in ("tracking_rate", "mse", "mse_steady"):
         estimate: Estimate = getattr(robots, name)
         row |= {name: estimate.value, f"{name}_std": estimate.spread}
     return row
+
+
+def named(evaluation: Evaluation) -> Row:
+    """Whose row it is."""
+    return dict(zip(NAMED, (evaluation.controller, evaluation.label), strict=True))
 
 
 def success(robots: Robots) -> Row:
@@ -78,7 +91,7 @@ def quality_row(evaluation: Evaluation) -> Row:
     largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and ``robots_cross`` are
     the shares of robots whose legs ever touch or cross.
     """
-    row: Row = {"controller": evaluation.controller, "command_velocity": evaluation.command}
+    row = named(evaluation) | {"command_velocity": evaluation.command}
     for name in ("mean_velocity", *QUALITY):
         values = evaluation.robots.survivors(name)
         for column, number in _COLUMNS.get(name, {name: np.mean}).items():

@@ -11,13 +11,14 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import Evaluation
 from slider.reports import rows as tables
 from slider.reports.comparison import METRICS, comparisons
-from slider.reports.controllers import PAPER, label, speed
+from slider.reports.controllers import PAPER, speed
 from slider.reports.quantities import quantity
 from slider.reports.rows import NAN, Row
 from slider.reports.table import Cell, Heading, Table, Tables, Text, Written, document, escape
 
 COLUMNS = (
     "controller",
+    "label",
     "source",
     "command_velocity",
     "success_rate",
@@ -55,7 +56,8 @@ _CAPTION = (
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write Table 1 as CSV, Markdown and LaTeX, and a table about the quality of the gait."""
-    ours, quality = _measured(inputs["evaluations"], inputs.get("library", ()))
+    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
+    ours, quality = _measured(evaluations, inputs.get("library", ()))
     rows = ours + paper_rows()
     tables.write(rows, out / "table1.csv", COLUMNS)
     tables.write(quality, out / "gait_quality.csv")
@@ -70,9 +72,11 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"rows": len(ours)}
 
 
-def blocks(inputs: Inputs, protocol: Mapping[str, Any]) -> Iterator[Written]:
+def blocks(
+    evaluations: Sequence[Evaluation], library: Sequence[Path], protocol: Mapping[str, Any]
+) -> Iterator[Written]:
     """On the page: a table per metric, and one per controller about the quality of its gait."""
-    ours, quality = _measured(inputs["table1.evaluations"], inputs.get("table1.library", ()))
+    ours, quality = _measured(evaluations, library)
     yield Text(_PAGE.format(last=protocol["seed"] + protocol["trials"] - 1, **protocol))
     yield Tables(comparisons(ours + paper_rows()))
     yield Heading("How it walks")
@@ -80,12 +84,13 @@ def blocks(inputs: Inputs, protocol: Mapping[str, Any]) -> Iterator[Written]:
     yield from quality_tables(quality)
 
 
-def _measured(evaluations: Sequence[Path], library: Sequence[Path]) -> tuple[list[Row], list[Row]]:
+def _measured(
+    evaluations: Sequence[Evaluation], library: Sequence[Path]
+) -> tuple[list[Row], list[Row]]:
     """Rows of Table 1, and of the quality of the gaits."""
-    found = [Evaluation.load(folder) for folder in evaluations]
     reference = tables.reference_gaits(library)
-    quality = [tables.with_reference(tables.quality_row(one), reference) for one in found]
-    return [tables.table_row(one) for one in found], quality
+    quality = [tables.with_reference(tables.quality_row(one), reference) for one in evaluations]
+    return [tables.table_row(one) for one in evaluations], quality
 
 
 def _metrics(rows: list[Row]) -> dict[str, float]:
@@ -107,11 +112,11 @@ def paper_rows() -> list[Row]:
 
 def quality_tables(rows: list[Row]) -> Iterator[Table]:
     """A table per controller, quantities down, commands across; nothing sorts."""
-    for controller, mine in tables.by(rows, "controller").items():
+    for label, mine in tables.by(rows, "label").items():
         heads = ["at a command of [m/s]", *(speed(row["command_velocity"]) for row in mine)]
         body = [
             [Cell(quantity(name).heading), *(Cell.of(quantity(name), row[name]) for row in mine)]
             for name in mine[0]
-            if name not in ("controller", "command_velocity")
+            if name not in (*tables.NAMED, "command_velocity")
         ]
-        yield Table(heads, body, label(controller), sortable=False)
+        yield Table(heads, body, label, sortable=False)

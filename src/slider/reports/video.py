@@ -13,7 +13,6 @@ from slider.config.robot import RobotConfig
 from slider.config.video import VideoConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.reports.controllers import label
 
 FILM, POSTER, ABOUT = "video.mp4", "poster.jpg", "about.json"
 _POSTER_TIME = 2.0  # a robot in motion [s]
@@ -83,7 +82,7 @@ def _film(section: Section, robot: RobotConfig, video: VideoConfig, frames, out:
 
 
 def _overlay(section: Section, frame, fallen: bool) -> tuple[str, list[str]]:
-    title = label(section["controller"]) + (", fallen" if fallen else "")
+    title = section["label"] + (", fallen" if fallen else "")
     lines = [
         f"command {section['command']:.2f} m/s",
         f"actual {frame.velocity[0]:.2f} m/s",
@@ -97,6 +96,7 @@ def _summary(section: Section, frames) -> Summary:
     half = [frame.velocity[0] for frame in frames[len(frames) // 2 :]]
     return {
         "controller": section["controller"],
+        "label": section["label"],
         "command": section["command"],
         "fell_at": falls[0] if falls else None,
         "mean_velocity": float(np.mean(half)),

@@ -10,8 +10,9 @@ import numpy as np
 import torch
 from rsl_rl.runners import OnPolicyRunner
 
+from slider.control import POLICY_FILE
 from slider.control.network import UNVARIED, from_actor
-from slider.control.policy_file import POLICY_FILE, Policy, save_policy
+from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv

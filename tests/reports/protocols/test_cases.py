@@ -71,7 +71,11 @@ def write(folder: Path, alive: list[bool]):
         inputs[-1].mkdir()
         found = tuple(segments.measure(recording(case, np.array(alive)), protocol(), case))
         Evaluation("policy", None, random_robots(), case=case.name, segments=found).save(inputs[-1])
-    section = {"name": "heldout", "evaluation": to_dict(protocol())}
+    section = {
+        "name": "heldout",
+        "evaluation": to_dict(protocol()),
+        "labels": {"policy": "policy (ours)"},
+    }
     summary = cases.run(section, {"evaluations": inputs}, out, Job(folder))
     rows = list(csv.DictReader((out / "heldout.csv").read_text().splitlines()))
     return summary, rows, out

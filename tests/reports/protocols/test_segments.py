@@ -33,7 +33,11 @@ def run(folder: Path, fall: bool = False):
     out = folder / "out"
     inputs = [write_evaluation(folder / "a", fall)]
     out.mkdir()
-    section = {"name": "joystick", "evaluation": to_dict(protocol())}
+    section = {
+        "name": "joystick",
+        "evaluation": to_dict(protocol()),
+        "labels": {"policy": "policy (ours)"},
+    }
     summary = report.run(section, {"evaluations": inputs}, out, Job(folder))
     rows = list(csv.DictReader((out / "joystick.csv").read_text().splitlines()))
     return summary, rows, out

@@ -17,7 +17,7 @@ FALLS = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
 
 def section() -> dict:
     protocol = to_dict(config("experiment=test").protocols["sweep"])
-    return {"name": "sweep", "evaluation": protocol}
+    return {"name": "sweep", "evaluation": protocol, "labels": {"policy": "policy (ours)"}}
 
 
 def write(tmp_path, out):

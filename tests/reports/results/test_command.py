@@ -10,11 +10,11 @@ from slider.core import files
 from slider.reports.results.blocks import find
 
 TABLE = """\
-controller,source,command_velocity,success_rate,success_low,success_high,mse,mse_steady,tracking_rate
-policy,measured,0.2,0.996,0.99,0.998,0.0314,0.00271,0.9
-policy,measured,3,0,0,0.004,inf,inf,0
-guided_drl,paper,0.2,1,,,0.0317,,
-guided_drl,paper,3,0.731,,,1.6,,
+controller,label,source,command_velocity,success_rate,success_low,success_high,mse,mse_steady,tracking_rate
+policy,policy (ours),measured,0.2,0.996,0.99,0.998,0.0314,0.00271,0.9
+policy,policy (ours),measured,3,0,0,0.004,inf,inf,0
+guided_drl,guided RL (paper),paper,0.2,1,,,0.0317,,
+guided_drl,guided RL (paper),paper,3,0.731,,,1.6,,
 """
 PAGE = "# Results\n\n<!-- results: table1 -->\n<!-- /results -->\n\nText.\n"
 
@@ -59,7 +59,7 @@ def test_a_block_is_filled_with_numbers_as_people_read_them(workspace):
     lines = body().splitlines()
     assert lines[0] == "| command [m/s] |  | 0.2 | 3.0 |"
     assert "| Success rate [%] | policy (ours) | 99.6 [99, 99.8] | 0 [0, 0.4] |" in lines
-    assert "| Velocity MSE from 2 s on [m²/s²] | policy (ours) | 0.00271 | ∞ |" in lines
+    assert "| Velocity MSE after the warm-up [m²/s²] | policy (ours) | 0.00271 | ∞ |" in lines
     assert "| MSE as the paper prints it [m²/s²] | guided RL (paper) | 0.0317 | 1.60 |" in lines
     assert Path("README.md").read_text().endswith("\n\nText.\n")
 

@@ -14,7 +14,8 @@ VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)
 
 def sources(inputs: dict[str, list[Path]], **others: Any) -> Sources:
     """Sources with these inputs; the rest is empty unless given."""
-    values: dict[str, Any] = {"configuration": {}, "origins": {}, "times": {}, "page": {}}
+    empty = ("configuration", "labels", "origins", "times", "page")
+    values: dict[str, Any] = {name: {} for name in empty}
     report = ReportConfig(["table1"], [], VIDEO)
     return Sources(report=report, inputs=inputs, **{**values, **others})
 

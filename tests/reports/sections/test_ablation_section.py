@@ -35,7 +35,7 @@ def test_says_what_the_variants_are_and_when_they_learned(section):
 
 def test_has_a_table_per_number_with_the_mean_as_key(section):
     tables = {table.caption: table for table in pick(section, Table)}
-    errors = tables["Velocity MSE from 2 s on [m²/s²]"]
+    errors = tables["Velocity MSE after the warm-up [m²/s²]"]
     assert errors.columns == ["variant", "0.2 m/s", "0.8 m/s"]
     assert texts(errors)[1] == ["hard", "0.350 (0.300–0.400)", "∞ (0.300–∞)"]
     assert errors.rows[0][1].key == pytest.approx(0.15)

@@ -12,7 +12,8 @@ from tests.reports.sections.sources import html, pick, sources
 
 def section(name, out, evaluations, settings):
     inputs = {name: [out], f"{name}.evaluations": evaluations}
-    return content(name, sources(inputs, configuration={"protocols": {name: settings}}))
+    configuration, labels = {"protocols": {name: settings}}, {"policy": "policy (ours)"}
+    return content(name, sources(inputs, configuration=configuration, labels=labels))
 
 
 def sweep(folder):

@@ -12,7 +12,8 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
-from slider.control.export import LAYOUT, MODEL, ONNX, POLICY, REFERENCE, TORCH_EXPORT
+from slider.control import POLICY_FILE
+from slider.control.export import LAYOUT, MODEL, ONNX, REFERENCE, TORCH_EXPORT
 from slider.control.export.agreement import Agreement, compare, record_observations
 from slider.control.export.graph import save_onnx, save_torch, trace
 from slider.control.export.layout import describe, reference_table
@@ -54,8 +55,8 @@ def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")
     np.save(out / REFERENCE, reference_table(policy).positions)
     (out / MODEL).write_text(_model_xml(policy))
-    if policy_file.resolve() != (out / POLICY).resolve():
-        shutil.copyfile(policy_file, out / POLICY)
+    if policy_file.resolve() != (out / POLICY_FILE).resolve():
+        shutil.copyfile(policy_file, out / POLICY_FILE)
     return policy
 
 

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from slider.config.evaluation import CaseConfig
 from slider.evaluation.results import Evaluation
-from slider.reports.controllers import colour, label
+from slider.reports.controllers import colour
 from slider.reports.figures.style import DARK, new_figure
 from slider.reports.rows import Row, by
 
@@ -32,9 +32,9 @@ def draw_speeds(rows: Sequence[Row]) -> Figure:
     commands = _column(rows, "command_velocity")
     ends = [commands.min(), commands.max()]
     speeds.plot(ends, ends, color=DARK, linewidth=0.8, linestyle=(0, (1, 2)), label="command")
-    for index, (controller, mine) in enumerate(by(rows, "controller").items()):
+    for index, (label, mine) in enumerate(by(rows, "label").items()):
         mine.sort(key=lambda row: row["command_velocity"])
-        _speed_curves((speeds, rates, errors), mine, index, label(controller))
+        _speed_curves((speeds, rates, errors), mine, index, label)
     speeds.set(ylabel="mean speed [m/s]")
     speeds.legend(loc="upper left")
     rates.set(ylabel="share of robots", ylim=(-0.04, 1.04))
@@ -67,7 +67,7 @@ def draw_segments(evaluations: Sequence[Evaluation], case: CaseConfig, duration:
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.5, 1.2, 1.2, 0.6))
     traces = [one.traces for one in evaluations if one.traces is not None]
     for index, (one, trace) in enumerate(zip(evaluations, traces, strict=True)):
-        _segment_curves(panels, trace, duration, index, label(one.controller))
+        _segment_curves(panels, trace, duration, index, one.label)
     for axis, axes in enumerate(panels[:3]):
         command = traces[0][:, axis]
         axes.plot(_times(command, duration), command, color=DARK, linewidth=0.9, label="command")
@@ -117,16 +117,16 @@ def _mark_segments(panels: Sequence[Axes], case: CaseConfig) -> None:
 
 def draw_cases(rows: Sequence[Row]) -> Figure:
     """Cases down; shares of robots on the left, velocities [m/s] on the right."""
-    cases, controllers = list(by(rows, "case")), by(rows, "controller")
+    cases, controllers = list(by(rows, "case")), by(rows, "label")
     height = _REST + _ROW * len(cases)
     figure = new_figure(height)
     figure.set_layout_engine(None)  # which cuts the names of the cases off
     figure.subplots_adjust(0.19, 0.5 * _REST / height, 0.98, 1 - 0.35 * _REST / height, 0.06)
     shares, errors = figure.subplots(1, 2, sharey=True)
-    for index, (controller, mine) in enumerate(controllers.items()):
+    for index, (label, mine) in enumerate(controllers.items()):
         offset = 0.5 * ((index + 0.5) / len(controllers) - 0.5)
         places = np.array([cases.index(row["case"]) for row in mine]) + offset
-        _shares(shares, mine, places, colour(index), (label(controller), "standing"))
+        _shares(shares, mine, places, colour(index), (label, "standing"))
         _errors(errors, mine, places, colour(index), named=index == 0)
     shares.set(xlabel="share of robots", xlim=(-0.04, 1.04), ylim=(len(cases) - 0.5, -0.5))
     shares.set_yticks(range(len(cases)), cases)

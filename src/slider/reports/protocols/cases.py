@@ -13,7 +13,6 @@ from slider.evaluation.proportions import wilson
 from slider.evaluation.results import AXES, Evaluation, Robots
 from slider.evaluation.segments import SMOOTHING, profile_of
 from slider.reports import rows as tables
-from slider.reports.controllers import label
 from slider.reports.figures.protocols import draw_cases
 from slider.reports.protocols import write
 from slider.reports.quantities import QUANTITIES, Quantity
@@ -43,7 +42,7 @@ _FIGURE = (
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
-    rows = read_rows(inputs["evaluations"], protocol)
+    rows = read_rows(tables.evaluations(inputs["evaluations"], section["labels"]), protocol)
     shown = blocks(name, out / f"{name}.svg", rows, protocol)
     write(out / name, "Cases", rows, lambda: draw_cases(rows), shown, job)
     groups = by(rows, "controller").items()
@@ -51,10 +50,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"rows": len(rows), "success_rate": least}
 
 
-def read_rows(folders: Sequence[Path], protocol: EvaluationConfig) -> list[Row]:
+def read_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> list[Row]:
     """One row per controller and case."""
     cases = {case.name: case for case in profile_of(protocol).cases}
-    evaluations = [Evaluation.load(folder) for folder in folders]
     return [_row(one, cases[one.case], protocol.duration) for one in evaluations]
 
 
@@ -65,7 +63,7 @@ def _row(evaluation: Evaluation, case: CaseConfig, seconds: float) -> Row:
     """
     last, asked = evaluation.segments[-1], command(case.segments[-1])
     before = case.segments[-2].vx if len(case.segments) > 1 else NAN
-    row: Row = {"controller": evaluation.controller, "case": case.name, "seconds": seconds}
+    row = tables.named(evaluation) | {"case": case.name, "seconds": seconds}
     row |= {"vx_before": before}
     row |= {f"{axis}_command": value for axis, value in zip(AXES, asked, strict=True)}
     row |= tables.success(last) | {name: last.mean(measure) for name, measure in MEANS.items()}
@@ -106,11 +104,11 @@ def blocks(name: str, svg: Path, rows: list[Row], protocol: EvaluationConfig) ->
 
 def case_tables(rows: list[Row]) -> Iterator[Table]:
     """Of each controller constant speeds, standing and sideways, without those of no case."""
-    for controller, mine in by(rows, "controller").items():
+    for label, mine in by(rows, "label").items():
         for title, chosen, columns in _KINDS:
             shown = [row for row in mine if chosen(row)]
             if shown:
-                yield _table(f"{title}, {label(controller)}", shown, columns)
+                yield _table(f"{title}, {label}", shown, columns)
 
 
 def _table(title: str, rows: list[Row], columns: Sequence[str]) -> Table:

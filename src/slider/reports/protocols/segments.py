@@ -10,7 +10,6 @@ from slider.evaluation.profile import command
 from slider.evaluation.results import AXES, MEASURES, Evaluation
 from slider.evaluation.segments import profile_of
 from slider.reports import rows as tables
-from slider.reports.controllers import label
 from slider.reports.figures.protocols import draw_segments
 from slider.reports.protocols import write
 from slider.reports.quantities import QUANTITIES
@@ -43,8 +42,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
     (case,) = profile_of(protocol).cases
-    rows = read_rows(inputs["evaluations"], protocol)
-    evaluations = [Evaluation.load(folder) for folder in inputs["evaluations"]]
+    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
+    rows = read_rows(evaluations, protocol)
     shown = blocks(name, out / f"{name}.svg", rows, protocol)
     title, seconds = "Changing commands", protocol.duration
     write(out / name, title, rows, lambda: draw_segments(evaluations, case, seconds), shown, job)
@@ -52,13 +51,13 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"rows": len(rows), "success_rate": last}
 
 
-def read_rows(folders: Sequence[Path], protocol: EvaluationConfig) -> list[Row]:
+def read_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> list[Row]:
     """One row per controller and segment: means over the robots that are up at its end."""
     (case,) = profile_of(protocol).cases
     rows: list[Row] = []
-    for one in map(Evaluation.load, folders):
+    for one in evaluations:
         for segment, robots in zip(case.segments, one.segments, strict=True):
-            row: Row = {"controller": one.controller, "segment": segment.name, "time": segment.time}
+            row = tables.named(one) | {"segment": segment.name, "time": segment.time}
             asked = zip(AXES, command(segment), strict=True)
             row |= {f"{axis}_command": value for axis, value in asked}
             row |= tables.success(robots) | {name: robots.mean(name) for name in MEASURES}
@@ -81,8 +80,8 @@ def blocks(name: str, svg: Path, rows: list[Row], protocol: EvaluationConfig) ->
     )
     heads = ["from [s]", "segment", "vx, vy, yaw rate"]
     heads += [QUANTITIES[column].heading for column in _SHOWN]
-    for controller, mine in by(rows, "controller").items():
-        yield Table(heads, [_cells(row) for row in mine], label(controller))
+    for label, mine in by(rows, "label").items():
+        yield Table(heads, [_cells(row) for row in mine], label)
 
 
 def _cells(row: Row) -> list[Cell]:

@@ -9,7 +9,7 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import Evaluation
 from slider.reports import rows as tables
 from slider.reports.comparison import comparisons
-from slider.reports.controllers import label, speed
+from slider.reports.controllers import speed
 from slider.reports.figures.protocols import draw_speeds
 from slider.reports.protocols import write
 from slider.reports.rows import NAN, Row, by, distinct
@@ -32,7 +32,7 @@ A speed counts as tracked where at least {share:.0%} of the robots track it.
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``NAME.csv``, ``NAME.md``, ``NAME.svg`` and ``NAME.png``."""
     name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
-    rows = read_rows(inputs["evaluations"], protocol)
+    rows = read_rows(tables.evaluations(inputs["evaluations"], section["labels"]), protocol)
     shown = blocks(name, out / f"{name}.svg", rows, protocol)
     title = "Mean speed over the commanded speed"
     write(out / name, title, rows, lambda: draw_speeds(rows), shown, job)
@@ -42,9 +42,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"rows": len(rows), "highest_tracked": highest}
 
 
-def read_rows(folders: Sequence[Path], protocol: EvaluationConfig) -> list[Row]:
+def read_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> list[Row]:
     """A row of Table 1 and how the robots walk, with the spread of the mean speed over robots."""
-    return [_row(Evaluation.load(folder)) for folder in folders]
+    return [_row(one) for one in evaluations]
 
 
 def _row(evaluation: Evaluation) -> Row:
@@ -86,25 +86,25 @@ def blocks(name: str, svg: Path, rows: list[Row], protocol: EvaluationConfig) ->
 def highest_table(rows: Sequence[Row]) -> Table:
     """Highest speed that each controller tracks, and lower ones that it does not."""
     body = []
-    for controller, highest in highest_tracked(rows).items():
-        mine = [row for row in rows if row["controller"] == controller and not _tracked(row)]
-        lost = [row["command_velocity"] for row in mine]
+    for label, mine in by(rows, "label").items():
+        highest = max((row["command_velocity"] for row in mine if _tracked(row)), default=None)
+        lost = [row["command_velocity"] for row in mine if not _tracked(row)]
         lower = ", ".join(speed(v) for v in lost if v < (highest or 0.0)) or "none"
         found = "none" if highest is None else speed(highest)
-        body.append([Cell(label(controller)), Cell(found), Cell(lower)])
+        body.append([Cell(label), Cell(found), Cell(lower)])
     heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
     return Table(heads, body, sortable=False)
 
 
 def _mean_speeds(rows: Sequence[Row]) -> Table:
     """Mean speed and its spread between robots: commands down, controllers across."""
-    found = {(row["controller"], row["command_velocity"]): row for row in rows}
-    controllers = list(by(rows, "controller"))
+    found = {(row["label"], row["command_velocity"]): row for row in rows}
+    labels = list(by(rows, "label"))
     body = [
-        [Cell(speed(command), command), *(_speed(found[name, command]) for name in controllers)]
+        [Cell(speed(command), command), *(_speed(found[name, command]) for name in labels)]
         for command in distinct(rows, "command_velocity")
     ]
-    return Table(["command [m/s]", *map(label, controllers)], body, "Mean speed [m/s]")
+    return Table(["command [m/s]", *labels], body, "Mean speed [m/s]")
 
 
 def _speed(row: Row) -> Cell:

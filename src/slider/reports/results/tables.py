@@ -12,7 +12,7 @@ import numpy as np
 
 from slider.artefacts.store import Store
 from slider.reports.ablation import spread
-from slider.reports.controllers import PAPER, label, speed
+from slider.reports.controllers import PAPER, speed
 from slider.reports.protocols.cases import case_tables
 from slider.reports.protocols.speeds import highest_table
 from slider.reports.quantities import QUANTITIES
@@ -116,7 +116,9 @@ def quality(report: Path, store: Store) -> str:
     lines = [(QUANTITIES[name].heading, "", mine, name) for name in _QUALITY]
     cost = "cost_of_transport"
     for controller in (name for name in ("policy", "mpc_wbc_tuned") if name in groups):
-        lines.append((QUANTITIES[cost].heading, label(controller), groups[controller], cost))
+        lines.append(
+            (QUANTITIES[cost].heading, groups[controller][0]["label"], groups[controller], cost)
+        )
     return _across(mine, lines)
 
 
@@ -205,10 +207,9 @@ _Line = tuple[str, str, Sequence[Row], str]
 def _group(rows: Sequence[Row], name: str, title: str = "") -> list[_Line]:
     """A line per controller; the first one has the title of the quantity."""
     heading = title or QUANTITIES[name].heading
-    groups = by(rows, "source", "controller").items()
+    groups = by(rows, "label").items()
     return [
-        ("" if index else heading, label(controller, source), mine, name)
-        for index, ((source, controller), mine) in enumerate(groups)
+        ("" if index else heading, label, mine, name) for index, (label, mine) in enumerate(groups)
     ]
 
 

@@ -8,10 +8,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from slider.config.report import ReportConfig
 from slider.core.job import Inputs
+
+if TYPE_CHECKING:
+    from slider.evaluation.results import Evaluation
 
 OPTIONAL = "?"
 
@@ -23,6 +26,7 @@ class Sources:
     Attributes:
         report: settings of the page.
         configuration: the resolved configuration, as plain values.
+        labels: what people call the controllers.
         origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
         inputs: input → object folders.
         times: input → for each of its jobs what differs between runs, such as ``wall_s``.
@@ -31,10 +35,17 @@ class Sources:
 
     report: ReportConfig
     configuration: Mapping[str, Any]
+    labels: Mapping[str, str]
     origins: Mapping[str, Sequence[Mapping[str, Any]]]
     inputs: Inputs
     times: Mapping[str, Sequence[Mapping[str, Any]]]
     page: Mapping[str, Any]
+
+    def evaluations(self, name: str) -> "list[Evaluation]":
+        """Those that a target is made from."""
+        from slider.reports.rows import evaluations
+
+        return evaluations(self.inputs[f"{name}.evaluations"], self.labels)
 
     def file(self, name: str, path: str) -> Path:
         """File of the one result of an input."""
@@ -80,7 +91,8 @@ def table1(sources: Sources) -> Blocks:
     """Ours, the baselines' and the paper's side by side, and how it walks."""
     from slider.reports.table1 import blocks
 
-    return blocks(sources.inputs, sources.configuration["evaluation"])
+    library = sources.inputs.get("table1.library", ())
+    return blocks(sources.evaluations("table1"), library, sources.configuration["evaluation"])
 
 
 @section("Velocity tracking", "table1.evaluations")
@@ -169,7 +181,7 @@ def _protocol(name: str, about: str, sources: Sources) -> Blocks:
     protocol = from_dict(EvaluationConfig, sources.configuration["protocols"][name])
     kinds = {"": speeds, "segments": segments, "cases": cases}
     kind = kinds[protocol.profile.rows if protocol.profile else ""]
-    rows = kind.read_rows(sources.inputs[f"{name}.evaluations"], protocol)
+    rows = kind.read_rows(sources.evaluations(name), protocol)
     yield Text(f"{about} Seeds {protocol.seed} to {protocol.seed + protocol.trials - 1}.")
     yield from kind.blocks(name, sources.file(name, f"{name}.svg"), rows, protocol)
 

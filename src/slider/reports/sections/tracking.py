@@ -9,7 +9,7 @@ from plotly.subplots import make_subplots
 
 from slider.evaluation.results import Evaluation
 from slider.reports.charts import Chart, chart
-from slider.reports.controllers import colour, label, line, speed
+from slider.reports.controllers import colour, line, speed
 from slider.reports.sections.registry import Sources
 from slider.reports.table import Text
 
@@ -21,7 +21,7 @@ _CAPTION = (
 
 def blocks(sources: Sources) -> Iterator[Chart | Text]:
     """One panel per command, one curve per controller."""
-    found = [Evaluation.load(folder) for folder in sources.inputs["table1.evaluations"]]
+    found = sources.evaluations("table1")
     evaluated = {one.command for one in found}
     asked = sources.report.tracking_commands
     shown = [command for command in asked if command in evaluated]
@@ -31,7 +31,7 @@ def blocks(sources: Sources) -> Iterator[Chart | Text]:
     if missing:
         yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
     fallen = [
-        f"{label(one.controller)} at {speed(one.command)} m/s"
+        f"{one.label} at {speed(one.command)} m/s"
         for one in found
         if one.command in shown and _fell(one)
     ]
@@ -74,7 +74,7 @@ def _add_trace(
         return
     mean, spread = np.round(one.velocity.astype(float).T, 4)
     time = np.round(period * np.arange(1, len(mean) + 1), 3)
-    name = label(one.controller)
+    name = one.label
     around = np.concatenate([time, time[::-1]])
     band = np.concatenate([mean + spread, (mean - spread)[::-1]])
     figure.add_scatter(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from slider.reports.controllers import label, speed
+from slider.reports.controllers import speed
 from slider.reports.sections.registry import Sources
 from slider.reports.table import Text
 from slider.reports.video import ABOUT, FILM, POSTER
@@ -46,7 +46,7 @@ def blocks(sources: Sources) -> Iterator[Text | Films]:
         return
     found = [(json.loads((folder / ABOUT).read_text()), folder) for folder in folders]
     for about, folder in sorted(found, key=lambda item: item[0]["command"]):
-        film = Film(folder / FILM, folder / POSTER, f"{label(about['controller'])}: {_fate(about)}")
+        film = Film(folder / FILM, folder / POSTER, f"{about['label']}: {_fate(about)}")
         rows.setdefault(f"{speed(about['command'])} m/s", []).append(film)
     seen = " and ".join(video.cameras)
     yield Text(f"One robot per film, all from the same start at rest, seen from the {seen}.")

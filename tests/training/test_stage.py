@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
+from slider.control import POLICY_FILE
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
 from slider.env.terms import uses_library
 from slider.training.stage import run_walking
-from slider.training.trainer import POLICY
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
 from tests.training.test_trainer import TINY, same
@@ -60,7 +60,7 @@ def test_trains_with_neither_library_nor_standing_policy(tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     run_walking(section(*ALONE, "train.walking.iterations=1"), {}, out, Job(tmp_path / "work"))
-    policy = load_policy(out / POLICY)
+    policy = load_policy(out / POLICY_FILE)
     assert policy.reference is None
     assert policy.times is not None
     pace = config(*ALONE).env.phase.step_time
@@ -81,7 +81,7 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
         assert whole.finetuning.disturbance.push.speed > 0
         tuning = {**section(), "train": to_dict(whole.finetuning)}
         run_walking(tuning, inputs, folders[name], Job(tmp_path / f"work_{name}"))
-    weights = {n: load_policy(f / POLICY).network.state_dict() for n, f in folders.items()}
+    weights = {n: load_policy(f / POLICY_FILE).network.state_dict() for n, f in folders.items()}
     assert same(weights["walking"], weights["same"])
     assert not same(weights["walking"], weights["tuned"])
 

@@ -85,8 +85,9 @@ def table(dynamics: str = "prismatic") -> dict[str, Check]:
 
 def jobs() -> tuple[list[JobSpec], JobSpec]:
     """The jobs of the small library: those of some gaits each, and the one that collects."""
-    velocities = [list(velocity) for velocity in VELOCITIES]
-    source = JobSpec("library", "", Code("", "", {}), {"velocities": velocities})
+    code = Code("", "", {})
+    solves = [JobSpec("gait", "", code, {"velocity": list(velocity)}) for velocity in VELOCITIES]
+    source = JobSpec("library", "", code, {}, {"gaits": solves})
     collect = verification_jobs(config(), source)["verification"]
     return list(collect.inputs["gaits"]), collect
 

@@ -10,7 +10,7 @@ def test_a_long_job_says_ever_less_on_the_terminal_and_everything_in_its_log(mon
     now = 0.0
     monkeypatch.setattr(run.time, "monotonic", lambda: now)
     terminal = StringIO()
-    show = run._progress("walking", terminal)
+    show = run.progress_lines("walking", terminal)
     times = []
     for second in range(1, 601):
         now, before = float(second), len(terminal.getvalue())

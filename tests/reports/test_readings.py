@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from slider.reports.sections.readings import _in_effect, read
+from slider.reports.sections.readings import in_effect, read
 
 METHOD = Path(__file__).parents[2] / "docs" / "explanation" / "method.md"
 
@@ -23,6 +23,6 @@ def test_page_and_documentation_agree():
 
 def test_shows_single_values_only():
     configuration = {"gait": {"cost": "paper", "grid": {"vx": 1}}}
-    assert _in_effect(configuration, "gait.cost") == "paper"
-    assert _in_effect(configuration, "gait.grid") == ""
-    assert _in_effect(configuration, "gait/grid") == ""
+    assert in_effect(configuration, "gait.cost") == "paper"
+    assert in_effect(configuration, "gait.grid") == ""
+    assert in_effect(configuration, "gait/grid") == ""

@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):  # end tidily and without a trace
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     with _output_to(log) as terminal:
-        runner = Runner(store, arguments.threads, _progress(spec.label, terminal))
+        runner = Runner(store, arguments.threads, progress_lines(spec.label, terminal))
         try:
             outcome = runner.run(spec)
             print(f"{_progress_count(store, plan, spec)} {spec.label}: {outcome}", file=terminal)
@@ -88,7 +88,7 @@ def _progress_count(store: Store, plan: Plan, spec: JobSpec) -> str:
     return f"[{done}/{len(jobs)}]"
 
 
-def _progress(label: str, terminal: TextIO) -> Callable[[str], None]:
+def progress_lines(label: str, terminal: TextIO) -> Callable[[str], None]:
     """All progress goes to the log, and a line to the terminal, of long jobs ever less often."""
     start = last = time.monotonic()
 

@@ -22,7 +22,6 @@ from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
 
 CHECKPOINT = "checkpoint.pt"
-BEST = "best.pt"
 WEIGHTS = "weights.pt"
 _RESUMED = ("actor", "critic", "optimizer", "average")
 

@@ -9,7 +9,7 @@ from slider.config.control import ObserverConfig
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.types import Interval
 from slider.control.mpc.controller import build_controller
-from slider.control.mpc.observer import Observer, _rotation_between, _turned
+from slider.control.mpc.observer import Observer, rotation_between, turned
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
@@ -93,9 +93,9 @@ def test_turns_between_orientations():
     old, new = generator.normal(size=(2, 5, 4))
     old /= np.linalg.norm(old, axis=1, keepdims=True)
     new /= np.linalg.norm(new, axis=1, keepdims=True)
-    found = _turned(old, _rotation_between(old, new))
+    found = turned(old, rotation_between(old, new))
     np.testing.assert_allclose(np.abs((found * new).sum(axis=1)), 1.0, atol=1e-12)
-    np.testing.assert_allclose(_rotation_between(old, old), 0.0, atol=1e-7)
+    np.testing.assert_allclose(rotation_between(old, old), 0.0, atol=1e-7)
 
 
 def test_walks_with_noise_and_delay_that_stop_the_controller_without():

@@ -9,7 +9,7 @@ import pytest
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.library.reader import GaitLibrary
-from slider.reports.figures.verification_maps import MAPS, NAME, TABLE, _column, read_table, run
+from slider.reports.figures.verification_maps import MAPS, NAME, TABLE, gait_values, read_table, run
 from slider.verification.quantities import QUANTITIES
 from tests.library.gaits import write_store
 
@@ -38,7 +38,7 @@ def store(tmp_path_factory) -> Path:
 def test_values_belong_to_their_gaits(store, tmp_path):
     checked = table(tmp_path / "checked", GAITS[::-1])  # in another order than the library's
     library = GaitLibrary.load(store / "library.zarr")
-    found = _column(library, read_table(checked / TABLE), "return_map")
+    found = gait_values(library, read_table(checked / TABLE), "return_map")
     place = list(QUANTITIES).index("return_map") + 1
     expected = {gait: 100 * k + place for k, gait in enumerate(GAITS[::-1])}
     np.testing.assert_array_equal(found, [expected[vx, vy] for vx, vy in library.velocities])

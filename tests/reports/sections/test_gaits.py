@@ -5,13 +5,13 @@ import json
 import numpy as np
 
 from slider.reports.charts import chart
-from slider.reports.sections.gaits import _map_figure
+from slider.reports.sections.gaits import map_figure
 
 
 def test_a_map_has_a_square_per_gait_and_a_gap_where_there_is_no_value():
     velocities = np.array([[0.0, 0.0], [0.5, 0.1]])
     quantities = {"one [1]": np.array([0.5, 20.0]), "two [rad]": np.array([0.5, np.nan])}
-    figure = json.loads(chart("map", _map_figure(velocities, quantities), "", 360).spec)
+    figure = json.loads(chart("map", map_figure(velocities, quantities), "", 360).spec)
     marker = figure["data"][0]["marker"]
     np.testing.assert_allclose(marker["color"], [0.5, 20.0])
     assert marker["colorbar"]["title"]["text"] == "one [1]"

@@ -77,9 +77,9 @@ class Observer:
 
     def _correct(self, measured: RobotState) -> None:
         position, velocity = self._config.position, self._config.velocity
-        turn = _rotation_between(self._qpos[:, 3:7], measured.quaternion)
+        turn = rotation_between(self._qpos[:, 3:7], measured.quaternion)
         qpos = self._qpos + position * (measured.qpos - self._qpos)
-        qpos[:, 3:7] = _turned(self._qpos[:, 3:7], position * turn)
+        qpos[:, 3:7] = turned(self._qpos[:, 3:7], position * turn)
         self._qpos = qpos
         self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
 
@@ -89,7 +89,7 @@ class Observer:
         return replace(self._model.read(), foot_forces=measured.foot_forces)
 
 
-def _rotation_between(old: np.ndarray, new: np.ndarray) -> np.ndarray:
+def rotation_between(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     """Rotation vectors (N, 3) [rad] of old's axes that turn quaternions old (N, 4) into new."""
     inverse = old * np.array([1.0, -1.0, -1.0, -1.0])
     difference = multiply_quaternions(inverse, new)
@@ -99,7 +99,7 @@ def _rotation_between(old: np.ndarray, new: np.ndarray) -> np.ndarray:
     return difference[:, 1:] * (np.copysign(scale, difference[:, 0]))[:, None]
 
 
-def _turned(quaternion: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+def turned(quaternion: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     """Quaternions (N, 4) turned by rotation vectors (N, 3) [rad] of their own axes."""
     angle = np.linalg.norm(vectors, axis=1, keepdims=True)
     axis = vectors / np.maximum(angle, 1e-12)

@@ -45,7 +45,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     library = GaitLibrary.load(inputs["library"][0] / STORE)
     table = read_table(inputs["verification"][0] / TABLE)
     maps = [
-        VelocityMap(QUANTITIES[name].meaning, _column(library, table, name), unit(name))
+        VelocityMap(QUANTITIES[name].meaning, gait_values(library, table, name), unit(name))
         for name in MAPS
     ]
     title = "Verification over the commanded velocity"
@@ -65,9 +65,14 @@ def read_table(path: Path) -> dict[tuple[float, float], rows.Row]:
     return {(row["vx"], row["vy"]): row for row in rows.read(path)}
 
 
-def _column(
+def gait_values(
     library: GaitLibrary, table: Mapping[tuple[float, float], rows.Row], name: str
 ) -> np.ndarray:
+    """A quantity of each gait (G,), in the order of the library.
+
+    Raises:
+        UserError: the table lacks a gait.
+    """
     values = []
     for vx, vy in library.velocities:
         row = table.get((float(vx), float(vy)))

@@ -34,7 +34,7 @@ def blocks(sources: Sources) -> Iterator[Text | Chart]:
     cycles = _cycles(library.arrays["samples"], library.arrays["roll"])
     yield chart(
         MAP,
-        _map_figure(library.velocities, _quantities(library)),
+        map_figure(library.velocities, _quantities(library)),
         "Gaits of the library at their commanded velocities.",
         height=360,
         linked=CYCLE,
@@ -82,7 +82,7 @@ def _portrait(samples: np.ndarray, joint: str) -> np.ndarray:
     return samples[:, :, channels]
 
 
-def _map_figure(velocities: np.ndarray, quantities: Mapping[str, np.ndarray]) -> go.Figure:
+def map_figure(velocities: np.ndarray, quantities: Mapping[str, np.ndarray]) -> go.Figure:
     """One square per gait, coloured by the quantity that is chosen, at first the first one.
 
     Args:

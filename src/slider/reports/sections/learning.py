@@ -36,14 +36,15 @@ def blocks(sources: Sources) -> Iterator[Heading | Chart | Text]:
             continue
         training = Training.load(sources.inputs[name][0])
         yield Heading(title)
-        yield _checks_chart(name, training)
+        yield checks_chart(name, training)
         if training.curve:
             yield from _curve_charts(name, training.curve)
         else:
             yield Text(_UNRECORDED, "note")
 
 
-def _checks_chart(name: str, training: Training) -> Chart:
+def checks_chart(name: str, training: Training) -> Chart:
+    """A panel per number of the periodic checks; gaps where a check did not find it."""
     table = training.checks
     names = [column for column in _CHECKS if not np.isnan(table[column]).all()]
     figure = make_subplots(1, len(names), subplot_titles=[_CHECKS[column] for column in names])

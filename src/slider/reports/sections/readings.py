@@ -22,13 +22,13 @@ def blocks(sources: Sources) -> Iterator[Text | Table]:
     yield Text("What the paper leaves open, how it is read here, and where that is configured.")
     rows = [
         [Cell(text, text) for text in reading.values()]
-        + [Cell(_in_effect(sources.configuration, reading["where"]))]
+        + [Cell(in_effect(sources.configuration, reading["where"]))]
         for reading in read()
     ]
     yield Table(["the paper says", "we read", "where", "in this run"], rows)
 
 
-def _in_effect(configuration: Mapping[str, Any], path: str) -> str:
+def in_effect(configuration: Mapping[str, Any], path: str) -> str:
     """Value at a dotted path, where it is a single value."""
     node: Any = configuration
     for name in path.split("."):

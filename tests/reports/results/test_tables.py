@@ -21,6 +21,13 @@ policy,ours,0.1,0.5
 policy,ours,3,0.95
 mpc_wbc_tuned,"MPC + WBC, tuned",0,0.2
 """
+TABLE1 = """\
+controller,label,source,command_velocity,success_rate,mse,mse_steady
+policy,ours,measured,0.2,1,0.01,0.002
+policy,ours,measured,3,0,inf,inf
+mpc_wbc_literal,literal,measured,0.2,1,0.01,0.002
+guided_drl,paper,paper,0.2,0.731,0.0317,
+"""
 SEEDS = """\
 variant,seed,command_velocity,success_rate,mse,mse_steady,tracking_rate,alternation,flight,slip,heading_worst,robots_cross,cost_of_transport
 default,1,0.4,1,0.01,0.001,1,1,0,0.03,0.1,0,0.8
@@ -80,6 +87,16 @@ def test_held_out_commands_are_three_tables(tmp_path):
 def test_the_highest_tracked_speed_and_what_is_lost_below(tmp_path):
     lines = make("sweep", SWEEP, tmp_path).splitlines()
     assert lines[2:] == ["| ours | 3.0 | 0.1 |", "| MPC + WBC, tuned | none | none |"]
+
+
+def test_the_summary_has_a_line_per_command(tmp_path):
+    lines = make("summary", TABLE1, tmp_path).splitlines()
+    shown = "success [%], ours | success [%], paper | MSE [m²/s²], ours | MSE [m²/s²], paper"
+    assert lines[0] == f"| command [m/s] | {shown} |"
+    assert lines[2:] == [
+        "| 0.2 | 100 | 73.1 | 0.00200 | 0.0317 |",
+        "| 3.0 | 0 | – | ∞ | – |",
+    ]
 
 
 def test_seeds_have_a_median_between_least_and_greatest(tmp_path):

@@ -12,6 +12,7 @@ import numpy as np
 
 from slider.artefacts.store import Store
 from slider.reports.ablation import spread
+from slider.reports.comparison import METRICS
 from slider.reports.controllers import PAPER, speed
 from slider.reports.protocols.cases import case_tables
 from slider.reports.protocols.speeds import highest_table
@@ -54,6 +55,8 @@ _SEEDS = (
     "cost_of_transport",
 )
 _ROBUST = ("success_rate", "tracking_rate", "mse_steady")
+_SUMMARY = ("policy", "mpc_wbc_tuned", "guided_drl", "mpc_wbc")
+_SHORT = {"success_rate": "success [%]", "mse_steady": "MSE [m²/s²]", "mse": "MSE [m²/s²]"}
 _VERDICT, _STRONGEST = "Which guesses carry the result", "The strongest"
 
 
@@ -99,6 +102,28 @@ def table1(report: Path, store: Store) -> str:
     lines = _group(rows, "success_rate")
     lines += _group(ours, "mse_steady") + _group(ours, "mse") + _group(paper, "mse", _PRINTED)
     return _across(ours, [*lines, *_group(ours, "tracking_rate")])
+
+
+@block("table1.csv")
+def summary(report: Path, store: Store) -> str:
+    """A line per command: success and settled error of ours, its best baseline and the paper's."""
+    groups = by(read(report), "controller")
+    shown = [groups[name] for name in _SUMMARY if name in groups]
+    columns = [
+        (METRICS[name] if mine[0]["source"] == PAPER else name, mine)
+        for name in ("success_rate", "mse_steady")
+        for mine in shown
+    ]
+    heads = [f"{_SHORT[name]}, {mine[0]['label']}" for name, mine in columns]
+    body = []
+    for command in distinct(shown[0], "command_velocity"):
+        cells = [by(mine, "command_velocity").get(command, [{}])[0] for _, mine in columns]
+        texts = [
+            QUANTITIES[name].text(row.get(name, NAN))
+            for (name, _), row in zip(columns, cells, strict=True)
+        ]
+        body.append([speed(command), *texts])
+    return grid(["command [m/s]", *heads], body).markdown
 
 
 @block("robust.csv")

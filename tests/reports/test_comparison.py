@@ -5,7 +5,7 @@ import math
 import pytest
 
 from slider.reports.comparison import METRICS, compare, comparisons
-from slider.reports.table import markdown
+from slider.reports.table import escape, markdown
 
 NAN = math.nan
 SUCCESS, STEADY, WHOLE, TRACKING = METRICS
@@ -118,3 +118,7 @@ def test_latex_is_escaped_and_balanced():
     assert "100.0 \\%" in text
     assert text.count("\\begin{tabular}") == text.count("\\end{tabular}") == len(METRICS)
     assert not any(character in text for character in "±∞²–")
+
+
+def test_latex_reads_every_character():
+    assert escape("A | B & <c>_1\\") == "A $|$ B \\& $<$c$>$\\_1\\textbackslash{}"

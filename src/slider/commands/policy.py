@@ -37,7 +37,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
-    """The policy file, and what the store knows about it."""
+    """The policy file, and its origin in the store."""
     from slider.artefacts.current import current_folder, current_result
     from slider.artefacts.store import Store
     from slider.control import POLICY_FILE

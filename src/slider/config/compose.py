@@ -50,6 +50,19 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
 
 
+def _steps(start: float, stop: float, step: float) -> list[float]:
+    """Numbers from start to stop, both included."""
+    return [round(start + index * step, 9) for index in range(round((stop - start) / step) + 1)]
+
+
+def _joined(*lists: list[float]) -> list[float]:
+    return [value for values in lists for value in values]
+
+
+OmegaConf.register_new_resolver("steps", _steps, replace=True)
+OmegaConf.register_new_resolver("joined", _joined, replace=True)
+
+
 def _store_controllers(conf: Path) -> None:
     """Write the option ``control=all``: each file of ``conf/control`` under its own name."""
     names = sorted(path.stem for path in (conf / "control").glob("*.yaml"))

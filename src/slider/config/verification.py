@@ -47,7 +47,7 @@ class RegulatorConfig:
     """gait velocities of ``forward``"""
     reach: NonNegative[Metres]
     """greatest change of a foot's place"""
-    settle: Positive[Share]
+    placement_end: Positive[Share]
     """phase by which the swing foot is over its new place"""
     fade: Positive[Share]
     """phase by which errors left by the impact are gone"""

@@ -59,7 +59,7 @@ def simulate(
 ) -> Simulated:
     """The policy of the walking stage on ``count`` robots.
 
-    On a ``changed`` one it keeps to what it knows of its own.
+    On a ``changed`` one it keeps the model of its own.
 
     Raises:
         UserError: the policy is for other observations or actions.

@@ -24,7 +24,7 @@ _WARM = {
 
 @dataclass(frozen=True)
 class Attempt:
-    """One rung of the ladder, for the report."""
+    """A solve from one initial guess, for the report."""
 
     name: str
     status: str
@@ -141,14 +141,14 @@ class GaitSolver:
         return ca.nlpsol("gait", "ipopt", {"x": x, "p": p, "f": objective, "g": rows}, options)
 
     def solve(self, vx: float, vy: float) -> Solve:
-        """Solve for a commanded velocity [m/s], trying the rungs of the ladder in order.
+        """Solve for a commanded velocity [m/s], from the initial guesses in order.
 
         The result is the first that converges or, with ``keep: best``, the cheapest that does.
         """
         wall, cpu = time.perf_counter(), time.process_time()
         outcomes: list[Outcome] = []
-        for rung in self._config.guesses:
-            outcomes.append(self.attempt(rung, vx, vy))
+        for guess in self._config.guesses:
+            outcomes.append(self.attempt(guess, vx, vy))
             if outcomes[-1].success and self._config.keep == "first":
                 break
         kept = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
@@ -166,32 +166,32 @@ class GaitSolver:
             attempts=tuple(outcome.attempt for outcome in outcomes),
         )
 
-    def attempt(self, rung: str, vx: float, vy: float) -> Outcome:
-        """One rung of the ladder for a commanded velocity [m/s]."""
-        function, result = self._climb(rung, vx, vy)
+    def attempt(self, guess: str, vx: float, vy: float) -> Outcome:
+        """Solve for a commanded velocity [m/s] from one initial guess."""
+        function, result = self._solve_from(guess, vx, vy)
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
         return Outcome(
-            Attempt(rung, status, iterations, cost),
+            Attempt(guess, status, iterations, cost),
             bool(stats["success"]),
             np.array(result["x"]).ravel(),
             np.array(result["g"]).ravel(),
             {k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
         )
 
-    def _climb(self, rung: str, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """One rung: a cold start, or a ``ramp`` of warm starts from walking in place."""
-        if rung == "ramp":
+    def _solve_from(self, guess: str, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
+        """One guess: a cold start, or a ``ramp`` of warm starts from walking in place."""
+        if guess == "ramp":
             return self._ramp(vx, vy)
         duration = duration_bounds(self._step_time, vx, vy)
         degree = self.problem.config.degree
-        start = cold_start(self.problem.layout, vx, degree, duration, STARTS[rung])
+        start = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
         return self._cold, self._call(self._cold, _Point(start), vx, vy)
 
     def _ramp(self, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
         """Walk in place first, then ever faster, each start with primal and dual values."""
-        _, result = self._climb("cold", 0.0, 0.0)
+        _, result = self._solve_from("cold", 0.0, 0.0)
         for share in RAMP:
             values = (np.array(result[name]).ravel() for name in ("x", "lam_x", "lam_g"))
             result = self._call(self._warm, _Point(*values), share * vx, share * vy)

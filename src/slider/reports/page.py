@@ -16,7 +16,8 @@ from slider.config.convert import from_dict
 from slider.config.report import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports.controllers import speed
-from slider.reports.sections.registry import SECTIONS, Sources
+from slider.reports.sections.registry import SECTIONS
+from slider.reports.sections.sources import Sources
 
 PAGE = "index.html"
 _TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"

@@ -148,7 +148,18 @@ def escape(text: str) -> str:
     return "".join(_LATEX.get(character, character) for character in text)
 
 
-_LATEX = {"%": "\\%", "±": "$\\pm$", "∞": "$\\infty$", "²": "$^2$", "–": "--", "_": "\\_"}
+_LATEX = {character: f"\\{character}" for character in "%&#$_{}"} | {
+    "±": "$\\pm$",
+    "∞": "$\\infty$",
+    "²": "$^2$",
+    "–": "--",
+    "\\": "\\textbackslash{}",
+    "~": "\\textasciitilde{}",
+    "^": "\\textasciicircum{}",
+    "<": "$<$",
+    ">": "$>$",
+    "|": "$|$",
+}
 
 
 def _marked(cell: Cell, pattern: str) -> str:

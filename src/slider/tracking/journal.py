@@ -20,15 +20,7 @@ from slider.core.dotted import flatten
 
 SESSION_FILE = "session.json"
 MAIN = "main"  # journal of the pipeline run itself
-BEGIN, PARAMS, TAGS, METRICS, TABLE, FILE, END = (
-    "begin",
-    "params",
-    "tags",
-    "metrics",
-    "table",
-    "file",
-    "end",
-)
+BEGIN, PARAMS, METRICS, TABLE, FILE, END = "begin", "params", "metrics", "table", "file", "end"
 FINISHED, FAILED = "FINISHED", "FAILED"
 
 _log = logging.getLogger(__name__)

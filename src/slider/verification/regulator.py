@@ -45,9 +45,9 @@ class Touchdown:
     swing: np.ndarray
 
 
-def touchdown(found: Measurement, wanted: Reference) -> Touchdown:
+def touchdown(found: Measurement, desired: Reference) -> Touchdown:
     """Errors at the start of a step, to be faded out over it."""
-    return Touchdown(found.joints - wanted.joints, found.swing - found.stance - wanted.swing)
+    return Touchdown(found.joints - desired.joints, found.swing - found.stance - desired.swing)
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Regulator:
     def targets(
         self,
         found: Measurement,
-        wanted: Reference,
+        desired: Reference,
         past: Touchdown,
         side: str,
         phase: float,
@@ -69,30 +69,32 @@ class Regulator:
     ) -> np.ndarray:
         """Joint targets (12,) of a stance ``side`` at a phase, with ``left`` seconds to go."""
         fade = 1.0 - _smooth(phase / self.config.fade)
-        targets = wanted.joints + fade * past.joints
-        self._hold_torso(targets, found, wanted, side)
-        place = found.stance + wanted.swing + fade * past.swing
-        place[:2] += _smooth(phase / self.config.settle) * self.displacement(found, wanted, left)
+        targets = desired.joints + fade * past.joints
+        self._hold_torso(targets, found, desired, side)
+        place = found.stance + desired.swing + fade * past.swing
+        place[:2] += _smooth(phase / self.config.placement_end) * self.displacement(
+            found, desired, left
+        )
         other = names.SIDES[1 - names.SIDES.index(side)]
         start = names.SIDES.index(other) * _PRISMATIC
         targets[start : start + _PRISMATIC - 1] = level_leg(
-            self.geometry, other, found.base, place, wanted.direction
+            self.geometry, other, found.base, place, desired.direction
         )
         return targets
 
     def _hold_torso(
-        self, targets: np.ndarray, found: Measurement, wanted: Reference, side: str
+        self, targets: np.ndarray, found: Measurement, desired: Reference, side: str
     ) -> None:
         """Let the stance hip hold the torso where it should be in the world, not on the leg."""
-        error = tilt_of(found.base[1]) - wanted.tilt
+        error = tilt_of(found.base[1]) - desired.tilt
         hips = names.SIDES.index(side) * _PRISMATIC + _HIP
         targets[hips] = found.joints[hips] + error
 
-    def displacement(self, found: Measurement, wanted: Reference, left: float) -> np.ndarray:
+    def displacement(self, found: Measurement, desired: Reference, left: float) -> np.ndarray:
         """By how much (2,) [m] the swing foot lands away from the gait's own place."""
-        frequency = np.sqrt(names.GRAVITY / wanted.com[2])
-        place = found.com - found.stance - wanted.com
-        error = place + (found.com_velocity - wanted.com_velocity) / frequency
+        frequency = np.sqrt(names.GRAVITY / desired.com[2])
+        place = found.com - found.stance - desired.com
+        error = place + (found.com_velocity - desired.com_velocity) / frequency
         forward = np.interp(self.speed, self.config.speeds, self.config.forward)
         share = np.array([forward, self.config.lateral])
         grown = share * error[:2] * np.exp(frequency * max(left, 0.0))

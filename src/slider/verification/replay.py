@@ -47,18 +47,18 @@ class Simulation:
             np.array([getattr(gain, name) for gain in gains]) for name in ("kp", "kd")
         )
 
-    def start(self, gait: StoredGait, wanted: Reference) -> None:
+    def start(self, gait: StoredGait, desired: Reference) -> None:
         """Put the robot where a walk starts, just after touchdown."""
         mujoco.mj_resetData(self.model, self.data)
-        self.data.qpos[:] = np.concatenate([gait.base[0, :7], wanted.joints])
-        self.data.qvel[:] = np.concatenate([gait.base[0, 7:], wanted.velocities])
+        self.data.qpos[:] = np.concatenate([gait.base[0, :7], desired.joints])
+        self.data.qvel[:] = np.concatenate([gait.base[0, 7:], desired.velocities])
         mujoco.mj_forward(self.model, self.data)
         mujoco.mj_subtreeVel(self.model, self.data)
 
-    def drive(self, targets: np.ndarray, wanted: Reference) -> None:
+    def drive(self, targets: np.ndarray, desired: Reference) -> None:
         """One control step: PD about the targets (12,), the gait's velocities and efforts."""
         motors = self.motors
-        torques = self.kd * motors.angles(wanted.velocities) + motors.torques(wanted.efforts)
+        torques = self.kd * motors.angles(desired.velocities) + motors.torques(desired.efforts)
         self.data.ctrl[:] = motors.angles(targets) + torques / self.kp
         mujoco.mj_step(self.model, self.data, self.config.substeps)
 
@@ -127,8 +127,8 @@ def alone_step(simulation: Simulation, step: StepReference) -> bool:
     start = float(simulation.data.time)
     time = 0.0
     while time < step.duration:
-        wanted = step.at(time)
-        simulation.drive(wanted.joints, wanted)
+        desired = step.at(time)
+        simulation.drive(desired.joints, desired)
         if simulation.fallen():
             return False
         time = float(simulation.data.time) - start
@@ -143,13 +143,13 @@ def regulated_step(simulation: Simulation, step: StepReference, regulator: Regul
     other = names.SIDES[1 - names.SIDES.index(step.side)]
     time = 0.0
     while time < config.patience * step.duration:
-        wanted = step.at(time)
+        desired = step.at(time)
         late = max(0.0, time - step.duration)
-        wanted.swing[2] -= regulator.config.descent * late
+        desired.swing[2] -= regulator.config.descent * late
         found = simulation.measure(step.side)
         phase = time / step.duration
-        targets = regulator.targets(found, wanted, past, step.side, phase, step.duration - time)
-        simulation.drive(targets, wanted)
+        targets = regulator.targets(found, desired, past, step.side, phase, step.duration - time)
+        simulation.drive(targets, desired)
         time = float(simulation.data.time) - start
         if simulation.fallen():
             return False

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 from slider.config.report import ReportConfig
 from slider.config.video import VideoConfig
 from slider.reports.page import Content, render
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 
 Block = TypeVar("Block")
 VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)

@@ -8,10 +8,9 @@ from slider.config.validation.control import check_controls
 from slider.config.validation.env import check_env
 from slider.config.validation.evaluation import check_protocols
 from slider.config.validation.gait import check_gait, check_regulator
-from slider.config.validation.report import check_report
+from slider.config.validation.reports import check_ablation, check_report, check_sensitivity
 from slider.config.validation.robot import check_robot
 from slider.config.validation.seeds import check_seeds
-from slider.config.validation.studies import check_ablation, check_sensitivity
 from slider.config.validation.train import check_trainings
 
 

@@ -140,10 +140,8 @@ def quality(report: Path, store: Store) -> str:
     mine = groups["policy"]
     lines = [(QUANTITIES[name].heading, "", mine, name) for name in _QUALITY]
     cost = "cost_of_transport"
-    for controller in (name for name in ("policy", "mpc_wbc_tuned") if name in groups):
-        lines.append(
-            (QUANTITIES[cost].heading, groups[controller][0]["label"], groups[controller], cost)
-        )
+    for whose in (groups[name] for name in _SUMMARY[:2] if name in groups):
+        lines.append((QUANTITIES[cost].heading, whose[0]["label"], whose, cost))
     return _across(mine, lines)
 
 

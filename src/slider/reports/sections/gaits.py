@@ -13,7 +13,7 @@ from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour
 from slider.reports.figures.convergence import solver_maps
 from slider.reports.figures.maps import library_maps
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Text
 from slider.robot.names import CHANNELS
 

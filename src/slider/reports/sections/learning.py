@@ -9,7 +9,7 @@ from plotly.subplots import make_subplots
 from slider.core.columns import Columns
 from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Heading, Text
 from slider.training.results import Training
 

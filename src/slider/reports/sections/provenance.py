@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import yaml
 
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Cell, Table, Tables, Text
 
 _TEXT = (

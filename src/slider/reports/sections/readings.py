@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from importlib.resources import files
 from typing import Any
 
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Cell, Table, Text
 
 FILE = "readings.csv"

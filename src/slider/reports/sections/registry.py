@@ -4,56 +4,19 @@ A new one is a function here. It imports what draws it when it is called: laying
 the declarations alone.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from slider.config.report import ReportConfig
-from slider.core.job import Inputs
-
-if TYPE_CHECKING:
-    from slider.evaluation.results import Evaluation
+if TYPE_CHECKING:  # the declarations alone are read more often than a page is drawn
+    from slider.reports.sections.sources import Sources
 
 OPTIONAL = "?"
 
 
-@dataclass(frozen=True)
-class Sources:
-    """What sections are made from.
-
-    Attributes:
-        report: settings of the page.
-        configuration: the resolved configuration, as plain values.
-        labels: what people call the controllers.
-        origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
-        inputs: input → object folders.
-        times: input → for each of its jobs what differs between runs, such as ``wall_s``.
-        page: the same of the page itself; see :mod:`slider.artefacts.circumstances`.
-    """
-
-    report: ReportConfig
-    configuration: Mapping[str, Any]
-    labels: Mapping[str, str]
-    origins: Mapping[str, Sequence[Mapping[str, Any]]]
-    inputs: Inputs
-    times: Mapping[str, Sequence[Mapping[str, Any]]]
-    page: Mapping[str, Any]
-
-    def evaluations(self, name: str) -> "list[Evaluation]":
-        """Those that a target is made from."""
-        from slider.reports.rows import evaluations
-
-        return evaluations(self.inputs[f"{name}.evaluations"], self.labels)
-
-    def file(self, name: str, path: str) -> Path:
-        """File of the one result of an input."""
-        return self.inputs[name][0] / path
-
-
 Blocks = Iterable[Any]
-Draw = Callable[[Sources], Blocks]
+Draw = Callable[["Sources"], Blocks]
 
 
 @dataclass(frozen=True)
@@ -87,7 +50,7 @@ def section(title: str, *needs: str) -> Callable[[Draw], Draw]:
 
 
 @section("Table 1", "table1.evaluations", "table1.library?")
-def table1(sources: Sources) -> Blocks:
+def table1(sources: "Sources") -> Blocks:
     """Ours, the baselines' and the paper's side by side, and how it walks."""
     from slider.reports.table1 import blocks
 
@@ -96,7 +59,7 @@ def table1(sources: Sources) -> Blocks:
 
 
 @section("Velocity tracking", "table1.evaluations")
-def tracking(sources: Sources) -> Blocks:
+def tracking(sources: "Sources") -> Blocks:
     """Forward velocity over time, as in the paper's figure."""
     from slider.reports.sections.tracking import blocks
 
@@ -104,7 +67,7 @@ def tracking(sources: Sources) -> Blocks:
 
 
 @section("Videos", "videos")
-def videos(sources: Sources) -> Blocks:
+def videos(sources: "Sources") -> Blocks:
     """All videos, in the page itself."""
     from slider.reports.sections.videos import blocks
 
@@ -112,7 +75,7 @@ def videos(sources: Sources) -> Blocks:
 
 
 @section("Gait library", "library")
-def gaits(sources: Sources) -> Blocks:
+def gaits(sources: "Sources") -> Blocks:
     """Maps over the commanded velocity, and the limit cycle of each gait."""
     from slider.reports.sections.gaits import blocks
 
@@ -120,7 +83,7 @@ def gaits(sources: Sources) -> Blocks:
 
 
 @section("Verification", "verification", "verification.gaits", "verification_maps")
-def verification(sources: Sources) -> Blocks:
+def verification(sources: "Sources") -> Blocks:
     """What the independent checks of the gaits found."""
     from slider.reports.sections.verification import blocks
 
@@ -128,7 +91,7 @@ def verification(sources: Sources) -> Blocks:
 
 
 @section("Learning curves", "standing?", "untuned?", "walking")
-def learning(sources: Sources) -> Blocks:
+def learning(sources: "Sources") -> Blocks:
     """The periodic checks and the terms of the reward of each training."""
     from slider.reports.sections.learning import blocks
 
@@ -136,7 +99,7 @@ def learning(sources: Sources) -> Blocks:
 
 
 @section("Ablation", "ablation")
-def ablation(sources: Sources) -> Blocks:
+def ablation(sources: "Sources") -> Blocks:
     """What each choice of the method is worth."""
     from slider.reports.ablation import NAME, Ablation, blocks
 
@@ -147,7 +110,7 @@ def ablation(sources: Sources) -> Blocks:
 
 
 @section("Readings of the paper")
-def readings(sources: Sources) -> Blocks:
+def readings(sources: "Sources") -> Blocks:
     """What the paper leaves open, and the value that each choice has in this run."""
     from slider.reports.sections.readings import blocks
 
@@ -164,14 +127,14 @@ def readings(sources: Sources) -> Blocks:
     "table1.evaluations",
     "table1",
 )
-def provenance(sources: Sources) -> Blocks:
+def provenance(sources: "Sources") -> Blocks:
     """Commit, configuration, recipes, versions, seeds, machine, times."""
     from slider.reports.sections.provenance import blocks
 
     return blocks(sources)
 
 
-def _protocol(name: str, about: str, sources: Sources) -> Blocks:
+def _protocol(name: str, about: str, sources: "Sources") -> Blocks:
     """The figure of a protocol's report, and its tables; its settings tell the kind."""
     from slider.config.convert import from_dict
     from slider.config.evaluation import EvaluationConfig

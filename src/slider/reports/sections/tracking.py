@@ -10,7 +10,7 @@ from plotly.subplots import make_subplots
 from slider.evaluation.results import Evaluation
 from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour, line, speed
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Text
 
 _CAPTION = (

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from slider.reports.figures.verification_maps import CAPTION, NAME, unit
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Cell, Picture, Table, Text, Written
 from slider.verification.quantities import QUANTITIES
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from slider.reports.controllers import speed
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Text
 from slider.reports.video import ABOUT, FILM, POSTER
 

@@ -1,6 +1,7 @@
-"""Rules of the studies beside the way to Table 1: ablation and sensitivity."""
+"""Rules of the page, and of the studies beside the way to Table 1."""
 
 from slider.config.parameters import choose, parameters
+from slider.config.report import ReportConfig
 from slider.config.schema import Config
 from slider.config.studies import AblationConfig
 from slider.config.validation.checks import one_of, period, require
@@ -25,3 +26,15 @@ def check_sensitivity(config: Config) -> None:
     period("sensitivity.warm_up", steady, end, config.env.control_period)
     expected = "one of gaits and policy true"
     require(settings.gaits or settings.policy, "sensitivity", expected, "both false")
+
+
+def check_report(report: ReportConfig, control_period: float) -> None:
+    """Frames of the videos; whoever lays out the jobs knows which sections there are."""
+    _frame_rate(report.video.frame_rate, control_period, "report.video.frame_rate")
+
+
+def _frame_rate(rate: int, control_period: float, key: str) -> None:
+    """Every frame shows the end of a control step."""
+    steps = 1.0 / (control_period * rate)
+    expected = f"a divisor of the control rate ({1 / control_period:g} 1/s)"
+    require(steps >= 1 and abs(steps - round(steps)) < 1e-9, key, expected, rate)

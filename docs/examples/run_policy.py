@@ -52,7 +52,7 @@ class Policy:
         self.command = command
         action_layout, layout = self.layout["action"], self.layout["observation"]
         mirrored = self._mirrored()
-        values = self._terms(state, command)
+        values = self.terms(state, command)
         for term in layout["terms"]:
             if term["name"] not in values:
                 raise SystemExit(f"expected a value of {term['name']} here: {term['meaning']}")
@@ -110,7 +110,7 @@ class Policy:
         clock = self.layout["clock"]
         return clock is not None and clock["mirror"] and self.phase >= 0.5
 
-    def _terms(self, state: dict[str, np.ndarray], command: np.ndarray) -> dict[str, np.ndarray]:
+    def terms(self, state: dict[str, np.ndarray], command: np.ndarray) -> dict[str, np.ndarray]:
         """What a policy may ask for, before scaling; the layout says what each term means."""
         error = (self.heading_target - state["yaw"] + np.pi) % (2.0 * np.pi) - np.pi
         angle = 2.0 * np.pi * self.phase

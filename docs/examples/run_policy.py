@@ -44,7 +44,7 @@ class Policy:
         """Desired joint positions, once per control period; command: vx, vy, yaw rate."""
         if self.heading_target is None:
             self.heading_target = float(state["yaw"])
-            self.halted = self._told_to_stand(command)  # a robot starts at rest
+            self.halted = self._standing_commanded(command)  # a robot starts at rest
         else:
             self._advance(state, self.command)  # of the period that is over
         if self.layout["reference"]["acceleration"] == 0:
@@ -52,7 +52,7 @@ class Policy:
         self.command = command
         action_layout, layout = self.layout["action"], self.layout["observation"]
         mirrored = self._mirrored()
-        values = self._terms(state, command)
+        values = self.terms(state, command)
         for term in layout["terms"]:
             if term["name"] not in values:
                 raise SystemExit(f"expected a value of {term['name']} here: {term['meaning']}")
@@ -92,7 +92,7 @@ class Policy:
             halt = clock["halt"]
             slow = self.halted or np.hypot(*self.filtered) < halt["below"]
             slow = slow and np.hypot(*state["heading_velocity"]) < halt["above"]
-            self.halted = self._told_to_stand(command) and slow and phase >= change
+            self.halted = self._standing_commanded(command) and slow and phase >= change
             self.phase = (change if self.halted else phase) % 1.0
         self.heading_target += command[2] * period
         change = self.layout["reference"]["acceleration"] * period
@@ -102,7 +102,7 @@ class Policy:
         self.filtered = self.filtered + gain * (state["heading_velocity"] - self.filtered)
         self.expected = self.expected + gain * (self.velocity - self.expected)
 
-    def _told_to_stand(self, command: np.ndarray) -> bool:
+    def _standing_commanded(self, command: np.ndarray) -> bool:
         clock = self.layout["clock"]
         return clock is not None and clock["halt"]["below"] > 0 and not command.any()
 
@@ -110,7 +110,7 @@ class Policy:
         clock = self.layout["clock"]
         return clock is not None and clock["mirror"] and self.phase >= 0.5
 
-    def _terms(self, state: dict[str, np.ndarray], command: np.ndarray) -> dict[str, np.ndarray]:
+    def terms(self, state: dict[str, np.ndarray], command: np.ndarray) -> dict[str, np.ndarray]:
         """What a policy may ask for, before scaling; the layout says what each term means."""
         error = (self.heading_target - state["yaw"] + np.pi) % (2.0 * np.pi) - np.pi
         angle = 2.0 * np.pi * self.phase

@@ -68,7 +68,9 @@ def test_a_killed_process_holds_nothing(tmp_path: Path, holder):
 def test_other_names_are_free_and_all_of_them_are_not(tmp_path: Path, holder):
     with (
         exclusive(tmp_path, "y"),
-        pytest.raises(UserError, match="no running job"),
+        pytest.raises(
+            UserError, match=f"^expected no running job in {tmp_path.parent}, found one$"
+        ),
         nobody_else(tmp_path),
     ):
         pass

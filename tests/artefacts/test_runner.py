@@ -117,7 +117,7 @@ def test_a_broken_index_entry_or_fact_is_computed_again(package, store, content)
     assert facts(store, spec)["computed"] is True
     store.sidecar_path("first", spec.recipe).write_text(content)
     following = job(package, "second", {}, {"values": [spec]})
-    with pytest.raises(KeyError, match="solve_s"):  # of the stage: it is told nothing
+    with pytest.raises(KeyError, match=r"^'solve_s'$"):  # of the stage: it receives none
         Runner(store).run(following)
 
 
@@ -138,7 +138,11 @@ def test_damaged_input_is_refused(package, store):
     Runner(store).run(first)
     digest = store.read_manifest("first", first.recipe).result.object
     (store.object_folder(digest) / "value.txt").unlink()
-    with pytest.raises(UserError, match="store verify"):
+    message = (
+        f"^expected the first result {digest[:12]} whole, "
+        "found it damaged: run `slider store verify`$"
+    )
+    with pytest.raises(UserError, match=message):
         Runner(store).run(job(package, "second", {}, {"values": [first]}))
 
 
@@ -148,7 +152,11 @@ def test_source_that_changed_after_planning_is_refused(package, store):
     path = root / f"{name}.py"
     path.write_text(path.read_text().replace("// 10", "// 5"))
     code_of.cache_clear()
-    with pytest.raises(UserError, match="start it again"):
+    message = (
+        "^the source or the packages of stage first changed since the pipeline was started: "
+        "start it again$"
+    )
+    with pytest.raises(UserError, match=message):
         Runner(store).run(spec)
     assert not store.manifest_path("first", spec.recipe).exists()
 
@@ -207,7 +215,7 @@ def test_collection_waits_for_running_jobs(package, store, tmp_path):
     process = command(package, store, spec)
     while not (tmp_path / "log").exists():
         assert process.poll() is None
-    with pytest.raises(UserError, match="no running job"):
+    with pytest.raises(UserError, match=f"^expected no running job in {store.root}, found one$"):
         verify(store)
     process.communicate()
     assert verify(store).objects == []

@@ -11,7 +11,7 @@ from slider.config.convert import to_dict
 from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
-MINE = "defaults:\n  - mpc_wbc_tuned\n  - _self_\n\nlabel: mine\nstep:\n  apex: 0.1\n"
+HIGHER = "defaults:\n  - mpc_wbc_tuned\n  - _self_\n\nlabel: higher\nstep:\n  apex: 0.1\n"
 
 
 @pytest.fixture
@@ -19,28 +19,31 @@ def conf(tmp_path) -> Path:
     return Path(shutil.copytree(CONF, tmp_path / "conf"))
 
 
-def add(conf: Path, name: str, text: str = MINE) -> Path:
+def add(conf: Path, name: str, text: str = HIGHER) -> Path:
     (conf / "control" / f"{name}.yaml").write_text(text)
     return conf
 
 
+def controllers() -> list[str]:
+    return sorted(path.stem for path in (CONF / "control").glob("*.yaml") if path.stem != "base")
+
+
 def test_every_file_but_the_base_is_a_controller():
-    files = {path.stem for path in (CONF / "control").glob("*.yaml")} - {"base"}
-    assert files == {*compose([], CONF).control}
+    assert controllers() == sorted(compose([], CONF).control)
 
 
 def test_a_file_is_enough_for_table_1(conf):
-    add(conf, "mine")
-    overrides = ["evaluation.controllers=[policy,mine]", "control.mine.step.width=0.22"]
+    add(conf, "higher")
+    overrides = ["evaluation.controllers=[policy,higher]", "control.higher.step.width=0.22"]
     config = compose(overrides, conf)
     evaluations = table1_jobs(config)["table1"].inputs["evaluations"]
-    mine = [job for job in evaluations if job.section["controller"] == "mine"]
-    assert len(mine) == len(config.evaluation.commands)
-    assert {job.stage for job in mine} == {"baseline"}
+    higher = [job for job in evaluations if job.section["controller"] == "higher"]
+    assert len(higher) == len(config.evaluation.commands)
+    assert {job.stage for job in higher} == {"baseline"}
     expected = to_dict(config.control["mpc_wbc_tuned"])
     expected["step"] |= {"apex": 0.1, "width": 0.22}
     del expected["label"]  # what people call it changes no result
-    assert mine[0].section["control"] == expected
+    assert higher[0].section["control"] == expected
 
 
 def test_an_experiment_may_change_a_controller(conf):
@@ -57,16 +60,16 @@ def test_another_file_changes_no_other_recipe(conf):
         return [job.recipe for job in jobs]
 
     before = recipes()
-    assert before == (add(conf, "mine"), recipes())[1]
+    assert before == (add(conf, "higher"), recipes())[1]
 
 
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("policy", MINE, "control.policy: expected another name than policy, zero, random"),
-        ("mine", MINE.replace("label: mine\n", ""), r"control.\*.label: expected each once"),
-        ("mine", MINE.replace("mine\n", '""\n'), "control.mine.label: expected a label"),
-        ("mine", MINE + "  apx: 0.1\n", "control.mine.step.apx"),
+        ("policy", HIGHER, "control.policy: expected another name than policy, zero, random"),
+        ("higher", HIGHER.replace("label: higher\n", ""), r"control.\*.label: expected each once"),
+        ("higher", HIGHER.replace("higher\n", '""\n'), "control.higher.label: expected a label"),
+        ("higher", HIGHER + "  apx: 0.1\n", "control.higher.step.apx"),
     ],
 )
 def test_a_mistake_in_a_file_is_one_line(conf, name, text, message):
@@ -76,9 +79,7 @@ def test_a_mistake_in_a_file_is_one_line(conf, name, text, message):
 
 
 def test_an_unknown_controller_is_answered_by_the_known_ones():
-    expected = (
-        "evaluation.controllers: expected one of policy, mpc_wbc_literal, mpc_wbc_observer, "
-        "mpc_wbc_tuned, found mine"
-    )
+    known = ", ".join(["policy", *controllers()])
+    expected = f"evaluation.controllers: expected one of {known}, found higher"
     with pytest.raises(UserError, match=expected):
-        compose(["evaluation.controllers=[policy,mine]"], CONF)
+        compose(["evaluation.controllers=[policy,higher]"], CONF)

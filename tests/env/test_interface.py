@@ -178,7 +178,7 @@ def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
 
 
 def test_a_robot_that_lags_does_not_hold_its_reference_back():
-    """Told to stop, a robot that runs on meets the gait of standing, not one of its own speed."""
+    """At a zero command a running robot meets the gait of standing, not one of its own speed."""
     agent = make_agent(1, "env.action.offset=gait", "env.reference.acceleration=2.0")
     running = make_state(1, heading_velocity=[[1.0, 0.0]])
     agent.set_velocity_command(np.array([0]), np.array([[1.0, 0.0, 0.0]]))

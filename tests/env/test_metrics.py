@@ -284,7 +284,7 @@ def test_velocity_variance_is_about_the_mean():
 
 
 def test_heading_is_about_the_commanded_one():
-    """Turning with 0.4 rad/s as told, 0.1 rad/s too slowly, and without being told."""
+    """Turning with 0.4 rad/s as commanded, 0.1 rad/s too slowly, and without a command."""
     rate = np.array([0.4, 0.3, 0.3])
     yaw = (rate[None] * PERIOD * np.arange(1, STEPS + 1)[:, None] + 3.0 + np.pi) % (2 * np.pi)
     command = np.zeros((STEPS, 3, 3))

@@ -55,10 +55,13 @@ def physical_view(mirrored: bool) -> View:
         actions = actions[..., PERMUTATION] * SIGN
         filtered, expected = filtered * [1.0, -1.0], expected * [1.0, -1.0]
         phase = (phase + 0.5) % 1.0
+    forces = rng.uniform(10.0, 200.0, (COUNT, 2))  # the random poses are in the air
+    if mirrored:
+        forces = forces[:, ::-1]
     physics = make_physics(COUNT)
     physics.reset(np.arange(COUNT), *pose)
     return make_view(
-        physics.read(),
+        replace(physics.read(), foot_forces=forces),
         command=command,
         action=actions[0],
         previous_action=actions[1],
@@ -94,7 +97,8 @@ def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
     expected = see(physical_view(True), np.zeros(COUNT, dtype=bool))
     assert reflected.shape == (COUNT, see.layout[name])
     np.testing.assert_allclose(reflected, expected, atol=1e-6)
-    if name not in ("base_height", "height_scan"):
+    turned = (see.permutation != np.arange(see.size)).any() or (see.sign < 0.0).any()
+    if turned and name != "height_scan":  # of flat ground
         assert np.abs(reflected - plain).max() > 1e-2
 
 

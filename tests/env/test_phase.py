@@ -1,4 +1,4 @@
-"""The clock: at the pace of the library, and at rest where it is told to stand."""
+"""The clock: at the pace of the library, and at rest where standing is commanded."""
 
 import numpy as np
 import pytest

@@ -30,13 +30,13 @@ class Stiff:
     def __init__(self) -> None:
         self.seen: list[RobotState] = []
         self.velocity: np.ndarray | None = None
-        self.told: list[tuple[int, np.ndarray]] = []  # control steps before, velocity
+        self.commanded: list[tuple[int, np.ndarray]] = []  # control steps before, velocity
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         self.velocity = velocity
 
     def command(self, velocity: np.ndarray) -> None:
-        self.told.append((len(self.seen), velocity))
+        self.commanded.append((len(self.seen), velocity))
 
     def control(self, state: RobotState) -> np.ndarray:
         self.seen.append(state)
@@ -95,7 +95,7 @@ def test_the_controller_is_called_once_per_period_with_the_latest_state():
     )
     assert len(controller.seen) == 20
     np.testing.assert_array_equal(controller.velocity, command)
-    assert not controller.told, "the command is constant"
+    assert not controller.commanded, "the command is constant"
     np.testing.assert_array_equal(controller.seen[0].joint_positions, starts()[0][:, 7:])
     for k in range(19):
         np.testing.assert_array_equal(
@@ -201,8 +201,8 @@ def test_the_controller_is_told_of_changes_only():
         controller, make_physics(COUNT), environment(), starts(), commands, 20 * 0.02
     )
     assert not controller.velocity.any()
-    assert [step for step, _ in controller.told] == [5, 12]
-    for step, velocity in controller.told:
+    assert [step for step, _ in controller.commanded] == [5, 12]
+    for step, velocity in controller.commanded:
         np.testing.assert_array_equal(velocity, commands[step])
     np.testing.assert_array_equal(recording.command, commands)
 
@@ -225,8 +225,8 @@ def test_the_controller_is_told_the_measured_state_and_the_recording_is_true():
     plain = roll_out(Stiff(), make_physics(COUNT), environment(), starts(), command, 0.4)
     np.testing.assert_array_equal(recording.velocity, plain.velocity)
     np.testing.assert_array_equal(recording.alive, plain.alive)
-    told = np.stack([state.heading_velocity for state in controller.seen[1:]])
-    assert 0.3 < (told - plain.velocity[:-1]).std() < 0.7
+    received = np.stack([state.heading_velocity for state in controller.seen[1:]])
+    assert 0.3 < (received - plain.velocity[:-1]).std() < 0.7
 
 
 def test_power_is_that_of_the_torques_that_were_achieved():

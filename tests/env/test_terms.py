@@ -26,28 +26,34 @@ from tests.env.test_rewards import moving_view
 from tests.env.test_vec_env import NUM_ENVS, actions, build, settings
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "extend.md"
-PARAMS = {
+REWARDS = sorted(path.stem for path in (CONF / "train" / "walking" / "reward").glob("*.yaml"))
+PARAMS = {name: dict.fromkeys(term.parameters, 1.0) for name, term in rewards.TERMS.items()} | {
     name: term.params
-    for reward in ("default", "turning", "paper", "unguided")
+    for reward in REWARDS
     for name, term in config(f"train/walking/reward={reward}").train.walking.reward.terms.items()
-} | {"alive": {}}
+}
 
 
 @pytest.fixture
 def documented(tmp_path):
-    """The two terms of the page that tells how to add one, in a module, and their lines of YAML."""
+    """The two terms of the page about adding one, in a module, and their lines of YAML.
+
+    They take the place of terms that were added under the same names.
+    """
     before = {module: dict(module.TERMS) for module in (rewards, observations)}
     lines = {}
     for module, title in ((rewards, "A reward term"), (observations, "An observation")):
         section = PAGE.read_text().partition(f"## {title}\n")[2].partition("\n## ")[0]
         code = re.search(r"```python\n(.*?)```", section, re.S)[1]
-        line = re.search(r"2\. Its line.*`(\w+: .*)`\.", section)[1]
+        line = yaml.safe_load(re.search(r"2\. Its line.*`(\w+: .*)`\.", section)[1])
+        for name in line:
+            module.TERMS.pop(name, None)
         path = tmp_path / f"more_{title.split()[-1]}.py"
         indented = code.replace("\n    ", "\n").strip()
         path.write_text(f"from {module.__name__} import *\n\n{indented}\n")
         spec = importlib.util.spec_from_file_location(path.stem, path)
         spec.loader.exec_module(importlib.util.module_from_spec(spec))
-        lines[module] = yaml.safe_load(line)
+        lines[module] = line
     yield lines
     for module, terms in before.items():
         module.TERMS.clear()
@@ -58,7 +64,10 @@ def overridden(lines) -> list[str]:
     ((name, term),) = lines[rewards].items()
     ((seen, scale),) = lines[observations].items()
     text = f"{{weight: {term['weight']}, params: {{limit: {term['params']['limit']}}}}}"
-    return [f"+train.walking.reward.terms.{name}={text}", f"+env.observation.terms.{seen}={scale}"]
+    return [
+        f"++train.walking.reward.terms.{name}={text}",
+        f"++env.observation.terms.{seen}={scale}",
+    ]
 
 
 def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(documented):
@@ -68,23 +77,30 @@ def test_a_function_and_a_line_are_seen_in_the_rollout_the_layout_and_the_log(do
     env = build(whole)
     generator = torch.Generator().manual_seed(0)
     logged, loaded = [], 0
+    layout = env.agent.observer.layout
+    names = list(layout)
+    start = sum(layout[name] for name in names[: names.index("foot_forces")])
     for _ in range(40):
         found, _, _, extras = env.step(actions("random", generator))
         logged.append(extras["log"]["/reward/knock"])
         forces = np.clip(0.005 * env.physics.read().foot_forces, 0.0, whole.env.observation.clip)
-        seen = found["policy"][:, -2:].numpy()  # right stance is reflected
+        seen = found["policy"][:, start : start + 2].numpy()  # right stance is reflected
         np.testing.assert_allclose(np.sort(seen), np.sort(forces), rtol=1e-6)
         loaded += (seen > 0).sum()
-    assert env.agent.observer.layout["foot_forces"] == 2
+    assert layout["foot_forces"] == 2
     robots = np.array(logged) / (-0.1 / NUM_ENVS)  # that knock
     np.testing.assert_allclose(robots, np.round(robots), atol=1e-9)
     assert 0 <= robots.min() < robots.max() <= NUM_ENVS
     assert loaded > 0
     policy = make_policy(*overrides)
-    *_, row = describe(policy, {})["observation"]["terms"]
+    (row,) = [
+        term
+        for term in describe(policy, {})["observation"]["terms"]
+        if term["name"] == "foot_forces"
+    ]
     assert row == {
         "name": "foot_forces",
-        "start": policy.network.mean.numel() - 2,
+        "start": start,
         "width": 2,
         "scale": 0.005,
         "units": ["N", "N"],

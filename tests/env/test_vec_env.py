@@ -226,7 +226,7 @@ def test_on_the_gait_robots_head_along_its_course_and_at_rest_where_they_look(sh
     np.testing.assert_allclose(env.agent.command[:, 3], error, atol=1e-9)
 
 
-def test_told_to_stand_robots_at_rest_are_halted_and_those_on_the_gait_step_on():
+def test_robots_at_rest_with_a_zero_command_are_halted_and_those_on_the_gait_step_on():
     halt = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
     stand = "train.walking.commands.standing_fraction=1.0"
     for share, expected in ((0.0, True), (1.0, False)):
@@ -301,8 +301,8 @@ def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others(
     error = (calm.get_observations()["policy"] - rough.get_observations()["policy"]).numpy()
     assert 0.0 < np.abs(error).max() < 1.0
     true = rough.physics.read()
-    told = rough.physics.measure(true)
-    assert np.abs(told.joint_positions - true.joint_positions).max() > 0.0
+    measured = rough.physics.measure(true)
+    assert np.abs(measured.joint_positions - true.joint_positions).max() > 0.0
 
 
 def test_the_low_passed_velocity_is_that_of_what_is_measured():

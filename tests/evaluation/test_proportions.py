@@ -39,5 +39,7 @@ def test_none_and_all_have_one_exact_end(count):
 
 def test_what_is_no_share_is_refused():
     for successes, count in ((0, 0), (3, 2), (-1, 2)):
-        with pytest.raises(ValueError, match="expected 0 to"):
+        with pytest.raises(
+            ValueError, match=f"^expected 0 to {count} of at least 1, found {successes}$"
+        ):
             wilson(successes, count)

@@ -22,9 +22,9 @@ def protocol() -> EvaluationConfig:
 
 
 def recording() -> Recording:
-    """Robot 0 does as told; 1 is 0.1 m/s and 0.1 rad/s off; 2 falls at 1.9 s; 3 stands still."""
-    told = commands(case(), 0.0, 3.0, PERIOD)
-    command = np.repeat(told[:, None], COUNT, axis=1)
+    """Robot 0 tracks exactly; 1 is 0.1 m/s and 0.1 rad/s off; 2 falls at 1.9 s; 3 stands still."""
+    commanded = commands(case(), 0.0, 3.0, PERIOD)
+    command = np.repeat(commanded[:, None], COUNT, axis=1)
     velocity, rate = command[:, :, :2].copy(), command[:, :, 2].copy()
     velocity[:, 1] += 0.1
     rate[:, 1] += 0.1
@@ -67,7 +67,7 @@ def test_measures_by_hand():
     np.testing.assert_allclose(shaped["vy_error"][2], [0.0, 0.1, np.nan, 0.1], atol=1e-12)
     np.testing.assert_allclose(shaped["yaw_rate"][1], [0.3, 0.4, np.nan, 0.0], atol=1e-12)
     np.testing.assert_allclose(shaped["yaw_rate_error"][1], [0, 0.1, np.nan, 0.3], atol=1e-12)
-    # Robot 3 did not turn when told to for a second, and stays that far off.
+    # Robot 3 did not turn when commanded to for a second, and stays that far off.
     np.testing.assert_allclose(shaped["heading_error"][2, [0, 3]], [0.0, 0.3], atol=1e-12)
     np.testing.assert_allclose(shaped["displacement"][0], [0, 0.1 * 2**0.5 * 0.48, 0, 0], atol=1e-9)
     np.testing.assert_allclose(shaped["touchdown_rate"][2, [0, 1]], [1 / 0.5, 0.0])

@@ -1,4 +1,4 @@
-"""Transcriptions, costs, step-time laws, the ladder and the capstan."""
+"""Transcriptions, costs, step-time laws, the guesses and the capstan."""
 
 from dataclasses import replace
 from functools import cache
@@ -95,25 +95,25 @@ def test_the_ramp_arrives_where_the_cold_start_does():
 ENDS = {"cold": (3.0, True), "fast": (1.0, False), "crouched": (2.0, True)}
 
 
-class Told(GaitSolver):
-    """Attempts end as told: cost and success by rung."""
+class Scripted(GaitSolver):
+    """Attempts end as given: cost and success by guess."""
 
-    def attempt(self, rung: str, vx: float, vy: float) -> Outcome:
-        cost, success = ENDS[rung]
+    def attempt(self, guess: str, vx: float, vy: float) -> Outcome:
+        cost, success = ENDS[guess]
         rows = np.zeros(sum(len(block.rows) for block in self.problem.blocks))
         variables = np.full(self.problem.layout.size, cost)
-        return Outcome(Attempt(rung, "", 1, cost), success, variables, rows, {})
+        return Outcome(Attempt(guess, "", 1, cost), success, variables, rows, {})
 
 
 @pytest.mark.parametrize(("keep", "cost", "tried"), [("first", 3.0, 1), ("best", 2.0, 3)])
 def test_the_best_of_several_starts_is_kept(keep, cost, tried):
     settings = replace(config().gait.solver, guesses=list(ENDS), keep=keep)
-    solve = Told(problem(), settings, config().gait.step_time).solve(*COMMAND)
+    solve = Scripted(problem(), settings, config().gait.step_time).solve(*COMMAND)
     assert (solve.cost, solve.success, len(solve.attempts)) == (cost, True, tried)
     assert (solve.variables == cost).all()
 
 
-def test_the_ladder_goes_on_after_a_failure():
+def test_the_next_guess_is_tried_after_a_failure():
     gait = config().gait
     settings = replace(gait.solver, guesses=["cold", "crouched"], max_iterations=2)
     solve = GaitSolver(problem(), settings, gait.step_time).solve(*COMMAND)

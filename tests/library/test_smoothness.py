@@ -44,5 +44,5 @@ def test_a_constant_channel_has_no_jump_and_a_single_gait_no_neighbour():
     alone = smoothness(VELOCITIES[:1], np.ones((1, 3, 2)))
     assert alone.largest == 0.0
     assert alone.per_gait(1).tolist() == [0.0]
-    with pytest.raises(ValueError, match="neighbouring"):
+    with pytest.raises(ValueError, match="expected at least two neighbouring gaits, found none"):
         _ = alone.worst

@@ -132,7 +132,8 @@ def test_a_converged_gait_that_violates_too_much_is_a_hole(gaits, tmp_path: Path
     loose = write_gait(
         tmp_path / "loose", 1.0, -0.1, max_violation=2e-6, residuals={"friction": 2e-6}
     )
-    with pytest.raises(UserError, match="friction"):
+    message = r"\(1, -0.1\) m/s \S+, friction 2.0e-06"
+    with pytest.raises(UserError, match=message):
         run(section(), {"gaits": [*gaits[:2], loose]}, tmp_path / "out", Job(tmp_path))
 
 

@@ -32,7 +32,7 @@ def test_a_policy_walks_where_it_was_trained(tmp_path, override):
 
 def test_overrides_of_the_environment_are_obeyed(tmp_path):
     write_policy(tmp_path / "policy.pt")
-    with pytest.raises(UserError, match="policy: expected"):
+    with pytest.raises(UserError, match=r"^policy: expected env\.\w.*, as in its training, found "):
         scene("--policy", str(tmp_path / "policy.pt"), "--set", "env=paper")
 
 

@@ -1,4 +1,4 @@
-"""``slider library`` and ``slider gait``: what people read, and what they are told."""
+"""``slider library`` and ``slider gait``: what people read, also of their mistakes."""
 
 import os
 import re

@@ -55,7 +55,7 @@ def test_table_starts_where_the_gait_does(step):
 
 
 def motor_torques(robot: Simulation, targets: np.ndarray, reference) -> np.ndarray:
-    """Torques (10,) that the motors make at the state in which they are told."""
+    """Torques (10,) that the motors make at the state in which they are commanded."""
     q, v = robot.data.qpos.copy(), robot.data.qvel.copy()
     robot.drive(targets, reference)
     robot.data.qpos[:], robot.data.qvel[:] = q, v

@@ -95,7 +95,8 @@ def test_holes_of_the_library_are_left_out(tmp_path):
 
 def test_without_pinocchio_one_line_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(UserError, match="verify"):
+    message = r"^expected pinocchio, found none: pip install 'slider-ehzd\[verify\]'$"
+    with pytest.raises(UserError, match=message):
         stage.run_gaits({}, {}, tmp_path, Job(tmp_path))
 
 

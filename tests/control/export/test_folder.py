@@ -41,7 +41,7 @@ def folder(tmp_path_factory):
 def test_both_networks_act_like_the_policy(folder):
     policy = load_policy(folder / "policy.pt")
     observations = record_observations(policy, 0.4)
-    assert observations.shape == (20 * 24, 70)
+    assert observations.shape == (20 * 24, sum(policy.observations.values()))
     assert observations.std(axis=0).max() > 0.1
     found = compare(policy, folder / ONNX, folder / TORCH_EXPORT, observations)
     assert 0 <= found.onnx <= 1e-5
@@ -157,11 +157,12 @@ def test_the_command_exports_and_shows(folder, tmp_path, capsys):
     assert {path.name for path in (tmp_path / "a").iterdir()} == set(FILES)
     assert main(["policy", "show", str(folder / "policy.pt")]) == 0
     shown = capsys.readouterr().out
-    assert "70 × 24 × 16 × 12, elu" in shown
+    size = sum(load_policy(folder / "policy.pt").observations.values())
+    assert f"{size} × 24 × 16 × 12, elu" in shown
     assert "actions about   the gait of the reference velocity, which changes by 2.5 m/s²" in shown
     assert "left_slide" in shown
     assert main(["policy", "show", "--json", str(folder / "policy.pt")]) == 0
-    assert json.loads(capsys.readouterr().out)["observation"]["size"] == 70
+    assert json.loads(capsys.readouterr().out)["observation"]["size"] == size
 
 
 def test_what_is_no_policy_is_one_line(tmp_path, capsys):

@@ -163,7 +163,7 @@ def test_stands_still_goes_sideways_and_turning_and_stops(setting):
     assert recording.survived.all()
     steps = np.cumsum([50, 250, 150, 125])
     contact = recording.foot_forces > CONTACT_FORCE
-    assert contact[25:50].all(), "it stands before it is told to go"
+    assert contact[25:50].all(), "it stands before a command to go"
     leftward = recording.velocity[steps[1] - 90 : steps[1], :, 1].mean()
     np.testing.assert_allclose(leftward, 0.1, atol=0.04)
     yaw = np.unwrap(recording.yaw, axis=0)

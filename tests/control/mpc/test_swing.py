@@ -1,4 +1,4 @@
-"""The swing foot's reference goes over the apex and lands where and when it is told to."""
+"""The swing foot's reference goes over the apex and lands where and when it should."""
 
 import numpy as np
 import pytest

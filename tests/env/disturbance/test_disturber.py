@@ -132,7 +132,7 @@ def test_a_block_of_robots_depends_on_its_own_seed_only():
         numbers = getattr(pair, draw)(1, 7, 4)
         np.testing.assert_array_equal(numbers[3:], getattr(single, draw)(1, 7, 4))
         assert (numbers[:3] != numbers[3:]).all()
-    with pytest.raises(ValueError, match="5 robots in 2 blocks"):
+    with pytest.raises(ValueError, match=r"^expected 5 robots in 2 blocks of the same size$"):
         Draws((1, 2), 5)
 
 

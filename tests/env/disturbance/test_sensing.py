@@ -1,4 +1,4 @@
-"""A controller is told a noisy, consistent state; nobody else is."""
+"""A controller receives a noisy, consistent state; nobody else does."""
 
 from dataclasses import fields
 

@@ -35,7 +35,7 @@ def protocol() -> EvaluationConfig:
 
 
 def recording(case: CaseConfig, alive: np.ndarray) -> Recording:
-    """Robot 0 does as told; 1 goes on with 0.05 and 2 with 0.2 m/s after 4 s; 3 is 0.02 m/s off."""
+    """Robot 0 tracks exactly; 1 goes on with 0.05 and 2 with 0.2 m/s after 4 s; 3: 0.02 m/s off."""
     command = np.repeat(commands(case, 0.0, SECONDS, PERIOD)[:, None], COUNT, axis=1)
     velocity = command[:, :, :2].copy()
     late = round(4.0 / PERIOD)

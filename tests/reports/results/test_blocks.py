@@ -48,13 +48,19 @@ def test_an_edit_by_hand_shows():
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "message"),
     [
-        "<!-- results: a -->\n",
-        "<!-- /results -->\n",
-        "<!-- results: a -->\n<!-- results: b -->\n<!-- /results -->\n",
+        ("<!-- results: a -->\n", "line 1: expected the end of block a, found none"),
+        (
+            "<!-- /results -->\n",
+            "line 1: expected the other mark of a block, found <!-- /results -->",
+        ),
+        (
+            "<!-- results: a -->\n<!-- results: b -->\n<!-- /results -->\n",
+            "line 2: expected the other mark of a block, found <!-- results: b -->",
+        ),
     ],
 )
-def test_a_mark_without_its_partner_is_refused(text):
-    with pytest.raises(UserError, match="line"):
+def test_a_mark_without_its_partner_is_refused(text, message):
+    with pytest.raises(UserError, match=f"^{message}$"):
         find(text)

@@ -7,6 +7,7 @@ import pytest
 from pipeline import rendering, targets
 from pipeline.targets import all_targets
 from slider.artefacts.plan import build_plan
+from slider.cli import main
 from slider.config.compose import compose
 from slider.core.errors import UserError
 from slider.reports.sections.registry import SECTIONS
@@ -65,10 +66,12 @@ def test_a_page_has_the_inputs_of_its_sections_only():
         ),
     ],
 )
-def test_a_section_that_is_not_there_is_one_line(overrides, message):
+def test_a_section_that_is_not_there_is_one_line(overrides, message, capsys):
     with pytest.raises(UserError, match=rf"report.sections: expected one of .*{message}") as error:
         stages(*overrides)
     assert "\n" not in str(error.value)
+    assert main(["config", "experiment=test", *overrides, "--conf", str(CONF)]) == 1
+    assert capsys.readouterr().err == f"slider: {error.value}\n"
 
 
 def test_a_section_pulls_in_what_it_declares():

@@ -1,5 +1,6 @@
 """Every file of ``conf/`` composes, every mistake is one line, every robot value has a source."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from pipeline.stages.gaits import velocities
 from slider.cli import main
 from slider.config.compose import compose
 from slider.config.convert import to_dict
+from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
 TAGS = ("paper", "earlier", "assumed")
@@ -242,6 +244,24 @@ def test_a_list_of_velocities_takes_the_place_of_an_axis():
     last = compose(["experiment=test", *overrides, "gait.grid.vy=[0.0]"], CONF).gait.grid
     assert (last.vx, last.vy) == ([0.4, 0.33], [0.0])
     assert velocities(last) == [(0.33, 0.0), (0.4, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "line"),
+    [
+        ("control/bad.yaml", "a: [\n", 2),
+        ("config.yaml", "a: 1\n\tb: 2\n", 2),
+        ("experiment/bad.yaml", "a: 1\nb: 'open\n", 3),
+    ],
+)
+def test_malformed_yaml_is_one_line(path, text, line, tmp_path):
+    conf = Path(shutil.copytree(CONF, tmp_path / "conf"))
+    (conf / path).write_text(text)
+    overrides = ["experiment=bad"] if path.startswith("experiment") else []
+    with pytest.raises(UserError) as caught:
+        compose(overrides, conf)
+    assert str(caught.value).startswith(f"{conf / path}, line {line}: expected YAML, found ")
+    assert "\n" not in str(caught.value)
 
 
 def test_config_prints_the_resolved_configuration(capsys):

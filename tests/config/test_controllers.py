@@ -75,6 +75,21 @@ def test_a_mistake_in_a_file_is_one_line(conf, name, text, message):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("name", ["all", "Mine", "1st", "a-b", "_mine"])
+def test_a_file_has_a_name_that_keys_may_have(conf, name):
+    with pytest.raises(UserError, match=rf"control/{name}\.yaml: expected small .*, found {name}$"):
+        compose([], add(conf, name))
+
+
+@pytest.mark.parametrize("chosen", ["mpc_wbc_tuned", "nope", "null", "[mpc_wbc_tuned]", ""])
+def test_the_group_is_all_controllers(chosen):
+    expected = "control: expected all; evaluation.controllers chooses controllers, found "
+    with pytest.raises(UserError) as caught:
+        compose([f"control={chosen}"], CONF)
+    assert str(caught.value).startswith(expected + chosen)
+    assert compose(["control=all"], CONF).control == compose([], CONF).control
+
+
 def test_an_unknown_controller_is_answered_by_the_known_ones():
     expected = (
         "evaluation.controllers: expected one of policy, mpc_wbc_literal, mpc_wbc_observer, "

@@ -13,12 +13,15 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import HydraException
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
+from yaml import MarkedYAMLError, YAMLError
 
 from slider.config.convert import from_dict
 from slider.config.schema import Config
 from slider.config.validation import validate
 from slider.core.errors import UserError
 
+_CONTROL = re.compile(r"\W*control(@\w*)?(=|$)(?!all$)")
+_CONTROLLER = re.compile(r"[a-z][a-z0-9_]*")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
 
 
@@ -36,6 +39,7 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
 def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
+    _check_control(overrides)
     _store_controllers(conf)
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
@@ -46,13 +50,28 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(_explain(error, overrides, conf)) from None
         except OmegaConfBaseException as error:
             raise UserError(_first_line(error)) from None
+        except (YAMLError, UnicodeDecodeError) as error:
+            raise UserError(_malformed(error)) from None
         except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
+
+
+def _check_control(overrides: Sequence[str]) -> None:
+    """All controllers are there; protocols say which of them walk."""
+    for text in overrides:
+        if _CONTROL.match(text):
+            found = text.partition("=")[2] or text
+            chooses = "all; evaluation.controllers chooses controllers"
+            raise UserError(f"control: expected {chooses}, found {found}")
 
 
 def _store_controllers(conf: Path) -> None:
     """Write the option ``control=all``: each file of ``conf/control`` under its own name."""
     names = sorted(path.stem for path in (conf / "control").glob("*.yaml"))
+    for name in names:
+        if not _CONTROLLER.fullmatch(name) or name == "all":
+            expected = "small letters, digits and _ after a letter, and not all"
+            raise UserError(f"{conf / 'control'}/{name}.yaml: expected {expected}, found {name}")
     defaults = [f"{name}@{name}" for name in names if name != "base"]
     ConfigStore.instance().store("all", {"defaults": defaults}, group="control")
 
@@ -68,6 +87,15 @@ def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:
 
 def _first_line(error: BaseException) -> str:
     return str(error).strip().splitlines()[0].strip()
+
+
+def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
+    """File, line and what is wrong there, as far as the parser says."""
+    mark = error.problem_mark if isinstance(error, MarkedYAMLError) else None
+    if mark is None:
+        return f"configuration: expected YAML, found {' '.join(str(error).split())}"
+    problem = " ".join(str(error.problem).split())  # type: ignore[union-attr]
+    return f"{mark.name}, line {mark.line + 1}: expected YAML, found an error: {problem}"
 
 
 def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:

@@ -7,10 +7,16 @@ import pytest
 
 from pipeline.stages import table1_jobs
 from slider.config.compose import compose
+from slider.config.control import PAPER_LABELS
 from slider.config.convert import to_dict
 from slider.core.errors import UserError
+from slider.reports.table1 import paper_rows
 
 CONF = Path(__file__).parents[2] / "conf"
+STEP = """
+step: {time: 0.3, time_min: 0.2, time_max: 0.5, time_change: 0.0, width: 0.2, apex: 0.07,
+  switching: time, early: 0.6, late: 0.08}
+"""
 MINE = "defaults:\n  - mpc_wbc_tuned\n  - _self_\n\nlabel: mine\nstep:\n  apex: 0.1\n"
 
 
@@ -22,6 +28,14 @@ def conf(tmp_path) -> Path:
 def add(conf: Path, name: str, text: str = MINE) -> Path:
     (conf / "control" / f"{name}.yaml").write_text(text)
     return conf
+
+
+def labelled(label: str, message: str) -> tuple[str, str, str]:
+    return "mine", MINE.replace("label: mine", f"label: {label}"), message
+
+
+def test_the_labels_of_the_paper_are_those_of_its_rows():
+    assert {row["controller"]: row["label"] for row in paper_rows()} == PAPER_LABELS
 
 
 def test_every_file_but_the_base_is_a_controller():
@@ -63,9 +77,18 @@ def test_another_file_changes_no_other_recipe(conf):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("policy", MINE, "control.policy: expected another name than policy, zero, random"),
-        ("mine", MINE.replace("label: mine\n", ""), r"control.\*.label: expected each once"),
-        ("mine", MINE.replace("mine\n", '""\n'), "control.mine.label: expected a label"),
+        ("policy", MINE, "control.policy: expected another name than policy, zero, random, "),
+        ("mpc_wbc", MINE, "control.mpc_wbc: expected another name than .*, found mpc_wbc"),
+        ("guided_drl", MINE, "control.guided_drl: expected another name than .*, found guided_drl"),
+        labelled("MPC + WBC, tuned", "another label than that of mine .*, found MPC"),
+        labelled("policy (ours)", "another label than that of policy .*, found policy"),
+        labelled("guided RL (paper)", "another label than that of guided_drl .*, found guided RL"),
+        labelled("MPC + WBC (paper)", "another label than that of mpc_wbc .*, found MPC"),
+        labelled('"two\\nlines"', r"mine.label: expected one line of text, found 'two\\nlines'"),
+        labelled('" tuned"', "mine.label: expected one line of text"),
+        labelled('""', "mine.label: expected a label, found none"),
+        labelled('" "', "mine.label: expected a label, found none"),
+        ("bare", (CONF / "control/base.yaml").read_text() + STEP, "bare.label: expected a label,"),
         ("mine", MINE + "  apx: 0.1\n", "control.mine.step.apx"),
     ],
 )

@@ -20,7 +20,7 @@ from slider.config.schema import Config
 from slider.config.validation import validate
 from slider.core.errors import UserError
 
-_CONTROL = re.compile(r"\W*control(@\w*)?(=|$)(?!all$)")
+_CONTROL = re.compile(r"\W*control(=|$)(?!all$)")
 _CONTROLLER = re.compile(r"[a-z][a-z0-9_]*")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
 
@@ -91,11 +91,10 @@ def _first_line(error: BaseException) -> str:
 
 def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
     """File, line and what is wrong there, as far as the parser says."""
-    mark = error.problem_mark if isinstance(error, MarkedYAMLError) else None
-    if mark is None:
+    if not isinstance(error, MarkedYAMLError) or error.problem_mark is None:
         return f"configuration: expected YAML, found {' '.join(str(error).split())}"
-    problem = " ".join(str(error.problem).split())  # type: ignore[union-attr]
-    return f"{mark.name}, line {mark.line + 1}: expected YAML, found an error: {problem}"
+    where = f"{error.problem_mark.name}, line {error.problem_mark.line + 1}"
+    return f"{where}: expected YAML, found an error: {error.problem}"
 
 
 def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:

@@ -37,6 +37,9 @@ def test_every_option_composes(option):
     ("override", "message"),
     [
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
+        ("speeds.table1=3", "slider: speeds.table1: expected a list of one or more numbers in"),
+        ("speeds.top=-3", "slider: speeds.top: expected a number in (0, 100] m/s, found -3"),
+        ("gait.solver.guesses=[cold,cold]", "gait.solver.guesses: expected each once, found"),
         ("report.sections=[sweep,sweep]", "report.sections: expected each once, found"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),

@@ -9,18 +9,21 @@ from pathlib import Path
 from pipeline.ablation import ablation_job
 from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs
-from pipeline.stages.page import VIDEOS, needs, report
+from pipeline.stages.entries import ENTRIES
+from pipeline.stages.page import needs, report
 from slider.artefacts.plan import JobSpec
 from slider.config.compose import compose
 from slider.config.schema import Config
-from slider.config.validation.checks import one_of
+from slider.config.validation.checks import require
 from slider.control.export import FILES as POLICY_FILES
 from slider.reports.figures import FILES as FIGURES
-from slider.reports.sections.registry import OPTIONAL, SECTIONS
+from slider.reports.sections.registry import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
 
 ABLATION_TARGET = "ablation"
 SEEDS_TARGET = "seeds"  # the ablation of the default alone, from several seeds
 SENSITIVITY_TARGET = "sensitivity"
+RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
+"""Rules that are neither a target nor a stage."""
 Targets = Mapping[str, JobSpec]
 
 
@@ -33,26 +36,27 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
         conf: folder of the configuration.
 
     Raises:
-        UserError: there is no such section, or it shows the ablation and a variant of it does not
-            compose.
+        UserError: there is no such section, a protocol has a name that is taken, or the page shows
+            the ablation and a variant of it does not compose.
     """
+    check_sections(config)
+    _check_protocols(config)
     targets = all_jobs(config)
-    _check_sections(config, targets)
     for name in ON_DEMAND.keys() & {need.partition(".")[0] for need in needs(config)}:
         targets[name] = ON_DEMAND[name](config, targets, overrides, conf)
     return targets | {"report": report(config, targets)}
 
 
-def _check_sections(config: Config, targets: Targets) -> None:
-    """Each section exists, and so do its inputs: a configuration may lack a protocol."""
-    offered = {*targets, *ON_DEMAND, VIDEOS}
-    known = [
-        name
-        for name, section in SECTIONS.items()
-        if all(n.endswith(OPTIONAL) or n.partition(".")[0] in offered for n in section.needs)
-    ]
-    for name in config.report.sections:
-        one_of("report.sections", name, known)
+def _check_protocols(config: Config) -> None:
+    """A protocol is a target of its own, and so are its files."""
+    shown = (s.needs for name, s in SECTIONS.items() if name not in PROTOCOLS)
+    needed = {need.removesuffix(OPTIONAL).partition(".")[0] for needs in shown for need in needs}
+    names = {*_files(), *ENTRIES, *RULES, *needed}
+    files = {file for files in _files().values() for file in files}
+    for name in config.protocols:
+        free = name not in names and files.isdisjoint(_compared(name))
+        expected = "a name that no target, stage, rule or report has"
+        require(free, f"protocols.{name}", expected, name)
 
 
 def _ablation(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
@@ -78,6 +82,11 @@ ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] 
 
 def report_files(config: Config) -> dict[str, tuple[str, ...]]:
     """What people read of each target below the working directory: copies out of the store."""
+    return _files() | {name: _compared(name) for name in config.protocols}
+
+
+def _files() -> dict[str, tuple[str, ...]]:
+    """Those of every target but the protocols."""
     return {
         "table1": _reports("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
         "report": _reports("index.html"),
@@ -86,14 +95,16 @@ def report_files(config: Config) -> dict[str, tuple[str, ...]]:
         "verification": _reports(*(f"verification.{suffix}" for suffix in ("csv", "json", "md"))),
         "verification_maps": _reports(*_drawn("verification_maps"), "figures/verification_maps.md"),
         **{
-            name: _reports(f"{name}.csv", f"{name}_curves.csv", f"{name}.md", *_drawn(name))
+            name: (*_compared(name), *_reports(f"{name}_curves.csv"))
             for name in (ABLATION_TARGET, SEEDS_TARGET)
         },
-        **{
-            name: _reports(f"{name}.csv", f"{name}.md", *_drawn(name))
-            for name in (SENSITIVITY_TARGET, *config.protocols)
-        },
+        SENSITIVITY_TARGET: _compared(SENSITIVITY_TARGET),
     }
+
+
+def _compared(name: str) -> tuple[str, ...]:
+    """Table and figure of a target that is called as they are."""
+    return _reports(f"{name}.csv", f"{name}.md", *_drawn(name))
 
 
 def _reports(*names: str) -> tuple[str, ...]:

@@ -1,5 +1,6 @@
 """Every file of ``conf/`` composes, every mistake is one line, every robot value has a source."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from pipeline.stages.gaits import velocities
 from slider.cli import main
 from slider.config.compose import compose
 from slider.config.convert import to_dict
+from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
 TAGS = ("paper", "earlier", "assumed")
@@ -35,6 +37,9 @@ def test_every_option_composes(option):
     ("override", "message"),
     [
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
+        ("speeds.table1=3", "slider: speeds.table1: expected a list of one or more numbers in"),
+        ("speeds.top=-3", "slider: speeds.top: expected a number in (0, 100] m/s, found -3"),
+        ("gait.solver.guesses=[cold,cold]", "gait.solver.guesses: expected each once, found"),
         ("report.sections=[sweep,sweep]", "report.sections: expected each once, found"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
@@ -242,6 +247,24 @@ def test_a_list_of_velocities_takes_the_place_of_an_axis():
     last = compose(["experiment=test", *overrides, "gait.grid.vy=[0.0]"], CONF).gait.grid
     assert (last.vx, last.vy) == ([0.4, 0.33], [0.0])
     assert velocities(last) == [(0.33, 0.0), (0.4, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "line"),
+    [
+        ("control/bad.yaml", "a: [\n", 2),
+        ("config.yaml", "a: 1\n\tb: 2\n", 2),
+        ("experiment/bad.yaml", "a: 1\nb: 'open\n", 3),
+    ],
+)
+def test_malformed_yaml_is_one_line(path, text, line, tmp_path):
+    conf = Path(shutil.copytree(CONF, tmp_path / "conf"))
+    (conf / path).write_text(text)
+    overrides = ["experiment=bad"] if path.startswith("experiment") else []
+    with pytest.raises(UserError) as caught:
+        compose(overrides, conf)
+    assert str(caught.value).startswith(f"{conf / path}, line {line}: expected YAML, found ")
+    assert "\n" not in str(caught.value)
 
 
 def test_config_prints_the_resolved_configuration(capsys):

@@ -7,10 +7,16 @@ import pytest
 
 from pipeline.stages import table1_jobs
 from slider.config.compose import compose
+from slider.config.control import PAPER_LABELS
 from slider.config.convert import to_dict
 from slider.core.errors import UserError
+from slider.reports.table1 import paper_rows
 
 CONF = Path(__file__).parents[2] / "conf"
+STEP = """
+step: {time: 0.3, time_min: 0.2, time_max: 0.5, time_change: 0.0, width: 0.2, apex: 0.07,
+  switching: time, early: 0.6, late: 0.08}
+"""
 HIGHER = "defaults:\n  - mpc_wbc_tuned\n  - _self_\n\nlabel: higher\nstep:\n  apex: 0.1\n"
 
 
@@ -26,6 +32,14 @@ def add(conf: Path, name: str, text: str = HIGHER) -> Path:
 
 def controllers() -> list[str]:
     return sorted(path.stem for path in (CONF / "control").glob("*.yaml") if path.stem != "base")
+
+
+def labelled(label: str, message: str) -> tuple[str, str, str]:
+    return "higher", HIGHER.replace("label: higher", f"label: {label}"), message
+
+
+def test_the_labels_of_the_paper_are_those_of_its_rows():
+    assert {row["controller"]: row["label"] for row in paper_rows()} == PAPER_LABELS
 
 
 def test_every_file_but_the_base_is_a_controller():
@@ -66,9 +80,22 @@ def test_another_file_changes_no_other_recipe(conf):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("policy", HIGHER, "control.policy: expected another name than policy, zero, random"),
-        ("higher", HIGHER.replace("label: higher\n", ""), r"control.\*.label: expected each once"),
-        ("higher", HIGHER.replace("higher\n", '""\n'), "control.higher.label: expected a label"),
+        ("policy", HIGHER, "control.policy: expected another name than policy, zero, random, "),
+        ("mpc_wbc", HIGHER, "control.mpc_wbc: expected another name than .*, found mpc_wbc"),
+        (
+            "guided_drl",
+            HIGHER,
+            "control.guided_drl: expected another name .*, found guided_drl",
+        ),
+        labelled("MPC + WBC, tuned", "another label than that of higher .*, found MPC"),
+        labelled("policy (ours)", "another label than that of policy .*, found policy"),
+        labelled("guided RL (paper)", "another label than that of guided_drl .*, found guided RL"),
+        labelled("MPC + WBC (paper)", "another label than that of mpc_wbc .*, found MPC"),
+        labelled('"two\\nlines"', r"higher.label: expected one line of text, found 'two\\nlines'"),
+        labelled('" tuned"', "higher.label: expected one line of text"),
+        labelled('""', "higher.label: expected a label, found none"),
+        labelled('" "', "higher.label: expected a label, found none"),
+        ("bare", (CONF / "control/base.yaml").read_text() + STEP, "bare.label: expected a label,"),
         ("higher", HIGHER + "  apx: 0.1\n", "control.higher.step.apx"),
     ],
 )
@@ -76,6 +103,21 @@ def test_a_mistake_in_a_file_is_one_line(conf, name, text, message):
     with pytest.raises(UserError, match=message) as caught:
         compose([], add(conf, name, text))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["all", "Mine", "1st", "a-b", "_mine"])
+def test_a_file_has_a_name_that_keys_may_have(conf, name):
+    with pytest.raises(UserError, match=rf"control/{name}\.yaml: expected small .*, found {name}$"):
+        compose([], add(conf, name))
+
+
+@pytest.mark.parametrize("chosen", ["mpc_wbc_tuned", "nope", "null", "[mpc_wbc_tuned]", ""])
+def test_the_group_is_all_controllers(chosen):
+    expected = "control: expected all; evaluation.controllers chooses controllers, found "
+    with pytest.raises(UserError) as caught:
+        compose([f"control={chosen}"], CONF)
+    assert str(caught.value).startswith(expected + chosen)
+    assert compose(["control=all"], CONF).control == compose([], CONF).control
 
 
 def test_an_unknown_controller_is_answered_by_the_known_ones():

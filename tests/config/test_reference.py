@@ -80,3 +80,10 @@ def test_the_command_prints_keys_with_their_bounds(capsys):
     ]
     assert main([*command, "--keys", "nothing"]) == 1
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_a_term_without_parameters_has_no_key_for_them(found):
+    assert [entry.path for entry in found if entry.default == "{}"] == []
+    paths = {entry.path for entry in found}
+    assert "train.walking.reward.terms.effort.weight" in paths
+    assert "train.walking.reward.terms.heading.params.width" in paths

@@ -173,7 +173,17 @@ MISTAKES = [
     ),
     ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms: expected"),
     ("+train.standing.reward.terms.glory={weight: 0}", "train.standing.reward.terms: expected"),
-    ("+train.walking.reward.terms.upright.params.x=1", "terms.upright.params: expected ['w"),
+    (
+        "+train.walking.reward.terms.upright.params.x=1",
+        "params: expected width, found width, x",
+    ),
+    ("+train.walking.reward.terms.effort.params.x=1", "effort.params: expected none, found x"),
+    ("~train.walking.reward.terms.heading.params.width", "params: expected width, found none"),
+    (
+        "train.walking.reward.terms.heading.params.width=abc",
+        'heading.params.width: expected a number, found "abc"',
+    ),
+    ("env.termination.terms.tilt=abc", 'terms.tilt: expected a number, found "abc"'),
     ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
     ("+env.termination.terms.boredom=1.0", "env.termination.terms: expected some of"),
     (

@@ -7,6 +7,7 @@ import pytest
 from pipeline import rendering, targets
 from pipeline.targets import all_targets
 from slider.artefacts.plan import build_plan
+from slider.cli import main
 from slider.config.compose import compose
 from slider.core.errors import UserError
 from slider.reports.sections.registry import SECTIONS
@@ -59,11 +60,13 @@ def test_a_page_has_the_inputs_of_its_sections_only():
         (["~protocols.sweep", "report.sections=[sweep]"], "sweep", "sweep"),
     ],
 )
-def test_a_section_that_is_not_there_is_one_line(overrides, absent, found):
+def test_a_section_that_is_not_there_is_one_line(overrides, absent, found, capsys):
     known = ", ".join(name for name in SECTIONS if name != absent)
     with pytest.raises(UserError) as error:
         stages(*overrides)
     assert str(error.value) == f"report.sections: expected one of {known}, found {found}"
+    assert main(["config", "experiment=test", *overrides, "--conf", str(CONF)]) == 1
+    assert capsys.readouterr().err == f"slider: {error.value}\n"
 
 
 def test_a_section_pulls_in_what_it_declares():

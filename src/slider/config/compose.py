@@ -11,14 +11,18 @@ from hydra import initialize_config_dir
 from hydra.core.config_store import ConfigStore
 from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import HydraException
-from omegaconf import OmegaConf
+from omegaconf import ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
+from yaml import MarkedYAMLError, YAMLError
 
 from slider.config.convert import from_dict
 from slider.config.schema import Config
 from slider.config.validation import validate
 from slider.core.errors import UserError
 
+_MOST_STEPS = 1000  # of a list from start to stop
+_CONTROL = re.compile(r"\W*control(=|$)(?!all$)")
+_CONTROLLER = re.compile(r"[a-z][a-z0-9_]*")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
 
 
@@ -36,6 +40,7 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
 def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
+    _check_control(overrides)
     _store_controllers(conf)
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
@@ -46,26 +51,48 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             raise UserError(_explain(error, overrides, conf)) from None
         except OmegaConfBaseException as error:
             raise UserError(_first_line(error)) from None
+        except (YAMLError, UnicodeDecodeError) as error:
+            raise UserError(_malformed(error)) from None
         except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
             raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
 
 
-def _steps(start: float, stop: float, step: float) -> list[float]:
+# What is no number or no list passes: the schema says where it stands and what is expected.
+def _steps(start: float, stop: Any, step: float) -> list[Any]:
     """Numbers from start to stop, both included."""
+    if not isinstance(stop, int | float) or not start <= stop <= start + _MOST_STEPS * step:
+        return [stop]
     return [round(start + index * step, 9) for index in range(round((stop - start) / step) + 1)]
 
 
-def _joined(*lists: list[float]) -> list[float]:
-    return [value for values in lists for value in values]
+def _joined(*lists: Any) -> list[Any]:
+    return [
+        v
+        for values in lists
+        for v in (values if isinstance(values, list | ListConfig) else [values])
+    ]
 
 
 OmegaConf.register_new_resolver("steps", _steps, replace=True)
 OmegaConf.register_new_resolver("joined", _joined, replace=True)
 
 
+def _check_control(overrides: Sequence[str]) -> None:
+    """All controllers are there; protocols say which of them walk."""
+    for text in overrides:
+        if _CONTROL.match(text):
+            found = text.partition("=")[2] or text
+            chooses = "all; evaluation.controllers chooses controllers"
+            raise UserError(f"control: expected {chooses}, found {found}")
+
+
 def _store_controllers(conf: Path) -> None:
     """Write the option ``control=all``: each file of ``conf/control`` under its own name."""
     names = sorted(path.stem for path in (conf / "control").glob("*.yaml"))
+    for name in names:
+        if not _CONTROLLER.fullmatch(name) or name == "all":
+            expected = "small letters, digits and _ after a letter, and not all"
+            raise UserError(f"{conf / 'control'}/{name}.yaml: expected {expected}, found {name}")
     defaults = [f"{name}@{name}" for name in names if name != "base"]
     ConfigStore.instance().store("all", {"defaults": defaults}, group="control")
 
@@ -81,6 +108,14 @@ def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:
 
 def _first_line(error: BaseException) -> str:
     return str(error).strip().splitlines()[0].strip()
+
+
+def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
+    """File, line and what is wrong there, as far as the parser says."""
+    if not isinstance(error, MarkedYAMLError) or error.problem_mark is None:
+        return f"configuration: expected YAML, found {' '.join(str(error).split())}"
+    where = f"{error.problem_mark.name}, line {error.problem_mark.line + 1}"
+    return f"{where}: expected YAML, found an error: {error.problem}"
 
 
 def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:

@@ -24,6 +24,9 @@ from slider.config.types import (
 
 POLICY = "policy"  # the learned controller; every other one is named in ``Config.control``
 POLICY_LABEL = "policy (ours)"
+PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)"}
+"""Controllers of the paper's Table 1; its rows are in ``slider/reports/paper_table1.csv``."""
+
 SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
 
 

@@ -6,11 +6,13 @@ from dataclasses import asdict
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
+from pydantic_core import ErrorDetails
 
 from slider.config.kinds import kind_at
 from slider.core.errors import UserError
 
 T = TypeVar("T")
+Place = list[str | int]
 
 
 def to_dict(config: Any) -> dict[str, Any]:
@@ -31,9 +33,8 @@ def from_dict(cls: type[T], values: Any, key: str = "") -> T:
 
 
 def _mistake(cls: type, error: ValidationError, values: Any, key: str) -> str:
-    """One line: key, what was expected and what was found; of a union's types the nearest."""
-    found = [(_place(item["loc"], values), item) for item in error.errors()]
-    place, first = max(found, key=lambda item: len(item[0]))
+    """One line about the first mistake: key, what was expected and what was found."""
+    place, first = _first([(_place(item["loc"], values), item) for item in error.errors()])
     absent = first["type"] == "missing"
     if absent and isinstance(first["loc"][-1], str):  # else a number of a vector
         place = [*place, first["loc"][-1]]
@@ -46,9 +47,19 @@ def _mistake(cls: type, error: ValidationError, values: Any, key: str) -> str:
     return f"{name}: expected {expected}, found {value}"
 
 
-def _place(location: Sequence[str | int], values: Any) -> list[str | int]:
+def _first(found: list[tuple[Place, ErrorDetails]]) -> tuple[Place, ErrorDetails]:
+    """The first mistake; of a union's types the nearest, whose mistake is deepest."""
+    place, _ = found[0]
+    return max((item for item in found if item[0][: len(place)] == place), key=_depth)
+
+
+def _depth(item: tuple[Place, ErrorDetails]) -> int:
+    return len(item[0])
+
+
+def _place(location: Sequence[str | int], values: Any) -> Place:
     """The parts of a location that lead somewhere; others are names of types."""
-    place: list[str | int] = []
+    place: Place = []
     for part in location:
         if part in values if isinstance(values, dict) else _is_index(part, values):
             place.append(part)

@@ -89,8 +89,8 @@ class ReferenceConfig:
 class TerminationConfig:
     """What ends an episode."""
 
-    terms: dict[str, Number]
-    """parameter of the active termination term"""
+    terms: dict[str, float]
+    """parameter of the active termination term, which says its bounds"""
 
 
 @dataclass(frozen=True, config=STRICT)

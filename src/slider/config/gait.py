@@ -140,7 +140,7 @@ class SolverConfig:
     """IPOPT tol"""
     constraint_tolerance: Tolerance
     """IPOPT constr_viol_tol, in the scaled units of the problem"""
-    guesses: Some[Literal["cold", "fast", "crouched", "ramp"]]
+    guesses: Distinct[Some[Literal["cold", "fast", "crouched", "ramp"]]]
     """starts tried in turn: knees bent most, long steps (crouched); short quick steps (fast); less
     bent, long steps (cold); warm starts from walking in place (ramp)"""
     keep: Literal["first", "best"]

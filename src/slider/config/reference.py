@@ -31,8 +31,11 @@ class Entry:
 
 
 def entries(config: Config, kinds: Mapping[str, Kind]) -> list[Entry]:
-    """Every key of a configuration, in its order; ``kinds`` of keys about which terms say more."""
-    found = _entries(Config, config, (), "")
+    """Every key of a configuration, in its order; ``kinds`` of keys about which terms say more.
+
+    The parameters of a term without any are no key.
+    """
+    found = (entry for entry in _entries(Config, config, (), "") if entry.default != "{}")
     return [replace(entry, kind=kinds.get(entry.path, entry.kind)) for entry in found]
 
 

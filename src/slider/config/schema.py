@@ -44,6 +44,7 @@ class Config:
     ``finetuning`` goes on from the walking policy; its result is then the policy.
     """
 
+    speeds: SpeedsConfig  # first: a mistake in it is found here, not where it is referred to
     robot: RobotConfig
     gait: GaitConfig
     library: LibraryConfig
@@ -51,7 +52,6 @@ class Config:
     train: TrainingsConfig
     control: dict[str, MpcConfig]
     seeds: SeedsConfig
-    speeds: SpeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]
     verification: VerificationConfig

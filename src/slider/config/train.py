@@ -65,8 +65,8 @@ class RewardTerm:
 
     weight: Number
     """factor on the term; 0 switches it off"""
-    params: dict[str, Number] = field(default_factory=dict)
-    """parameter of the term"""
+    params: dict[str, float] = field(default_factory=dict)
+    """parameter of the term, which says its bounds"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -285,7 +285,7 @@ def check(terms: Mapping[str, RewardTerm], key: str = "reward.terms") -> None:
     for name, term in terms.items():
         expected, found = TERMS[name].parameters, term.params
         if set(found) != set(expected):
-            texts = f"expected {sorted(expected)}, found {sorted(found)}"
-            raise UserError(f"{key}.{name}.params: {texts}")
+            texts = [", ".join(sorted(names)) or "none" for names in (expected, found)]
+            raise UserError(f"{key}.{name}.params: expected {texts[0]}, found {texts[1]}")
         for parameter, value in found.items():
             from_dict(expected[parameter], value, f"{key}.{name}.params.{parameter}")

@@ -2,22 +2,32 @@
 
 from collections.abc import Mapping
 
-from slider.config.control import POLICY, SMOKE_AGENTS, MpcConfig
+from slider.config.control import PAPER_LABELS, POLICY, POLICY_LABEL, SMOKE_AGENTS, MpcConfig
 from slider.config.env import EnvConfig, PhysicsConfig
-from slider.config.validation.checks import distinct, multiple, ordered, require
+from slider.config.validation.checks import multiple, ordered, require
 
 LEAST_RATE = 200  # [Hz]
-_TAKEN = (POLICY, *SMOKE_AGENTS)  # names with a meaning of their own
+_TAKEN = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
 
 
 def check_controls(controls: Mapping[str, MpcConfig], env: EnvConfig) -> None:
     """Every controller beside the policy; people tell them apart by their labels."""
+    labels = {POLICY_LABEL: POLICY, **{label: name for name, label in PAPER_LABELS.items()}}
     for name, control in controls.items():
         key = f"control.{name}"
         require(name not in _TAKEN, key, f"another name than {', '.join(_TAKEN)}", name)
-        require(bool(control.label), f"{key}.label", "a label", "none")
+        _label(control.label, labels, f"{key}.label")
+        labels[control.label] = name
         _control(control, env, key)
-    distinct("control.*.label", [control.label for control in controls.values()], "each once")
+
+
+def _label(label: str, taken: Mapping[str, str], key: str) -> None:
+    """One line of text that no other controller has; ``taken`` are labels with their owners."""
+    require(bool(label.strip()), key, "a label", "none")
+    require(label.isprintable() and label == label.strip(), key, "one line of text", repr(label))
+    owner = taken.get(label)
+    expected = f"another label than that of {owner} (a file without one inherits it)"
+    require(label not in taken, key, expected, label)
 
 
 def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:

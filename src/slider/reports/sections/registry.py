@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from slider.config.schema import Config
+from slider.config.validation.checks import one_of
+
 if TYPE_CHECKING:  # the declarations alone are read more often than a page is drawn
     from slider.reports.sections.sources import Sources
 
@@ -149,7 +152,7 @@ def _protocol(name: str, about: str, sources: "Sources") -> Blocks:
     yield from kind.blocks(name, sources.file(name, f"{name}.svg"), rows, protocol)
 
 
-for _name, _title, _about in (
+_PROTOCOLS = (
     (
         "robust",
         "Disturbed robots",
@@ -162,6 +165,21 @@ for _name, _title, _about in (
         "Held-out commands",
         "Speeds between those that checkpoints are chosen by, a minute of each, stops, sideways.",
     ),
-):
+)
+PROTOCOLS = tuple(name for name, _, _ in _PROTOCOLS)
+"""Sections about a protocol each; a configuration may be without it."""
+
+for _name, _title, _about in _PROTOCOLS:
     _needs = (_name, f"{_name}.evaluations")
     SECTIONS[_name] = PageSection(_title, _needs, partial(_protocol, _name, _about))
+
+
+def check_sections(config: Config) -> None:
+    """Each section of the page exists, and so does the protocol that it is about.
+
+    Raises:
+        UserError: names those that there are.
+    """
+    known = [name for name in SECTIONS if name not in PROTOCOLS or name in config.protocols]
+    for name in config.report.sections:
+        one_of("report.sections", name, known)

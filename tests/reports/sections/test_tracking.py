@@ -7,7 +7,7 @@ import numpy as np
 from slider.config.report import ReportConfig
 from slider.evaluation.results import Evaluation, Robots
 from slider.reports.page import content
-from slider.reports.sections.registry import Sources
+from slider.reports.sections.sources import Sources
 from slider.reports.table import Text
 from tests.reports.sections.sources import VIDEO, html, pick, sources
 

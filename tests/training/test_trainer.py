@@ -52,8 +52,8 @@ def task(training: str = "walking", **changes) -> Task:
     return Task(whole.robot, whole.env, train, table.times, guide, table.joints)
 
 
-def job(work: Path) -> Job:
-    return Job(work, threads=1, tracker=Notes())
+def job(work: Path, threads: int = 1) -> Job:
+    return Job(work, threads=threads, tracker=Notes())
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Run:
         return (out / name).read_text().splitlines()[1:]
 
 
-def trained(work: Path, training: str = "walking", **changes) -> Run:
-    made = job(work)
+def trained(work: Path, training: str = "walking", threads: int = 1, **changes) -> Run:
+    made = job(work, threads)
     trainer = Trainer(task(training, **changes), made)
     trainer.run()
     return Run(trainer, made)
@@ -343,6 +343,14 @@ def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
     one, again = (trained(tmp_path / name, disturbance=rough).trainer for name in ("one", "again"))
     assert same(actor(one), actor(again))
     assert not same(actor(one), actor(trained(tmp_path / "calm").trainer))
+
+
+def test_threads_change_no_weight(tmp_path):
+    """Large enough for torch to share the work out, were it asked to."""
+    network = replace(task().train.network, hidden=[256, 256, 256])
+    changes = {"robots": 512, "steps_per_iteration": 24, "iterations": 1, "network": network}
+    one, two = (trained(tmp_path / str(threads), threads=threads, **changes) for threads in (1, 2))
+    assert same(actor(one.trainer), actor(two.trainer))
 
 
 def test_a_resumed_training_keeps_the_share_of_its_commands(tmp_path):

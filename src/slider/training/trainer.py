@@ -37,7 +37,7 @@ class Trainer:
 
     def __init__(self, task: Task, job: Job) -> None:
         train = task.train
-        torch.set_num_threads(job.threads)
+        torch.set_num_threads(1)  # sums depend on the number; the simulation uses all threads
         torch.set_flush_denormal(True)
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)

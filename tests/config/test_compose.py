@@ -42,6 +42,10 @@ def test_every_option_composes(option):
         ("gait.solver.guesses=[cold,cold]", "gait.solver.guesses: expected each once, found"),
         ("report.sections=[sweep,sweep]", "report.sections: expected each once, found"),
         ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
+        (
+            "train.walking.reward.terms.heding.weight=1",
+            "did you mean 'train.walking.reward.terms.heading.weight'? A new term needs a + in",
+        ),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
         (
             "env.reference.acceleration=-0.1",

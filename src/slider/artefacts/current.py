@@ -23,7 +23,10 @@ def current_result(store: Store, target: str, command: str) -> tuple[JobSpec, Ma
     recipe = plan.targets.get(target) if plan else None
     job = plan.jobs[recipe] if plan and recipe else None
     if job is None or not store.manifest_path(job.stage, job.recipe).is_file():
-        raise UserError(f"no {target} of the current configuration yet; make it with `{command}`")
+        raise UserError(
+            f"no {target} of the current configuration yet, that of the last run or dry run of "
+            f"Snakemake; make it with `{command}` and the same --config"
+        )
     return job, store.read_manifest(job.stage, job.recipe)
 
 

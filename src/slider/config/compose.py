@@ -123,7 +123,8 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
     unknown_key = re.search(r"Could not override '([^']+)'", str(error))
     if unknown_key:
         key = unknown_key.group(1)
-        return f"unknown configuration key '{key}'{_did_you_mean(key, _known_keys(conf))}"
+        new = " A new term needs a + in front." if ".terms." in key else ""
+        return f"unknown configuration key '{key}'{_did_you_mean(key, _known_keys(conf))}{new}"
     unknown_option = re.search(r"Could not find '([^']+)'", str(error))
     if unknown_option:
         group, _, name = unknown_option.group(1).rpartition("/")
@@ -136,7 +137,7 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
         return f"{key}: expected values of {', '.join(below)}, found {found}"
     broken = [text for text in overrides if text in str(error)]
     where = f" in override '{broken[0]}'" if broken else ""
-    return f"{_first_line(error)}{where} (expected key=value)"
+    return f"{_first_line(error)}{where} (expected key=value, lists without spaces)"
 
 
 def _did_you_mean(key: str, known: Sequence[str]) -> str:

@@ -14,6 +14,6 @@ ROOT = Path(__file__).parents[1]
 def on_files(files, config):
     """Add the configuration reference."""
     default = compose(OPTIONAL, ROOT / "conf")
-    text = page(default, kinds(default))
+    text = "---\nhide: [toc]\n---\n\n" + page(default, kinds(default))  # a wide table
     files.append(File.generated(config, "configuration.md", content=text))
     return files

@@ -28,6 +28,7 @@ from slider.env.vec_env import WalkingEnv
 from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
 from slider.training.ppo import runner_config
+from slider.training.trainer import set_up_torch
 
 _RECORDED = 24  # control steps
 
@@ -70,8 +71,7 @@ class Bench:
     """
 
     def __init__(self, task: Task, threads: int, work: Path) -> None:
-        torch.set_num_threads(threads)
-        torch.set_flush_denormal(True)
+        set_up_torch()
         torch.manual_seed(task.train.seed)
         self._task, self._work = task, work
         self.env = WalkingEnv(task, threads)

@@ -26,6 +26,12 @@ WEIGHTS = "weights.pt"
 _RESUMED = ("actor", "critic", "optimizer", "average")
 
 
+def set_up_torch() -> None:
+    """One thread, since sums depend on their number; the simulation uses all threads of a job."""
+    torch.set_num_threads(1)
+    torch.set_flush_denormal(True)
+
+
 class Trainer:
     """One training run that survives being killed.
 
@@ -37,8 +43,7 @@ class Trainer:
 
     def __init__(self, task: Task, job: Job) -> None:
         train = task.train
-        torch.set_num_threads(1)  # sums depend on the number; the simulation uses all threads
-        torch.set_flush_denormal(True)
+        set_up_torch()
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)
         self._checkpoint = _read_checkpoint(job.work / CHECKPOINT)

@@ -24,12 +24,14 @@ _BOUNDED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variab
 
 def of_node(node: Node) -> list[Constraint]:
     """What holds at every node of both steps."""
-    form, posture = node.form, node.form.config.posture
+    return [*_loads(node), *_legs(node), *_torso(node)]
+
+
+def _loads(node: Node) -> list[Constraint]:
+    """Ground reaction of the stance foot, motors and joints."""
+    form = node.form
     weight, voltage, drives = form.weight, form.config.voltage, form.robot.drives
     vertical, cone = end_loads(form, node.force, node.moment)
-    toe, heel = node.foot_ends(SWING)
-    torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
-    base, r = node.base, node.base.rotation
     return [
         # A foot line cannot carry a moment about itself: the roll equation.
         equality("foot_line_moment", "N m", "line contact", node.moment[0], 10.0),
@@ -45,6 +47,14 @@ def of_node(node: Node) -> list[Constraint]:
         within("motor_torque", "-", "robot.drives", node.motors.torque_shares(drives), 1.0),
         within("motor_voltage", "-", "gait.voltage", node.motors.voltage_shares(drives), voltage),
         between("position", "rad, m", "robot.joints", _positions(node), *_ranges(form)),
+    ]
+
+
+def _legs(node: Node) -> list[Constraint]:
+    """Swing foot above the ground, and legs that stay apart."""
+    form, posture = node.form, node.form.config.posture
+    toe, heel = node.foot_ends(SWING)
+    return [
         between(
             "clearance",
             "m",
@@ -66,7 +76,14 @@ def of_node(node: Node) -> list[Constraint]:
         at_least(
             "legs_apart", "m", "gait.posture.legs_apart", node.leg_distances(), posture.legs_apart
         ),
-        # Sines of roll, pitch and yaw; without bounds of their rates the torso rocks.
+    ]
+
+
+def _torso(node: Node) -> list[Constraint]:
+    """Sines of roll, pitch and yaw; without bounds of their rates the torso rocks."""
+    posture, base, r = node.form.config.posture, node.base, node.base.rotation
+    torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
+    return [
         within(
             "torso",
             "rad",

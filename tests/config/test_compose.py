@@ -314,3 +314,11 @@ def test_without_the_library_the_other_rewards_stay():
     for name in set(walking.terms) - guides:
         assert unguided.terms[name] == walking.terms[name], name
     assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)
+
+
+@pytest.mark.parametrize(("top", "count"), [("2.0", 21), ("2.47", 25), ("1.3", 14)])
+def test_the_sweep_ends_at_or_below_the_top_speed(top, count):
+    commands = compose([f"speeds.top={top}"], CONF).protocols["sweep"].commands
+    assert len(commands) == count
+    assert commands == [round(0.1 * index, 9) for index in range(count)]
+    assert commands[-1] <= float(top)

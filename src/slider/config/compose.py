@@ -59,10 +59,11 @@ def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
 
 # What is no number or no list passes: the schema says where it stands and what is expected.
 def _steps(start: float, stop: Any, step: float) -> list[Any]:
-    """Numbers from start to stop, both included."""
+    """Numbers from start up to stop, itself included where a step meets it."""
     if not isinstance(stop, int | float) or not start <= stop <= start + _MOST_STEPS * step:
         return [stop]
-    return [round(start + index * step, 9) for index in range(round((stop - start) / step) + 1)]
+    count = int((stop - start) / step + 1e-9) + 1
+    return [round(start + index * step, 9) for index in range(count)]
 
 
 def _joined(*lists: Any) -> list[Any]:

@@ -117,6 +117,57 @@ def prismatic_joints(
     return with_upper_feet(position), with_upper_feet(velocity)
 
 
+@dataclass(frozen=True)
+class KneeLengths:
+    """Thigh, shank and the hip-ankle distance at slide = 0 [m]."""
+
+    thigh: float
+    shank: float
+    nominal: float
+
+    @classmethod
+    def of(cls, robot: Mechanism) -> "KneeLengths":
+        """The virtual leg of a robot."""
+        knee = robot.virtual_knee
+        return cls(knee.thigh_length, knee.shank_length, robot.geometry.leg_length)
+
+
+def prismatic_motion(
+    q: np.ndarray, v: np.ndarray, a: np.ndarray, lengths: KneeLengths
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Driven prismatic joints (N, 10) of knee legs, with first and second derivatives: eq. 1.
+
+    q̇_p = J q̇_k and q̈_p = J q̈_k + J̇ q̇_k with the exact geometry; derivatives over time or over
+    anything else.
+    """
+    l1, l2 = lengths.thigh, lengths.shank
+    position, rate, turn = q.copy(), v.copy(), a.copy()
+    for first in range(0, _LEG * len(SIDES), _LEG):
+        pitch, knee, ankle = (first + k for k in (2, 3, 4))
+        place = positions(q[:, pitch], q[:, knee], q[:, ankle], l1, l2)
+        slopes, bends = rates(q[:, knee], l1, l2), _curvatures(q[:, knee], l1, l2)
+        position[:, pitch], position[:, knee] = place.hip_pitch, place.length - lengths.nominal
+        position[:, ankle] = place.ankle
+        for index, slope, bend, own in (
+            (pitch, -slopes[0], -bends[0], 1.0),
+            (ankle, -slopes[1], -bends[1], 1.0),
+            (knee, slopes[2], bends[2], 0.0),
+        ):
+            rate[:, index] = own * v[:, index] + slope * v[:, knee]
+            turn[:, index] = own * a[:, index] + slope * a[:, knee] + bend * v[:, knee] ** 2
+    return position, rate, turn
+
+
+def _curvatures(
+    theta: np.ndarray, l1: float, l2: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Derivatives by θ of the exact ``rates``."""
+    length, sine, cosine = leg_length(theta, l1, l2), np.sin(theta), np.cos(theta)
+    shape = l1 * l2 * sine * (l2**2 - l1**2) / length**4
+    slide = -l1 * l2 * (cosine / length + l1 * l2 * sine**2 / length**3)
+    return shape, -shape, slide
+
+
 def with_upper_feet(joints: np.ndarray) -> np.ndarray:
     """Values of all joints (..., 12) from those of the driven ones (..., 10); upper feet rest."""
     full = np.zeros((*joints.shape[:-1], NUM_JOINTS))

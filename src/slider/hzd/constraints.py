@@ -1,0 +1,111 @@
+"""Virtual constraints of a step of n robots: the gait's motion, re-anchored, with foot placement.
+
+x_d(s) = X(s) + c(s) + D b(s) over the phase s in [0, 1]. X is the gait: Bézier polynomials of the
+virtual leg through eq. 1, and the roll of the stance foot. c re-anchors the constraints after an
+impact: it starts with the error that the impact left, in position and velocity, and is gone by
+mid-step (Morris and Grizzle, "Hybrid invariant manifolds in systems with impulse effects with
+application to periodic locomotion in bipedal robots", IEEE TAC 54(8), 2009). D moves the swing
+foot level by b [m].
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from slider.gait import bezier
+from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL
+from slider.hzd.polynomials import NodeTable, Orders, fade_slope, fade_value, smooth_step
+from slider.robot.knee_map import KneeLengths, prismatic_motion
+
+_LEAST = 0.2  # a correction lasts at least this share of a step
+
+
+@dataclass
+class StepConstraints:
+    """Constraints of the steps that n robots are making, stance leg first.
+
+    Attributes:
+        coefficients: Bézier coefficients of the virtual legs (n, 10, degree + 1) [rad].
+        roll: of the stance foot's line (m = 1) [rad] over the phase.
+        placement: D (n, 10, 2), joints that move the swing foot forward and left [rad/m, m/m].
+        lengths: of the virtual leg.
+        correction_end: phase at which the re-anchoring is over.
+        placement_span: phases between which the foot is displaced.
+        anchor: (n,) phase at which the last impact left the errors.
+        error, error_slope: (n, 12) of the coordinates then, and their derivative over the phase.
+        displacement: b (n, 2) forward and left in the stance foot's reflected frame [m].
+    """
+
+    coefficients: np.ndarray
+    roll: NodeTable
+    placement: np.ndarray
+    lengths: KneeLengths
+    correction_end: float
+    placement_span: tuple[float, float]
+    anchor: np.ndarray = field(init=False)
+    error: np.ndarray = field(init=False)
+    error_slope: np.ndarray = field(init=False)
+    displacement: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        n = len(self.coefficients)
+        self.anchor = np.zeros(n)
+        self.error, self.error_slope = np.zeros((2, n, NUM_COORDINATES))
+        self.displacement = np.zeros((n, 2))
+
+    def re_anchor(self, phase: np.ndarray, x: np.ndarray, slope: np.ndarray) -> None:
+        """Start the steps at coordinates x (n, 12) and their derivative over the phase (n, 12)."""
+        self.error[:] = self.error_slope[:] = 0.0
+        desired, desired_slope, _ = self.desired(phase)
+        self.anchor = phase.copy()
+        self.error, self.error_slope = x - desired, slope - desired_slope
+
+    def desired(self, phase: np.ndarray) -> Orders:
+        """x_d (n, 12) and its first and second derivatives over the phase at phases (n,).
+
+        Past the end of the step the motion goes straight on.
+        """
+        late = np.maximum(phase - 1.0, 0.0)[:, None]
+        value, slope, curve = self._gait(np.clip(phase, 0.0, 1.0))
+        for part, order in zip((value, slope, curve), self._correction(phase), strict=True):
+            part += order
+        for part, order in zip((value, slope, curve), self._displaced(phase), strict=True):
+            part[:, JOINTS:] += order
+        return value + late * slope, slope, np.where(late > 0, 0.0, curve)
+
+    def _gait(self, phase: np.ndarray) -> Orders:
+        degree = self.coefficients.shape[2] - 1
+        knee = [
+            np.einsum("nk,njk->nj", bezier.basis_derivative(degree, phase, order), values)
+            for order, values in zip(range(3), [self.coefficients] * 3, strict=True)
+        ]
+        legs, rolls = prismatic_motion(*knee, self.lengths), self.roll.at(phase)
+        found = np.zeros((3, len(phase), NUM_COORDINATES))
+        for order in range(3):
+            found[order, :, ROLL] = rolls[order][:, 0]
+            found[order, :, JOINTS:] = legs[order]
+        return found[0], found[1], found[2]
+
+    def _correction(self, phase: np.ndarray) -> Orders:
+        span = np.maximum(self.correction_end - self.anchor, _LEAST)
+        u, span = (phase - self.anchor) / span, span[:, None]
+        value, slope = fade_value(u), fade_slope(u)
+        scale = self.error_slope * span
+        orders = [
+            (self.error * value[k][:, None] + scale * slope[k][:, None]) / span**k for k in range(3)
+        ]
+        return orders[0], orders[1], orders[2]
+
+    def _displaced(self, phase: np.ndarray) -> Orders:
+        start, end = self.placement_span
+        span = end - start
+        way = np.einsum("njk,nk->nj", self.placement, self.displacement)
+        share = smooth_step((phase - start) / span)
+        return (
+            way * share[0][:, None],
+            way * share[1][:, None] / span,
+            (way * share[2][:, None] / span**2),
+        )
+
+
+assert NUM_JOINTS == NUM_COORDINATES - JOINTS

@@ -1,0 +1,67 @@
+"""Polynomials of a step's phase: fading of an initial error, onset of a displacement, tables."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+Orders = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""A value and its first and second derivatives."""
+
+
+def fade_value(u: np.ndarray) -> Orders:
+    """One at u = 0 with slope zero, zero with two derivatives at u = 1: (1 − u)³ (1 + 3u)."""
+    u = np.clip(u, 0.0, 1.0)
+    rest = 1.0 - u
+    return rest**3 * (1 + 3 * u), -12 * u * rest**2, rest * (36 * u - 12)
+
+
+def fade_slope(u: np.ndarray) -> Orders:
+    """Zero at u = 0 with slope one, zero with two derivatives at u = 1: u (1 − u)³."""
+    u = np.clip(u, 0.0, 1.0)
+    rest = 1.0 - u
+    return u * rest**3, rest**2 * (1 - 4 * u), rest * (12 * u - 6)
+
+
+def smooth_step(u: np.ndarray) -> Orders:
+    """From zero to one with two zero derivatives at both ends: u³ (10 − 15u + 6u²)."""
+    u = np.clip(u, 0.0, 1.0)
+    rest = 1.0 - u
+    return u**3 * (10 - 15 * u + 6 * u**2), 30 * u**2 * rest**2, 60 * u * rest * (1 - 2 * u)
+
+
+@dataclass(frozen=True)
+class NodeTable:
+    """Quantities of n robots at K equally spaced phases, with their derivatives over the phase.
+
+    Attributes:
+        values, slopes: (n, K, m).
+        curvatures: (n, K, m), or none: then cubic instead of quintic between the nodes.
+    """
+
+    values: np.ndarray
+    slopes: np.ndarray
+    curvatures: np.ndarray | None = None
+
+    def at(self, phase: np.ndarray) -> Orders:
+        """Hermite interpolation (n, m) at phases (n,) within [0, 1], and its derivatives."""
+        pieces = self.values.shape[1] - 1
+        place = np.clip(phase, 0.0, 1.0) * pieces
+        left = np.minimum(place.astype(int), pieces - 1)
+        u, rows = (place - left)[:, None], np.arange(len(phase))
+        ends = [rows, left], [rows, left + 1]
+        a, b = (self.values[tuple(end)] for end in ends)
+        da, db = (self.slopes[tuple(end)] / pieces for end in ends)
+        if self.curvatures is None:
+            c2, c3 = 3 * (b - a) - 2 * da - db, 2 * (a - b) + da + db
+            powers = [a, da, c2, c3]
+        else:
+            dda, ddb = (self.curvatures[tuple(end)] / pieces**2 for end in ends)
+            rise, rate, bend = b - a - da - dda / 2, db - da - dda, ddb - dda
+            c3 = 10 * rise - 4 * rate + bend / 2
+            c4 = -15 * rise + 7 * rate - bend
+            c5 = 6 * rise - 3 * rate + bend / 2
+            powers = [a, da, dda / 2, c3, c4, c5]
+        value = sum(c * u**k for k, c in enumerate(powers))
+        slope = sum(k * c * u ** (k - 1) for k, c in enumerate(powers) if k > 0)
+        curve = sum(k * (k - 1) * c * u ** (k - 2) for k, c in enumerate(powers) if k > 1)
+        return np.asarray(value), np.asarray(slope) * pieces, np.asarray(curve) * pieces**2

@@ -1,4 +1,4 @@
-"""Outputs y = H (x − x_d): which linear functions of the configuration the virtual constraints hold.
+"""Outputs y = H (x − x_d): which functions of the configuration the virtual constraints hold.
 
 x are roll and yaw of the stance foot's line and the ten driven joints of the prismatic legs, the
 stance leg first, reflected in right stance (12,). The line foot lies flat, so that roll is the

@@ -30,28 +30,34 @@ PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)
 SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class StepConfig:
-    """Steps: their times, and the feet."""
+    """Steps."""
 
     time: Positive[Seconds]
-    """nominal duration"""
+    """nominal duration; of the entry's orbit where gaits have their own"""
+    width: Positive[Metres]
+    """lateral distance of the feet, likewise"""
+    early: Share
+    """share of the duration before which a contact does not end the step"""
+    late: Seconds
+    """a step without a contact ends this long after its duration"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class PlannedStepConfig(StepConfig):
+    """Steps of the footstep planner."""
+
     time_min: Positive[Seconds]
     """least duration that is adapted to"""
     time_max: Positive[Seconds]
     """greatest duration that is adapted to"""
     time_change: Seconds
     """the planner may lengthen or shorten the current step by this; 0: never"""
-    width: Positive[Metres]
-    """lateral distance of the feet"""
     apex: Positive[Metres]
     """height of the swing foot at half time"""
     switching: Literal["contact", "time"]
     """what ends a step"""
-    early: Share
-    """share of the duration before which a contact does not end the step"""
-    late: Seconds
-    """a step without a contact ends this long after its duration"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -76,6 +82,12 @@ class PlannerConfig:
     """greatest lateral distance of successive feet"""
     lock: Positive[Seconds]
     """no new plan in the last moments of a step"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class VelocityConfig:
+    """Reference velocity."""
+
     acceleration: Positive[MetresPerSecond2]
     """with which the reference grows to the command"""
     integral: Share
@@ -127,14 +139,11 @@ class WholeBodyConfig:
     """Whole-body QP.
 
     Tasks: ``com``, whose gains hold the height, and the place while swaying; ``base``, its
-    orientation; ``swing``, middle of the swing foot's line; ``swing_rotation``, its pitch and yaw
-    (the first weight is unused); ``stance``, feet that do not move.
+    orientation; ``stance``, feet that do not move.
     """
 
     com: TaskConfig
     base: TaskConfig
-    swing: TaskConfig
-    swing_rotation: TaskConfig
     stance: TaskConfig
     friction: Positive[Factor]
     """coefficient that the controller counts on"""
@@ -149,6 +158,18 @@ class WholeBodyConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class SteppingBodyConfig(WholeBodyConfig):
+    """Whole-body QP with the swing foot's tasks.
+
+    ``swing``: middle of its line; ``swing_rotation``: its pitch and yaw (the first weight is
+    unused).
+    """
+
+    swing: TaskConfig
+    swing_rotation: TaskConfig
+
+
+@dataclass(frozen=True, config=STRICT)
 class ObserverConfig:
     """State observer with the nominal robot."""
 
@@ -160,18 +181,90 @@ class ObserverConfig:
     """the same of velocities"""
 
 
-@dataclass(frozen=True, config=STRICT)
-class MpcConfig:
-    """A model-predictive controller: footstep planner, swing, entry and whole-body control."""
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ModelBasedConfig:
+    """What controllers with a whole-body QP share."""
 
     substeps: Annotated[Count, Field(le=1000)]
     """simulation steps per control tick"""
     step: StepConfig
-    planner: PlannerConfig
-    swing: SwingConfig
+    velocity: VelocityConfig
     entry: EntryConfig
     whole_body: WholeBodyConfig
     observer: ObserverConfig | None = None
     """null: the controller receives what is measured"""
     label: str = ""
     """what tables and figures call it"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class MpcConfig(ModelBasedConfig):
+    """A model-predictive controller: footstep planner, swing and whole-body control."""
+
+    family: Literal["mpc"]
+    """how it walks: footsteps planned on a pendulum"""
+    step: PlannedStepConfig
+    planner: PlannerConfig
+    swing: SwingConfig
+    whole_body: SteppingBodyConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class OutputWeights:
+    """Weights of the outputs' accelerations in the QP, against those of a stance foot's motion."""
+
+    torso: Vector3[NonNegative[Number]]
+    """yaw, roll, pitch"""
+    stance_slide: NonNegative[Number]
+    stance_ankle: NonNegative[Number]
+    """small: the foot's length bounds what it can do"""
+    swing_leg: Vector3[NonNegative[Number]]
+    """yaw, roll, pitch"""
+    swing_slide: NonNegative[Number]
+    swing_foot: NonNegative[Number]
+    """pitch"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class FeedbackConfig:
+    """Event-based foot placement."""
+
+    forward: Factor
+    lateral: Factor
+    reach: NonNegative[Metres]
+    """largest displacement of a foothold"""
+    lock: Share
+    """no change of the foothold from this phase on"""
+    settling: Positive[Seconds]
+    """time constant with which the foothold follows"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class HzdConfig(ModelBasedConfig):
+    """Hybrid zero dynamics: the gaits' virtual constraints, enforced by a QP, and feedback."""
+
+    family: Literal["hzd"]
+    """how it walks: virtual constraints of the gait library"""
+    outputs: Literal["absolute", "joints"]
+    """torso, swing leg and foot with respect to ground and heading; or the joints"""
+    phase: Literal["time", "hip"]
+    """of the step: normalised time, or a function of the hip's place over the stance foot"""
+    slowest: NonNegative[MetresPerSecond]
+    """below this commanded forward speed the hip's place tells no phase; it is the time"""
+    correction_end: Positive[Share]
+    """phase at which an impact's errors are gone from the constraints"""
+    placement: tuple[Share, Share]
+    """phases between which the foothold is displaced"""
+    kp: Annotated[NonNegative[Number], Unit("1/s²")]
+    """of the outputs"""
+    kd: Annotated[NonNegative[Number], Unit("1/s")]
+    """of the outputs"""
+    rate_gain: Annotated[NonNegative[Number], Unit("1/s")]
+    """of the velocity output, which drives the phase to the gait's pace"""
+    descent: NonNegative[MetresPerSecond]
+    """of the swing foot past the end of the step, until there is contact"""
+    weights: OutputWeights
+    feedback: FeedbackConfig
+
+
+AnyControl = Annotated[MpcConfig | HzdConfig, Field(discriminator="family")]

@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.control import MpcConfig
+from slider.config.control import AnyControl
 from slider.config.env import EnvConfig
 from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
@@ -50,7 +50,7 @@ class Config:
     library: LibraryConfig
     env: EnvConfig
     train: TrainingsConfig
-    control: dict[str, MpcConfig]
+    control: dict[str, AnyControl]
     seeds: SeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]

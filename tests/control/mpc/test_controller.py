@@ -8,8 +8,8 @@ import pytest
 from slider.config.env import StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.mpc.controller import MpcController
-from slider.control.mpc.memory import OFF, STAND, WALK
 from slider.control.mpc.steps import ReferenceVelocity
+from slider.control.whole_body.memory import OFF, STAND, WALK
 from slider.env.metrics import CONTACT_FORCE
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.config.control import PlannerConfig, StepConfig
-from slider.control.mpc import lip, qp
+from slider.control.whole_body import lip, qp
 
 
 @dataclass(frozen=True)

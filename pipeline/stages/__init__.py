@@ -6,8 +6,9 @@ in the recipe.
 
 On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
 that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
-model-predictive controllers; it needs no other. The ablation compares several configurations and
-has a module of its own, ``pipeline.ablation``; so has the sensitivity, which changes the robot.
+controllers of ``conf/control``; those that walk by gaits need the library. The ablation compares
+several configurations and has a module of its own, ``pipeline.ablation``; so has the sensitivity,
+which changes the robot.
 """
 
 from pipeline.stages.evaluation import evaluations_of, table1
@@ -25,12 +26,13 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
     targets |= {"policy_export": policy_export(targets["walking"])}
-    return targets | protocol_jobs(config, targets["walking"])
+    return targets | protocol_jobs(config, targets)
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs up to Table 1 by the name of their target."""
     library = library_job(config)
     trainings = training_jobs(config, library)
-    evaluations = evaluations_of(config, config.evaluation, trainings["walking"])
-    return {"library": library, **trainings, "table1": table1(config, evaluations)}
+    made = {"library": library, **trainings}
+    evaluations = evaluations_of(config, config.evaluation, made)
+    return made | {"table1": table1(config, evaluations)}

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -104,7 +105,9 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     if arguments.agent != POLICY:
         if path is not None:
             raise UserError(f"expected --policy with the agent {POLICY}, found {arguments.agent}")
-        return scenes.agent_scene(arguments.agent, config, arguments.seed)
+        return scenes.agent_scene(
+            arguments.agent, config, partial(library_path, arguments), arguments.seed
+        )
     if path is None:
         store = Store(arguments.artefacts)
         path = current_folder(store, "walking", "snakemake -j2 policy") / POLICY_FILE

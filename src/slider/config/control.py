@@ -94,6 +94,8 @@ class VelocityConfig:
     """share of the last stride's velocity error that is added to the reference"""
     integral_limit: NonNegative[MetresPerSecond]
     """largest sum of these"""
+    integral_after: Seconds
+    """no integral action before this time after a change of the command"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -268,3 +270,4 @@ class HzdConfig(ModelBasedConfig):
 
 
 AnyControl = Annotated[MpcConfig | HzdConfig, Field(discriminator="family")]
+FAMILIES: dict[str, type[MpcConfig] | type[HzdConfig]] = {"mpc": MpcConfig, "hzd": HzdConfig}

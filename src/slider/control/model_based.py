@@ -2,9 +2,12 @@
 
 from dataclasses import replace
 
+from slider.config.control import HzdConfig, MpcConfig
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.controller import ObservingController
+from slider.control.hzd.controller import hzd_controller
+from slider.control.mpc.controller import mpc_controller
+from slider.control.whole_body.controller import ModelBased, ObservingController
 from slider.control.whole_body.observer import Observer
 from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary
@@ -12,7 +15,7 @@ from slider.library.reader import GaitLibrary
 
 def build_controller(
     robot: RobotConfig,
-    config: AnyControl,
+    config: MpcConfig | HzdConfig,
     physics: PhysicsConfig,
     count: int,
     library: GaitLibrary | None = None,

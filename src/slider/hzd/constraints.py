@@ -74,17 +74,19 @@ class StepConstraints:
         return value + late * slope, slope, np.where(late > 0, 0.0, curve)
 
     def _gait(self, phase: np.ndarray) -> Orders:
-        degree = self.coefficients.shape[2] - 1
-        knee = [
-            np.einsum("nk,njk->nj", bezier.basis_derivative(degree, phase, order), values)
-            for order, values in zip(range(3), [self.coefficients] * 3, strict=True)
-        ]
-        legs, rolls = prismatic_motion(*knee, self.lengths), self.roll.at(phase)
+        q, v, a = (self._knee(phase, order) for order in range(3))
+        legs, rolls = prismatic_motion(q, v, a, self.lengths), self.roll.at(phase)
         found = np.zeros((3, len(phase), NUM_COORDINATES))
         for order in range(3):
             found[order, :, ROLL] = rolls[order][:, 0]
             found[order, :, JOINTS:] = legs[order]
         return found[0], found[1], found[2]
+
+    def _knee(self, phase: np.ndarray, order: int) -> np.ndarray:
+        """A derivative (n, 10) of the virtual legs over the phase."""
+        degree = self.coefficients.shape[2] - 1
+        basis = bezier.basis_derivative(degree, phase, order)
+        return np.einsum("nk,njk->nj", basis, self.coefficients)
 
     def _correction(self, phase: np.ndarray) -> Orders:
         span = np.maximum(self.correction_end - self.anchor, _LEAST)

@@ -7,12 +7,12 @@ from typing import Protocol
 import numpy as np
 import torch
 
-from slider.config.control import MpcConfig
+from slider.config.control import AnyControl
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
-from slider.control.mpc.controller import build_controller
+from slider.control.model_based import build_controller
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
 from slider.env.disturbance.draws import Disturbance
@@ -131,17 +131,18 @@ def simulate_policy(
     return _simulate_network(robot, env, agent, policy.network, noise, seed, disturbance)
 
 
-def simulate_mpc(
+def simulate_model_based(
     robot: RobotConfig,
     plant: PlantConfig,
-    config: MpcConfig,
+    config: AnyControl,
+    library: GaitLibrary | None,
     noise: StartNoise,
     seed: int,
     disturbance: DisturbanceConfig,
 ) -> Simulation:
-    """A model-predictive controller on torque drives, as in its evaluation."""
+    """A controller of ``conf/control`` on torque drives, as in its evaluation."""
     physics = build_plant(robot, plant.physics, config, 1, Disturbance(disturbance, (seed,)))
-    controller = build_controller(robot, config, plant.physics, 1)
+    controller = build_controller(robot, config, plant.physics, 1, library)
     episode = Episode(controller, physics, plant)
     return Simulation(episode, plant.control_period, _starts(robot, noise, seed))
 

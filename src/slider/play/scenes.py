@@ -1,17 +1,18 @@
 """What ``slider play`` can show: a policy, another controller, a smoke agent or a gait."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TypeVar
 
-from slider.config.control import POLICY, SMOKE_AGENTS
+from slider.config.control import POLICY, SMOKE_AGENTS, HzdConfig
 from slider.config.env import EnvConfig, PlantConfig
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary
-from slider.play.motion import Motion, Replay, simulate_agent, simulate_mpc, simulate_policy
+from slider.play.motion import Motion, Replay, simulate_agent, simulate_model_based, simulate_policy
 
 Section = TypeVar("Section", EnvConfig, RobotConfig)
 
@@ -53,8 +54,10 @@ def _changed(own: Section, asked: Section, plain: Section) -> Section:
     return replace(own, **{n: part for n, part in parts.items() if part != getattr(plain, n)})
 
 
-def agent_scene(name: str, config: Config, seed: int) -> Scene:
+def agent_scene(name: str, config: Config, library: Callable[[], Path], seed: int) -> Scene:
     """A controller of the configuration as in its evaluation, or a smoke agent.
+
+    ``library`` finds the gaits of those that walk by them.
 
     Raises:
         UserError: there is no agent of this name.
@@ -63,8 +66,11 @@ def agent_scene(name: str, config: Config, seed: int) -> Scene:
     if name in config.control:
         plant = PlantConfig(env.control_period, env.physics, env.termination)
         control, disturbance = config.control[name], test.disturbance
-        motion = simulate_mpc(config.robot, plant, control, test.start, seed, disturbance)
-        return Scene(f"baseline {name}", config.robot, motion, config.speeds.top)
+        gaits = GaitLibrary.load(library()) if isinstance(control, HzdConfig) else None
+        motion = simulate_model_based(
+            config.robot, plant, control, gaits, test.start, seed, disturbance
+        )
+        return Scene(f"controller {name}", config.robot, motion, config.speeds.top)
     if name in SMOKE_AGENTS:
         motion = simulate_agent(config.robot, env, test.start, seed, random=name == "random")
         return Scene(f"agent {name}", config.robot, motion, config.speeds.top)

@@ -114,7 +114,7 @@ class GaitTables:
 
     @staticmethod
     def _placement(dynamics: Dynamics, foot: np.ndarray) -> np.ndarray:
-        """Swing joints (n, 10, 2) per metre; height, pitch and yaw of the foot stay [rad/m, m/m]."""
+        """Swing joints (n, 10, 2) per metre; the foot keeps height, pitch and yaw."""
         rows = np.arange(len(foot))
         jacobian = dynamics.foot_jacobians[rows, foot]
         axes = pitch_and_yaw(dynamics.foot_rotations[rows, foot])

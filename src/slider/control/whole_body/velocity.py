@@ -55,6 +55,7 @@ class ReferenceVelocity:
         memory.starts[robots] = np.stack([memory.starts[robots, 1], now], axis=1)
         # Not in the first stride, nor while it brakes in order to stand.
         known = (memory.steps[robots] > 2) & ~memory.commanded_to_stand(robots)
+        known &= memory.walked[robots] - memory.changed[robots] >= self._config.integral_after
         halfway = memory.heading[robots] - 0.5 * memory.command[robots, 2] * gone[:, 2]
         mean = turn_to_heading(gone, halfway) / np.maximum(gone[:, 2:], self._period)
         error = np.where(known[:, None], memory.command[robots, :2] - mean, 0.0)

@@ -47,8 +47,10 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.iterations", "*.period", "*fraction", "*.lam", "*.actor_ema"),  # never, none
         *("*.velocity_filter", "*.step_time", "*.halt.*", "*.acceleration"),  # documented: off
         *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
-        *("*.planner.width_min", "*.planner.integral*", "*.swing.*", "*.entry.*"),
+        *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),
         *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
+        *("*.hzd.slowest", "*.hzd.placement*", "*.hzd.kd", "*.hzd.rate_gain", "*.hzd.descent"),
+        *("*.hzd.weights.*", "*.hzd.feedback.*"),  # switched off
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
         *(
             "*.seed",

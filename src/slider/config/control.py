@@ -232,6 +232,7 @@ class FeedbackConfig:
     """Event-based foot placement."""
 
     forward: Factor
+    forward_time: Factor
     lateral: Factor
     reach: NonNegative[Metres]
     """largest displacement of a foothold"""
@@ -257,6 +258,9 @@ class HzdConfig(ModelBasedConfig):
     """phase at which an impact's errors are gone from the constraints"""
     placement: tuple[Share, Share]
     """phases between which the foothold is displaced"""
+    ahead: Seconds
+    change: Positive[MetresPerSecond]
+    """largest difference of a step's gait from the mean velocity of the step before"""
     kp: Annotated[NonNegative[Number], Unit("1/s²")]
     """of the outputs"""
     kd: Annotated[NonNegative[Number], Unit("1/s")]

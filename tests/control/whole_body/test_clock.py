@@ -1,6 +1,6 @@
 """Processor time of the parts of a tick, on a clock that is set by hand."""
 
-from slider.control.mpc import clock
+from slider.control.whole_body import clock
 from slider.control.whole_body.clock import TickClock
 
 

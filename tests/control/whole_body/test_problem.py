@@ -5,7 +5,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
-from tests.control.mpc.test_qp import conditions
+from tests.control.whole_body.test_qp import conditions
 
 from slider.control.whole_body import qp
 from slider.control.whole_body.nominal import Dynamics, NominalModel

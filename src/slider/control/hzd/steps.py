@@ -22,6 +22,7 @@ from slider.robot.names import ACTUATED
 _DRIVEN = np.array(ACTUATED)
 _RATES = (0.5, 1.6)  # of the phase, as a share of the gait's; beyond them a stumble is no phase
 _JUMP = 0.02  # the phase differs from the one expected by no more, per tick
+LEAST = 0.6
 SLIDE = 3  # place of the slide in a leg
 
 
@@ -96,10 +97,14 @@ class HzdSteps:
         memory.stance[robots], memory.elapsed[robots] = stance, 0.0
         memory.steps[robots] += 1
         self._velocity.correct(memory, robots, dynamics.com[:, :2])
-        walk = self._new(self._velocity.of(memory, robots), stance)
+        walk = self._new(self._reachable(memory, robots), stance)
         memory.duration[robots] = walk.steps.duration
         motion = self._motion(memory, robots, dynamics)
-        self._synchronise(walk, *self._hip(memory, robots, dynamics))
+        place, speed = self._hip(memory, robots, dynamics)
+        walk.by_hip &= phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed) * (
+            walk.steps.duration
+        ) >= LEAST
+        self._synchronise(walk, place, speed)
         walk.constraints.re_anchor(walk.phase, motion.x, motion.rate / walk.rate[:, None])
         put(self._walk, robots, walk)
 
@@ -126,7 +131,7 @@ class HzdSteps:
         solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
-        walk.phase += self._period * walk.rate
+        walk.phase += np.where(walk.by_hip, 0.0, self._period * walk.rate)
         put(self._walk, robots, walk)
         return solved
 
@@ -143,6 +148,15 @@ class HzdSteps:
         by_hip = (np.abs(velocity[:, 0]) >= config.slowest) & (config.phase == "hip")
         return Walk(constraints, steps, np.zeros(len(stance)), 1.0 / steps.duration, by_hip)
 
+    def _reachable(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
+        """Velocity (n, 2) of the next gait: not far from that of the step before."""
+        wanted = self._velocity.of(memory, robots, self._config.ahead)
+        gone = memory.starts[robots, 1] - memory.starts[robots, 0]
+        last = memory.to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
+        last[memory.steps[robots] < 2] = 0.0
+        change = self._config.change
+        return np.clip(wanted, last - change, last + change)
+
     def _hip(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -156,7 +170,7 @@ class HzdSteps:
     ) -> None:
         """Phase and its rate of those that go by the hip; it changes by no more than ``reach``."""
         phase = phase_of(walk.steps.hip, place)
-        phase = np.clip(phase, np.maximum(walk.phase - reach, 0.0), walk.phase + reach)
+        phase = np.clip(phase, walk.phase, walk.phase + reach)
         pace = 1.0 / walk.steps.duration
         rate = np.clip(phase_rate(walk.steps.hip, phase, velocity), *np.outer(_RATES, pace))
         walk.phase = np.where(walk.by_hip, phase, walk.phase)
@@ -206,7 +220,8 @@ class HzdSteps:
         feedback, duration = self._config.feedback, walk.steps.duration[:, None]
         error = place - desired + (speed - slope / duration) / self._omega
         left = np.maximum(1.0 - walk.phase, 0.0)[:, None] * duration
-        gains = np.array([feedback.forward, feedback.lateral])
+        forward = np.where(walk.by_hip, feedback.forward, feedback.forward_time)
+        gains = np.stack([forward, np.full(len(forward), feedback.lateral)], axis=1)
         wanted = gains * error * np.exp(self._omega * left)
         wanted = np.clip(wanted, -feedback.reach, feedback.reach)
         share = np.where(walk.phase < feedback.lock, min(1.0, self._period / feedback.settling), 0)

@@ -29,16 +29,18 @@ class ReferenceVelocity:
         )  # no error of a stride in between
         memory.command = command
 
-    def of(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
-        """Velocity (n, 2) forward, left [m/s] that the steps are planned for."""
-        return self._on_the_way(memory, robots) + memory.correction[robots]
+    def of(self, memory: Memory, robots: np.ndarray, ahead: float = 0.0) -> np.ndarray:
+        """Velocity (n, 2) forward, left [m/s] that steps are planned for, ``ahead`` [s] from now."""
+        return self._on_the_way(memory, robots, ahead) + memory.correction[robots]
 
-    def _on_the_way(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
+    def _on_the_way(
+        self, memory: Memory, robots: np.ndarray, ahead: float = 0.0
+    ) -> np.ndarray:
         """From the old command to the new one with constant acceleration (n, 2) [m/s]."""
         old = memory.old[robots]
         change = memory.command[robots, :2] - old
         size = np.maximum(np.linalg.norm(change, axis=1), 1e-9)
-        time = memory.walked[robots] - memory.changed[robots]
+        time = memory.walked[robots] - memory.changed[robots] + ahead
         share = np.minimum(1.0, self._config.acceleration * time / size)
         return old + change * share[:, None]
 

@@ -242,6 +242,14 @@ class FeedbackConfig:
     """time constant with which the foothold follows"""
 
 
+@dataclass(frozen=True, config=STRICT)
+class ChangeConfig:
+    """Largest difference of a step's gait from the mean velocity of the step before."""
+
+    faster: Positive[MetresPerSecond]
+    slower: Positive[MetresPerSecond]
+
+
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class HzdConfig(ModelBasedConfig):
     """Hybrid zero dynamics: the gaits' virtual constraints, enforced by a QP, and feedback."""
@@ -259,8 +267,7 @@ class HzdConfig(ModelBasedConfig):
     placement: tuple[Share, Share]
     """phases between which the foothold is displaced"""
     ahead: Seconds
-    change: Positive[MetresPerSecond]
-    """largest difference of a step's gait from the mean velocity of the step before"""
+    change: ChangeConfig
     kp: Annotated[NonNegative[Number], Unit("1/s²")]
     """of the outputs"""
     kd: Annotated[NonNegative[Number], Unit("1/s")]

@@ -155,7 +155,9 @@ class HzdSteps:
         last = memory.to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
         last[memory.steps[robots] < 2] = 0.0
         change = self._config.change
-        return np.clip(wanted, last - change, last + change)
+        faster = (wanted * last >= 0) & (np.abs(wanted) > np.abs(last))
+        bound = np.where(faster, change.faster, change.slower)
+        return np.clip(wanted, last - bound, last + bound)
 
     def _hip(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics
@@ -218,11 +220,12 @@ class HzdSteps:
         speed = side * memory.to_heading(dynamics.com_velocity[:, :2], robots)
         desired, slope, _ = walk.steps.com.at(walk.phase)
         feedback, duration = self._config.feedback, walk.steps.duration[:, None]
-        error = place - desired + (speed - slope / duration) / self._omega
-        left = np.maximum(1.0 - walk.phase, 0.0)[:, None] * duration
+        left = self._omega * np.maximum(1.0 - walk.phase, 0.0)[:, None] * duration
+        error = np.sinh(left) * (place - desired)
+        error += np.cosh(left) * (speed - slope / duration) / self._omega
         forward = np.where(walk.by_hip, feedback.forward, feedback.forward_time)
         gains = np.stack([forward, np.full(len(forward), feedback.lateral)], axis=1)
-        wanted = gains * error * np.exp(self._omega * left)
+        wanted = gains * error
         wanted = np.clip(wanted, -feedback.reach, feedback.reach)
         share = np.where(walk.phase < feedback.lock, min(1.0, self._period / feedback.settling), 0)
         walk.constraints.displacement += share[:, None] * (wanted - walk.constraints.displacement)

@@ -59,8 +59,8 @@ class FootPlacementConfig:
     """weight of its lateral velocity [s²/m²]"""
     forward: Positive[Number]
     """weight of its forward velocity [s²/m²]"""
-    displacement: Positive[Number]
-    """weight of the displacement of the foot [1/m²]"""
+    displacement: tuple[Positive[Number], Positive[Number]]
+    """weights of the foot's displacement, forward and leftward [1/m²]"""
     reach: NonNegative[Metres]
     """greatest displacement in each direction"""
 

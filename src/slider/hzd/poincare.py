@@ -1,4 +1,4 @@
-"""Return maps: cycles of maps, their derivatives, and their restriction to what does not vanish.
+"""Return maps: cycles of maps, their derivatives, and their restriction to a manifold.
 
 A cycle of period k are maps P_0 … P_{k−1}, from section to section, and points
 x_{j+1} = P_j(x_j), x_k = x_0. For a walk, a map is one step and a section the states just after
@@ -66,36 +66,37 @@ def chain(derivatives: Sequence[np.ndarray]) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Restriction:
-    """The r-dimensional dynamics that a cycle of linear maps has after its first turn.
+    """The r-dimensional dynamics on a manifold that attracts all points within one map.
 
-    DP_j has rank r: its image, the tangent of the zero dynamics at section j + 1, has coordinates
-    ξ = C x. A perturbation off that image counts as the one on it that has the same future,
-    ζ = Z x; on it both are the same.
+    A perturbation off the manifold counts as the one on it that has the same future, ζ = Z x.
 
     Attributes:
-        embedding: E (k, d, r): x = E ξ on the image.
         projection: Z (k, r, d).
-        maps: A (k, r, r): ξ_{j+1} = A_j ξ_j.
+        maps: A (k, r, r): ζ_{j+1} = A_j ζ_j; their product has the multipliers of the whole cycle
+            that are not zero.
     """
 
-    embedding: np.ndarray
     projection: np.ndarray
     maps: np.ndarray
 
 
-def restrict(derivatives: Sequence[np.ndarray], coordinates: Sequence[np.ndarray]) -> Restriction:
-    """Restriction of derivatives (d, d) with coordinates C_j (r, d) at their sections."""
-    embedding = []
-    for j, coordinate in enumerate(coordinates):
-        before = derivatives[j - 1]
-        image = np.linalg.svd(before)[0][:, : len(coordinate)]
-        embedding.append(image @ np.linalg.inv(coordinate @ image))
-    maps, projection = [], []
-    for j, derivative in enumerate(derivatives):
-        onward = coordinates[(j + 1) % len(coordinates)] @ derivative
-        maps.append(onward @ embedding[j])
-        projection.append(np.linalg.solve(maps[-1], onward))
-    return Restriction(np.stack(embedding), np.stack(projection), np.stack(maps))
+def restrict(
+    derivatives: Sequence[np.ndarray], tangents: Sequence[np.ndarray], futures: Sequence[np.ndarray]
+) -> Restriction:
+    """Restriction to a manifold.
+
+    Args:
+        derivatives: DP_j (d, d).
+        tangents: E_j (d, r): x = E_j ξ on the manifold at section j.
+        futures: F_j (r, d), derivative of what the rest of map j depends on alone.
+    """
+    projection = [np.linalg.solve(f @ e, f) for f, e in zip(futures, tangents, strict=True)]
+    onward = projection[1:] + projection[:1]
+    maps = [
+        z @ derivative @ e
+        for z, derivative, e in zip(onward, derivatives, tangents, strict=True)
+    ]
+    return Restriction(np.stack(projection), np.stack(maps))
 
 
 def multipliers(derivatives: Sequence[np.ndarray]) -> np.ndarray:

@@ -13,6 +13,7 @@ s̈ = −k_v (ṡ − 1/T). On the zero dynamics (roll, roll rate, s, ṡ) the p
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -142,10 +143,13 @@ class _Run:
     def flow(self, z: np.ndarray, anchored: bool) -> Flow:
         phase = self._start(z, anchored)
         start = self._residual(phase, z)
-        nodes = [self._advance(phase, z, -phase)]
+        nodes, heights = [self._advance(phase, z, -phase)], [np.zeros(len(z))]
         for s, after in zip(_NODES[:-1], _NODES[1:], strict=True):
             nodes.append(self._advance(np.full(len(z), s), nodes[-1], np.full(len(z), after - s)))
-        phase, z, alive = self._impact(np.stack(nodes))
+            heights.append(self._measure(nodes[-1]).height)
+            if after > 1.0 and not (heights[-1] > 0).any():
+                break
+        phase, z, alive = self._impact(np.stack(nodes), np.stack(heights))
         q, v = z[:, :NUM], z[:, NUM:-1]
         middle = self._residual(np.full(len(z), 0.5), nodes[_WITHIN // 2])
         sampled = np.stack(nodes[:_WITHIN:2])
@@ -214,10 +218,12 @@ class _Run:
             slopes[k] = self._derivative(phase + _C[k] * width, z + width[:, None] * inner)
         return z + width[:, None] * np.tensordot(_B, slopes, axes=1)
 
-    def _impact(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _impact(
+        self, nodes: np.ndarray, heights: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Phases (n,) and states (n, 23) where the swing foot comes down; whether it does."""
-        heights = np.stack([self._measure(z).height for z in nodes])
-        down = (heights[:-1] > 0) & (heights[1:] <= 0) & (_NODES[:-1, None] >= _GUARD)
+        late = _NODES[: len(nodes) - 1, None] >= _GUARD
+        down = (heights[:-1] > 0) & (heights[1:] <= 0) & late
         alive = down.any(axis=0)
         last, rows = np.where(alive, down.argmax(axis=0), 0), np.arange(nodes.shape[1])
         start, before = _NODES[last], nodes[last, rows]
@@ -237,11 +243,11 @@ class _Run:
         matrix = self._outputs if self.plan.clock else np.delete(self._outputs, _ANKLE, axis=0)
         return np.abs(np.stack([error @ matrix.T for error in errors])).max(axis=(0, 2))
 
-    @property
+    @cached_property
     def _outputs(self) -> np.ndarray:
         return output_matrix(self.config.outputs)
 
-    @property
+    @cached_property
     def _columns(self) -> np.ndarray:
         """Of the roll and the joints (10, 11)."""
         return np.delete(self._outputs, YAW, axis=1)

@@ -1,4 +1,4 @@
-"""Steps of a stored gait, as the closed loop follows them."""
+"""Steps of stored gaits, as the closed loop follows them."""
 
 from dataclasses import replace
 
@@ -17,51 +17,64 @@ _HIP_NODES = 41
 
 
 def plans(
-    library: GaitLibrary, gait: int, model: RootedModel, config: VirtualConstraintsConfig
-) -> list[StepPlan]:
-    """Both steps of a gait, the second reflected."""
-    return [_plan(library, gait, step, model, config) for step in range(2)]
+    library: GaitLibrary, gaits: np.ndarray, model: RootedModel, config: VirtualConstraintsConfig
+) -> tuple[StepPlan, StepPlan]:
+    """Both steps of some gaits by index (n,), the second reflected."""
+    first, second = (_plan(library, gaits, step, model, config) for step in range(2))
+    return first, second
 
 
 def _plan(
     library: GaitLibrary,
-    gait: int,
+    gaits: np.ndarray,
     step: int,
     model: RootedModel,
     config: VirtualConstraintsConfig,
 ) -> StepPlan:
-    duration = float(library.step_time[gait, step])
-    rolls = library.arrays["roll"][gait, step][None] * duration ** np.arange(3)
+    n, duration = len(gaits), library.step_time[gaits, step]
+    per_phase = duration[:, None] ** np.arange(3)
+    rolls = library.arrays["roll"][gaits, step] * per_phase[:, None]
+    clock = library.velocities[gaits, 0] < config.slowest_hip
     plan = StepPlan(
-        library.arrays["coefficients"][gait, step],
+        library.arrays["coefficients"][gaits, step],
         NodeTable(rolls[..., :1], rolls[..., 1:2], rolls[..., 2:]),
-        NodeTable(*np.zeros((2, 1, 2, 1))),
-        np.zeros((NUM - 1, 2)),
+        NodeTable(*np.zeros((2, n, 2, 1))),
+        np.zeros((n, NUM - 1, 2)),
         duration,
-        config.phase == "time" or library.velocities[gait, 0] < config.slowest_hip,
+        clock | (config.phase == "time"),
         KneeLengths.of(library.robot),
     )
-    return _complete(plan, model, config)
+    return replace(
+        plan, hip=_hip(plan, model, config), placement=_placement(plan, model, config)
+    )
 
 
-def _complete(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> StepPlan:
-    """With its hip and its placement matrix."""
-    orders = motion(plan, np.linspace(0.0, 1.0, _HIP_NODES), config)
-    hip = model.measure(orders[0], orders[1]).hip
-    _, _, slope, bend = model.constrained(orders[0], orders[1])
-    rate = (slope * orders[1]).sum(axis=1)
-    curve = bend + (slope * orders[2]).sum(axis=1)
-    table = NodeTable(*(values[None, :, None] for values in (hip, rate, curve)))
-    return replace(plan, hip=table, placement=model.placement(orders[0][-1:])[0])
+def _hip(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> NodeTable:
+    n = len(plan.duration)
+    rows, phase = np.repeat(np.arange(n), _HIP_NODES), np.linspace(0.0, 1.0, _HIP_NODES)
+    q, rate, turn = motion(plan.of(rows), np.tile(phase, n), config)
+    _, _, slope, bend = model.constrained(q, rate)
+    orders = (
+        model.measure(q, rate).hip,
+        (slope * rate).sum(axis=1),
+        bend + (slope * turn).sum(axis=1),
+    )
+    return NodeTable(*(order.reshape(n, _HIP_NODES, 1) for order in orders))
+
+
+def _placement(
+    plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig
+) -> np.ndarray:
+    return model.placement(motion(plan, np.ones(len(plan.duration)), config)[0])
 
 
 def motion(plan: StepPlan, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:
-    """q of the gait (3, n, 11) and its derivatives over the phase at phases (n,)."""
-    orders = np.stack(plan.constraints(len(phase), config).desired(phase))
+    """q of n gaits at phases (n,), and its derivatives over the phase (3, n, 11)."""
+    orders = np.stack(plan.constraints(config).desired(phase))
     return orders[..., [ROLL, *range(JOINTS, orders.shape[-1])]]
 
 
 def start(plan: StepPlan, config: VirtualConstraintsConfig) -> np.ndarray:
-    """State (22,) of the collocated gait just after its impact."""
-    q, rate, _ = motion(plan, np.zeros(1), config)
-    return np.concatenate([q[0], rate[0] / plan.duration])
+    """States (n, 22) of the collocated gaits at the start of the step."""
+    q, rate, _ = motion(plan, np.zeros(len(plan.duration)), config)
+    return np.concatenate([q, rate / plan.duration[:, None]], axis=1)

@@ -60,6 +60,11 @@ class NodeTable:
     slopes: np.ndarray
     curvatures: np.ndarray | None = None
 
+    def of(self, rows: np.ndarray) -> "NodeTable":
+        """The tables of some of the robots, in a given order."""
+        curvatures = None if self.curvatures is None else self.curvatures[rows]
+        return NodeTable(self.values[rows], self.slopes[rows], curvatures)
+
     def at(self, phase: np.ndarray) -> Orders:
         """Hermite interpolation (n, m) at phases (n,), and its derivatives.
 

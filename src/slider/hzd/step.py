@@ -42,15 +42,15 @@ _SLOWEST = 0.05  # of the gait's phase rate: a robot whose hip turns back has fa
 
 @dataclass(frozen=True)
 class StepPlan:
-    """What one step of a gait asks for, in reflected coordinates.
+    """What one step of n gaits asks for, in reflected coordinates.
 
     Attributes:
-        coefficients: of the virtual legs (10, degree + 1) [rad].
-        roll: of the stance foot (1, K, 1) [rad].
-        hip: forward position of the base's origin from the stance sole (1, K, 1) [m].
-        placement: D (10, 2).
-        duration: T [s].
-        clock: whether the phase is time.
+        coefficients: of the virtual legs (n, 10, degree + 1) [rad].
+        roll: of the stance foot (n, K, 1) [rad].
+        hip: forward position of the base's origin from the stance sole (n, K, 1) [m].
+        placement: D (n, 10, 2).
+        duration: T (n,) [s].
+        clock: whether the phase is time (n,).
         lengths: of the virtual legs.
     """
 
@@ -58,16 +58,28 @@ class StepPlan:
     roll: NodeTable
     hip: NodeTable
     placement: np.ndarray
-    duration: float
-    clock: bool
+    duration: np.ndarray
+    clock: np.ndarray
     lengths: KneeLengths
 
-    def constraints(self, n: int, config: VirtualConstraintsConfig) -> StepConstraints:
-        """The same for n robots."""
+    def of(self, rows: np.ndarray) -> "StepPlan":
+        """The steps of some of the gaits, in a given order."""
+        return StepPlan(
+            self.coefficients[rows],
+            self.roll.of(rows),
+            self.hip.of(rows),
+            self.placement[rows],
+            self.duration[rows],
+            self.clock[rows],
+            self.lengths,
+        )
+
+    def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
+        """Of these steps."""
         return StepConstraints(
-            np.broadcast_to(self.coefficients, (n, *self.coefficients.shape)),
-            repeated(self.roll, n),
-            np.broadcast_to(self.placement, (n, *self.placement.shape)),
+            self.coefficients,
+            self.roll,
+            self.placement,
             self.lengths,
             config.correction_end,
             (config.placement.lower, config.placement.upper),
@@ -116,18 +128,17 @@ class ClosedLoop:
         """From n states just after an impact to just after the next one.
 
         Args:
-            plan: of the step.
+            plan: of n steps.
             q, v: the states (n, 11).
             displacement: of the swing foot (n, 2) [m].
             anchored: whether the constraints start where the impact has left the robot.
         """
-        n = len(q)
-        constraints = plan.constraints(n, self.config)
+        constraints = plan.constraints(self.config)
         if displacement is not None:
             constraints.displacement = displacement
-        run = _Run(self.model, self.config, plan, constraints, repeated(plan.hip, n))
+        run = _Run(self.model, self.config, plan, constraints)
         with np.errstate(invalid="ignore", over="ignore"):
-            return run.flow(np.concatenate([q, v, np.zeros((n, 1))], axis=1), anchored)
+            return run.flow(np.concatenate([q, v, np.zeros((len(q), 1))], axis=1), anchored)
 
 
 @dataclass(frozen=True)
@@ -138,7 +149,6 @@ class _Run:
     config: VirtualConstraintsConfig
     plan: StepPlan
     constraints: StepConstraints
-    hip: NodeTable
 
     def flow(self, z: np.ndarray, anchored: bool) -> Flow:
         phase = self._start(z, anchored)
@@ -166,9 +176,7 @@ class _Run:
 
     def _start(self, z: np.ndarray, anchored: bool) -> np.ndarray:
         """Phases (n,) just after the impact; re-anchors the constraints."""
-        phase = np.zeros(len(z))
-        if not self.plan.clock:
-            phase = phase_of(self.hip, self._measure(z).hip)
+        phase = np.where(self.plan.clock, 0.0, phase_of(self.plan.hip, self._measure(z).hip))
         if anchored:
             x, rate = _coordinates(z)
             self.constraints.re_anchor(phase, x, rate / self._rate(phase, z)[:, None])
@@ -179,21 +187,18 @@ class _Run:
 
     def _rate(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
         """ṡ (n,) [1/s]."""
-        if self.plan.clock:
-            return np.full(len(z), 1.0 / self.plan.duration)
-        return phase_rate(self.hip, phase, self._measure(z).hip_rate)
+        hip = phase_rate(self.plan.hip, phase, self._measure(z).hip_rate)
+        return np.where(self.plan.clock, 1.0 / self.plan.duration, hip)
 
     def _derivative(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
         """dz/ds (n, 23)."""
         q, v = z[:, :NUM], z[:, NUM:-1]
         row, bias, slope, bend = self.model.constrained(q, v)
-        nominal = 1.0 / self.plan.duration
-        rate, turn = np.full(len(z), nominal), np.zeros(len(z))
-        _, hip_slope, hip_bend = (order[:, 0] for order in self.hip.at(phase))
-        if not self.plan.clock:
-            rate = (slope * v).sum(axis=1) / hip_slope
-            rate = np.where(rate > _SLOWEST * nominal, rate, np.nan)
-            turn = -self.config.rate_gain * (rate - nominal)
+        nominal, hip = 1.0 / self.plan.duration, ~self.plan.clock
+        _, hip_slope, hip_bend = (order[:, 0] for order in self.plan.hip.at(phase))
+        rate = np.where(hip, (slope * v).sum(axis=1) / hip_slope, nominal)
+        rate = np.where(rate > _SLOWEST * nominal, rate, np.nan)
+        turn = -self.config.rate_gain * (rate - nominal)
         desired, first, second = self.constraints.desired(phase)
         x, x_rate = _coordinates(z)
         error, error_rate = x - desired, x_rate - first * rate[:, None]
@@ -202,9 +207,8 @@ class _Run:
         matrix = np.empty((len(z), NUM, NUM))
         right = np.empty((len(z), NUM))
         matrix[:, :-1], right[:, :-1] = self._columns, wanted @ self._outputs.T
-        if not self.plan.clock:
-            matrix[:, _ANKLE] = slope
-            right[:, _ANKLE] = hip_slope * turn + hip_bend * rate**2 - bend
+        matrix[hip, _ANKLE] = slope[hip]
+        right[hip, _ANKLE] = (hip_slope * turn + hip_bend * rate**2 - bend)[hip]
         matrix[:, -1], right[:, -1] = row, -bias
         acceleration = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
         derivative = np.concatenate([v, acceleration, np.ones((len(z), 1))], axis=1)
@@ -240,8 +244,9 @@ class _Run:
         desired, first, _ = self.constraints.desired(phase)
         x, rate = _coordinates(z)
         errors = [x - desired, rate - first * self._rate(phase, z)[:, None]]
-        matrix = self._outputs if self.plan.clock else np.delete(self._outputs, _ANKLE, axis=0)
-        return np.abs(np.stack([error @ matrix.T for error in errors])).max(axis=(0, 2))
+        found = np.abs(np.stack([error @ self._outputs.T for error in errors]))
+        found[:, ~self.plan.clock, _ANKLE] = 0.0
+        return found.max(axis=(0, 2))
 
     @cached_property
     def _outputs(self) -> np.ndarray:
@@ -259,15 +264,3 @@ def _coordinates(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for part, values in zip(found, (z[:, :NUM], z[:, NUM:-1]), strict=True):
         part[:, ROLL], part[:, JOINTS:] = values[:, 0], values[:, 1:]
     return found[0], found[1]
-
-
-def repeated(table: NodeTable, n: int) -> NodeTable:
-    """The table of one robot (1, K, m) for n robots."""
-    columns = (table.values, table.slopes, table.curvatures)
-    values, slopes, curvatures = (
-        None if c is None else np.broadcast_to(c, (n, *c.shape[1:])) for c in columns
-    )
-    assert values is not None and slopes is not None
-    return NodeTable(values, slopes, curvatures)
-
-

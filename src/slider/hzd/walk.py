@@ -9,6 +9,7 @@ horizontal velocity of the centre of mass in the frame of the stance sole; with 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.linalg import null_space
@@ -18,12 +19,11 @@ from slider.gait.rooted import NUM
 from slider.hzd.feedback import periodic_lqr
 from slider.hzd.outputs import YAW, output_matrix
 from slider.hzd.plans import motion, start
-from slider.hzd.poincare import differences, limit_cycle, restrict
-from slider.hzd.step import PHASES, ClosedLoop, Flow, StepPlan
+from slider.hzd.poincare import Map, differences, limit_cycles, restrict
+from slider.hzd.step import PHASES, ClosedLoop, StepPlan
 
 COORDINATES = ("com_y", "com_y_rate", "com_x_rate")
 _STATE = 2 * NUM
-_REST = np.zeros(2)
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,6 @@ class Walk:
         maps, inputs: A (2, r, r), B (2, r, 2).
         gains: K (2, 2, r): b = −K ξ.
         phase_gains: K(s) (2, S, 2, 3).
-        residuals: of the outputs on the orbit; see ``Flow``.
-        pitch: by which the ankle lays the new foot flat, per change of the impact's time
-            [rad/s].
     """
 
     points: np.ndarray
@@ -66,99 +63,113 @@ class Walk:
         return self.derivatives - self.placements @ self.gains @ self.projection
 
 
-def linearise(loop: ClosedLoop, steps: Sequence[StepPlan], config: HzdConfig) -> Walk:
-    """Limit cycle, return map and foot placement of a gait.
+@dataclass(frozen=True)
+class Linearisation:
+    """Limit cycles of G gaits and derivatives there, before anything is made of them.
+
+    Attributes:
+        found: whether there is a limit cycle (G,).
+        points: (2, G, 22).
+        orbit: (2, G, S, 3).
+        derivatives: of state after the next impact and ξ at ``PHASES`` (2, G, 22 + 3 S, 24) by
+            state and displacement; ``errors``: their greatest change with half the difference (G,).
+    """
+
+    found: np.ndarray
+    points: np.ndarray
+    orbit: np.ndarray
+    derivatives: np.ndarray
+    errors: np.ndarray
+
+
+def linearise(loop: ClosedLoop, steps: Sequence[StepPlan], config: HzdConfig) -> Linearisation:
+    """Limit cycles of n gaits, and their derivatives by central differences."""
+    size = config.linearisation.difference
+    maps = [partial(_observe, loop, plan) for plan in steps]
+    points, found = limit_cycles(
+        [partial(_state_after, each) for each in maps],
+        start(steps[0], config),
+        size,
+        config.linearisation.tolerance,
+    )
+    points = np.where(found[:, None], points, start(steps[0], config))
+    at = np.concatenate([points, np.zeros((*points.shape[:2], 2))], axis=2)
+    rows = np.arange(len(found))
+    orbit = np.stack([each(z, rows)[:, _STATE:] for each, z in zip(maps, at, strict=True)])
+    whole, half = (
+        np.stack([differences(each, z, share * size) for each, z in zip(maps, at, strict=True)])
+        for share in (1.0, 0.5)
+    )
+    errors = np.abs(whole - half).max(axis=(0, 2, 3))
+    orbit = orbit.reshape(2, len(found), len(PHASES), len(COORDINATES))
+    return Linearisation(found, points, orbit, half, errors)
+
+
+def _observe(loop: ClosedLoop, plan: StepPlan, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """State after the next impact (22), then ξ at all phases, of states and displacements."""
+    flow = loop.step(plan.of(rows), z[:, :NUM], z[:, NUM:_STATE], z[:, _STATE:])
+    seen = []
+    for q, v in zip(flow.q, flow.v, strict=True):
+        at = loop.model.measure(q, v)
+        seen += [at.com[:, 1], at.com_rate[:, 1], at.com_rate[:, 0]]
+    return np.concatenate([flow.landed.q, flow.landed.v, np.stack(seen, axis=1)], axis=1)
+
+
+def _state_after(observe: Map, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return observe(np.concatenate([x, np.zeros((len(x), 2))], axis=1), rows)[:, :_STATE]
+
+
+def walk(
+    loop: ClosedLoop, steps: Sequence[StepPlan], found: Linearisation, gait: int, config: HzdConfig
+) -> Walk:
+    """Return map and foot placement of one of the gaits.
 
     Raises:
-        ValueError: no limit cycle.
         UserError: no foot placement stabilises it.
     """
-    settings = config.linearisation
-    maps = [lambda x, plan=plan: _observe(loop, plan, x, 0 * x[:, :2])[:, :_STATE] for plan in steps]
-    points = limit_cycle(maps, start(steps[0], config), settings.difference, settings.tolerance)
-    full = [_derivative(loop, *each, settings.difference) for each in zip(steps, points, strict=True)]
-    half = [
-        _derivative(loop, *each, settings.difference / 2) for each in zip(steps, points, strict=True)
-    ]
-    derivative = np.stack(half)
-    r = 2 if steps[0].clock else 3
-    landed, seen = derivative[:, :_STATE], derivative[:, _STATE:].reshape(2, len(PHASES), 3, -1)
-    seen = seen[:, :, :r]
-    tangents = [
-        _tangent(loop, *each, r) for each in zip(steps, points, seen[:, 0, :, :_STATE], strict=True)
-    ]
+    derivative = found.derivatives[:, gait]
+    r = 2 if steps[0].clock[gait] else len(COORDINATES)
+    landed = derivative[:, :_STATE]
+    seen = derivative[:, _STATE:].reshape(2, len(PHASES), len(COORDINATES), -1)[:, :, :r]
+    tangents = np.stack([
+        _tangent(loop, plan.of(np.array([gait])), now[:, :_STATE])
+        for plan, now in zip(steps, seen[:, 0], strict=True)
+    ])
     free = int(np.searchsorted(PHASES, config.correction_end - 1e-9))
-    restriction = restrict(landed[..., :_STATE], tangents, seen[:, free, :, :_STATE])
-    projection = restriction.projection
-    inputs = projection[::-1] @ landed[..., _STATE:]
+    restricted = restrict(landed[..., :_STATE], tangents, seen[:, free, :, :_STATE])
+    inputs = restricted.projection[::-1] @ landed[..., _STATE:]
     weights = config.feedback
     gains = periodic_lqr(
-        restriction.maps,
+        restricted.maps,
         inputs,
         np.diag([weights.position, weights.lateral, weights.forward][:r]),
         np.diag(weights.displacement),
     )
-    flow = seen[..., :_STATE] @ np.stack(tangents)[:, None]
-    flow = flow - seen[..., _STATE:] @ gains[:, None]
-    phase_gains = np.zeros((2, len(PHASES), 2, 3))
+    flow = seen[..., :_STATE] @ tangents[:, None] - seen[..., _STATE:] @ gains[:, None]
+    phase_gains = np.zeros((2, len(PHASES), 2, len(COORDINATES)))
     phase_gains[..., :r] = gains[:, None] @ np.linalg.inv(flow)
-    orbit = np.stack([_seen(loop, loop.step(p, *_split(x))) for p, x in zip(steps, points, strict=True)])
     return Walk(
-        np.stack(points),
-        orbit[:, 0],
+        found.points[:, gait],
+        found.orbit[:, gait],
         landed[..., :_STATE],
         landed[..., _STATE:],
-        float(np.abs(np.stack(full) - derivative).max()),
-        projection,
-        restriction.maps,
+        float(found.errors[gait]),
+        restricted.projection,
+        restricted.maps,
         inputs,
         gains,
         phase_gains,
     )
 
 
-def _split(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """q and q̇ (n, 11) of a state or of states (n, 22)."""
-    x = np.atleast_2d(x)
-    return x[:, :NUM], x[:, NUM:]
-
-
-def _seen(loop: ClosedLoop, flow: Flow) -> np.ndarray:
-    """(c_y, ċ_y, ċ_x) at ``PHASES`` (n, S, 3)."""
-    found = []
-    for q, v in zip(flow.q, flow.v, strict=True):
-        at = loop.model.measure(q, v)
-        found.append(np.stack([at.com[:, 1], at.com_rate[:, 1], at.com_rate[:, 0]], axis=1))
-    return np.stack(found, axis=1)
-
-
-def _observe(loop: ClosedLoop, plan: StepPlan, x: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """State after the next impact (22), then ξ at all phases, of states and displacements."""
-    flow = loop.step(plan, *_split(x), b)
-    seen = _seen(loop, flow).reshape(len(x), -1)
-    return np.concatenate([flow.landed.q, flow.landed.v, seen], axis=1)
-
-
-def _derivative(loop: ClosedLoop, plan: StepPlan, x: np.ndarray, size: float) -> np.ndarray:
-    """Of ``_observe`` by state and displacement (22 + 3 S, 24)."""
-    return differences(
-        lambda z: _observe(loop, plan, z[:, :_STATE], z[:, _STATE:]), np.r_[x, _REST], size
-    )
-
-
-def _tangent(
-    loop: ClosedLoop, plan: StepPlan, point: np.ndarray, seen: np.ndarray, r: int
-) -> np.ndarray:
+def _tangent(loop: ClosedLoop, plan: StepPlan, seen: np.ndarray) -> np.ndarray:
     """E (22, r): states on the zero dynamics at the section, by their ξ.
 
     Roll and roll rate turn what the outputs leave free; the phase's rate moves along the gait.
     """
-    rows = np.delete(output_matrix(loop.config.outputs), YAW, axis=1)
-    free = null_space(rows)
+    free = null_space(np.delete(output_matrix(loop.config.outputs), YAW, axis=1))
     along = motion(plan, np.zeros(1), loop.config)[1].T
     rest = np.zeros((NUM, 1))
-    columns = [np.r_[free, rest], np.r_[rest, free], np.r_[rest, along]][:r]
-    tangent = np.concatenate(columns, axis=1)
+    columns = [np.r_[free, rest], np.r_[rest, free], np.r_[rest, along]]
+    tangent = np.concatenate(columns[: len(seen)], axis=1)
     return tangent @ np.linalg.inv(seen @ tangent)
-
-

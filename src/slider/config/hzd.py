@@ -97,18 +97,25 @@ class BasinConfig:
     """in each direction"""
     steps: Count
     """after which a walk has returned or not"""
-    returned: Positive[Radians]
-    """greatest deviation of the roll from the limit cycle's then"""
+    returned: tuple[Positive[Radians], Positive[RadiansPerSecond]]
+    """greatest deviation of roll and roll rate from the limit cycle's then"""
 
 
 @dataclass(frozen=True, config=STRICT)
-class HzdConfig(VirtualConstraintsConfig):
-    """All of hybrid zero dynamics."""
+class StabilityConfig(VirtualConstraintsConfig):
+    """Virtual constraints, and what their stability is measured and made with."""
 
     feedback: FootPlacementConfig
     linearisation: LinearisationConfig
     impacts: ImpactGrid
     """at which hybrid invariance is measured"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class HzdConfig(StabilityConfig):
+    """All of hybrid zero dynamics."""
+
     basin: BasinConfig
+    """which perturbed starts return to the limit cycle, with and without foot placement"""
     chunk: Count
     """gaits per job"""

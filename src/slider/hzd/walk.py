@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 from scipy.linalg import null_space
 
-from slider.config.hzd import HzdConfig
+from slider.config.hzd import StabilityConfig
 from slider.gait.rooted import NUM
 from slider.hzd.feedback import periodic_lqr
 from slider.hzd.outputs import YAW, output_matrix
@@ -82,7 +82,7 @@ class Linearisation:
     errors: np.ndarray
 
 
-def linearise(loop: ClosedLoop, steps: Sequence[StepPlan], config: HzdConfig) -> Linearisation:
+def linearise(loop: ClosedLoop, steps: Sequence[StepPlan], config: StabilityConfig) -> Linearisation:
     """Limit cycles of n gaits, and their derivatives by central differences."""
     size = config.linearisation.difference
     maps = [partial(_observe, loop, plan) for plan in steps]
@@ -120,7 +120,7 @@ def _state_after(observe: Map, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def walk(
-    loop: ClosedLoop, steps: Sequence[StepPlan], found: Linearisation, gait: int, config: HzdConfig
+    loop: ClosedLoop, steps: Sequence[StepPlan], found: Linearisation, gait: int, config: StabilityConfig
 ) -> Walk:
     """Return map and foot placement of one of the gaits.
 

@@ -85,10 +85,8 @@ class ImpactGrid:
 
 @dataclass(frozen=True, config=STRICT)
 class BasinConfig:
-    """Basin of attraction, for a few gaits."""
+    """Which perturbed starts return to the limit cycle, with and without foot placement."""
 
-    gaits: Some[tuple[MetresPerSecond, MetresPerSecond]]
-    """vx, vy"""
     roll: Interval[Radians]
     """of the perturbation"""
     roll_rate: Interval[RadiansPerSecond]
@@ -112,10 +110,17 @@ class StabilityConfig(VirtualConstraintsConfig):
 
 
 @dataclass(frozen=True, config=STRICT)
+class BasinsConfig(BasinConfig):
+    """Basins of attraction of a few gaits."""
+
+    gaits: Some[tuple[MetresPerSecond, MetresPerSecond]]
+    """vx, vy; those that the library does not ask for are left out"""
+
+
+@dataclass(frozen=True, config=STRICT)
 class HzdConfig(StabilityConfig):
     """All of hybrid zero dynamics."""
 
-    basin: BasinConfig
-    """which perturbed starts return to the limit cycle, with and without foot placement"""
+    basin: BasinsConfig
     chunk: Count
     """gaits per job"""

@@ -88,8 +88,8 @@ def portrait(
 ) -> np.ndarray:
     """Roll and roll rate (steps · S, 2) of a walk from a state (22,), up to a fall."""
     x, seen = start[None], []
-    for step in range(count):
-        flow = loop.step(steps[step % 2], *np.split(x, 2, axis=1), _displaced(placement, step, x))
+    for step in np.arange(count) % 2:
+        flow = loop.step(steps[step], *np.split(x, 2, axis=1), _displaced(placement, step, x))
         if not flow.alive[0]:
             break
         seen.append(np.stack([flow.q[:, 0, 0], flow.v[:, 0, 0]], axis=1))

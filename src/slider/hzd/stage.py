@@ -30,7 +30,7 @@ from slider.library.reader import STORE, GaitLibrary
 RECORDS = "gaits.json"
 CSV, MARKDOWN = "stability.csv", "stability.md"
 BASIN = "basin.npz"
-_PUSH = 0.4  # a portrait's start: share of the greatest perturbation of the roll rate
+_PUSH = 0.3  # a portrait's start: share of the greatest perturbation of the roll rate
 
 
 def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -97,6 +97,7 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     steps = plans(library, gait, loop.model, config)
     found = walk(loop, steps, linearise(loop, steps, config), 0, config)
     arrays = {name: np.array(values) for name, values in vars(axes(basin)).items()}
+    arrays["velocity"] = library.velocities[gait[0]]
     push = ImpactGrid([0.0], [_PUSH * basin.roll_rate.upper])
     start = perturbed(loop, found.points[:1], push)[1][0]
     cases = {"without": None, "with": Placement(found, config.feedback.reach)}

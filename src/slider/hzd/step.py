@@ -37,6 +37,7 @@ _GUARD = 0.5  # phase from which a swing foot can land
 _STAGES = DOP853.n_stages
 _A, _B, _C = DOP853.A[:_STAGES, :_STAGES], DOP853.B, DOP853.C[:_STAGES]
 _NEWTON = 6
+_LOST = 1e9  # no entry of a robot that walks is as great
 _SLOWEST = 0.05  # of the gait's phase rate: a robot whose hip turns back has fallen
 
 
@@ -210,6 +211,8 @@ class _Run:
         matrix[hip, _ANKLE] = slope[hip]
         right[hip, _ANKLE] = (hip_slope * turn + hip_bend * rate**2 - bend)[hip]
         matrix[:, -1], right[:, -1] = row, -bias
+        lost = ~(np.abs(matrix).max(axis=(1, 2)) < _LOST)
+        matrix[lost], right[lost] = np.eye(NUM), np.nan
         acceleration = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
         derivative = np.concatenate([v, acceleration, np.ones((len(z), 1))], axis=1)
         return derivative / rate[:, None]
@@ -232,11 +235,13 @@ class _Run:
         last, rows = np.where(alive, down.argmax(axis=0), 0), np.arange(nodes.shape[1])
         start, before = _NODES[last], nodes[last, rows]
         high, low = heights[last, rows], heights[last + 1, rows]
-        width = (_NODES[last + 1] - start) * high / np.where(alive, high - low, 1.0)
+        most = _NODES[last + 1] - start
+        width = most * np.where(alive, high / np.where(alive, high - low, 1.0), 0.0)
         for _ in range(_NEWTON):
             z = self._advance(start, before, width)
             seen = self._measure(z)
-            width = width - seen.height / seen.height_rate * self._rate(start + width, z)
+            moved = width - seen.height / seen.height_rate * self._rate(start + width, z)
+            width = np.where(alive & (np.abs(moved) <= 2 * most), moved, 0.5 * most)
         return start + width, self._advance(start, before, width), alive
 
     def _residual(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ which changes the robot.
 from pipeline.stages.evaluation import evaluations_of, table1
 from pipeline.stages.gaits import figure_jobs, library_job
 from pipeline.stages.protocols import protocol_jobs
+from pipeline.stages.stability import stability_jobs
 from pipeline.stages.training import policy_export, training_jobs
 from pipeline.stages.verification import verification_jobs
 from slider.artefacts.plan import JobSpec
@@ -25,6 +26,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
+    targets |= stability_jobs(config, library)
     targets |= {"policy_export": policy_export(targets["walking"])}
     return targets | protocol_jobs(config, targets)
 

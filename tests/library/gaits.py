@@ -28,6 +28,7 @@ SHAPES = {
     "contact": (SAMPLES, 2),
     "coefficients": (2, 10, 9),
     "roll": (2, HALF, 3),
+    "decoupling": (SAMPLES, 2),
     "knee_positions": (SAMPLES, 10),
     "knee_velocities": (SAMPLES, 10),
     "knee_torques": (SAMPLES, 10),

@@ -174,6 +174,8 @@ class SolveConfig:
 
     kinematic_map: Literal["exact", "paper"]
     """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
+    decoupling_min: Annotated[float, Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
+    """least singular value of the decoupling matrix, per share of the motors' torque limits"""
     step_time: StepTime
     solver: SolverConfig
 

@@ -9,6 +9,7 @@ from slider.config.control import AnyControl
 from slider.config.env import EnvConfig
 from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
+from slider.config.hzd import HzdConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
 from slider.config.studies import AblationConfig, SensitivityConfig
@@ -48,6 +49,7 @@ class Config:
     robot: RobotConfig
     gait: GaitConfig
     library: LibraryConfig
+    hzd: HzdConfig
     env: EnvConfig
     train: TrainingsConfig
     control: dict[str, AnyControl]

@@ -7,7 +7,7 @@ knee's (``StanceTree``).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -109,30 +109,50 @@ class StanceTree:
         return r @ dynamics.force, r @ moment
 
 
-class PrismaticTree(StanceTree):
-    """The real robot standing on its left foot, its motion given in the virtual knee's coordinates.
+class SlideTree(StanceTree):
+    """The real robot standing on its left foot, in the coordinates of its own joints.
 
     Args:
-        model, leg_length: the coordinates.
+        model: lengths of the robot.
+        leg_length: at slide = 0 [m].
         leg: the prismatic robot's bodies, rotors and friction.
     """
 
     def __init__(self, model: KneeModel, leg_length: float, leg: PrismaticModel) -> None:
         super().__init__(model, leg_length)
-        self._leg = leg
-        self._edges = edges_of(model.hip_offset, prismatic_leg(leg_length))
+        self.leg = leg
+        self.edges = edges_of(model.hip_offset, prismatic_leg(leg_length))
 
     def newton_euler(
         self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
     ) -> InverseDynamics:
         """As :meth:`StanceTree.newton_euler`, of the prismatic legs, their rotors and friction."""
         foot = (angular, turning, linear)
+        efforts, force, moment = _pass(self.edges, self.leg.bodies, foot, q, v, a)
+        inertia = ca.DM(np.kron(np.eye(2), self.leg.inertia))
+        efforts += inertia @ a + ca.DM(np.tile(self.leg.damping, 2)) * v
+        return InverseDynamics(efforts, efforts, force, moment)
+
+
+class PrismaticTree(StanceTree):
+    """The real robot standing on its left foot, its motion given in the virtual knee's coordinates.
+
+    Args:
+        model, leg_length, leg: as those of :class:`SlideTree`, in whose coordinates bodies move.
+    """
+
+    def __init__(self, model: KneeModel, leg_length: float, leg: PrismaticModel) -> None:
+        super().__init__(model, leg_length)
+        self._slides = SlideTree(model, leg_length, leg)
+
+    def newton_euler(
+        self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
+    ) -> InverseDynamics:
+        """As :meth:`SlideTree.newton_euler`; torques are the virtual knee's."""
         place, rate = self.map.positions(q), self.map.velocities(q, v)
         turn = self.map.accelerations(q, v, a)
-        efforts, force, moment = _pass(self._edges, self._leg.bodies, foot, place, rate, turn)
-        inertia = ca.DM(np.kron(np.eye(2), self._leg.inertia))
-        efforts += inertia @ turn + ca.DM(np.tile(self._leg.damping, 2)) * rate
-        return InverseDynamics(self.map.knee_torques(q, efforts), efforts, force, moment)
+        found = self._slides.newton_euler(angular, turning, linear, place, rate, turn)
+        return replace(found, torques=self.map.knee_torques(q, found.efforts))
 
 
 def _pass(

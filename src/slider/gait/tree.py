@@ -112,7 +112,11 @@ def edges_of(hip_offset: float, chain: LegChain) -> list[Edge]:
 
 
 def next_pose(pose: BodyPose, edge: Edge, q: ca.SX, v: ca.SX) -> BodyPose:
-    """The child's pose of a parent's, where the joint turns."""
+    """The child's pose of a parent's."""
+    if edge.slides:
+        place, rate = edge.place(q), edge.unit * (edge.sign * v[edge.joint])
+        moved = pose.linear + pose.rotation @ (ca.cross(pose.angular, place) + rate)
+        return BodyPose(pose.rotation, pose.origin + pose.rotation @ place, pose.angular, moved)
     turn = rotation(edge.axis, edge.sign * q[edge.joint])
     rot = pose.rotation @ turn
     angular = turn.T @ pose.angular + edge.unit * (edge.sign * v[edge.joint])

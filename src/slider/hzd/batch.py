@@ -1,32 +1,27 @@
-"""Rows of dataclasses whose arrays have one row per robot."""
+"""CasADi functions of many states at once, as NumPy has them."""
 
-import copy
-from dataclasses import fields, is_dataclass
-from typing import Any, TypeVar
+from collections.abc import Sequence
+from functools import cache
 
+import casadi as ca
 import numpy as np
 
-T = TypeVar("T")
 
+class Batch:
+    """A function of vectors that gives matrices, for n rows of arguments."""
 
-def take(batch: T, index: np.ndarray) -> T:
-    """A copy with the rows ``index`` of all arrays, nested dataclasses included."""
-    found = copy.copy(batch)
-    for name, value in _parts(batch):
-        part = value[index] if isinstance(value, np.ndarray) else take(value, index)
-        object.__setattr__(found, name, part)
-    return found
+    def __init__(self, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> None:
+        self._shapes = [result.shape for result in results]
+        stacked = ca.vertcat(*(ca.vec(ca.densify(result)) for result in results))
+        self._mapped = cache(ca.Function("batch", list(arguments), [stacked]).map)
+        self._ends = np.cumsum([rows * columns for rows, columns in self._shapes])[:-1]
 
-
-def put(batch: T, index: np.ndarray, rows: T) -> None:
-    """Overwrite the rows ``index`` of all arrays with those of another batch."""
-    for name, value in _parts(batch):
-        if isinstance(value, np.ndarray):
-            value[index] = getattr(rows, name)
-        else:
-            put(value, index, getattr(rows, name))
-
-
-def _parts(batch: Any) -> list[tuple[str, Any]]:
-    found = [(item.name, getattr(batch, item.name)) for item in fields(batch)]
-    return [(n, v) for n, v in found if isinstance(v, np.ndarray) or is_dataclass(v)]
+    def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
+        """Results (n, rows, columns), a single column as (n, rows), of arguments (n, width)."""
+        n = len(arguments[0])
+        found = self._mapped(n)(*(argument.T for argument in arguments)).full().T
+        parts = np.split(found, self._ends, axis=1)
+        return [
+            part if columns == 1 else part.reshape(n, columns, rows).transpose(0, 2, 1)
+            for part, (rows, columns) in zip(parts, self._shapes, strict=True)
+        ]

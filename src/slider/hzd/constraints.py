@@ -14,7 +14,14 @@ import numpy as np
 
 from slider.gait import bezier
 from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL
-from slider.hzd.polynomials import NodeTable, Orders, fade_slope, fade_value, smooth_step
+from slider.hzd.polynomials import (
+    NodeTable,
+    Orders,
+    extended,
+    fade_slope,
+    fade_value,
+    smooth_step,
+)
 from slider.robot.knee_map import KneeLengths, prismatic_motion
 
 _LEAST = 0.2  # a correction lasts at least this share of a step
@@ -63,15 +70,15 @@ class StepConstraints:
     def desired(self, phase: np.ndarray) -> Orders:
         """x_d (n, 12) and its first and second derivatives over the phase at phases (n,).
 
-        Past the end of the step the motion goes straight on.
+        Before the start and after the end of the step the motion goes on almost straight.
         """
-        late = np.maximum(phase - 1.0, 0.0)[:, None]
-        value, slope, curve = self._gait(np.clip(phase, 0.0, 1.0))
+        within = np.clip(phase, 0.0, 1.0)
+        value, slope, curve = extended(self._gait(within), phase - within)
         for part, order in zip((value, slope, curve), self._correction(phase), strict=True):
             part += order
         for part, order in zip((value, slope, curve), self._displaced(phase), strict=True):
             part[:, JOINTS:] += order
-        return value + late * slope, slope, np.where(late > 0, 0.0, curve)
+        return value, slope, curve
 
     def _gait(self, phase: np.ndarray) -> Orders:
         q, v, a = (self._knee(phase, order) for order in range(3))

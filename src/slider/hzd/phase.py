@@ -10,24 +10,18 @@ import numpy as np
 
 from slider.hzd.polynomials import NodeTable
 
-_NEWTON = 3  # steps from the linear guess; the table is smooth
+_NEWTON = 4  # steps from the linear guess; the table is smooth
 
 
 def phase_of(hip: NodeTable, position: np.ndarray) -> np.ndarray:
     """Phases (n,) at which the gaits' hips are at forward positions (n,) [m].
 
-    Before the start and after the end of the step it goes on with the gait's speed there.
+    Before the start and after the end of the step the hip goes almost straight on.
     """
-    zero, one = np.zeros(len(position)), np.ones(len(position))
     phase = _linear(hip.values[:, :, 0], position)
     for _ in range(_NEWTON):
         value, slope, _ = hip.at(phase)
-        phase = np.clip(phase + (position - value[:, 0]) / slope[:, 0], 0.0, 1.0)
-    for end in (zero, one):
-        value, slope, _ = hip.at(end)
-        beyond = (position - value[:, 0]) / slope[:, 0]
-        outside = beyond < 0 if end is zero else beyond > 0
-        phase = np.where(outside, end + beyond, phase)
+        phase = phase + (position - value[:, 0]) / slope[:, 0]
     return phase
 
 

@@ -29,6 +29,24 @@ def smooth_step(u: np.ndarray) -> Orders:
     return u**3 * (10 - 15 * u + 6 * u**2), 30 * u**2 * rest**2, 60 * u * rest * (1 - 2 * u)
 
 
+_EASE = 0.1  # of a step
+
+
+def extended(inside: Orders, beyond: np.ndarray) -> Orders:
+    """Values (n, m), with two derivatives, ``beyond`` (n,) the phases at which they are known.
+
+    The curvature fades linearly to zero, then the motion goes straight on: all three are
+    continuous, so that a return map has a derivative where steps end at the end of the phase.
+    """
+    value, slope, curve = inside
+    ahead = np.abs(beyond)
+    u = np.minimum(ahead / _EASE, 1.0)
+    turned = _EASE * (u - u**2 / 2)
+    moved = _EASE**2 * (u**2 / 2 - u**3 / 6) + turned * (ahead - _EASE * u)
+    turned, moved, left = ((f[:, None]) for f in (np.sign(beyond) * turned, moved, 1.0 - u))
+    return value + beyond[:, None] * slope + moved * curve, slope + turned * curve, left * curve
+
+
 @dataclass(frozen=True)
 class NodeTable:
     """Quantities of n robots at K equally spaced phases, with their derivatives over the phase.
@@ -42,10 +60,22 @@ class NodeTable:
     slopes: np.ndarray
     curvatures: np.ndarray | None = None
 
+    def of(self, rows: np.ndarray) -> "NodeTable":
+        """The tables of some of the robots, in a given order."""
+        curvatures = None if self.curvatures is None else self.curvatures[rows]
+        return NodeTable(self.values[rows], self.slopes[rows], curvatures)
+
     def at(self, phase: np.ndarray) -> Orders:
-        """Hermite interpolation (n, m) at phases (n,) within [0, 1], and its derivatives."""
+        """Hermite interpolation (n, m) at phases (n,), and its derivatives.
+
+        Outside [0, 1] it goes on as ``extended`` does.
+        """
+        within = np.clip(phase, 0.0, 1.0)
+        return extended(self._within(within), phase - within)
+
+    def _within(self, phase: np.ndarray) -> Orders:
         pieces = self.values.shape[1] - 1
-        place = np.clip(phase, 0.0, 1.0) * pieces
+        place = phase * pieces
         left = np.minimum(place.astype(int), pieces - 1)
         u, rows = (place - left)[:, None], np.arange(len(phase))
         ends = [rows, left], [rows, left + 1]

@@ -29,6 +29,7 @@ ARRAYS: dict[str, Array] = {
     "contact": Array("1: stance", ("sample", "foot")),
     "coefficients": Array("rad", ("step", "knee_joint", "coefficient")),
     "roll": Array("rad, rad/s, rad/s^2", ("step", "node", "roll_channel")),
+    "decoupling": Array("rad/s^2 | m/s^2, 1", ("sample", "decoupling_channel")),
     "knee_positions": Array("rad", ("sample", "knee_joint")),
     "knee_velocities": Array("rad/s", ("sample", "knee_joint")),
     "knee_torques": Array("N m", ("sample", "knee_joint")),
@@ -65,6 +66,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     ),
     "wrench_component": ("fx", "fy", "fz", "mx", "my", "mz"),
     "coordinate": ("x", "y", "z"),
+    "decoupling_channel": ("least_singular_value", "condition_number"),
     "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
 }
 

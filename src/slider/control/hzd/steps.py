@@ -11,7 +11,7 @@ from slider.control.whole_body.memory import Memory
 from slider.control.whole_body.nominal import Dynamics
 from slider.control.whole_body.tasks import Part, Solved, pitch_and_yaw, point_velocity, wrapped
 from slider.control.whole_body.velocity import ReferenceVelocity
-from slider.hzd.batch import put, take
+from slider.hzd.rows import put, take
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.outputs import NUM_JOINTS, SWING, YAW, output_matrix, stance_first, stance_selection
 from slider.hzd.phase import phase_of, phase_rate

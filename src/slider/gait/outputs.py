@@ -1,0 +1,43 @@
+"""Coordinates that virtual constraints hold, and their outputs y = H (x − x_d).
+
+x are roll and yaw of the stance foot's line and the ten driven joints of the prismatic legs, the
+stance leg first, reflected in right stance (12,). The line foot lies flat, so that roll is the
+coordinate without an actuator and yaw is constant during a step. All choices of H have the same
+zero set on the gait; they differ in what a change of roll or heading does to it.
+"""
+
+import numpy as np
+
+from slider.robot.names import LEG_MOTORS, SIDES
+
+LEG = len(LEG_MOTORS)  # driven joints of a leg
+NUM_JOINTS = LEG * len(SIDES)
+ROLL, YAW, JOINTS = 0, 1, 2  # places in the coordinates; joints follow
+NUM_COORDINATES = JOINTS + NUM_JOINTS
+STANCE, SWING = JOINTS, JOINTS + LEG  # first joint of each leg in the coordinates
+OUTPUTS = ("absolute", "joints")
+
+_HIP = 3  # yaw, roll and pitch of a hip turn in this order
+_PITCH, _ANKLE = 2, 4
+
+
+def output_matrix(kind: str) -> np.ndarray:
+    """H (10, 12).
+
+    ``joints``: the joints themselves. ``absolute``: yaw, roll and pitch of torso, swing leg and
+    (pitch only) swing foot with respect to ground and heading in place of their joints (small
+    angles), both slides, the stance ankle and the swing hip's share; the torso then stays upright
+    where the stance foot rolls.
+    """
+    matrix = np.zeros((NUM_JOINTS, NUM_COORDINATES))
+    matrix[:, JOINTS:] = np.eye(NUM_JOINTS)
+    if kind == "joints":
+        return matrix
+    torso = np.zeros((_HIP, NUM_COORDINATES))
+    torso[0, YAW] = torso[1, ROLL] = 1.0
+    torso[np.arange(_HIP), STANCE + np.arange(_HIP)] = -1.0
+    torso[_PITCH, STANCE + _ANKLE] = -1.0
+    matrix[:_HIP] = torso
+    matrix[LEG : LEG + _HIP] += torso
+    matrix[LEG + _ANKLE] += matrix[LEG + _PITCH]
+    return matrix

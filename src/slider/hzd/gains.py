@@ -1,0 +1,58 @@
+"""Tables of event-based foot placement for all gaits of a library, as controllers read them."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+
+from slider.core.errors import UserError
+
+
+@dataclass(frozen=True)
+class FootPlacement:
+    """Foot placement of G gaits of two steps, the second one reflected; S phases.
+
+    At phase s of a step the swing foot is displaced by b = −K(s) (ξ − ξ*(s)), ξ = (c_y, ċ_y, ċ_x)
+    the lateral position and the horizontal velocity of the centre of mass, in the frame of the
+    stance sole: x along its line, reflected in right stance.
+
+    Attributes:
+        velocities: of the gaits (G, 2) [m/s].
+        clock: whether the phase is time (G,), else where the hip is.
+        phases: (S,) in [0, 1].
+        gains: K(s) (G, 2, S, 2, 3): forward and leftward displacement [-], [s], [s]. Those for ċ_x
+            are zero where the phase is time.
+        orbit: ξ*(s) (G, 2, S, 3) on the limit cycle [m], [m/s], [m/s].
+        placement: D (G, 2, 10, 2): joints, stance leg first, that displace the swing sole
+            [rad/m, m/m].
+        hip: forward position of the base's origin from the stance sole and two derivatives over
+            the phase (G, 2, N, 3) at N even phases [m].
+    """
+
+    velocities: np.ndarray
+    clock: np.ndarray
+    phases: np.ndarray
+    gains: np.ndarray
+    orbit: np.ndarray
+    placement: np.ndarray
+    hip: np.ndarray
+
+    def save(self, folder: Path) -> None:
+        """One ``.npy`` per array."""
+        for field in fields(self):
+            np.save(folder / f"{field.name}.npy", getattr(self, field.name))
+
+    @classmethod
+    def load(cls, folder: Path) -> "FootPlacement":
+        """What ``save`` wrote.
+
+        Raises:
+            UserError: an array is missing.
+        """
+        arrays = {}
+        for field in fields(cls):
+            path = folder / f"{field.name}.npy"
+            if not path.is_file():
+                raise UserError(f"expected {path.name} of the foot placement in {folder}, found none")
+            arrays[field.name] = np.load(path)
+        return cls(**arrays)

@@ -1,0 +1,162 @@
+"""Numbers of the rooted robot for many states at once: dynamics, measurements, impact.
+
+States are q and q̇ (n, 11) of ``slider.gait.rooted``, in the frame of the stance foot's line: x
+along it, z up, the middle of the sole at the origin, reflected in right stance.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from slider.config.robot import Mechanism
+from slider.gait.rooted import NUM, RootedRobot
+from slider.gait.symbols import mirrored
+from slider.hzd.batch import Batch
+from slider.hzd.outputs import LEG, NUM_JOINTS
+
+_POLAR, _AXIAL = ca.DM([1.0, -1.0, 1.0]), ca.DM([-1.0, 1.0, -1.0])  # sagittal reflection
+_ANKLE = 4  # of a leg
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What guard, phase and section see of n states.
+
+    Attributes:
+        hip, hip_rate: forward position and velocity of the base's origin (n,) [m], [m/s].
+        com, com_rate: of the centre of mass (n, 3) [m], [m/s].
+        height, height_rate: of the middle of the swing foot's line (n,) [m], [m/s].
+    """
+
+    hip: np.ndarray
+    hip_rate: np.ndarray
+    com: np.ndarray
+    com_rate: np.ndarray
+    height: np.ndarray
+    height_rate: np.ndarray
+
+
+@dataclass(frozen=True)
+class Landed:
+    """n states just after an impact, in the next step's coordinates.
+
+    Attributes:
+        q, v: (n, 11).
+        pitch: by which the ankle laid the new foot's line flat (n,) [rad].
+        yaw: of the new foot's line in the old frame (n,) [rad].
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    pitch: np.ndarray
+    yaw: np.ndarray
+
+
+class RootedModel:
+    """The rooted robot's functions on batches of states."""
+
+    def __init__(self, robot: Mechanism) -> None:
+        self.symbols = RootedRobot(robot)
+
+    def dynamics(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """M (n, 11, 11) and h (n, 11)."""
+        mass, bias = self._dynamics(q, v)
+        return mass, bias
+
+    def constrained(
+        self, q: np.ndarray, v: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """What the two coordinates without an output need: the roll and the hip.
+
+        Returns:
+            The roll's row of M (n, 11) and of h (n,); ∇p (n, 11) of the hip's forward position p,
+            and p̈ at q̈ = 0 (n,) [m/s²].
+        """
+        row, bias, slope, bend = self._constrained(q, v)
+        return row, bias[:, 0], slope, bend[:, 0]
+
+    def measure(self, q: np.ndarray, v: np.ndarray) -> Measured:
+        """What guard, phase and section see."""
+        hip, com, com_rate, height = self._measure(q, v)
+        return Measured(hip[:, 0], hip[:, 1], com, com_rate, height[:, 0], height[:, 1])
+
+    def touch_down(self, q: np.ndarray, v: np.ndarray) -> Landed:
+        """Plastic impact of the swing foot's line; the old foot leaves.
+
+        Only the forces on the new line are impulsive, without a moment about it: M(q⁺) q̇⁺ is what
+        q̇⁻ carries about the line and along the joints. A foot that lands with a small pitch is
+        laid flat by its ankle.
+        """
+        place, mass, carried, angles = self._touch_down(q, v)
+        rate = np.linalg.solve(mass, carried[:, :, None])[:, :, 0]
+        return Landed(place, rate, angles[:, 0], angles[:, 1])
+
+    def placement(self, q: np.ndarray) -> np.ndarray:
+        """D (n, 10, 2): joints that move the swing sole by 1 m forward and left [rad/m, m/m].
+
+        Height of the sole, pitch and yaw of its line stay, and only the swing leg moves.
+        """
+        (jacobian,) = self._swing(q)
+        result = np.zeros((len(q), NUM_JOINTS, 2))
+        result[:, LEG:] = np.linalg.solve(jacobian, np.eye(LEG)[None, :, :2])
+        return result
+
+    @cached_property
+    def _dynamics(self) -> Batch:
+        s = self.symbols
+        return Batch([s.q, s.v], [s.mass, s.bias])
+
+    @cached_property
+    def _constrained(self) -> Batch:
+        s = self.symbols
+        hip = s.poses(s.q)["base"].origin[0]
+        slope = ca.gradient(hip, s.q)
+        bend = ca.jtimes(ca.jtimes(hip, s.q, s.v), s.q, s.v)
+        return Batch([s.q, s.v], [*s.roll_equation, slope, bend])
+
+    @cached_property
+    def _measure(self) -> Batch:
+        s = self.symbols
+        poses = s.poses(s.q)
+        hip = poses["base"]
+        sole = ca.horzcat(*s.tree.point(poses["swing_foot"], s.sole))
+        rows = [ca.vertcat(hip.origin[0], hip.linear[0]), *s.center_of_mass, sole[2, :].T]
+        return Batch([s.q, s.v], rows)
+
+    @cached_property
+    def _touch_down(self) -> Batch:
+        s = self.symbols
+        landing = s.poses(s.q)["swing_foot"].rotation
+        pitch = ca.atan2(landing[2, 0], landing[2, 2])
+        flat = s.q + pitch * ca.DM(np.eye(NUM)[1 + LEG + _ANKLE])
+        foot = s.poses(flat)["swing_foot"]
+        roll = -ca.atan2(foot.rotation[2, 1], foot.rotation[2, 2])
+        place = ca.vertcat(roll, mirrored(flat[1:]))
+        yaw = ca.atan2(foot.rotation[1, 0], foot.rotation[0, 0])
+
+        rate = ca.SX.sym("after", NUM)
+        new = s.tree.foot_pose(roll, rate[0])
+        turning = new.angular - _AXIAL * foot.angular
+        linear = new.rotation.T @ new.linear - _POLAR * (foot.rotation.T @ foot.linear)
+        jump = s.tree.newton_euler(
+            ca.SX.zeros(3),
+            turning,
+            linear,
+            place[1:],
+            ca.SX.zeros(NUM_JOINTS),
+            rate[1:] - mirrored(s.v[1:]),
+        )
+        impulse = ca.vertcat(s.tree.line_wrench(roll, jump)[1][0], jump.efforts)
+        mass = ca.jacobian(impulse, rate)
+        carried = -ca.substitute(impulse, rate, ca.SX.zeros(NUM))
+        return Batch([s.q, s.v], [place, mass, carried, ca.vertcat(pitch, yaw)])
+
+    @cached_property
+    def _swing(self) -> Batch:
+        s = self.symbols
+        foot = s.poses(s.q)["swing_foot"]
+        along = foot.rotation[:, 0]
+        held = ca.vertcat(s.tree.point(foot, s.sole)[0], along[2], along[1])
+        return Batch([s.q], [ca.jacobian(held, s.q)[:, 1 + LEG :]])

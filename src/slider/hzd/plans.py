@@ -1,0 +1,80 @@
+"""Steps of stored gaits, as the closed loop follows them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from slider.config.hzd import VirtualConstraintsConfig
+from slider.gait.rooted import NUM
+from slider.hzd.model import RootedModel
+from slider.hzd.outputs import JOINTS, ROLL
+from slider.hzd.polynomials import NodeTable
+from slider.hzd.step import StepPlan
+from slider.library.reader import GaitLibrary
+from slider.robot.knee_map import KneeLengths
+
+_HIP_NODES = 41
+
+
+def plans(
+    library: GaitLibrary, gaits: np.ndarray, model: RootedModel, config: VirtualConstraintsConfig
+) -> tuple[StepPlan, StepPlan]:
+    """Both steps of some gaits by index (n,), the second reflected."""
+    first, second = (_plan(library, gaits, step, model, config) for step in range(2))
+    return first, second
+
+
+def _plan(
+    library: GaitLibrary,
+    gaits: np.ndarray,
+    step: int,
+    model: RootedModel,
+    config: VirtualConstraintsConfig,
+) -> StepPlan:
+    n, duration = len(gaits), library.step_time[gaits, step]
+    per_phase = duration[:, None] ** np.arange(3)
+    rolls = library.arrays["roll"][gaits, step] * per_phase[:, None]
+    clock = library.velocities[gaits, 0] < config.slowest_hip
+    plan = StepPlan(
+        library.arrays["coefficients"][gaits, step],
+        NodeTable(rolls[..., :1], rolls[..., 1:2], rolls[..., 2:]),
+        NodeTable(*np.zeros((2, n, 2, 1))),
+        np.zeros((n, NUM - 1, 2)),
+        duration,
+        clock | (config.phase == "time"),
+        KneeLengths.of(library.robot),
+    )
+    return replace(
+        plan, hip=_hip(plan, model, config), placement=_placement(plan, model, config)
+    )
+
+
+def _hip(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> NodeTable:
+    n = len(plan.duration)
+    rows, phase = np.repeat(np.arange(n), _HIP_NODES), np.linspace(0.0, 1.0, _HIP_NODES)
+    q, rate, turn = motion(plan.of(rows), np.tile(phase, n), config)
+    _, _, slope, bend = model.constrained(q, rate)
+    orders = (
+        model.measure(q, rate).hip,
+        (slope * rate).sum(axis=1),
+        bend + (slope * turn).sum(axis=1),
+    )
+    return NodeTable(*(order.reshape(n, _HIP_NODES, 1) for order in orders))
+
+
+def _placement(
+    plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig
+) -> np.ndarray:
+    return model.placement(motion(plan, np.ones(len(plan.duration)), config)[0])
+
+
+def motion(plan: StepPlan, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:
+    """q of n gaits at phases (n,), and its derivatives over the phase (3, n, 11)."""
+    orders = np.stack(plan.constraints(config).desired(phase))
+    return orders[..., [ROLL, *range(JOINTS, orders.shape[-1])]]
+
+
+def start(plan: StepPlan, config: VirtualConstraintsConfig) -> np.ndarray:
+    """States (n, 22) of the collocated gaits at the start of the step."""
+    q, rate, _ = motion(plan, np.zeros(len(plan.duration)), config)
+    return np.concatenate([q, rate / plan.duration[:, None]], axis=1)

@@ -1,0 +1,271 @@
+"""One step of the closed loop: the rooted robot under its virtual constraints, up to the impact.
+
+**Outputs.** y = H (x − x_d(s)) are ten. Input-output linearisation gives them
+ÿ = −k_p y − k_d ẏ through the decoupling matrix L_g L_f y = H' M⁻¹ B, H' the columns of H for roll
+and joints. Efforts do not appear here: H' q̈ = rhs and the roll's row of M q̈ + h = B u, the one
+without an input, are eleven equations for q̈, regular where that matrix is.
+
+**Phase.** With the clock, s = t/T, all ten outputs have relative degree two and the zero dynamics
+are the roll's. With the hip, s = σ(p(q)), outputs and phase are not independent: p(q) = p*(s) holds
+by definition of s, and the gait has its hip there, p(X(s)) = p*(s). Where nine outputs are zero the
+tenth, the stance ankle's, is too. Its effort drives ṡ T, an output of relative degree one:
+s̈ = −k_v (ṡ − 1/T). On the zero dynamics (roll, roll rate, s, ṡ) the phase is then autonomous.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from slider.config.hzd import VirtualConstraintsConfig
+from slider.gait.rooted import NUM
+from slider.hzd.constraints import StepConstraints
+from slider.hzd.model import Landed, Measured, RootedModel
+from slider.hzd.outputs import JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
+from slider.hzd.phase import phase_of, phase_rate
+from slider.hzd.polynomials import NodeTable
+from slider.robot.knee_map import KneeLengths
+
+PHASES = np.linspace(0.0, 1.0, 21)
+"""At which a step is sampled."""
+
+_ANKLE = 4  # the stance ankle's output
+_NODES = np.arange(53) / 40  # of the integration, as polynomials are joined at some of them
+_WITHIN = 41  # nodes of the step itself; a swing foot that is not down by the last has missed it
+_GUARD = 0.5  # phase from which a swing foot can land
+_STAGES = DOP853.n_stages
+_A, _B, _C = DOP853.A[:_STAGES, :_STAGES], DOP853.B, DOP853.C[:_STAGES]
+_NEWTON = 6
+_LOST = 1e9  # no entry of a robot that walks is as great
+_SLOWEST = 0.05  # of the gait's phase rate: a robot whose hip turns back has fallen
+
+
+@dataclass(frozen=True)
+class StepPlan:
+    """What one step of n gaits asks for, in reflected coordinates.
+
+    Attributes:
+        coefficients: of the virtual legs (n, 10, degree + 1) [rad].
+        roll: of the stance foot (n, K, 1) [rad].
+        hip: forward position of the base's origin from the stance sole (n, K, 1) [m].
+        placement: D (n, 10, 2).
+        duration: T (n,) [s].
+        clock: whether the phase is time (n,).
+        lengths: of the virtual legs.
+    """
+
+    coefficients: np.ndarray
+    roll: NodeTable
+    hip: NodeTable
+    placement: np.ndarray
+    duration: np.ndarray
+    clock: np.ndarray
+    lengths: KneeLengths
+
+    def of(self, rows: np.ndarray) -> "StepPlan":
+        """The steps of some of the gaits, in a given order."""
+        return StepPlan(
+            self.coefficients[rows],
+            self.roll.of(rows),
+            self.hip.of(rows),
+            self.placement[rows],
+            self.duration[rows],
+            self.clock[rows],
+            self.lengths,
+        )
+
+    def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
+        """Of these steps."""
+        return StepConstraints(
+            self.coefficients,
+            self.roll,
+            self.placement,
+            self.lengths,
+            config.correction_end,
+            (config.placement.lower, config.placement.upper),
+        )
+
+
+@dataclass(frozen=True)
+class Flow:
+    """n steps.
+
+    Attributes:
+        q, v: at ``PHASES`` (S, n, 11).
+        residuals: ‖(y, ẏ)‖∞ just after the last impact, at mid-step and just before the next
+            impact (3, n) [rad, m, 1/s]; of the outputs that are driven to zero.
+        before: q and v just before the impacts (n, 11) each.
+        landed: just after them.
+        phase, time: of the impacts (n,) [-], [s].
+        alive: (n,) whether the swing foot came down.
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    residuals: np.ndarray
+    before: tuple[np.ndarray, np.ndarray]
+    landed: Landed
+    phase: np.ndarray
+    time: np.ndarray
+    alive: np.ndarray
+
+
+@dataclass(frozen=True)
+class ClosedLoop:
+    """The robot under virtual constraints."""
+
+    model: RootedModel
+    config: VirtualConstraintsConfig
+
+    def step(
+        self,
+        plan: StepPlan,
+        q: np.ndarray,
+        v: np.ndarray,
+        displacement: np.ndarray | None = None,
+        anchored: bool = True,
+    ) -> Flow:
+        """From n states just after an impact to just after the next one.
+
+        Args:
+            plan: of n steps.
+            q, v: the states (n, 11).
+            displacement: of the swing foot (n, 2) [m].
+            anchored: whether the constraints start where the impact has left the robot.
+        """
+        constraints = plan.constraints(self.config)
+        if displacement is not None:
+            constraints.displacement = displacement
+        run = _Run(self.model, self.config, plan, constraints)
+        with np.errstate(invalid="ignore", over="ignore"):
+            return run.flow(np.concatenate([q, v, np.zeros((len(q), 1))], axis=1), anchored)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """n robots during one step; states z are q, v and the time (n, 23), over the phase."""
+
+    model: RootedModel
+    config: VirtualConstraintsConfig
+    plan: StepPlan
+    constraints: StepConstraints
+
+    def flow(self, z: np.ndarray, anchored: bool) -> Flow:
+        phase = self._start(z, anchored)
+        start = self._residual(phase, z)
+        nodes, heights = [self._advance(phase, z, -phase)], [np.zeros(len(z))]
+        for s, after in zip(_NODES[:-1], _NODES[1:], strict=True):
+            nodes.append(self._advance(np.full(len(z), s), nodes[-1], np.full(len(z), after - s)))
+            heights.append(self._measure(nodes[-1]).height)
+            if after > 1.0 and not (heights[-1] > 0).any():
+                break
+        phase, z, alive = self._impact(np.stack(nodes), np.stack(heights))
+        q, v = z[:, :NUM], z[:, NUM:-1]
+        middle = self._residual(np.full(len(z), 0.5), nodes[_WITHIN // 2])
+        sampled = np.stack(nodes[:_WITHIN:2])
+        return Flow(
+            sampled[..., :NUM],
+            sampled[..., NUM:-1],
+            np.stack([start, middle, self._residual(phase, z)]),
+            (q, v),
+            self.model.touch_down(q, v),
+            phase,
+            z[:, -1],
+            alive,
+        )
+
+    def _start(self, z: np.ndarray, anchored: bool) -> np.ndarray:
+        """Phases (n,) just after the impact; re-anchors the constraints."""
+        phase = np.where(self.plan.clock, 0.0, phase_of(self.plan.hip, self._measure(z).hip))
+        if anchored:
+            x, rate = _coordinates(z)
+            self.constraints.re_anchor(phase, x, rate / self._rate(phase, z)[:, None])
+        return phase
+
+    def _measure(self, z: np.ndarray) -> Measured:
+        return self.model.measure(z[:, :NUM], z[:, NUM:-1])
+
+    def _rate(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """ṡ (n,) [1/s]."""
+        hip = phase_rate(self.plan.hip, phase, self._measure(z).hip_rate)
+        return np.where(self.plan.clock, 1.0 / self.plan.duration, hip)
+
+    def _derivative(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """dz/ds (n, 23)."""
+        q, v = z[:, :NUM], z[:, NUM:-1]
+        row, bias, slope, bend = self.model.constrained(q, v)
+        nominal, hip = 1.0 / self.plan.duration, ~self.plan.clock
+        _, hip_slope, hip_bend = (order[:, 0] for order in self.plan.hip.at(phase))
+        rate = np.where(hip, (slope * v).sum(axis=1) / hip_slope, nominal)
+        rate = np.where(rate > _SLOWEST * nominal, rate, np.nan)
+        turn = -self.config.rate_gain * (rate - nominal)
+        desired, first, second = self.constraints.desired(phase)
+        x, x_rate = _coordinates(z)
+        error, error_rate = x - desired, x_rate - first * rate[:, None]
+        wanted = second * (rate**2)[:, None] + first * turn[:, None]
+        wanted -= self.config.kp * error + self.config.kd * error_rate
+        matrix = np.empty((len(z), NUM, NUM))
+        right = np.empty((len(z), NUM))
+        matrix[:, :-1], right[:, :-1] = self._columns, wanted @ self._outputs.T
+        matrix[hip, _ANKLE] = slope[hip]
+        right[hip, _ANKLE] = (hip_slope * turn + hip_bend * rate**2 - bend)[hip]
+        matrix[:, -1], right[:, -1] = row, -bias
+        lost = ~(np.abs(matrix).max(axis=(1, 2)) < _LOST)
+        matrix[lost], right[lost] = np.eye(NUM), np.nan
+        acceleration = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
+        derivative = np.concatenate([v, acceleration, np.ones((len(z), 1))], axis=1)
+        return derivative / rate[:, None]
+
+    def _advance(self, phase: np.ndarray, z: np.ndarray, width: np.ndarray) -> np.ndarray:
+        """One step of the Runge-Kutta method of order 8 of Dormand and Prince."""
+        slopes = np.zeros((_STAGES, *z.shape))
+        for k in range(_STAGES):
+            inner = np.tensordot(_A[k, :k], slopes[:k], axes=1) if k else 0.0
+            slopes[k] = self._derivative(phase + _C[k] * width, z + width[:, None] * inner)
+        return z + width[:, None] * np.tensordot(_B, slopes, axes=1)
+
+    def _impact(
+        self, nodes: np.ndarray, heights: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Phases (n,) and states (n, 23) where the swing foot comes down; whether it does."""
+        late = _NODES[: len(nodes) - 1, None] >= _GUARD
+        down = (heights[:-1] > 0) & (heights[1:] <= 0) & late
+        alive = down.any(axis=0)
+        last, rows = np.where(alive, down.argmax(axis=0), 0), np.arange(nodes.shape[1])
+        start, before = _NODES[last], nodes[last, rows]
+        high, low = heights[last, rows], heights[last + 1, rows]
+        most = _NODES[last + 1] - start
+        width = most * np.where(alive, high / np.where(alive, high - low, 1.0), 0.0)
+        for _ in range(_NEWTON):
+            z = self._advance(start, before, width)
+            seen = self._measure(z)
+            moved = width - seen.height / seen.height_rate * self._rate(start + width, z)
+            width = np.where(alive & (np.abs(moved) <= 2 * most), moved, 0.5 * most)
+        return start + width, self._advance(start, before, width), alive
+
+    def _residual(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """‖(y, ẏ)‖∞ (n,) of the outputs that are driven to zero."""
+        desired, first, _ = self.constraints.desired(phase)
+        x, rate = _coordinates(z)
+        errors = [x - desired, rate - first * self._rate(phase, z)[:, None]]
+        found = np.abs(np.stack([error @ self._outputs.T for error in errors]))
+        found[:, ~self.plan.clock, _ANKLE] = 0.0
+        return found.max(axis=(0, 2))
+
+    @cached_property
+    def _outputs(self) -> np.ndarray:
+        return output_matrix(self.config.outputs)
+
+    @cached_property
+    def _columns(self) -> np.ndarray:
+        """Of the roll and the joints (10, 11)."""
+        return np.delete(self._outputs, YAW, axis=1)
+
+
+def _coordinates(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """x and ẋ (n, 12)."""
+    found = np.zeros((2, len(z), NUM_COORDINATES))
+    for part, values in zip(found, (z[:, :NUM], z[:, NUM:-1]), strict=True):
+        part[:, ROLL], part[:, JOINTS:] = values[:, 0], values[:, 1:]
+    return found[0], found[1]

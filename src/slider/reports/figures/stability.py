@@ -1,0 +1,161 @@
+"""The stage ``stability_figures``: spectral radii, basins of attraction, walks that converge."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.hzd.stage import BASIN, CSV
+from slider.library.reader import STORE, GaitLibrary
+from slider.reports import rows
+from slider.reports.figures import FORMATS
+from slider.reports.figures.maps import VelocityMap, draw_maps
+from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure
+from slider.reports.figures.style import write_figure
+
+MAPS, BASINS, PORTRAITS = "spectral_radius", "basins", "phase_portraits"
+FILES = tuple(f"{name}.{suffix}" for name in (MAPS, BASINS, PORTRAITS) for suffix in FORMATS)
+_SHOWN = {
+    "spectral_radius": "spectral radius per step, without foot placement",
+    "closed_spectral_radius": "spectral radius per step, with it",
+    "gain_lateral": "displacement per lateral velocity",
+    "decoupling": "least singular value of the decoupling matrix",
+}
+_UNITS = {"gain_lateral": "s", "decoupling": "rad/s², m/s²"}
+MAPS_CAPTION = """\
+One cell per gait. The return map is that of the rooted robot under its virtual constraints, all of
+the state; its spectral radius is per step, the root of that of a walk's two. Above 1 the walk
+leaves its limit cycle. The foot placement is the linear-quadratic regulator's at the start of a
+step. `stability.csv` has all numbers.
+"""
+BASINS_CAPTION = """\
+Steps after which the roll of the stance foot and its rate are back at the limit cycle, over their
+perturbation just after an impact; grey: never. Above without, below with foot placement. The model
+has no torque limits and its feet do not slip.
+"""
+PORTRAITS_CAPTION = """\
+Roll of the stance foot against its rate, executed: a walk that starts with a perturbed roll rate
+(circle), and the limit cycle (dark). Impacts are jumps. Without foot placement the walk leaves the
+cycle, with it it returns.
+"""
+
+
+@dataclass(frozen=True)
+class Basin:
+    """What the stage ``basin`` found for a gait.
+
+    Attributes:
+        title: its velocity.
+        roll, roll_rate: perturbations (R,), (Q,) [rad], [rad/s].
+        steps: without and with foot placement (2, R, Q); −1: not back.
+        walks: roll and roll rate (N, 2) of a perturbed walk without and with it.
+        cycle: of the limit cycle (2 S, 2).
+    """
+
+    title: str
+    roll: np.ndarray
+    roll_rate: np.ndarray
+    steps: np.ndarray
+    walks: tuple[np.ndarray, np.ndarray]
+    cycle: np.ndarray
+
+    @classmethod
+    def load(cls, folder: Path) -> "Basin":
+        """What the stage wrote."""
+        with np.load(folder / BASIN) as found:
+            vx, vy = found["velocity"]
+            return cls(
+                f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
+                found["roll"],
+                found["roll_rate"],
+                np.stack([found["without"], found["with"]]),
+                (found["walk_without"], found["walk_with"]),
+                found["cycle"],
+            )
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Draw the figures as SVG, PNG and Markdown."""
+    library = GaitLibrary.load(inputs["library"][0] / STORE)
+    table = {(row["vx"], row["vy"]): row for row in rows.read(inputs["stability"][0] / CSV)}
+    maps = [
+        VelocityMap(title, _values(library, table, name), _UNITS.get(name, ""))
+        for name, title in _SHOWN.items()
+    ]
+    basins = [Basin.load(folder) for folder in inputs.get("basins", ())]
+    drawings = {
+        MAPS: ("Stability over the commanded velocity", MAPS_CAPTION),
+        BASINS: ("Basins of attraction", BASINS_CAPTION),
+        PORTRAITS: ("Walks that converge", PORTRAITS_CAPTION),
+    }
+    draw = {
+        MAPS: lambda: draw_maps(library, maps),
+        BASINS: lambda: draw_basins(basins),
+        PORTRAITS: lambda: draw_portraits(basins),
+    }
+    for name, (title, caption) in drawings.items():
+        write_figure(out / name, title, draw[name], caption)
+        job.tracker.log_file(out / f"{name}.png")
+    return {"gaits": len(table), "basins": len(basins)}
+
+
+def _values(library: GaitLibrary, table: dict, name: str) -> np.ndarray:
+    found = [table.get((float(vx), float(vy)), {}).get(name) for vx, vy in library.velocities]
+    return np.array([np.nan if value is None else value for value in found], dtype=float)
+
+
+def draw_basins(basins: Sequence[Basin]) -> Figure:
+    """A column per gait: without foot placement above, with it below."""
+    figure = new_figure(3.6)
+    if not basins:
+        return figure
+    panels = figure.subplots(2, len(basins), sharex=True, sharey=True, squeeze=False)
+    most = max(1, *(int(basin.steps.max()) for basin in basins))
+    mesh = None
+    for column, basin in zip(panels.T, basins, strict=True):
+        for axes, steps, name in zip(column, basin.steps, ("without", "with"), strict=True):
+            shown = np.ma.masked_less(steps, 0)
+            axes.set_facecolor(EMPTY)
+            mesh = axes.pcolormesh(
+                basin.roll, basin.roll_rate, shown.T, cmap=f"{COLOURS}_r", vmin=0, vmax=most
+            )
+            axes.plot(0, 0, "+", color=MIDDLE)
+            axes.grid(visible=False)
+            axes.set_title(f"{basin.title}, {name}", loc="left")
+            axes.set(xlabel="roll [rad]", ylabel="roll rate [rad/s]")
+            axes.label_outer()
+    assert mesh is not None
+    figure.colorbar(mesh, ax=panels, pad=0.01, aspect=40).set_label("steps")
+    return figure
+
+
+def draw_portraits(basins: Sequence[Basin]) -> Figure:
+    """A column per gait: without foot placement above, with it below."""
+    figure = new_figure(3.6)
+    if not basins:
+        return figure
+    panels = figure.subplots(2, len(basins), sharex="col", sharey="col", squeeze=False)
+    for column, basin in zip(panels.T, basins, strict=True):
+        for axes, walked, name in zip(column, basin.walks, ("without", "with"), strict=True):
+            _portrait(axes, basin.cycle, walked)
+            axes.set_title(f"{basin.title}, {name}", loc="left")
+            axes.set(xlabel="roll [rad]", ylabel="roll rate [rad/s]")
+            axes.label_outer()
+    return figure
+
+
+def _portrait(axes: Axes, cycle: np.ndarray, walked: np.ndarray) -> None:
+    axes.plot(*walked.T, color=MIDDLE, linewidth=0.8)
+    axes.plot(*walked[:1].T, "o", color=MIDDLE, markersize=3)
+    closed = np.concatenate([cycle, cycle[:1]])
+    axes.plot(*closed.T, color=DARK, linewidth=1.4)
+    wide = 3.0 * np.ptp(cycle, axis=0) / 2
+    middle = (cycle.max(axis=0) + cycle.min(axis=0)) / 2
+    axes.set_xlim(middle[0] - wide[0], middle[0] + wide[0])
+    axes.set_ylim(middle[1] - wide[1], middle[1] + wide[1])
+
+

@@ -26,7 +26,6 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
-    targets |= stability_jobs(config, library)
     targets |= {"policy_export": policy_export(targets["walking"])}
     return targets | protocol_jobs(config, targets)
 
@@ -35,6 +34,6 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs up to Table 1 by the name of their target."""
     library = library_job(config)
     trainings = training_jobs(config, library)
-    made = {"library": library, **trainings}
+    made = {"library": library, **stability_jobs(config, library), **trainings}
     evaluations = evaluations_of(config, config.evaluation, made)
     return made | {"table1": table1(config, evaluations)}

@@ -6,9 +6,10 @@ from typing import Any
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
-from slider.config.control import POLICY, POLICY_LABEL, HzdConfig
+from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig
+from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 
 
@@ -17,7 +18,7 @@ def evaluations_of(
 ) -> list[JobSpec]:
     """A protocol's evaluations: each controller at each command, or in each case of the profile.
 
-    ``made`` has the jobs ``walking`` and ``library``; ``note`` is added to the labels.
+    ``made`` has the jobs ``walking``, ``library`` and ``foot_placement``; ``note`` is added to the labels.
     """
     asked = protocol.commands if protocol.profile is None else protocol.profile.cases
     return [
@@ -60,10 +61,13 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
     section = {"controller": controller, "command": command}
     if controller == POLICY:
         return section | simulation(config)
+    control = config.control[controller]
+    if isinstance(control, HzdControlConfig):
+        section["hzd"] = enforced_section(config.hzd)
     return section | {
         "robot": robot(config),
         "plant": only(to_dict(config.env), "control_period", "physics", "termination"),
-        "control": without(to_dict(config.control[controller]), "label"),
+        "control": without(to_dict(control), "label"),
     }
 
 
@@ -73,8 +77,10 @@ def made_of(
     """What a controller is made of: a training, the gait library, or nothing."""
     if controller == POLICY:
         return {"walking": [made["walking"]]}
-    walks_gaits = isinstance(config.control[controller], HzdConfig)
-    return {"library": [made["library"]]} if walks_gaits else {}
+    walks_gaits = isinstance(config.control[controller], HzdControlConfig)
+    if not walks_gaits:
+        return {}
+    return {name: [made[name]] for name in ("library", "foot_placement")}
 
 
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:

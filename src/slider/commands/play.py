@@ -106,10 +106,20 @@ def choose(arguments: argparse.Namespace) -> "Scene":
         if path is not None:
             raise UserError(f"expected --policy with the agent {POLICY}, found {arguments.agent}")
         return scenes.agent_scene(
-            arguments.agent, config, partial(library_path, arguments), arguments.seed
+            arguments.agent, config, partial(_gaits, arguments), arguments.seed
         )
     if path is None:
         store = Store(arguments.artefacts)
         path = current_folder(store, "walking", "snakemake -j2 policy") / POLICY_FILE
     plain = compose([], arguments.conf)
     return scenes.policy_scene(path, config, plain, arguments.seed)
+
+
+def _gaits(arguments: argparse.Namespace) -> tuple[Path, Path]:
+    """Folders of the current library and its foot placement."""
+    from slider.artefacts.current import current_folder
+    from slider.artefacts.store import Store
+
+    store, command = Store(arguments.artefacts), "snakemake -j2 reports/table1.csv"
+    library, placement = (current_folder(store, s, command) for s in ("library", "foot_placement"))
+    return library, placement

@@ -228,21 +228,6 @@ class OutputWeights:
 
 
 @dataclass(frozen=True, config=STRICT)
-class FeedbackConfig:
-    """Event-based foot placement."""
-
-    forward: Factor
-    forward_time: Factor
-    lateral: Factor
-    reach: NonNegative[Metres]
-    """largest displacement of a foothold"""
-    lock: Share
-    """no change of the foothold from this phase on"""
-    settling: Positive[Seconds]
-    """time constant with which the foothold follows"""
-
-
-@dataclass(frozen=True, config=STRICT)
 class ChangeConfig:
     """Largest difference of a step's gait from the mean velocity of the step before."""
 
@@ -251,34 +236,28 @@ class ChangeConfig:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class HzdConfig(ModelBasedConfig):
-    """Hybrid zero dynamics: the gaits' virtual constraints, enforced by a QP, and feedback."""
+class HzdControlConfig(ModelBasedConfig):
+    """Hybrid zero dynamics: the constraints of ``hzd``, enforced by a QP, with foot placement."""
 
     family: Literal["hzd"]
     """how it walks: virtual constraints of the gait library"""
-    outputs: Literal["absolute", "joints"]
-    """torso, swing leg and foot with respect to ground and heading; or the joints"""
-    phase: Literal["time", "hip"]
-    """of the step: normalised time, or a function of the hip's place over the stance foot"""
-    slowest: NonNegative[MetresPerSecond]
-    """below this commanded forward speed the hip's place tells no phase; it is the time"""
-    correction_end: Positive[Share]
-    """phase at which an impact's errors are gone from the constraints"""
-    placement: tuple[Share, Share]
-    """phases between which the foothold is displaced"""
+    weights: OutputWeights
     ahead: Seconds
+    """a step's gait is for the reference velocity this much later"""
     change: ChangeConfig
-    kp: Annotated[NonNegative[Number], Unit("1/s²")]
-    """of the outputs"""
-    kd: Annotated[NonNegative[Number], Unit("1/s")]
-    """of the outputs"""
-    rate_gain: Annotated[NonNegative[Number], Unit("1/s")]
-    """of the velocity output, which drives the phase to the gait's pace"""
+    capture: Factor
+    """share of the pendulum's forward capture where the phase is time"""
+    capture_hip: Factor
+    lock: Share
+    """no change of the foothold from this phase on"""
+    settling: Positive[Seconds]
+    """time constant with which the foothold follows"""
     descent: NonNegative[MetresPerSecond]
     """of the swing foot past the end of the step, until there is contact"""
-    weights: OutputWeights
-    feedback: FeedbackConfig
 
 
-AnyControl = Annotated[MpcConfig | HzdConfig, Field(discriminator="family")]
-FAMILIES: dict[str, type[MpcConfig] | type[HzdConfig]] = {"mpc": MpcConfig, "hzd": HzdConfig}
+AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]
+FAMILIES: dict[str, type[MpcConfig] | type[HzdControlConfig]] = {
+    "mpc": MpcConfig,
+    "hzd": HzdControlConfig,
+}

@@ -7,13 +7,13 @@ from slider.config.control import FAMILIES, AnyControl
 from slider.config.convert import from_dict
 from slider.config.env import PhysicsConfig, PlantConfig
 from slider.config.robot import RobotConfig
+from slider.control.hzd.controller import EnforcedGaits
 from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import ModelBased
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.evaluation.protocol import Simulated, evaluate, read_protocol
-from slider.library.reader import STORE, GaitLibrary
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -37,8 +37,8 @@ def simulate(
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(FAMILIES[section["control"]["family"]], section["control"])
     physics = build_plant(robot, plant.physics, config, count, disturbance, threads)
-    library = GaitLibrary.load(inputs["library"][0] / STORE) if "library" in inputs else None
-    controller = build_controller(robot, config, plant.physics, count, library, threads)
+    gaits = EnforcedGaits.of(section, inputs)
+    controller = build_controller(robot, config, plant.physics, count, gaits, threads)
     return Simulated(controller, physics, plant)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from slider.gait import bezier
-from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL
+from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL, SWING
 from slider.hzd.polynomials import (
     NodeTable,
     Orders,
@@ -24,6 +24,7 @@ from slider.hzd.polynomials import (
 )
 from slider.robot.knee_map import KneeLengths, prismatic_motion
 
+_SLIDE = SWING - JOINTS + 3  # of the swing leg, among the joints
 _LEAST = 0.2  # a correction lasts at least this share of a step
 
 
@@ -109,6 +110,8 @@ class StepConstraints:
         start, end = self.placement_span
         span = end - start
         way = np.einsum("njk,nk->nj", self.placement, self.displacement)
+        # A leg that is aside has farther to go: the foot's height is kept to second order.
+        way[:, _SLIDE] += (self.displacement**2).sum(axis=1) / (2 * self.lengths.nominal)
         share = smooth_step((phase - start) / span)
         return (
             way * share[0][:, None],

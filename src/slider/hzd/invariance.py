@@ -16,7 +16,6 @@ from slider.hzd.outputs import YAW, output_matrix
 from slider.hzd.step import ClosedLoop, Flow, StepPlan
 
 
-
 @dataclass(frozen=True)
 class Invariance:
     """Worst ‖(y, ẏ)‖∞ [rad, m, 1/s] of n gaits (n,), over both steps.

@@ -48,9 +48,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     job.progress(f"{found.found.sum()} of {len(gaits)} limit cycles")
     walks = [_walk(loop, steps, found, k, config) for k in range(len(gaits))]
     kept = invariance(loop, steps, found.points, config.impacts)
-    records = [
-        _record(library, gait, steps, k, walks[k], kept) for k, gait in enumerate(gaits)
-    ]
+    records = [_record(library, gait, steps, k, walks[k], kept) for k, gait in enumerate(gaits)]
     (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
     _placement(library, gaits, steps, walks).save(out)
     return {"gaits": len(gaits), "limit_cycles": int(found.found.sum())}
@@ -160,7 +158,9 @@ def _record(
         "decoupling": float(values[:, 0].min()),
         "condition": float(values[:, 1].max()),
     }
-    measured = {f"invariance_{n}": getattr(kept, n) for n in ("orbit", "impact", "free", "anchored")}
+    measured = {
+        f"invariance_{n}": getattr(kept, n) for n in ("orbit", "impact", "free", "anchored")
+    }
     for name, each in (measured | {"settle_angle": kept.settle}).items():
         record[name] = float(each[place]) if found and np.isfinite(each[place]) else None
     return record | _stability(found)

@@ -82,7 +82,9 @@ class Linearisation:
     errors: np.ndarray
 
 
-def linearise(loop: ClosedLoop, steps: Sequence[StepPlan], config: StabilityConfig) -> Linearisation:
+def linearise(
+    loop: ClosedLoop, steps: Sequence[StepPlan], config: StabilityConfig
+) -> Linearisation:
     """Limit cycles of n gaits, and their derivatives by central differences."""
     size = config.linearisation.difference
     maps = [partial(_observe, loop, plan) for plan in steps]
@@ -120,7 +122,11 @@ def _state_after(observe: Map, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def walk(
-    loop: ClosedLoop, steps: Sequence[StepPlan], found: Linearisation, gait: int, config: StabilityConfig
+    loop: ClosedLoop,
+    steps: Sequence[StepPlan],
+    found: Linearisation,
+    gait: int,
+    config: StabilityConfig,
 ) -> Walk:
     """Return map and foot placement of one of the gaits.
 
@@ -131,10 +137,12 @@ def walk(
     r = 2 if steps[0].clock[gait] else len(COORDINATES)
     landed = derivative[:, :_STATE]
     seen = derivative[:, _STATE:].reshape(2, len(PHASES), len(COORDINATES), -1)[:, :, :r]
-    tangents = np.stack([
-        _tangent(loop, plan.of(np.array([gait])), now[:, :_STATE])
-        for plan, now in zip(steps, seen[:, 0], strict=True)
-    ])
+    tangents = np.stack(
+        [
+            _tangent(loop, plan.of(np.array([gait])), now[:, :_STATE])
+            for plan, now in zip(steps, seen[:, 0], strict=True)
+        ]
+    )
     free = int(np.searchsorted(PHASES, config.correction_end - 1e-9))
     restricted = restrict(landed[..., :_STATE], tangents, seen[:, free, :, :_STATE])
     inputs = restricted.projection[::-1] @ landed[..., _STATE:]

@@ -12,6 +12,7 @@ from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
+from slider.control.hzd.controller import EnforcedGaits
 from slider.control.model_based import build_controller
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
@@ -135,14 +136,14 @@ def simulate_model_based(
     robot: RobotConfig,
     plant: PlantConfig,
     config: AnyControl,
-    library: GaitLibrary | None,
+    gaits: EnforcedGaits | None,
     noise: StartNoise,
     seed: int,
     disturbance: DisturbanceConfig,
 ) -> Simulation:
     """A controller of ``conf/control`` on torque drives, as in its evaluation."""
     physics = build_plant(robot, plant.physics, config, 1, Disturbance(disturbance, (seed,)))
-    controller = build_controller(robot, config, plant.physics, 1, library)
+    controller = build_controller(robot, config, plant.physics, 1, gaits)
     episode = Episode(controller, physics, plant)
     return Simulation(episode, plant.control_period, _starts(robot, noise, seed))
 

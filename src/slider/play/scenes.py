@@ -5,10 +5,12 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TypeVar
 
-from slider.config.control import POLICY, SMOKE_AGENTS, HzdConfig
+from slider.config.control import POLICY, SMOKE_AGENTS, HzdControlConfig
 from slider.config.env import EnvConfig, PlantConfig
+from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
+from slider.control.hzd.controller import EnforcedGaits
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary
@@ -54,10 +56,12 @@ def _changed(own: Section, asked: Section, plain: Section) -> Section:
     return replace(own, **{n: part for n, part in parts.items() if part != getattr(plain, n)})
 
 
-def agent_scene(name: str, config: Config, library: Callable[[], Path], seed: int) -> Scene:
+def agent_scene(
+    name: str, config: Config, gaits: Callable[[], tuple[Path, Path]], seed: int
+) -> Scene:
     """A controller of the configuration as in its evaluation, or a smoke agent.
 
-    ``library`` finds the gaits of those that walk by them.
+    ``gaits`` finds library and foot placement for those that walk by them.
 
     Raises:
         UserError: there is no agent of this name.
@@ -66,9 +70,11 @@ def agent_scene(name: str, config: Config, library: Callable[[], Path], seed: in
     if name in config.control:
         plant = PlantConfig(env.control_period, env.physics, env.termination)
         control, disturbance = config.control[name], test.disturbance
-        gaits = GaitLibrary.load(library()) if isinstance(control, HzdConfig) else None
+        enforced = None
+        if isinstance(control, HzdControlConfig):
+            enforced = EnforcedGaits.load(*gaits(), enforced_section(config.hzd))
         motion = simulate_model_based(
-            config.robot, plant, control, gaits, test.start, seed, disturbance
+            config.robot, plant, control, enforced, test.start, seed, disturbance
         )
         return Scene(f"controller {name}", config.robot, motion, config.speeds.top)
     if name in SMOKE_AGENTS:

@@ -44,8 +44,6 @@ def _control(control: AnyControl, env: EnvConfig, key: str) -> None:
         ordered(f"{key}.step", step.time_min, step.time)
         ordered(f"{key}.step", step.time, step.time_max)
         ordered(f"{key}.planner.width_min", planner.width_min, planner.width_max)
-    else:
-        ordered(f"{key}.placement", *control.placement)
     if control.observer is not None:
         period = env.physics.timestep * control.substeps
         multiple(f"{key}.observer.delay", control.observer.delay, period)

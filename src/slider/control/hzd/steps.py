@@ -4,18 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.config.control import HzdConfig
-from slider.control.hzd.gaits import GaitTables, Steps
+from slider.config.control import HzdControlConfig
+from slider.config.hzd import VirtualConstraintsConfig
+from slider.control.hzd.gaits import GaitTables, Steps, at_phase
 from slider.control.whole_body.controller import Surroundings
 from slider.control.whole_body.memory import Memory
 from slider.control.whole_body.nominal import Dynamics
 from slider.control.whole_body.tasks import Part, Solved, pitch_and_yaw, point_velocity, wrapped
 from slider.control.whole_body.velocity import ReferenceVelocity
-from slider.hzd.rows import put, take
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.outputs import NUM_JOINTS, SWING, YAW, output_matrix, stance_first, stance_selection
 from slider.hzd.phase import phase_of, phase_rate
-from slider.robot.kinematics import yaw_of
+from slider.hzd.rows import put, take
+from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.knee_map import KneeLengths
 from slider.robot.names import ACTUATED
 
@@ -63,18 +64,27 @@ class HzdSteps:
 
     Args:
         config: of the controller.
+        constraints: what is enforced.
+        reach: largest displacement of a foothold [m].
         gaits: of the library.
         lengths: of the virtual leg.
         around: the robot.
     """
 
     def __init__(
-        self, config: HzdConfig, gaits: GaitTables, lengths: KneeLengths, around: Surroundings
+        self,
+        config: HzdControlConfig,
+        constraints: VirtualConstraintsConfig,
+        reach: float,
+        gaits: GaitTables,
+        lengths: KneeLengths,
+        around: Surroundings,
     ) -> None:
-        self._config, self._gaits, self._lengths = config, gaits, lengths
+        self._config, self._constraints, self._reach = config, constraints, reach
+        self._gaits, self._lengths = gaits, lengths
         self._body, self._period, self._omega = around.body, around.period, around.omega
         self._velocity = ReferenceVelocity(config.velocity, around.period)
-        self._matrix = output_matrix(config.outputs)
+        self._matrix = output_matrix(constraints.outputs)
         w = config.weights
         self._weights = np.array(
             [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]
@@ -101,9 +111,11 @@ class HzdSteps:
         memory.duration[robots] = walk.steps.duration
         motion = self._motion(memory, robots, dynamics)
         place, speed = self._hip(memory, robots, dynamics)
-        walk.by_hip &= phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed) * (
-            walk.steps.duration
-        ) >= LEAST
+        walk.by_hip &= (
+            phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed)
+            * (walk.steps.duration)
+            >= LEAST
+        )
         self._synchronise(walk, place, speed)
         walk.constraints.re_anchor(walk.phase, motion.x, motion.rate / walk.rate[:, None])
         put(self._walk, robots, walk)
@@ -136,16 +148,16 @@ class HzdSteps:
         return solved
 
     def _new(self, velocity: np.ndarray, stance: np.ndarray) -> Walk:
-        config, steps = self._config, self._gaits.at(velocity, stance)
+        config, steps = self._constraints, self._gaits.at(velocity, stance)
         constraints = StepConstraints(
             steps.coefficients,
             steps.roll,
             steps.placement,
             self._lengths,
             config.correction_end,
-            config.placement,
+            (config.placement.lower, config.placement.upper),
         )
-        by_hip = (np.abs(velocity[:, 0]) >= config.slowest) & (config.phase == "hip")
+        by_hip = (velocity[:, 0] >= config.slowest_hip) & (config.phase == "hip")
         return Walk(constraints, steps, np.zeros(len(stance)), 1.0 / steps.duration, by_hip)
 
     def _reachable(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
@@ -180,7 +192,7 @@ class HzdSteps:
 
     def _motion(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Motion:
         rows, stance = np.arange(len(robots)), memory.stance[robots]
-        right, side = stance == 1, np.where(stance == 1, -1.0, 1.0)
+        right, side = stance == 1, _side(stance)
         rotation = dynamics.foot_rotations[rows, stance]
         angular = dynamics.foot_jacobians[rows, stance, 3:]
         axes = np.stack([rotation[:, :, 0], pitch_and_yaw(rotation)[:, 1]], axis=1)
@@ -196,10 +208,10 @@ class HzdSteps:
 
     def _outputs(self, walk: Walk, motion: Motion) -> Part:
         """ÿ = −kp y − kd ẏ, with the phase on its way to the gait's pace."""
-        config, rate = self._config, walk.rate[:, None]
+        config, rate = self._constraints, walk.rate[:, None]
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
-        sinking = config.descent * walk.steps.duration * (late > 0)
+        sinking = self._config.descent * walk.steps.duration * (late > 0)
         value[:, SWING + SLIDE] += sinking * late
         slope[:, SWING + SLIDE] += sinking
         pace = np.where(walk.by_hip, -config.rate_gain, 0.0) * (
@@ -211,24 +223,45 @@ class HzdSteps:
         return self._matrix @ motion.jacobian, desired @ self._matrix.T, self._weights
 
     def _place(self, walk: Walk, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
-        """Phase now, and the foothold that the error of the centre of mass asks for."""
-        self._synchronise(walk, *self._hip(memory, robots, dynamics), _JUMP)
-        stance = memory.stance[robots]
-        side = np.stack([np.ones(len(robots)), np.where(stance == 1, -1.0, 1.0)], axis=1)
-        sole = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
-        place = side * memory.to_heading(dynamics.com[:, :2] - sole, robots)
-        speed = side * memory.to_heading(dynamics.com_velocity[:, :2], robots)
-        desired, slope, _ = walk.steps.com.at(walk.phase)
-        feedback, duration = self._config.feedback, walk.steps.duration[:, None]
-        left = self._omega * np.maximum(1.0 - walk.phase, 0.0)[:, None] * duration
-        error = np.sinh(left) * (place - desired)
-        error += np.cosh(left) * (speed - slope / duration) / self._omega
-        forward = np.where(walk.by_hip, feedback.forward, feedback.forward_time)
-        gains = np.stack([forward, np.full(len(forward), feedback.lateral)], axis=1)
-        wanted = gains * error
-        wanted = np.clip(wanted, -feedback.reach, feedback.reach)
-        share = np.where(walk.phase < feedback.lock, min(1.0, self._period / feedback.settling), 0)
+        """Phase now, and the foothold that the state asks for: b = −K(s) (ξ − ξ*(s))."""
+        place, speed = self._hip(memory, robots, dynamics)
+        self._synchronise(walk, place, speed, _JUMP)
+        error = self._section(memory, robots, dynamics) - at_phase(walk.steps.orbit, walk.phase)
+        error[~walk.by_hip, 2] = 0.0  # the gain is that of a phase which it drives
+        wanted = -(at_phase(walk.steps.gains, walk.phase) @ error[:, :, None])[:, :, 0]
+        wanted[:, 0] += self._capture(walk, place, speed)
+        wanted = np.clip(wanted, -self._reach, self._reach)
+        config = self._config
+        share = np.where(walk.phase < config.lock, min(1.0, self._period / config.settling), 0)
         walk.constraints.displacement += share[:, None] * (wanted - walk.constraints.displacement)
+
+    def _section(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
+        """ξ (n, 3): lateral place, lateral and forward velocity of the centre of mass."""
+        rows, stance = np.arange(len(robots)), memory.stance[robots]
+        yaw = yaw_of(dynamics.foot_rotations[rows, stance])
+        place = dynamics.com[:, :2] - dynamics.foot_positions[rows, stance, :2]
+        place, speed = (turn_to_heading(v, yaw) for v in (place, dynamics.com_velocity[:, :2]))
+        side = _side(stance)
+        return np.stack([side * place[:, 1], side * speed[:, 1], speed[:, 0]], axis=1)
+
+    def _capture(self, walk: Walk, place: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        """Forward displacement (n,) [m] by the pendulum, where the phase is time.
+
+        There the linear map has no forward error: the ankle takes it away at once. The foot's
+        length forbids that for large ones, of a start or a stop. What is left of them at touchdown,
+        δẋ/ω, goes into the foothold.
+        """
+        duration = walk.steps.duration
+        value, slope, _ = walk.steps.hip.at(walk.phase)
+        left = self._omega * np.maximum(1.0 - walk.phase, 0.0) * duration
+        late = np.cosh(left) * (speed - slope[:, 0] / duration) / self._omega
+        share = np.where(walk.by_hip, self._config.capture_hip, self._config.capture)
+        return share * (np.sinh(left) * (place - value[:, 0]) + late)
+
+
+def _side(stance: np.ndarray) -> np.ndarray:
+    """+1 in left stance, −1 in right stance (n,)."""
+    return np.where(stance == 1, -1.0, 1.0)
 
 
 def _joint_rows(right: np.ndarray) -> np.ndarray:

@@ -33,9 +33,7 @@ class ReferenceVelocity:
         """Velocity (n, 2) forward, left [m/s] that steps are planned for, ``ahead`` [s] from now."""
         return self._on_the_way(memory, robots, ahead) + memory.correction[robots]
 
-    def _on_the_way(
-        self, memory: Memory, robots: np.ndarray, ahead: float = 0.0
-    ) -> np.ndarray:
+    def _on_the_way(self, memory: Memory, robots: np.ndarray, ahead: float = 0.0) -> np.ndarray:
         """From the old command to the new one with constant acceleration (n, 2) [m/s]."""
         old = memory.old[robots]
         change = memory.command[robots, :2] - old

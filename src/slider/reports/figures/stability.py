@@ -14,8 +14,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
 from slider.reports.figures import FORMATS
 from slider.reports.figures.maps import VelocityMap, draw_maps
-from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure
-from slider.reports.figures.style import write_figure
+from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
 
 MAPS, BASINS, PORTRAITS = "spectral_radius", "basins", "phase_portraits"
 FILES = tuple(f"{name}.{suffix}" for name in (MAPS, BASINS, PORTRAITS) for suffix in FORMATS)
@@ -157,5 +156,3 @@ def _portrait(axes: Axes, cycle: np.ndarray, walked: np.ndarray) -> None:
     middle = (cycle.max(axis=0) + cycle.min(axis=0)) / 2
     axes.set_xlim(middle[0] - wide[0], middle[0] + wide[0])
     axes.set_ylim(middle[1] - wide[1], middle[1] + wide[1])
-
-

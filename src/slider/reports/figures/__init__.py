@@ -5,7 +5,7 @@ NAMES = (
     "gait_tiles",
     "velocity_maps",
     "convergence",
-    "knee_map_error",
+    "mapping",
     "smoothness",
 )
 FORMATS = ("svg", "png", "md")

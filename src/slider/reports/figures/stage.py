@@ -12,8 +12,8 @@ from slider.reports.figures import (
     NAMES,
     convergence,
     gait_tiles,
-    knee_map_error,
     limit_cycles,
+    mapping,
     maps,
     smoothness,
 )
@@ -33,8 +33,8 @@ DRAWINGS = {
     "gait_tiles": Drawing("Gaits from the side", gait_tiles.draw, gait_tiles.CAPTION),
     "velocity_maps": Drawing("Gaits over the commanded velocity", maps.draw, maps.CAPTION),
     "convergence": Drawing("Convergence", convergence.draw, convergence.caption),
-    "knee_map_error": Drawing(
-        "Equation 1 as printed, against the exact map", knee_map_error.draw, knee_map_error.caption
+    "mapping": Drawing(
+        "Equation 1 as printed, against the exact map", mapping.draw, mapping.caption
     ),
     "smoothness": Drawing("Smoothness of the library", smoothness.draw, smoothness.caption),
 }

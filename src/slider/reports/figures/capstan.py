@@ -16,7 +16,7 @@ from slider.reports.figures.style import DARK, EMPTY, LIGHT, MIDDLE, new_figure
 from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS, SIDES
 from slider.robot.transmission import Transmission
 
-_SLIDE, _ANKLE = (JOINTS.index(f"left_{name}") for name in ("slide", "ankle"))
+SLIDE, ANKLE = (JOINTS.index(f"left_{name}") for name in ("slide", "ankle"))
 _MOTORS = [MOTORS.index(f"left_capstan_{number}") for number in (1, 2)]
 _SHARE = 0.5  # of the joints' ranges that the drawn motions take
 _LINES = (DARK, MIDDLE, LIGHT)
@@ -39,8 +39,8 @@ def draw(library: GaitLibrary) -> Figure:
     _angles(panels[3], library, drive)
     panels = below.subplots(1, 3)
     _efforts(panels[0], drive)
-    _limits(panels[1], library, drive, _SLIDE)
-    _limits(panels[2], library, drive, _ANKLE)
+    _limits(panels[1], library, drive, SLIDE)
+    _limits(panels[2], library, drive, ANKLE)
     return figure
 
 
@@ -72,7 +72,7 @@ def effort_limits(drive: Transmission, joint: int, speeds: np.ndarray) -> np.nda
     The other joint is at rest and has no effort: the motors share the load evenly.
     """
     still = np.zeros_like(speeds)
-    turning = drive.angles(_joints(*((speeds, still) if joint == _SLIDE else (still, speeds))))
+    turning = drive.angles(_joints(*((speeds, still) if joint == SLIDE else (still, speeds))))
     lower, upper = (limit[:, _MOTORS] for limit in drive.torque_limits(turning))
     gain = drive.matrix[_MOTORS, joint]
     ends = np.where(gain > 0, (lower, upper), (upper, lower)) * gain
@@ -86,12 +86,12 @@ def effort_region(drive: Transmission, slide_speed: float) -> np.ndarray:
     torques = np.zeros((5, len(MOTORS)))
     torques[:, _MOTORS[0]] = [lower[0], upper[0], upper[0], lower[0], lower[0]]
     torques[:, _MOTORS[1]] = [lower[1], lower[1], upper[1], upper[1], lower[1]]
-    return drive.efforts(torques)[:, [_SLIDE, _ANKLE]]
+    return drive.efforts(torques)[:, [SLIDE, ANKLE]]
 
 
 def _joints(slide: np.ndarray, ankle: np.ndarray) -> np.ndarray:
     joints = np.zeros((*np.shape(slide), NUM_JOINTS))
-    joints[..., _SLIDE], joints[..., _ANKLE] = slide, ankle
+    joints[..., SLIDE], joints[..., ANKLE] = slide, ankle
     return joints
 
 
@@ -159,7 +159,7 @@ def _angles(axes: Axes, library: GaitLibrary, drive: Transmission) -> None:
 
 
 def _efforts(axes: Axes, drive: Transmission) -> None:
-    fastest = _no_load(drive, _SLIDE)
+    fastest = no_load(drive, SLIDE)
     for share, colour, dash in zip(_SPEEDS, _LINES, _DASHES, strict=True):
         region = effort_region(drive, share * fastest)
         label = f"{share * fastest:.3g} m/s"
@@ -171,7 +171,7 @@ def _efforts(axes: Axes, drive: Transmission) -> None:
 
 
 def _limits(axes: Axes, library: GaitLibrary, drive: Transmission, joint: int) -> None:
-    fastest = _no_load(drive, joint)
+    fastest = no_load(drive, joint)
     speeds = np.linspace(-fastest, fastest, 201)
     low, high = effort_limits(drive, joint, speeds)
     axes.fill_between(speeds, low, high, facecolor=EMPTY, edgecolor=DARK, linewidth=0.8)
@@ -181,10 +181,10 @@ def _limits(axes: Axes, library: GaitLibrary, drive: Transmission, joint: int) -
     step = NUM_JOINTS // len(SIDES)
     for column in (joint, joint + step):
         axes.plot(velocity[:, column], effort[:, column], ".", color=MIDDLE, markersize=2.5)
-    name, units = ("slide", ("m/s", "N")) if joint == _SLIDE else ("ankle", ("rad/s", "N m"))
+    name, units = ("slide", ("m/s", "N")) if joint == SLIDE else ("ankle", ("rad/s", "N m"))
     axes.set(title=name, xlabel=f"speed [{units[0]}]", ylabel=f"effort [{units[1]}]")
 
 
-def _no_load(drive: Transmission, joint: int) -> float:
+def no_load(drive: Transmission, joint: int) -> float:
     """Speed of a joint at which its motors make no torque, the other joint at rest."""
     return float(drive.speed[_MOTORS[0]] / drive.matrix[_MOTORS[0], joint])

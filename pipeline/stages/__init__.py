@@ -10,7 +10,7 @@ model-predictive controllers; it needs no other. The ablation compares several c
 has a module of its own, ``pipeline.ablation``; so has the sensitivity, which changes the robot.
 """
 
-from pipeline.stages.evaluation import evaluations_of, table1
+from pipeline.stages.evaluation import evaluations_of, table1, velocity_tracking
 from pipeline.stages.gaits import figure_jobs, library_job
 from pipeline.stages.protocols import protocol_jobs
 from pipeline.stages.training import policy_export, training_jobs
@@ -24,7 +24,10 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
-    targets |= {"policy_export": policy_export(targets["walking"])}
+    targets |= {
+        "policy_export": policy_export(targets["walking"]),
+        "velocity_tracking": velocity_tracking(config, targets["table1"]),
+    }
     return targets | protocol_jobs(config, targets["walking"])
 
 

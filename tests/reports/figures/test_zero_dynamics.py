@@ -25,7 +25,7 @@ def gait(tmp_path_factory) -> Gait:
     solved.mkdir()
     out.mkdir()
     gait_stage.run(section(*VELOCITY), {}, solved, Job(folder))
-    settings = gait_library(config(), []).section
+    settings = dict(gait_library(config(), []).section)
     library_stage.run(settings, {"gaits": [solved]}, out, Job(folder))
     return blend(GaitLibrary.load(out / STORE), *VELOCITY)
 

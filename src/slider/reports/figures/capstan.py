@@ -19,6 +19,7 @@ from slider.robot.transmission import Transmission
 SLIDE, ANKLE = (JOINTS.index(f"left_{name}") for name in ("slide", "ankle"))
 _MOTORS = [MOTORS.index(f"left_capstan_{number}") for number in (1, 2)]
 _SHARE = 0.5  # of the joints' ranges that the drawn motions take
+_GAP = 0.7  # from the leg's axis to a cable at its drum, as a share of the drum's radius
 _LINES = (DARK, MIDDLE, LIGHT)
 _DASHES = ("-", "--", "-.")
 _SPEEDS = (0.0, 0.6, 0.8)  # of the slide, as shares of its no-load speed
@@ -101,12 +102,12 @@ def _motion(axes: Axes, library: GaitLibrary, drive: Transmission, joints: np.nd
     radius = library.robot.capstan.drum_radius
     _leg(axes, library, (0.0, 0.0), LIGHT)
     _leg(axes, library, (joints[0], joints[1]), DARK)
-    for x, turn in ((-radius, first), (radius, second)):
-        centre = np.array([x * 1.7, 0.0])
+    for side, turn in ((1.0, first), (-1.0, second)):  # motor 1 pulls at the toe
+        centre = np.array([side * (1 + _GAP) * radius, 0.0])
         axes.add_patch(Circle(tuple(centre), radius, facecolor="white", edgecolor=DARK, zorder=5))
         for angle, colour in ((0.0, LIGHT), (turn, MIDDLE)):
-            # The drums face each other: cables of equal motion turn them in opposite senses here.
-            tip = centre + radius * np.array([np.sin(angle) * np.sign(x), np.cos(angle)])
+            # Cables run between the drums: where both go down, these turn towards each other.
+            tip = centre + radius * np.array([-side * np.sin(angle), np.cos(angle)])
             axes.plot(*np.stack([centre, tip], 1), color=colour, linewidth=1.2, zorder=6)
     axes.set_xlabel(f"motors {first:+.1f},\n{second:+.1f} rad")
     geometry = library.robot.geometry
@@ -136,7 +137,7 @@ def _leg(axes: Axes, library: GaitLibrary, joints: tuple[float, float], colour: 
         axes.plot(*bar, color=colour, linewidth=1.2, zorder=4)
     for side in (-1.0, 1.0):
         ends = [place + turn @ [side * lever, 0.0] for place in (bottom, top)]
-        drum = [side * 0.7 * capstan.drum_radius, 0.0]
+        drum = [side * _GAP * capstan.drum_radius, 0.0]
         axes.plot(*np.stack([ends[0], drum, ends[1]], 1), color=colour, linewidth=0.7, zorder=1)
 
 

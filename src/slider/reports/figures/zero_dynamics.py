@@ -19,7 +19,7 @@ from slider.robot.names import JOINTS, KNEE_JOINTS
 
 _PHASE = np.linspace(0.0, 1.0, 101)
 _ROLLS = 41
-_TOUCHDOWNS = np.linspace(0.5, 1.1, 241)  # phases at which the swing foot may land
+_TOUCHDOWNS = np.linspace(0.5, 1.05, 221)  # phases at which the swing foot may land
 _MARGIN = 0.35  # of the drawn roll beyond the gait's, as a share of its range
 _KNEE, _SLIDE = (f"right_{name}" for name in ("knee", "slide"))  # of the swing leg
 _PANELS = (
@@ -36,7 +36,7 @@ class Portrait:
         orbit: (3, N) the gait, from just after an impact to just before the next.
         manifold: (3, R, N) states on the virtual constraints, Z: by the roll, over the phase. Where
             the swing foot touches down within ``_TOUCHDOWNS``, the last is that state, of S ∩ Z.
-        landed: (R,) where it does.
+        landed: (R,) where it does; elsewhere Z ends at the phase of the nearest roll that does.
         image: (3,) the gait just after the impact, Δ(S ∩ Z).
     """
 
@@ -89,7 +89,9 @@ def portrait(gait: Gait, joint: str) -> Portrait:
     orbit = np.stack([np.interp(_PHASE, nodes, gait.roll[0, :, 0]), *_joint(gait, joint, _PHASE)])
     end = touchdown(gait, roll)
     landed = np.isfinite(end)
-    phase = np.where(landed, end, 1.0)[:, None] * _PHASE
+    if landed.any():  # elsewhere Z ends with its neighbours
+        end = np.interp(roll, roll[landed], end[landed])
+    phase = np.where(np.isfinite(end), end, 1.0)[:, None] * _PHASE
     sheet = np.stack(np.broadcast_arrays(roll[:, None], *_joint(gait, joint, phase)))
     return Portrait(orbit, sheet, landed, _after(gait, joint))
 

@@ -90,6 +90,7 @@ def _files() -> dict[str, tuple[str, ...]]:
     """Those of every target but the protocols."""
     return {
         "table1": _reports("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
+        "velocity_tracking": _compared("velocity_tracking"),
         "report": _reports("index.html"),
         "policy_export": _reports(*(f"policy/{name}" for name in POLICY_FILES)),
         "figures": _reports(*(f"figures/{name}" for name in FIGURES)),

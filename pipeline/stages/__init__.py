@@ -11,7 +11,7 @@ several configurations and has a module of its own, ``pipeline.ablation``; so ha
 which changes the robot.
 """
 
-from pipeline.stages.evaluation import evaluations_of, table1
+from pipeline.stages.evaluation import evaluations_of, table1, velocity_tracking
 from pipeline.stages.gaits import figure_jobs, library_job
 from pipeline.stages.protocols import protocol_jobs
 from pipeline.stages.stability import stability_jobs
@@ -26,7 +26,10 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
-    targets |= {"policy_export": policy_export(targets["walking"])}
+    targets |= {
+        "policy_export": policy_export(targets["walking"]),
+        "velocity_tracking": velocity_tracking(config, targets["table1"]),
+    }
     return targets | protocol_jobs(config, targets)
 
 

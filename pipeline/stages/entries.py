@@ -14,6 +14,7 @@ ENTRIES = {
     "evaluation": "slider.evaluation.stage:run",
     "baseline": "slider.evaluation.baseline:run",
     "table1": "slider.reports.table1:run",
+    "velocity_tracking": "slider.reports.velocity_tracking:run",
     "speeds": "slider.reports.protocols.speeds:run",
     "segments": "slider.reports.protocols.segments:run",
     "cases": "slider.reports.protocols.cases:run",

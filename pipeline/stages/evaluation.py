@@ -102,3 +102,15 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     if libraries:
         inputs["library"] = list(libraries[0])
     return job("table1", "table 1", section, inputs)
+
+
+def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
+    """Velocity over time at some of Table 1's commands."""
+    asked = config.report.tracking_commands
+    shown = [one for one in table1.inputs["evaluations"] if one.section["command"] in asked]
+    section = {
+        "commands": asked,
+        "control_period": config.env.control_period,
+        "labels": labels(config, config.evaluation.controllers),
+    }
+    return job("velocity_tracking", "velocity tracking", section, {"evaluations": shown})

@@ -100,7 +100,7 @@ class WalkingEnv(VecEnv):
         seen = RewardView(view, self._guide, self._output_error)
         reward, parts = self._reward(seen, fell)
         if Needs.PAST in self._reward.needs:
-            self._output_error = seen.output_error
+            self._output_error = seen.output_error.copy()
         speed_error = np.abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         episodes = self._end_episodes(fell, int(state.diverged.sum()))
         self._change_commands()

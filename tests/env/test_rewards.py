@@ -290,7 +290,7 @@ def seen(view: View, before: View | None = None) -> RewardView:
     guide = make_guide()
     if before is None:
         return RewardView(view, guide)
-    return RewardView(view, guide, RewardView(before, guide).output_error)
+    return RewardView(view, guide, RewardView(before, guide).outputs)
 
 
 @pytest.mark.parametrize(
@@ -327,7 +327,7 @@ def test_clf_decrease(before, now, expected):
 
 def test_nothing_is_asked_of_the_first_step_of_an_episode():
     view = seen(off_the_gait("left_hip_pitch", 5.0, 5.0))
-    np.testing.assert_array_equal(view.error_before, np.full((1, 2, 10), np.inf))
+    np.testing.assert_array_equal(view.outputs_before, np.full((1, 2, 10), np.inf))
     np.testing.assert_array_equal(TERMS["clf_decrease"].function(view, **CLF, **RATES), [0.0])
 
 

@@ -144,7 +144,7 @@ def test_every_parameter_of_a_term_has_its_unit():
 def test_a_reward_needs_the_clock_and_the_library_exactly_if_it_reads_them(name):
     term, view = rewards.TERMS[name], moving_view()
     later = replace(view, phase=(view.phase + 0.37) % 1.0)
-    before = RewardView(view, make_guide()).output_error
+    before = RewardView(view, make_guide()).outputs
     values = [
         term.function(RewardView(seen, make_guide(), before), **PARAMS[name])
         for seen in (view, later)

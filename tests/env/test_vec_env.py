@@ -381,7 +381,7 @@ def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset():
         if step == 30:
             env.physics.qpos[2, 2] = 0.2  # falls
         _, _, done, _ = env.step(actions("random", generator))
-        value = clf.value(reward.seen.output_error)
+        value = clf.value(reward.seen.outputs)
         violation = np.clip(((value - before) / 0.02 + decay * value) / scale, 0.0, 1.0)
         expected = term.weight * np.where(started, 0.0, violation)
         np.testing.assert_allclose(reward.parts["clf_decrease"], expected, rtol=1e-9, atol=1e-12)
@@ -395,4 +395,4 @@ def test_errors_are_kept_only_for_terms_that_look_back():
     env = build(settings("experiment=test"))
     assert Needs.PAST not in env._reward.needs
     env.step(torch.zeros(NUM_ENVS, 12))
-    assert np.isinf(env._output_error).all()
+    assert np.isinf(env._outputs).all()

@@ -14,7 +14,7 @@ from slider.core.errors import UserError
 class Needs(Flag):
     """What a term reads that not every training has or keeps.
 
-    The clock's phase, gaits of the library, the output error of the control step before.
+    The clock's phase, gaits of the library, the outputs of the control step before.
     """
 
     NOTHING = 0

@@ -31,8 +31,8 @@ class Lyapunov:
         """λ_max(P) = ‖P‖."""
         return np.sqrt(self.rate_weight + 2.0) + 1.0
 
-    def value(self, error: np.ndarray) -> np.ndarray:
-        """V (N,) of errors (N, 2, K): K outputs and their rates; [rad²] if they are in rad."""
-        position, rate = error[:, 0], error[:, 1] / self.bandwidth
+    def value(self, outputs: np.ndarray) -> np.ndarray:
+        """V (N,) of outputs (N, 2, K), K values [rad] and their rates [rad/s]; in rad²."""
+        y, rate = outputs[:, 0], outputs[:, 1] / self.bandwidth
         diagonal = self.largest - 1.0
-        return (diagonal * (position**2 + rate**2) + 2.0 * position * rate).sum(axis=1)
+        return (diagonal * (y**2 + rate**2) + 2.0 * y * rate).sum(axis=1)

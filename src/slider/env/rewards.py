@@ -54,8 +54,7 @@ class RewardView:
     Args:
         view: the robots.
         guide: gaits of the library, if the training has any.
-        before: output error (N, 2, 10) of the control step before, infinite where an episode
-            begins.
+        before: ``outputs`` (N, 2, 10) of the control step before, infinite where an episode begins.
     """
 
     def __init__(
@@ -79,21 +78,20 @@ class RewardView:
         return self.guide.at_phase(self.view)
 
     @cached_property
-    def output_error(self) -> np.ndarray:
-        """y and ẏ (N, 2, 10) [rad, rad/s] of the virtual constraints y = √w (q − gait(phase)).
+    def outputs(self) -> np.ndarray:
+        """y and ẏ (N, 2, 10) [rad, rad/s]: y = √w (q − gait(phase)) of the driven joints.
 
-        The outputs are the driven joints; the guide's weights w make a metre of slide √40 rad.
+        With the guide's weights w a metre of slide counts like √40 rad.
         """
+        desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
         measured = [self.state.joint_positions, self.state.joint_velocities]
-        error = np.stack(measured, axis=1) - self.reference[:, : 2 * NUM_JOINTS].reshape(
-            -1, 2, NUM_JOINTS
-        )
+        error = np.stack(measured, axis=1) - desired
         return (np.sqrt(_GUIDE_WEIGHT) * error)[:, :, _DRIVEN]
 
     @property
-    def error_before(self) -> np.ndarray:
-        """The output error of the control step before, infinite where an episode begins."""
-        return np.broadcast_to(self._before, self.output_error.shape)
+    def outputs_before(self) -> np.ndarray:
+        """``outputs`` of the control step before, infinite where an episode begins."""
+        return np.broadcast_to(self._before, self.outputs.shape)
 
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
@@ -177,7 +175,7 @@ def clf_value(
 ) -> np.ndarray:
     """exp(−V/σ) of the outputs' control Lyapunov function, σ = λ_max(P) η_max² (CLF-RL)."""
     clf = Lyapunov(bandwidth, rate_weight)
-    return _kernel(clf.value(r.output_error), clf.largest * eta_max**2)
+    return _kernel(clf.value(r.outputs), clf.largest * eta_max**2)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY | Needs.PAST)
@@ -195,7 +193,7 @@ def clf_decrease(
     asked of an episode's first step: V is infinite before.
     """
     clf = Lyapunov(bandwidth, rate_weight)
-    value, before = clf.value(r.output_error), clf.value(r.error_before)
+    value, before = clf.value(r.outputs), clf.value(r.outputs_before)
     scale = clf.largest * eta_max * (2.0 * eta_dot_max + decay * eta_max)
     return np.clip(((value - before) / r.view.period + decay * value) / scale, 0.0, 1.0)
 

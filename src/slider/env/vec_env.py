@@ -69,7 +69,7 @@ class WalkingEnv(VecEnv):
         self._commands = CommandSampler(train.commands, config.control_period)
         self.curriculum = Curriculum(train.commands.curriculum, self.num_envs)
         self._reward = Reward(train.reward)
-        self._output_error = np.full((self.num_envs, 2, len(ACTUATED)), np.inf)
+        self._outputs = np.full((self.num_envs, 2, len(ACTUATED)), np.inf)
         self._measured = self._reset(np.arange(self.num_envs))
         self._observe()
 
@@ -97,10 +97,10 @@ class WalkingEnv(VecEnv):
         self.agent.advance(self._measured)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self.agent.view(state)
-        seen = RewardView(view, self._guide, self._output_error)
+        seen = RewardView(view, self._guide, self._outputs)
         reward, parts = self._reward(seen, fell)
         if Needs.PAST in self._reward.needs:
-            self._output_error = seen.output_error.copy()
+            self._outputs = seen.outputs.copy()
         speed_error = np.abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         episodes = self._end_episodes(fell, int(state.diverged.sum()))
         self._change_commands()
@@ -149,7 +149,7 @@ class WalkingEnv(VecEnv):
         if self.agent.clock is not None and self.agent.clock.halts:
             resting = standing(self.agent.command[index]) & ~on_gait
             phase = np.where(resting, 0.0, phase)  # they stand from the start
-        self._output_error[index] = np.inf
+        self._outputs[index] = np.inf
         self.physics.reset(index, qpos, qvel)
         state = self.physics.measure(self.physics.read())
         heading = np.where(on_gait, 0.0, state.yaw[index])  # a gait's yaw swings about its course

@@ -254,6 +254,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
         torque_limits=TORQUE_LIMITS,
+        period=0.02,
         scan_points=(15, 12),
         scan_spacing=0.1,
         **values,

@@ -161,7 +161,14 @@ HAND = {  # term → (state, view, parameters, value)
 }
 
 
-BELOW = {"guide_phase", "guide_phase_turning", "guide_nearest", "contact_schedule"}
+BELOW = {
+    "guide_phase",
+    "guide_phase_turning",
+    "guide_nearest",
+    "clf_value",
+    "clf_decrease",
+    "contact_schedule",
+}
 
 
 @pytest.mark.parametrize("name", [*HAND, *sorted(TERMS.keys() - HAND.keys() - BELOW)])
@@ -262,6 +269,80 @@ def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
     assert (slide < hip).all()
     np.testing.assert_allclose(hip, hip[0])
     np.testing.assert_allclose(off("left_hip_pitch", 0.1), hip)
+
+
+CLF = {"bandwidth": 20.0, "rate_weight": 2.0, "eta_max": 0.5}  # P = [[2, 1], [1, 2]]
+RATES = {"eta_dot_max": 5.0, "decay": 4.0}
+SCALE = 2 * 3.0 * 0.5 * 5.0 + 4.0 * 3.0 * 0.5**2  # 2‖P‖ η_max η̇_max + decay λ_max(P) η_max²
+
+
+def off_the_gait(name: str, error: float, rate: float = 0.0) -> View:
+    """A robot whose joint is off by [rad or m], with a rate that is off as well."""
+    phase, command = np.array([0.3]), np.array([[0.4, 0.0, 0.0, 0.0]])
+    gait = gait_table().at(command[:, 0], command[:, 1], phase)
+    positions, rates = gait[:, :12] + joint(name, error), gait[:, 12:24] + joint(name, rate)
+    state = make_state(1, joint_positions=positions, joint_velocities=rates)
+    return make_view(state, command=command, phase=phase)
+
+
+def seen(view: View, before: View | None = None) -> RewardView:
+    """As the environment has it, after the control step ``before``."""
+    guide = make_guide()
+    if before is None:
+        return RewardView(view, guide)
+    return RewardView(view, guide, RewardView(before, guide).outputs)
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "rate", "lyapunov"),
+    [
+        ("left_hip_pitch", 0.0, 0.0, 0.0),
+        ("left_hip_pitch", 0.2, 0.0, 2 * 0.04),
+        ("right_ankle", 0.0, 4.0, 0.5 * 2 * 0.2**2),
+        ("right_slide", 0.05, -2.0, 40 * (2 * 0.05**2 - 2 * 0.05 * 0.1 + 2 * 0.1**2)),
+        ("left_upper_foot", 9.0, 9.0, 0.0),  # no motor, no output
+    ],
+)
+def test_clf_value(name, error, rate, lyapunov):
+    found = TERMS["clf_value"].function(seen(off_the_gait(name, error, rate)), **CLF)
+    np.testing.assert_allclose(found, [np.exp(-lyapunov / (3.0 * 0.5**2))], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "expected"),
+    [
+        (0.2, 0.1, 0.0),  # falls faster than asked
+        (0.1, 0.1, 4.0 * 0.02 / SCALE),  # stays: V = 0.02
+        (0.1, 0.1 * np.exp(-0.5 * 4.0 * 0.02), 0.0),  # falls as e^(−decay t), in one step
+        (0.1, 0.11, ((0.0242 - 0.02) / 0.02 + 4.0 * 0.0242) / SCALE),
+        (0.0, 5.0, 1.0),
+        (0.0, 0.0, 0.0),
+    ],
+)
+def test_clf_decrease(before, now, expected):
+    views = [off_the_gait("left_hip_pitch", error) for error in (now, before)]
+    found = TERMS["clf_decrease"].function(seen(*views), **CLF, **RATES)
+    np.testing.assert_allclose(found, [expected], rtol=1e-9, atol=2e-4 if before > now else 1e-12)
+
+
+def test_nothing_is_asked_of_the_first_step_of_an_episode():
+    view = seen(off_the_gait("left_hip_pitch", 5.0, 5.0))
+    np.testing.assert_array_equal(view.outputs_before, np.full((1, 2, 10), np.inf))
+    np.testing.assert_array_equal(TERMS["clf_decrease"].function(view, **CLF, **RATES), [0.0])
+
+
+def test_clf_rewards_are_bounded():
+    now, before = moving_view(), moving_view()
+    before.state.joint_positions[:] += 0.01
+    both = seen(now, before)
+    for values in (
+        TERMS["clf_value"].function(both, **CLF),
+        TERMS["clf_decrease"].function(both, **CLF, **RATES),
+    ):
+        assert values.shape == (40,)
+        assert (values >= 0.0).all()
+        assert (values <= 1.0).all()
+        assert np.ptp(values) > 0.01
 
 
 def brute_force(view: View, keep: np.ndarray) -> np.ndarray:

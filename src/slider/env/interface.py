@@ -167,6 +167,7 @@ class AgentInterface:
             nominal=self.nominal,
             nominal_height=self.nominal_height,
             torque_limits=self._torque_limits,
+            period=self._config.control_period,
             scan_points=(scan.points_x, scan.points_y),
             scan_spacing=scan.spacing,
         )

@@ -101,6 +101,8 @@ class Posture:
     """of the swing foot at mid-step, parabola over the step"""
     clearance_margin: NonNegative[Metres]
     """added at the nodes, for what happens between them"""
+    clearance_from: Annotated[Share, Unit("fraction of step"), Field(lt=0.5)]
+    """from this phase to as long before touchdown; outside the foot has only not to scuff"""
     swing_height: Positive[Metres]
     """greatest height of the swing foot"""
     foot_separation_min: NonNegative[Metres]

@@ -12,6 +12,7 @@ from slider.config.types import (
     Count,
     Distinct,
     Factor,
+    Interval,
     Metres,
     MetresPerSecond,
     NonNegative,
@@ -150,10 +151,25 @@ class SolverConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class StartSpread:
+    """Random initial guesses, uniform about the crouched walk and within ``gait.step_time``."""
+
+    joints: Positive[Radians]
+    """greatest change of a Bézier coefficient, of each joint and step by itself"""
+    crouch: Interval[Positive[Radians]]
+    """knee flexion"""
+    stride: Interval[Positive[Factor]]
+    """step length, as a share of that at the commanded velocity"""
+
+
+Nodes = Annotated[Odd[int], Field(ge=5, le=201)]
+
+
+@dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
     """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
 
-    nodes: Annotated[Odd[int], Field(ge=5, le=201)]
+    nodes: Nodes
     """collocation nodes per step"""
     transcription: Literal["bezier", "collocation"]
     """bezier: joints are polynomials of the phase (virtual constraints); collocation: all free"""

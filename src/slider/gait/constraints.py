@@ -52,7 +52,7 @@ def _loads(node: Node) -> list[Constraint]:
 
 def _legs(node: Node) -> list[Constraint]:
     """Swing foot above the ground, and legs that stay apart."""
-    form, posture = node.form, node.form.config.posture
+    posture = node.form.config.posture
     toe, heel = node.foot_ends(SWING)
     return [
         between(

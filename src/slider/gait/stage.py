@@ -29,17 +29,30 @@ from slider.robot.knee_map import prismatic_joints, with_upper_feet
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
+    solver, velocity = prepare(section, job)
+    solve = solver.solve(*velocity)
+    arrays = gait_arrays(solver.problem, solve, section["solve"]["kinematic_map"])
+    for name, array in arrays.items():
+        np.save(out / f"{name}.npy", array)
+    return write_report(solver.problem, solve, velocity, out, job)
+
+
+def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float]]:
+    """Solver of a section, and its commanded velocity [m/s]."""
     config = from_dict(SolveConfig, section["solve"])
     vx, vy = (float(v) for v in section["velocity"])
     robot = from_dict(Mechanism, section["robot"])
     problem = build(formulate(robot, from_dict(FormulationConfig, section["formulation"])))
     job.progress(f"gait ({vx:g}, {vy:g}) m/s: built")
-    solve = GaitSolver(problem, config.solver, config.step_time).solve(vx, vy)
+    return GaitSolver(problem, config.solver, config.step_time), (vx, vy)
+
+
+def write_report(
+    problem: GaitProblem, solve: Solve, velocity: tuple[float, float], out: Path, job: Job
+) -> Summary:
+    """Write the report of a solve, note its times, and give the summary."""
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, config.kinematic_map)
-    for name, array in arrays.items():
-        np.save(out / f"{name}.npy", array)
-    report = _report(problem, solve, vx, vy)
+    report = _report(problem, solve, *velocity)
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
     return {k: report[k] for k in ("vx", "vy", "status", "converged", "cost", "max_violation")}
 

@@ -11,7 +11,7 @@ from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
-from slider.config.studies import AblationConfig, SensitivityConfig
+from slider.config.studies import AblationConfig, GaitStudyConfig, SensitivityConfig
 from slider.config.train import TrainConfig, TrainingsConfig
 from slider.config.types import STRICT, Count, Name
 from slider.config.verification import VerificationConfig
@@ -58,6 +58,7 @@ class Config:
     report: ReportConfig
     ablation: AblationConfig
     sensitivity: SensitivityConfig
+    gait_study: GaitStudyConfig
     tracking: TrackingConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None

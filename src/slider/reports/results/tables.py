@@ -177,9 +177,14 @@ def seeds(report: Path, store: Store) -> str:
 
 @block("ablation.md", "ablation.csv")
 def ablation(report: Path, store: Store) -> str:
-    """All of the report without title and figure; its headings become bold lines."""
-    first, *others = _parts(report)
-    return "\n\n".join([first[1], *(f"**{title}**\n\n{text}" for title, text in others)])
+    """All of the report."""
+    return _whole(report)
+
+
+@block("gait_convergence.md", "gait_convergence.csv")
+def gait_convergence(report: Path, store: Store) -> str:
+    """All of the report."""
+    return _whole(report)
 
 
 @block("sensitivity.md", "sensitivity.csv")
@@ -251,6 +256,13 @@ def _cell(row: Row, name: str) -> str:
     if not row:
         return QUANTITIES[name].text(NAN)
     return QUANTITIES[name].between(row[name], *([row[end] for end in ends] or (NAN, NAN)))
+
+
+def _whole(report: Path) -> str:
+    """A Markdown report without title and figure; its headings become bold lines."""
+    first, *others = _parts(report)
+    shown = [first[1], *(f"**{title}**\n\n{text}" for title, text in others)]
+    return "\n\n".join(text for text in shown if text)
 
 
 def _parts(report: Path) -> list[tuple[str, str]]:

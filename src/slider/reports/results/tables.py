@@ -271,6 +271,7 @@ def _parts(report: Path) -> list[tuple[str, str]]:
     found = []
     for part in parts:
         title, _, text = part.partition("\n")
-        kept = [item.strip("\n") for item in text.split("\n\n") if not item.startswith("![")]
-        found.append((title.lstrip("# "), "\n\n".join(item for item in kept if item)))
+        items = [item.strip("\n") for item in text.split("\n\n")]
+        kept = [item for item in items if item and not item.startswith("![")]
+        found.append((title.lstrip("# "), "\n\n".join(kept)))
     return found

@@ -102,7 +102,7 @@ def test_the_tables_say_shares_and_whether_the_library_s_gait_is_the_best(out):
     text = (out / "gait_convergence.md").read_text()
     assert "| 0.4 | 4 | 50 [15, 85] | 25 [4.6, 69.9] | 2 | 0 % | 25 | 2.5 |" in text
     assert "| 1.2 | 4 | 100 [51, 100] | 50 [15, 85] | 2 | 2 % | 25 | 2.5 |" in text
-    assert "At 0.4 m/s 2 starts fail: " in text
+    assert "At 0.4 m/s 2 of 4 starts did not converge (" in text
     assert "At 0.4 m/s no start finds a better gait than the library's." in text
     assert "At 1.2 m/s the library's gait costs 2 % more than the best one found." in text
     assert (

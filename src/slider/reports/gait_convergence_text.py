@@ -12,7 +12,7 @@ from slider.evaluation.proportions import wilson
 from slider.reports.controllers import speed
 from slider.reports.quantities import NONE, Quantity
 from slider.reports.rows import Row, by
-from slider.reports.table import Heading, Picture, Text, Written, grid
+from slider.reports.table import Heading, Picture, Text, Written, grid, listed
 
 LIBRARY, TIME = "library", "solve_cpu"  # the start that is no random one; no column of the CSVs
 _ROLL_EQUATION = "between_foot_line_moment"
@@ -52,23 +52,27 @@ def blocks(
 
 def verdict(starts: Sequence[Row], same: float) -> str:
     """Plain sentences, from the data: what failed, and whether the library's gait is the best."""
-    sentences = []
+    where: dict[str, list[str]] = {}
     for command, (own, *drawn) in by(starts, "command").items():
-        failed = Counter(row["status"] for row in drawn if not row["converged"])
-        if failed:
-            causes = ", ".join(f"{name} {count}" for name, count in failed.most_common())
-            sentences.append(f"At {speed(command)} m/s {failed.total()} starts fail: {causes}.")
-        sentences.append(_compared(command, own, same))
-    return " ".join(sentences)
+        for found in (*_failures(drawn), _compared(own["cost_excess"], same)):
+            where.setdefault(found, []).append(speed(command))
+    return " ".join(f"At {listed(at)} m/s {found}." for found, at in where.items())
 
 
-def _compared(command: float, own: Row, same: float) -> str:
-    where, excess = f"At {speed(command)} m/s", own["cost_excess"]
+def _failures(drawn: Sequence[Row]) -> Iterator[str]:
+    failed = Counter(row["status"] for row in drawn if not row["converged"])
+    if failed:
+        causes = ", ".join(f"{name} {count}" for name, count in failed.most_common())
+        yield f"{failed.total()} of {len(drawn)} starts did not converge ({causes})"
+
+
+def _compared(excess: float, same: float) -> str:
+    """Of the library's gait, by what share it costs more than the best one."""
     if math.isnan(excess):
-        return f"{where} the library's own guesses do not converge."
+        return "the library's own guesses do not converge"
     if excess <= same:
-        return f"{where} no start finds a better gait than the library's."
-    return f"{where} the library's gait costs {_percent(excess)} more than the best one found."
+        return "no start finds a better gait than the library's"
+    return f"the library's gait costs {_percent(excess)} more than the best one found"
 
 
 def _drawn(study: Mapping[str, Any]) -> str:

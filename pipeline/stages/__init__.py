@@ -6,9 +6,10 @@ in the recipe.
 
 On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
 that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
-controllers of ``conf/control``; those that walk by gaits need the library. The ablation compares
-several configurations and has a module of its own, ``pipeline.ablation``; so has the sensitivity,
-which changes the robot.
+controllers of ``conf/control``; those that walk by gaits need the library and its foot placement.
+The ablation compares several configurations and has a module of its own, ``pipeline.ablation``; so
+have the sensitivity, which changes the robot, and the study of the gaits, which changes mesh and
+start.
 """
 
 from pipeline.stages.evaluation import evaluations_of, table1, velocity_tracking
@@ -22,7 +23,7 @@ from slider.config.schema import Config
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs of everything but page, ablation and sensitivity, by the name of their target."""
+    """Jobs of everything but the page and what is on demand, by the name of their target."""
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)

@@ -8,6 +8,7 @@ from slider.artefacts.recipe import code_of
 
 ENTRIES = {
     "gait": "slider.gait.stage:run",
+    "gait_start": "slider.gait.random_start:run",
     "library": "slider.library.stage:run",
     "standing": "slider.training.stage:run_standing",
     "walking": "slider.training.stage:run_walking",
@@ -31,6 +32,7 @@ ENTRIES = {
     "ablation": "slider.reports.ablation:run",
     "sensitivity_policy": "slider.evaluation.stage:run_changed",
     "sensitivity": "slider.reports.sensitivity:run",
+    "gait_convergence": "slider.reports.gait_convergence:run",
     "video": "slider.reports.video:run",
     "report": "slider.reports.page:run",
 }

@@ -52,7 +52,8 @@ def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:
 def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
     """The configuration without what has no part in the page."""
     shown = without(
-        to_dict(config), "resources", "tracking", "ablation", "sensitivity", "protocols"
+        to_dict(config),
+        *("resources", "tracking", "ablation", "sensitivity", "gait_study", "protocols"),
     )
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}

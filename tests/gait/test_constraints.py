@@ -95,6 +95,27 @@ def violated(formulation) -> set[str]:
     return found
 
 
+def test_a_finer_mesh_has_the_bounds_of_the_coarse_one_at_its_phases():
+    """Otherwise the meshes would solve different problems."""
+    finer = of_node(Node.of(formulate(config().robot, replace(config().gait, nodes=41)), _node()))
+    fine, coarse = np.linspace(0, 1, 41), problem().layout.phase
+    for at_nodes in (True, False):
+        expected = scaled_bounds(problem().node_constraints, coarse, at_nodes)
+        for found, bound in zip(scaled_bounds(finer, fine, at_nodes), expected, strict=True):
+            np.testing.assert_array_equal(found[::2], bound)
+
+
+def test_the_clearance_begins_at_its_phase():
+    clearance = next(c for c in problem().node_constraints if c.name == "clearance")
+    lower, _ = clearance.bounds(np.array([0.0, 0.04, 0.05, 0.5, 0.96, 1.0]), at_nodes=False)
+    expected = [-np.inf, 0.0, 0.05 * 4 * 0.05 * 0.95, 0.05, 0.0, -np.inf]
+    np.testing.assert_allclose(lower[:, 0] * clearance.scale, expected)
+
+
+def _node() -> ca.SX:
+    return ca.SX.sym("x", NODE)
+
+
 def test_bounds_are_scaled_and_keep_a_margin_at_the_nodes():
     rows, phase = ca.SX.sym("r", 2), np.array([0.0, 0.5, 1.0])
 

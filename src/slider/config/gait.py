@@ -12,6 +12,7 @@ from slider.config.types import (
     Count,
     Distinct,
     Factor,
+    Interval,
     Metres,
     MetresPerSecond,
     NonNegative,
@@ -101,6 +102,8 @@ class Posture:
     """of the swing foot at mid-step, parabola over the step"""
     clearance_margin: NonNegative[Metres]
     """added at the nodes, for what happens between them"""
+    clearance_from: Annotated[Share, Unit("fraction of step"), Field(lt=0.5)]
+    """from this phase to as long before touchdown; outside the foot has only not to scuff"""
     swing_height: Positive[Metres]
     """greatest height of the swing foot"""
     foot_separation_min: NonNegative[Metres]
@@ -148,10 +151,25 @@ class SolverConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class StartSpread:
+    """Random initial guesses, uniform about the crouched walk and within ``gait.step_time``."""
+
+    joints: Positive[Radians]
+    """greatest change of a Bézier coefficient, of each joint and step by itself"""
+    crouch: Interval[Positive[Radians]]
+    """knee flexion"""
+    stride: Interval[Positive[Factor]]
+    """step length, as a share of that at the commanded velocity"""
+
+
+Nodes = Annotated[Odd[int], Field(ge=5, le=201)]
+
+
+@dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
     """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
 
-    nodes: Annotated[Odd[int], Field(ge=5, le=201)]
+    nodes: Nodes
     """collocation nodes per step"""
     transcription: Literal["bezier", "collocation"]
     """bezier: joints are polynomials of the phase (virtual constraints); collocation: all free"""

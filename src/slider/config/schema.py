@@ -12,7 +12,7 @@ from slider.config.gait import GaitConfig, LibraryConfig
 from slider.config.hzd import HzdConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
-from slider.config.studies import AblationConfig, SensitivityConfig
+from slider.config.studies import AblationConfig, GaitStudyConfig, SensitivityConfig
 from slider.config.train import TrainConfig, TrainingsConfig
 from slider.config.types import STRICT, Count, Name
 from slider.config.verification import VerificationConfig
@@ -60,6 +60,7 @@ class Config:
     report: ReportConfig
     ablation: AblationConfig
     sensitivity: SensitivityConfig
+    gait_study: GaitStudyConfig
     tracking: TrackingConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None

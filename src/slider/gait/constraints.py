@@ -52,18 +52,18 @@ def _loads(node: Node) -> list[Constraint]:
 
 def _legs(node: Node) -> list[Constraint]:
     """Swing foot above the ground, and legs that stay apart."""
-    form, posture = node.form, node.form.config.posture
+    posture = node.form.config.posture
     toe, heel = node.foot_ends(SWING)
     return [
         between(
             "clearance",
             "m",
-            "gait.posture.clearance, gait.posture.swing_height",
+            "gait.posture.clearance, gait.posture.clearance_from, gait.posture.swing_height",
             [toe[2], heel[2]],
-            _arc(posture.clearance, form.config.nodes),
+            _arc(posture.clearance, posture.clearance_from),
             posture.swing_height,
             _LENGTH,
-            _arc(posture.clearance + posture.clearance_margin, form.config.nodes),
+            _arc(posture.clearance + posture.clearance_margin, posture.clearance_from),
         ),
         between(
             "foot_separation",
@@ -174,17 +174,17 @@ def _ranges(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
     return np.array([each.lower for each in ranges]), np.array([each.upper for each in ranges])
 
 
-def _arc(height: float, nodes: int) -> Callable[[np.ndarray], np.ndarray]:
+def _arc(height: float, first: float) -> Callable[[np.ndarray], np.ndarray]:
     """Parabola over the step as a bound of toe and heel (S, 2) [m].
 
-    In the first and the last interval the foot has only not to scuff; at the very ends touchdown
-    and lift-off have their own constraints.
+    Before phase ``first`` and after 1 − ``first`` the foot has only not to scuff; at the very ends
+    touchdown and lift-off have their own constraints. The phase does not depend on the nodes:
+    otherwise each mesh would have a problem of its own.
     """
-    first = 1.0 / (nodes - 1) - 1e-9
 
     def bound(phase: np.ndarray) -> np.ndarray:
         away = np.minimum(phase, 1.0 - phase)
-        arc = np.where(away > first, 4.0 * height * phase * (1.0 - phase), 0.0)
+        arc = np.where(away > first - 1e-9, 4.0 * height * phase * (1.0 - phase), 0.0)
         return np.repeat(np.where(away > 0, arc, -np.inf)[:, None], 2, axis=1)
 
     return bound

@@ -13,6 +13,7 @@ from slider.gait.guess import STARTS, cold_start
 from slider.gait.nlp import Nlp, assemble
 from slider.gait.problem import GaitProblem
 
+GIVEN = "given"  # name of a start that is no guess of the configuration
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
 _WARM = {
     "warm_start_init_point": "yes",
@@ -140,14 +141,15 @@ class GaitSolver:
         }
         return ca.nlpsol("gait", "ipopt", {"x": x, "p": p, "f": objective, "g": rows}, options)
 
-    def solve(self, vx: float, vy: float) -> Solve:
+    def solve(self, vx: float, vy: float, start: np.ndarray | None = None) -> Solve:
         """Solve for a commanded velocity [m/s], from the initial guesses in order.
 
         The result is the first that converges or, with ``keep: best``, the cheapest that does.
+        Variables ``start`` (size,) take the place of the guesses.
         """
         wall, cpu = time.perf_counter(), time.process_time()
         outcomes: list[Outcome] = []
-        for guess in self._config.guesses:
+        for guess in self._config.guesses if start is None else [start]:
             outcomes.append(self.attempt(guess, vx, vy))
             if outcomes[-1].success and self._config.keep == "first":
                 break
@@ -166,22 +168,26 @@ class GaitSolver:
             attempts=tuple(outcome.attempt for outcome in outcomes),
         )
 
-    def attempt(self, guess: str, vx: float, vy: float) -> Outcome:
-        """Solve for a commanded velocity [m/s] from one initial guess."""
+    def attempt(self, guess: str | np.ndarray, vx: float, vy: float) -> Outcome:
+        """Solve for a commanded velocity [m/s] from one initial guess, by name or as variables."""
         function, result = self._solve_from(guess, vx, vy)
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
         return Outcome(
-            Attempt(guess, status, iterations, cost),
+            Attempt(guess if isinstance(guess, str) else GIVEN, status, iterations, cost),
             bool(stats["success"]),
             np.array(result["x"]).ravel(),
             np.array(result["g"]).ravel(),
             {k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
         )
 
-    def _solve_from(self, guess: str, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
+    def _solve_from(
+        self, guess: str | np.ndarray, vx: float, vy: float
+    ) -> tuple[ca.Function, dict[str, ca.DM]]:
         """One guess: a cold start, or a ``ramp`` of warm starts from walking in place."""
+        if isinstance(guess, np.ndarray):
+            return self._cold, self._call(self._cold, _Point(guess), vx, vy)
         if guess == "ramp":
             return self._ramp(vx, vy)
         duration = duration_bounds(self._step_time, vx, vy)

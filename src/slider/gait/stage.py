@@ -32,20 +32,41 @@ from slider.robot.names import ACTUATED
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
+    solver, velocity = prepare(section, job)
+    solve = solver.solve(*velocity)
+    arrays, summary = write_report(section, solver.problem, solve, out, job)
+    for name, array in arrays.items():
+        np.save(out / f"{name}.npy", array)
+    return summary
+
+
+def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float]]:
+    """Solver of a section, and its commanded velocity [m/s]."""
     config = from_dict(SolveConfig, section["solve"])
-    vx, vy = (float(v) for v in section["velocity"])
+    vx, vy = _velocity(section)
     robot = from_dict(Mechanism, section["robot"])
     problem = build(formulate(robot, from_dict(FormulationConfig, section["formulation"])))
     job.progress(f"gait ({vx:g}, {vy:g}) m/s: built")
-    solve = GaitSolver(problem, config.solver, config.step_time).solve(vx, vy)
+    return GaitSolver(problem, config.solver, config.step_time), (vx, vy)
+
+
+def write_report(
+    section: Section, problem: GaitProblem, solve: Solve, out: Path, job: Job
+) -> tuple[dict[str, np.ndarray], Summary]:
+    """Write the report of a solve and note its times; arrays of the gait, and the summary."""
+    velocity = _velocity(section)
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, config.kinematic_map)
-    for name, array in arrays.items():
-        np.save(out / f"{name}.npy", array)
-    missed = shortfall(arrays[DECOUPLING], config.decoupling_min)
-    report = _report(problem, solve, vx, vy, missed)
+    arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"])
+    missed = shortfall(arrays[DECOUPLING], section["solve"]["decoupling_min"])
+    report = _report(problem, solve, *velocity, missed)
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
-    return {k: report[k] for k in ("vx", "vy", "status", "converged", "cost", "max_violation")}
+    names = ("vx", "vy", "status", "converged", "cost", "max_violation")
+    return arrays, {name: report[name] for name in names}
+
+
+def _velocity(section: Section) -> tuple[float, float]:
+    vx, vy = (float(v) for v in section["velocity"])
+    return vx, vy
 
 
 def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[str, np.ndarray]:

@@ -1,7 +1,7 @@
 """The stage ``library``: collect all gaits in one Zarr store."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(LibraryConfig, section["library"])
     folders = list(inputs["gaits"])
     reports = [json.loads((folder / REPORT).read_text()) for folder in folders]
-    good = [i for i, report in enumerate(reports) if _acceptable(report, config)]
+    good = [i for i, report in enumerate(reports) if acceptable(report, config.max_violation)]
     holes = [report for i, report in enumerate(reports) if i not in set(good)]
     _log(reports, job)
     if not good or (holes and not config.allow_holes):
@@ -115,8 +115,9 @@ def _hole(report: Report, config: LibraryConfig) -> dict[str, Any]:
     return {name: report[name] for name in names} | {"residuals": worst_first}
 
 
-def _acceptable(report: Report, config: LibraryConfig) -> bool:
-    return report["converged"] and report["max_violation"] <= config.max_violation
+def acceptable(report: Mapping[str, Any], max_violation: float) -> bool:
+    """Whether a gait counts as converged: for IPOPT, and by its worst residual."""
+    return report["converged"] and report["max_violation"] <= max_violation
 
 
 def _describe(holes: Sequence[Report], good: int) -> str:

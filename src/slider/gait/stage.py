@@ -1,4 +1,4 @@
-"""The stage ``gait``: one walk for one commanded velocity."""
+"""The stage ``gait``: one walk for one command."""
 
 import json
 from dataclasses import asdict
@@ -25,27 +25,34 @@ from slider.gait.solution import (
 )
 from slider.gait.solve import GaitSolver, Solve
 from slider.robot.knee_map import prismatic_joints, with_upper_feet
+from slider.robot.names import COMMAND, command_text
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
     config = from_dict(SolveConfig, section["solve"])
-    vx, vy = (float(v) for v in section["velocity"])
+    command = tuple(float(value) for value in section["command"])
     robot = from_dict(Mechanism, section["robot"])
-    problem = build(formulate(robot, from_dict(FormulationConfig, section["formulation"])))
-    job.progress(f"gait ({vx:g}, {vy:g}) m/s: built")
-    solve = GaitSolver(problem, config.solver, config.step_time).solve(vx, vy)
+    formulation = from_dict(FormulationConfig, section["formulation"])
+    problem = build(formulate(robot, formulation, turning=command[2] != 0.0))
+    job.progress(f"gait {command_text(command)}: built")
+    solve = GaitSolver(problem, config.solver, config.step_time).solve(*command)
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, config.kinematic_map)
+    arrays = gait_arrays(problem, solve, config.kinematic_map, command[2])
     for name, array in arrays.items():
         np.save(out / f"{name}.npy", array)
-    report = _report(problem, solve, vx, vy)
+    report = _report(problem, solve, command)
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
-    return {k: report[k] for k in ("vx", "vy", "status", "converged", "cost", "max_violation")}
+    return {k: report[k] for k in (*COMMAND, "status", "converged", "cost", "max_violation")}
 
 
-def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[str, np.ndarray]:
-    """Arrays of a gait; see ``docs/reference/gait-library.md`` for shapes, units and frames."""
+def gait_arrays(
+    problem: GaitProblem, solve: Solve, kinematic_map: str, yaw_rate: float = 0.0
+) -> dict[str, np.ndarray]:
+    """Arrays of a gait; see ``docs/reference/gait-library.md`` for shapes, units and frames.
+
+    ``yaw_rate`` [rad/s] is the commanded one.
+    """
     layout, variables = problem.layout, solve.variables
     trajectory = knee_trajectory(problem, variables)
     position, velocity = prismatic_joints(
@@ -61,7 +68,7 @@ def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[
         "time": np.concatenate([first, second]),
         "step_time": times,
         "coefficients": coefficients(problem, variables)[0],
-        "base": base_motion(trajectory, trajectory.swing_foot[half - 1, :2]),
+        "base": base_motion(trajectory, trajectory.swing_foot[half - 1, :2], yaw_rate * times[0]),
         "contact": stance,
         "knee_positions": trajectory.q,
         "knee_velocities": trajectory.v,
@@ -73,10 +80,9 @@ def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[
     }
 
 
-def _report(problem: GaitProblem, solve: Solve, vx: float, vy: float) -> dict[str, Any]:
+def _report(problem: GaitProblem, solve: Solve, command: tuple[float, ...]) -> dict[str, Any]:
     return {
-        "vx": vx,
-        "vy": vy,
+        **dict(zip(COMMAND, command, strict=True)),
         "status": solve.status,
         "converged": solve.success,
         "iterations": solve.iterations,
@@ -85,6 +91,6 @@ def _report(problem: GaitProblem, solve: Solve, vx: float, vy: float) -> dict[st
         "cost_unit": COSTS[problem.config.cost].unit,
         "max_violation": solve.max_violation,
         "residuals": solve.residuals,
-        "between_nodes": dense_violations(problem, solve.variables),
+        "between_nodes": dense_violations(problem, solve.variables, command[2]),
         "coefficient_error": coefficients(problem, solve.variables)[1],
     }

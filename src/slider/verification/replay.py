@@ -96,7 +96,7 @@ def replays(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str,
     """Steps and errors of the mean velocity [m/s], alone and with the regulator."""
     steps = tabulate(gait, plant, simulation.config.points)
     found = {}
-    speed = float(gait.velocities[0])
+    speed = float(gait.commands[0])
     regulator = Regulator(simulation.robot.geometry, simulation.config.regulator, speed)
     for name, follow in (
         ("replay", alone_step),

@@ -28,7 +28,7 @@ def gait_study_job(config: Config) -> JobSpec:
         for index in range(study.starts.number)
     ]
     section = {"study": to_dict(study), "max_violation": config.library.max_violation}
-    own = [gait(shared, (command, 0.0)) for command in study.commands]
+    own = [gait(shared, (command, 0.0, 0.0)) for command in study.commands]
     return job(NAME, NAME, section, {"meshes": meshes, "starts": starts, "library": own})
 
 
@@ -36,11 +36,11 @@ def gait_start(config: Config, command: float, index: int) -> JobSpec:
     """One gait from a random start alone; it does not know how many there are."""
     starts = config.gait_study.starts
     start = {"seed": starts.seed, "index": index, "spread": to_dict(starts.spread)}
-    section = gait_section(config) | {"velocity": [command, 0.0], "start": start}
+    section = gait_section(config) | {"command": [command, 0.0, 0.0], "start": start}
     return job("gait_start", f"gait {command:.2f} m/s from start {index}", section, tracked=False)
 
 
 def _on_mesh(shared: dict[str, Any], command: float, nodes: int) -> JobSpec:
     formulation = shared["formulation"] | {"nodes": nodes}
-    made = gait(shared | {"formulation": formulation}, (command, 0.0))
+    made = gait(shared | {"formulation": formulation}, (command, 0.0, 0.0))
     return replace(made, label=f"{made.label}, {nodes} nodes")

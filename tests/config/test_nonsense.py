@@ -28,7 +28,14 @@ GROUPS = ([], 3, "nonsense", None)
 # Leaves, as patterns, that take a value which is nonsense elsewhere, and why.
 ALLOWED: dict[Any, tuple[str, ...]] = {
     -1: (
-        *("*.vx*", "*.vy*", "*.yaw_rate.lower", "*.yaw_rate", "*commands[[]*"),  # backward, right
+        *(
+            "*.vx*",
+            "*.vy*",
+            "*.yaw_rate.lower",
+            "*.yaw_rate",
+            "*.yaw_rate[[]*",
+            "*commands[[]*",
+        ),  # backward, right
         *("*.speeds[[]0]", "speeds.table1[[]*"),  # as above
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster

@@ -5,9 +5,10 @@ import pytest
 
 from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
-from slider.env.guide import observed_channels
+from slider.env.guide import Guide, observed_channels
 from slider.env.rewards import TERMS, Reward, RewardView
 from slider.env.view import View
+from slider.library.lookup import GaitTable
 from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
 from tests.env.synthetic import (
     config,
@@ -18,6 +19,7 @@ from tests.env.synthetic import (
     make_state,
     make_view,
     random_pose,
+    turning_library,
 )
 
 NOMINAL_HEIGHT = 0.685
@@ -193,14 +195,14 @@ def test_a_commanded_turn_moves_the_hip_yaws_of_the_guide():
     command = np.tile([0.4, 0.0, rate, 0.0], (4, 1))
     phase = np.array([0.0, 0.4999999, 0.5, 0.9999999])
     view = make_view(make_state(4), command=command, phase=phase)
-    half = 0.5 * rate * table.times.at(command[:, 0], command[:, 1])[0]
+    half = 0.5 * rate * table.times.at(command[:, :3])[0]
     yaws = [JOINTS.index("left_hip_yaw"), JOINTS.index("right_hip_yaw")]
     turn = make_guide().turn(view)
     np.testing.assert_allclose(
         turn[:, yaws], half * np.array([[1, -1], [-1, 1], [-1, 1], [1, -1]]), atol=1e-6
     )
     assert not np.delete(turn, yaws, axis=1).any()
-    reference = table.at(command[:, 0], command[:, 1], phase)[:, :12]
+    reference = table.at(command[:, :3], phase)[:, :12]
     on_it = make_view(make_state(4, joint_positions=reference + turn), command=command, phase=phase)
     np.testing.assert_allclose(value("guide_phase_turning", on_it, width=0.35), 1.0)
     assert (value("guide_phase", on_it, width=0.35) < 1.0).all()
@@ -249,13 +251,13 @@ def test_the_guide_of_a_halted_robot_is_standing():
     view = make_view(make_state(2), phase=[0.5, 0.5], command=command, halted=[True, False])
     stands, steps = make_guide().at_phase(view)
     np.testing.assert_array_equal(stands, gait_table().standing)
-    np.testing.assert_array_equal(steps, gait_table().at(*np.zeros((2, 1)), np.array([0.5]))[0])
+    np.testing.assert_array_equal(steps, gait_table().at(np.zeros((1, 3)), np.array([0.5]))[0])
     assert (stands != steps).any()
 
 
 def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
     view = moving_view()
-    reference = gait_table().at(view.command[:, 0], view.command[:, 1], view.phase)[:, :12]
+    reference = gait_table().at(view.command[:, :3], view.phase)[:, :12]
 
     def off(name: str, error: float) -> np.ndarray:
         state = make_state(40, joint_positions=reference + joint(name, error))
@@ -357,6 +359,22 @@ def brute_force(view: View, keep: np.ndarray) -> np.ndarray:
     return np.array(result)
 
 
+def test_gaits_that_turn_need_the_hip_yaws_of_what_they_lack_only():
+    """In the middle of the grid nothing; beyond its border what is missing there."""
+    library = turning_library()
+    guide, flat = Guide(library, GaitTable.from_library(library)), make_guide()
+    command = np.tile([0.2, 0.05, 0.0, 0.0], (4, 1))
+    command[:, 2] = [0.2, -0.3, 0.5, 0.0]
+    phase = np.array([0.1, 0.3, 0.6, 0.9])
+    view = make_view(make_state(4), command=command, phase=phase)
+    missing = make_view(make_state(4), command=command * [1, 1, 0, 0], phase=phase)
+    missing.command[2, 2] = 0.2
+    np.testing.assert_allclose(guide.turn(view), flat.turn(missing), atol=1e-12)
+    turned = guide.at_phase(view)[:, :12] + guide.turn(view)
+    expected = flat.at_phase(view)[:, :12] + flat.turn(view)  # synthetic gaits turn by their hips
+    np.testing.assert_allclose(turned, expected, atol=1e-12)
+
+
 @pytest.mark.parametrize("masked", [0.0, 1.0])
 def test_guide_nearest_against_brute_force(masked):
     view = moving_view()
@@ -375,7 +393,7 @@ def test_guide_nearest_of_an_interpolated_gait(masked):
     view.command[:, :2] = [0.2, 0.0]
     keep = np.array([not (masked and "upper_foot" in name) for name in CHANNELS])
     at_rest, slow = (
-        library().samples[library().nearest(*np.array([[v], [0.0]]))[0]] for v in (0.0, 0.4)
+        library().samples[library().nearest(np.array([[v, 0.0, 0.0]]))[0]] for v in (0.0, 0.4)
     )
     middle = (at_rest + slow) / 2
     errors = (observed_channels(view)[:, None] - middle)[:, :, keep]
@@ -387,11 +405,11 @@ def test_guide_nearest_of_an_interpolated_gait(masked):
 
 def test_the_nearest_gait_guides_at_its_own_velocity():
     commands = np.array([[0.22, 0.01, 0, 0], [0.04, 0.0, 0, 0]])
-    near = library().velocities[library().nearest(commands[:, 0], commands[:, 1])]
+    near = library().commands[library().nearest(commands[:, :3])]
     phase = np.array([0.2, 0.7])
     found = make_guide("nearest").at_phase(make_view(make_state(2), command=commands, phase=phase))
-    np.testing.assert_array_equal(found, gait_table().at(near[:, 0], near[:, 1], phase))
-    assert (near != commands[:, :2]).any()
+    np.testing.assert_array_equal(found, gait_table().at(near, phase))
+    assert (near != commands[:, :3]).any()
 
 
 def test_guide_nearest_is_zero_on_a_sample():

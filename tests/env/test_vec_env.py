@@ -17,9 +17,16 @@ from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.library.lookup import GaitTable
 from slider.robot.kinematics import standing_height
-from tests.env.synthetic import config, gait_table, make_guide, make_library, step_time
+from tests.env.synthetic import (
+    config,
+    gait_table,
+    make_guide,
+    make_library,
+    step_time,
+    turning_library,
+)
 
-EXPERIMENTS = ("default", "turning", "robust", "paper", "paper_alive", "smoke", "test")
+EXPERIMENTS = ("default", "turning", "omni", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
 FEW = (f"train.standing.robots={NUM_ENVS}", f"train.walking.robots={NUM_ENVS}")
 
@@ -185,7 +192,7 @@ def test_starts_on_the_reference(share, spread):
     state, command = env.physics.read(), env.agent.command
     clock = env.agent.clock
     assert clock is not None
-    reference = gait_table().at(command[:, 0], command[:, 1], clock.phase)
+    reference = gait_table().at(command[:, :3], clock.phase)
     if not spread:
         np.testing.assert_allclose(state.joint_positions, 0.0, atol=1e-12)
         np.testing.assert_allclose(state.heading_velocity, 0.0, atol=1e-12)
@@ -344,8 +351,29 @@ def test_a_library_of_one_gait_guides_at_every_command():
         observations, reward, _, _ = env.step(torch.zeros(NUM_ENVS, 12))
         assert torch.isfinite(observations["policy"]).all()
         assert torch.isfinite(reward).all()
-    commands = np.array([0.0, 3.0])
-    np.testing.assert_array_equal(table.times.at(commands, 0.0 * commands), step_time(0.33))
+    commands = np.array([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0)])
+    np.testing.assert_array_equal(table.times.at(commands), step_time(0.33))
+
+
+def test_robots_that_start_on_a_turning_gait_are_on_their_course():
+    """The heading target is the course of the walk at the phase of the start."""
+    library = turning_library()
+    table = GaitTable.from_library(library)
+    whole = settings(
+        "experiment=test",
+        "train.walking.reset.reference_fraction=1.0",
+        "train.walking.commands.yaw_rate={lower: -0.5, upper: 0.5}",
+        "env.start.tilt=0",
+    )
+    guide = Guide(library, table)
+    task = Task(whole.robot, whole.env, whole.train.walking, table.times, guide, table.joints)
+    env = WalkingEnv(task)
+    command, yaw = env.agent.command, env.physics.read().yaw
+    assert env.agent.clock is not None
+    np.testing.assert_allclose(command[:, 3], 0.0, atol=1e-9)
+    expected = guide.course(command[:, :3], env.agent.clock.phase)
+    np.testing.assert_allclose(yaw, expected, atol=1e-9)
+    assert np.ptp(yaw) > 0.05
 
 
 def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():

@@ -85,7 +85,7 @@ def test_a_bound_of_the_configuration_bounds_the_rows_of_that_name(key, value, n
 def violated(formulation) -> set[str]:
     x = ca.SX.sym("x", NODE)
     found, phase = set(), problem().layout.phase
-    for constraint in of_node(Node.of(formulation, x)):
+    for constraint in of_node(Node.of(formulation, x, ca.SX(2, 1))):
         rows = ca.Function("rows", [x], [constraint.expression / constraint.scale])
         lower, upper = (np.tile(bound, (2, 1)) for bound in constraint.bounds(phase))
         values = np.array(rows.map(2 * len(phase))(nodes(0.4, 0.0).T)).T

@@ -27,9 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gait",
         type=float,
-        nargs=2,
+        nargs="+",
         metavar=("VX", "VY"),
-        help="replay the nearest gait of the library, without physics [m/s]",
+        help="replay the nearest gait of the library, without physics: VX VY [YAW_RATE]",
     )
     parser.add_argument("--library", type=Path, help="gait library (default: of the current plan)")
     parser.add_argument(
@@ -99,8 +99,12 @@ def choose(arguments: argparse.Namespace) -> "Scene":
 
     config = checked(compose(arguments.set, arguments.conf))
     if arguments.gait is not None:
-        vx, vy = arguments.gait
-        return scenes.gait_scene(library_path(arguments), vx, vy, config)
+        if len(arguments.gait) not in (2, 3):
+            raise UserError(
+                f"--gait: expected VX VY [YAW_RATE], found {len(arguments.gait)} values"
+            )
+        command = [*arguments.gait, 0.0][:3]
+        return scenes.gait_scene(library_path(arguments), command, config)
     path = arguments.policy
     if arguments.agent != POLICY:
         if path is not None:

@@ -48,20 +48,27 @@ def axis_size(axis: Axis | list[float]) -> int:
 
 @dataclass(frozen=True, config=STRICT)
 class GridBlock:
-    """A rectangle of commanded velocities; an axis may be a list of values."""
+    """A block of commands; an axis may be a list of values."""
 
     vx: Axis | Distinct[Some[MetresPerSecond]]
     """commanded forward velocities"""
     vy: Axis | Distinct[Some[MetresPerSecond]]
     """commanded leftward velocities"""
+    yaw_rate: Distinct[Some[RadiansPerSecond]] = field(default_factory=lambda: [0.0])
+    """commanded yaw rates"""
+
+    @property
+    def axes(self) -> tuple[Axis | list[float], ...]:
+        """vx, vy and yaw rate."""
+        return self.vx, self.vy, self.yaw_rate
 
 
 @dataclass(frozen=True, config=STRICT)
 class GridConfig(GridBlock):
-    """The commanded velocities of the library: one rectangle, and further ones beside it."""
+    """The commands of the library: one block, and further ones beside it."""
 
     extra: list[GridBlock] = field(default_factory=list)
-    """further rectangles"""
+    """further blocks"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -167,7 +174,7 @@ Nodes = Annotated[Odd[int], Field(ge=5, le=201)]
 
 @dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
-    """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
+    """What a gait is, the same for all commands; see ``docs/explanation/method.md``."""
 
     nodes: Nodes
     """collocation nodes per step"""
@@ -200,7 +207,7 @@ class SolveConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class GaitConfig(SolveConfig, FormulationConfig):
-    """One gait per velocity of the grid."""
+    """One gait per command of the grid."""
 
     grid: GridConfig
 

@@ -45,3 +45,8 @@ class View:
     period: float
     scan_points: tuple[int, int]
     scan_spacing: float
+
+    @property
+    def reference_command(self) -> np.ndarray:
+        """Command (N, 3) of the gait in use: reference velocity, commanded yaw rate."""
+        return np.column_stack([self.reference_velocity, self.command[:, 2]])

@@ -15,13 +15,13 @@ from slider.gait.stage import prepare, write_report
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait from start ``index`` of a seed; write its report."""
-    solver, velocity = prepare(section, job)
+    solver, command = prepare(section, job)
     start = section["start"]
-    duration = duration_bounds(from_dict(StepTime, section["solve"]["step_time"]), *velocity)
+    duration = duration_bounds(from_dict(StepTime, section["solve"]["step_time"]), *command[:2])
     spread = from_dict(StartSpread, start["spread"])
     generator = np.random.default_rng([start["seed"], start["index"]])
-    guess = random_start(solver.problem, velocity[0], duration, spread, generator)
-    solve = solver.solve(*velocity, guess)
+    guess = random_start(solver.problem, command[0], duration, spread, generator)
+    solve = solver.solve(*command, start=guess)
     return write_report(section, solver.problem, solve, out, job)[1]
 
 

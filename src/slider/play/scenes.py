@@ -1,6 +1,6 @@
 """What ``slider play`` can show: a policy, another controller, a smoke agent or a gait."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TypeVar
@@ -84,8 +84,9 @@ def agent_scene(
     raise UserError(f"agent: expected one of {known}, found {name}")
 
 
-def gait_scene(path: Path, vx: float, vy: float, config: Config) -> Scene:
-    """The gait of a library that is nearest to (vx, vy) [m/s], without physics."""
-    motion = Replay(GaitLibrary.load(path), vx, vy, config.env.control_period)
-    vx, vy = motion.velocity
-    return Scene(f"gait {vx:.2f} {vy:+.2f} m/s", config.robot, motion, config.speeds.top)
+def gait_scene(path: Path, command: Sequence[float], config: Config) -> Scene:
+    """The gait of a library that is nearest to vx, vy [m/s], yaw rate [rad/s]; no physics."""
+    motion = Replay(GaitLibrary.load(path), command, config.env.control_period)
+    vx, vy, yaw_rate = motion.command
+    turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
+    return Scene(f"gait {vx:.2f} {vy:+.2f} m/s{turn}", config.robot, motion, config.speeds.top)

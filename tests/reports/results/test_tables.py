@@ -127,7 +127,15 @@ def test_of_the_sensitivity_the_verdict_and_the_strongest(tmp_path):
 
 
 def test_the_verification_counts_its_bounds(tmp_path):
-    found = {"worst": 0.5, "vx": 1.2, "vy": -0.1, "median": 0.1, "bound": 0.4, "passed": False}
+    found = {
+        "worst": 0.5,
+        "vx": 1.2,
+        "vy": -0.1,
+        "yaw_rate": 0.0,
+        "median": 0.1,
+        "bound": 0.4,
+        "passed": False,
+    }
     about = {"gaits": 179, "quantities": {"roll_end": found}}
     text = make("verification", json.dumps(about), tmp_path)
     assert text.startswith("179 gaits; 0 of 1 bounds hold for all of them.")

@@ -11,7 +11,7 @@ import numpy as np
 from slider.core.errors import UserError
 from slider.hzd.gains import FootPlacement
 from slider.hzd.polynomials import NodeTable
-from slider.library.mesh import VelocityMesh
+from slider.library.mesh import CommandMesh
 from slider.library.reader import GaitLibrary
 from slider.robot.names import SIDES
 
@@ -48,10 +48,10 @@ class GaitTables:
     """
 
     def __init__(self, library: GaitLibrary, feedback: FootPlacement) -> None:
-        if not np.array_equal(library.velocities, feedback.velocities):
-            found = f"found one of {len(feedback.velocities)} others"
+        if not np.array_equal(library.commands, feedback.commands):
+            found = f"found one of {len(feedback.commands)} others"
             raise UserError(f"expected the foot placement of {len(library)} gaits, {found}")
-        self.mesh: VelocityMesh = library.mesh
+        self.mesh: CommandMesh = library.mesh
         self._times = library.step_time
         time = self._times[:, :, None, None]
         roll = library.arrays["roll"] * np.concatenate([time**k for k in range(3)], axis=3)
@@ -62,9 +62,9 @@ class GaitTables:
         self._ends = np.cumsum([part.shape[2] for part in flat])
         self._table = np.concatenate(flat, axis=2).swapaxes(0, 1)  # (2, G, values)
 
-    def at(self, velocity: np.ndarray, stance: np.ndarray) -> Steps:
-        """Steps on the feet ``stance`` (n,) at velocities (n, 2) [m/s]."""
-        weights = self.mesh.weights(*velocity.T)
+    def at(self, command: np.ndarray, stance: np.ndarray) -> Steps:
+        """Steps on the feet ``stance`` (n,) at commands (n, 3)."""
+        weights = self.mesh.weights(command)
         values, times = np.zeros((len(stance), self._table.shape[2])), np.zeros(len(stance))
         for side in range(_STEPS):
             own = stance == side

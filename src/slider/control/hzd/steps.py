@@ -92,7 +92,7 @@ class HzdSteps:
 
     def reset(self, count: int) -> None:
         """Forget the steps of ``count`` robots."""
-        self._walk = self._new(np.zeros((count, 2)), np.zeros(count, dtype=int))
+        self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))
 
     def command(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
@@ -107,7 +107,9 @@ class HzdSteps:
         memory.stance[robots], memory.elapsed[robots] = stance, 0.0
         memory.steps[robots] += 1
         self._velocity.correct(memory, robots, dynamics.com[:, :2])
-        walk = self._new(self._reachable(memory, robots), stance)
+        yaw_rate = memory.yaw_rate(robots)[:, None]
+        command = np.concatenate([self._reachable(memory, robots), yaw_rate], axis=1)
+        walk = self._new(command, stance)
         memory.duration[robots] = walk.steps.duration
         motion = self._motion(memory, robots, dynamics)
         place, speed = self._hip(memory, robots, dynamics)
@@ -147,8 +149,8 @@ class HzdSteps:
         put(self._walk, robots, walk)
         return solved
 
-    def _new(self, velocity: np.ndarray, stance: np.ndarray) -> Walk:
-        config, steps = self._constraints, self._gaits.at(velocity, stance)
+    def _new(self, command: np.ndarray, stance: np.ndarray) -> Walk:
+        config, steps = self._constraints, self._gaits.at(command, stance)
         constraints = StepConstraints(
             steps.coefficients,
             steps.roll,
@@ -157,7 +159,7 @@ class HzdSteps:
             config.correction_end,
             (config.placement.lower, config.placement.upper),
         )
-        by_hip = (velocity[:, 0] >= config.slowest_hip) & (config.phase == "hip")
+        by_hip = (command[:, 0] >= config.slowest_hip) & (config.phase == "hip")
         return Walk(constraints, steps, np.zeros(len(stance)), 1.0 / steps.duration, by_hip)
 
     def _reachable(self, memory: Memory, robots: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ from slider.reports import rows
 from slider.reports.figures import FORMATS
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
+from slider.robot.names import COMMAND
 
 MAPS, BASINS, PORTRAITS = "spectral_radius", "basins", "phase_portraits"
 FILES = tuple(f"{name}.{suffix}" for name in (MAPS, BASINS, PORTRAITS) for suffix in FORMATS)
@@ -66,7 +67,7 @@ class Basin:
     def load(cls, folder: Path) -> "Basin":
         """What the stage wrote."""
         with np.load(folder / BASIN) as found:
-            vx, vy = found["velocity"]
+            vx, vy, _ = found["command"]
             return cls(
                 f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
                 found["roll"],
@@ -80,7 +81,9 @@ class Basin:
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Draw the figures as SVG, PNG and Markdown."""
     library = GaitLibrary.load(inputs["library"][0] / STORE)
-    table = {(row["vx"], row["vy"]): row for row in rows.read(inputs["stability"][0] / CSV)}
+    table = {
+        tuple(row[name] for name in COMMAND): row for row in rows.read(inputs["stability"][0] / CSV)
+    }
     maps = [
         VelocityMap(title, _values(library, table, name), _UNITS.get(name, ""))
         for name, title in _SHOWN.items()
@@ -103,7 +106,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def _values(library: GaitLibrary, table: dict, name: str) -> np.ndarray:
-    found = [table.get((float(vx), float(vy)), {}).get(name) for vx, vy in library.velocities]
+    found = [table.get(tuple(map(float, command)), {}).get(name) for command in library.commands]
     return np.array([np.nan if value is None else value for value in found], dtype=float)
 
 

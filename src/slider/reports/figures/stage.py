@@ -48,7 +48,7 @@ DRAWINGS = {
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Draw every figure of ``slider.reports.figures.NAMES`` as SVG, PNG and Markdown."""
-    library = GaitLibrary.load(inputs["library"][0] / STORE)
+    library = GaitLibrary.load(inputs["library"][0] / STORE).straight
     for name in NAMES:
         title, draw, caption = DRAWINGS[name]
         job.progress(name)

@@ -103,6 +103,7 @@ def _files() -> dict[str, tuple[str, ...]]:
         "figures": _reports(*(f"figures/{name}" for name in FIGURES)),
         "verification": _reports(*(f"verification.{suffix}" for suffix in ("csv", "json", "md"))),
         "stability": _reports("stability.csv", "stability.md"),
+        "gait_walks": _reports("gait_walks.csv", "gait_walks.md"),
         "stability_figures": _reports(*(f"figures/{name}" for name in STABILITY_FIGURES)),
         "verification_maps": _reports(*_drawn("verification_maps"), "figures/verification_maps.md"),
         **{

@@ -12,7 +12,7 @@ have the sensitivity, which changes the robot, and the study of the gaits, which
 start.
 """
 
-from pipeline.stages.evaluation import evaluations_of, table1, velocity_tracking
+from pipeline.stages.evaluation import evaluations_of, gait_walks, table1, velocity_tracking
 from pipeline.stages.gaits import figure_jobs, library_job
 from pipeline.stages.protocols import protocol_jobs
 from pipeline.stages.stability import stability_jobs
@@ -31,7 +31,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
         "policy_export": policy_export(targets["walking"]),
         "velocity_tracking": velocity_tracking(config, targets["table1"]),
     }
-    return targets | protocol_jobs(config, targets)
+    return targets | gait_walks(config, targets) | protocol_jobs(config, targets)
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:

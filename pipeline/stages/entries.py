@@ -27,6 +27,7 @@ ENTRIES = {
     "stability": "slider.hzd.stage:run",
     "basin": "slider.hzd.stage:run_basin",
     "stability_figures": "slider.reports.figures.stability:run",
+    "gait_walks": "slider.evaluation.gait_walks:run",
     "figures": "slider.reports.figures.stage:run",
     "policy_export": "slider.control.export.stage:run",
     "ablation": "slider.reports.ablation:run",

@@ -18,7 +18,8 @@ def evaluations_of(
 ) -> list[JobSpec]:
     """A protocol's evaluations: each controller at each command, or in each case of the profile.
 
-    ``made`` has the jobs ``walking``, ``library`` and ``foot_placement``; ``note`` is added to the labels.
+    ``made`` has the jobs ``walking``, ``library`` and ``foot_placement``; ``note`` is added to
+    the labels.
     """
     asked = protocol.commands if protocol.profile is None else protocol.profile.cases
     return [
@@ -81,6 +82,20 @@ def made_of(
     if not walks_gaits:
         return {}
     return {name: [made[name]] for name in ("library", "foot_placement")}
+
+
+def gait_walks(config: Config, made: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
+    """Every gait from its own first sample, with the first controller that walks by gaits."""
+    for name, control in config.control.items():
+        if isinstance(control, HzdControlConfig):
+            section = without(controlled(config, name, None), "controller", "command")
+            section |= {"steps": config.hzd.steps}
+            return {
+                "gait_walks": job(
+                    "gait_walks", "walks of all gaits", section, made_of(config, name, made)
+                )
+            }
+    return {}
 
 
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:

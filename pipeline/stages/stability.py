@@ -6,7 +6,7 @@ from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 
-_BEYOND = ("basin", "chunk")  # settings that a gait's linearisation does not use
+_BEYOND = ("basin", "steps", "chunk")  # settings that a gait's linearisation does not use
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:

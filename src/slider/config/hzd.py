@@ -123,6 +123,8 @@ class HzdConfig(StabilityConfig):
     """All of hybrid zero dynamics."""
 
     basin: BasinsConfig
+    steps: Count
+    """that a gait is to walk in MuJoCo"""
     chunk: Count
     """gaits per job"""
 

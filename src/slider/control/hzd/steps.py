@@ -167,7 +167,8 @@ class HzdSteps:
         wanted = self._velocity.of(memory, robots, self._config.ahead)
         gone = memory.starts[robots, 1] - memory.starts[robots, 0]
         last = memory.to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
-        last[memory.steps[robots] < 2] = 0.0
+        first = memory.steps[robots] < 2
+        last[first] = memory.old[robots[first]]
         change = self._config.change
         faster = (wanted * last >= 0) & (np.abs(wanted) > np.abs(last))
         bound = np.where(faster, change.faster, change.slower)

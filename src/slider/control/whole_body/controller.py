@@ -16,7 +16,7 @@ from slider.config.robot import RobotConfig
 from slider.control.whole_body import lip
 from slider.control.whole_body.clock import TickClock
 from slider.control.whole_body.entry import Entry
-from slider.control.whole_body.memory import OFF, STAND, SWAY, WALK, Memory
+from slider.control.whole_body.memory import LEFT, OFF, STAND, SWAY, WALK, Memory
 from slider.control.whole_body.modes import Modes
 from slider.control.whole_body.nominal import Dynamics, NominalModel
 from slider.control.whole_body.observer import Observer
@@ -94,6 +94,20 @@ class WalkingController:
         self._stepping.reset(state.num_robots)
         dynamics = self._model.evaluate(state.qpos, state.qvel)
         self._modes.sway(self.memory, np.arange(state.num_robots), dynamics)
+
+    def start_on_gait(self, state: RobotState, velocity: np.ndarray) -> None:
+        """Start anew in the first step of a walk on the left foot, along x, at ``velocity``."""
+        memory = Memory.on_both_feet(velocity, np.zeros(state.num_robots))
+        self.memory, memory.mode[:] = memory, WALK
+        memory.old[:] = velocity[:, :2]
+        self._stepping.reset(state.num_robots)
+        dynamics = self._model.evaluate(state.qpos, state.qvel)
+        everyone = np.arange(state.num_robots)
+        self._stepping.begin(memory, everyone, dynamics, np.full(state.num_robots, LEFT))
+
+    def give_up(self, robots: np.ndarray) -> None:
+        """Switch the drives of ``robots`` (N,) off."""
+        self.memory.mode[robots] = OFF
 
     def command(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""

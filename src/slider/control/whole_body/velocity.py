@@ -30,7 +30,7 @@ class ReferenceVelocity:
         memory.command = command
 
     def of(self, memory: Memory, robots: np.ndarray, ahead: float = 0.0) -> np.ndarray:
-        """Velocity (n, 2) forward, left [m/s] that steps are planned for, ``ahead`` [s] from now."""
+        """Velocity (n, 2) forward, left [m/s] to plan steps for, ``ahead`` [s] from now."""
         return self._on_the_way(memory, robots, ahead) + memory.correction[robots]
 
     def _on_the_way(self, memory: Memory, robots: np.ndarray, ahead: float = 0.0) -> np.ndarray:

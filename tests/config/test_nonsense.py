@@ -56,7 +56,13 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
         *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),
         *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
-        *("*.hzd.weights.*", "*.hzd.ahead", "*.hzd.capture", "*.hzd.descent"),  # switched off
+        *(
+            "*.hzd.weights.*",
+            "*.hzd.ahead",
+            "*.hzd.capture",
+            "*.hzd.slowest_rate",
+            "*.hzd.descent",
+        ),  # switched off
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
         *(
             "*.seed",

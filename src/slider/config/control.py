@@ -245,9 +245,10 @@ class HzdControlConfig(ModelBasedConfig):
     ahead: Seconds
     """a step's gait is for the reference velocity this much later"""
     change: ChangeConfig
+    slowest_rate: Share
+    """of the phase, as a share of the gait's; a step that begins with less has time for a phase"""
     capture: Factor
     """share of the pendulum's forward capture where the phase is time"""
-    capture_hip: Factor
     lock: Share
     """no change of the foothold from this phase on"""
     settling: Positive[Seconds]

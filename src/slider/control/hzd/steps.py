@@ -23,7 +23,6 @@ from slider.robot.names import ACTUATED
 _DRIVEN = np.array(ACTUATED)
 _RATES = (0.5, 1.6)  # of the phase, as a share of the gait's; beyond them a stumble is no phase
 _JUMP = 0.02  # the phase differs from the one expected by no more, per tick
-LEAST = 0.6
 SLIDE = 3  # place of the slide in a leg
 
 
@@ -113,11 +112,8 @@ class HzdSteps:
         memory.duration[robots] = walk.steps.duration
         motion = self._motion(memory, robots, dynamics)
         place, speed = self._hip(memory, robots, dynamics)
-        walk.by_hip &= (
-            phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed)
-            * (walk.steps.duration)
-            >= LEAST
-        )
+        rate = phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed)
+        walk.by_hip &= rate * walk.steps.duration >= self._config.slowest_rate
         self._synchronise(walk, place, speed)
         walk.constraints.re_anchor(walk.phase, motion.x, motion.rate / walk.rate[:, None])
         put(self._walk, robots, walk)
@@ -230,7 +226,7 @@ class HzdSteps:
         place, speed = self._hip(memory, robots, dynamics)
         self._synchronise(walk, place, speed, _JUMP)
         error = self._section(memory, robots, dynamics) - at_phase(walk.steps.orbit, walk.phase)
-        error[~walk.by_hip, 2] = 0.0  # the gain is that of a phase which it drives
+        error[:, 2] = 0.0  # the ankle's; at a start or stop it is beyond the linear map
         wanted = -(at_phase(walk.steps.gains, walk.phase) @ error[:, :, None])[:, :, 0]
         wanted[:, 0] += self._capture(walk, place, speed)
         wanted = np.clip(wanted, -self._reach, self._reach)
@@ -258,8 +254,9 @@ class HzdSteps:
         value, slope, _ = walk.steps.hip.at(walk.phase)
         left = self._omega * np.maximum(1.0 - walk.phase, 0.0) * duration
         late = np.cosh(left) * (speed - slope[:, 0] / duration) / self._omega
-        share = np.where(walk.by_hip, self._config.capture_hip, self._config.capture)
-        return share * (np.sinh(left) * (place - value[:, 0]) + late)
+        return np.where(walk.by_hip, 0.0, self._config.capture) * (
+            np.sinh(left) * (place - value[:, 0]) + late
+        )
 
 
 def _side(stance: np.ndarray) -> np.ndarray:

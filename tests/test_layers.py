@@ -10,7 +10,17 @@ from slider.artefacts.source import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = (
-    *("robot", "gait", "library", "hzd", "verification", "env", "control", "training", "evaluation"),
+    *(
+        "robot",
+        "gait",
+        "library",
+        "hzd",
+        "verification",
+        "env",
+        "control",
+        "training",
+        "evaluation",
+    ),
     *("reports", "play", "bench", "commands"),
 )
 GROUND = {"core", "config", "artefacts", "tracking"}

@@ -86,7 +86,7 @@ class StepConstraints:
             np.einsum("nk,njk->nj", bezier.basis_derivative(degree, phase, order), values)
             for order, values in zip(range(3), [self.coefficients] * 3, strict=True)
         ]
-        legs, rolls = prismatic_motion(*knee, self.lengths), self.roll.at(phase)
+        legs, rolls = prismatic_motion(knee[0], knee[1], knee[2], self.lengths), self.roll.at(phase)
         found = np.zeros((3, len(phase), NUM_COORDINATES))
         for order in range(3):
             found[order, :, ROLL] = rolls[order][:, 0]

@@ -53,6 +53,8 @@ class FootPlacement:
         for field in fields(cls):
             path = folder / f"{field.name}.npy"
             if not path.is_file():
-                raise UserError(f"expected {path.name} of the foot placement in {folder}, found none")
+                raise UserError(
+                    f"expected {path.name} of the foot placement in {folder}, found none"
+                )
             arrays[field.name] = np.load(path)
         return cls(**arrays)

@@ -44,9 +44,7 @@ def _plan(
         clock | (config.phase == "time"),
         KneeLengths.of(library.robot),
     )
-    return replace(
-        plan, hip=_hip(plan, model, config), placement=_placement(plan, model, config)
-    )
+    return replace(plan, hip=_hip(plan, model, config), placement=_placement(plan, model, config))
 
 
 def _hip(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> NodeTable:
@@ -62,9 +60,7 @@ def _hip(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -
     return NodeTable(*(order.reshape(n, _HIP_NODES, 1) for order in orders))
 
 
-def _placement(
-    plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig
-) -> np.ndarray:
+def _placement(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> np.ndarray:
     return model.placement(motion(plan, np.ones(len(plan.duration)), config)[0])
 
 

@@ -60,10 +60,14 @@ class NodeTable:
     slopes: np.ndarray
     curvatures: np.ndarray | None = None
 
+    @property
+    def orders(self) -> list[np.ndarray]:
+        """The arrays that there are."""
+        return [a for a in (self.values, self.slopes, self.curvatures) if a is not None]
+
     def of(self, rows: np.ndarray) -> "NodeTable":
         """The tables of some of the robots, in a given order."""
-        curvatures = None if self.curvatures is None else self.curvatures[rows]
-        return NodeTable(self.values[rows], self.slopes[rows], curvatures)
+        return NodeTable(*(array[rows] for array in self.orders))
 
     def at(self, phase: np.ndarray) -> Orders:
         """Hermite interpolation (n, m) at phases (n,), and its derivatives.

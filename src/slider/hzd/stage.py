@@ -29,7 +29,6 @@ from slider.library.reader import STORE, GaitLibrary
 
 RECORDS = "gaits.json"
 CSV, MARKDOWN = "stability.csv", "stability.md"
-BASIN = "basin.npz"
 _PUSH = 0.3  # a portrait's start: share of the greatest perturbation of the roll rate
 
 
@@ -48,9 +47,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     job.progress(f"{found.found.sum()} of {len(gaits)} limit cycles")
     walks = [_walk(loop, steps, found, k, config) for k in range(len(gaits))]
     kept = invariance(loop, steps, found.points, config.impacts)
-    records = [
-        _record(library, gait, steps, k, walks[k], kept) for k, gait in enumerate(gaits)
-    ]
+    records = [_record(library, gait, steps, k, walks[k], kept) for k, gait in enumerate(gaits)]
     (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
     _placement(library, gaits, steps, walks).save(out)
     return {"gaits": len(gaits), "limit_cycles": int(found.found.sum())}
@@ -106,7 +103,8 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         arrays[name] = steps_until_return(loop, steps, found, basin, placement)
         arrays[f"walk_{name}"] = portrait(loop, steps, found, start, basin.steps, placement)
     arrays["cycle"] = portrait(loop, steps, found, found.points[0], 2, None)
-    np.savez(out / BASIN, **arrays)
+    for name, array in arrays.items():
+        np.save(out / f"{name}.npy", array)
     return {name: int((arrays[name] >= 0).sum()) for name in cases}
 
 
@@ -160,7 +158,9 @@ def _record(
         "decoupling": float(values[:, 0].min()),
         "condition": float(values[:, 1].max()),
     }
-    measured = {f"invariance_{n}": getattr(kept, n) for n in ("orbit", "impact", "free", "anchored")}
+    measured = {
+        f"invariance_{n}": getattr(kept, n) for n in ("orbit", "impact", "free", "anchored")
+    }
     for name, each in (measured | {"settle_angle": kept.settle}).items():
         record[name] = float(each[place]) if found and np.isfinite(each[place]) else None
     return record | _stability(found)
@@ -198,7 +198,6 @@ def _placement(
     for k, found in enumerate(walks):
         if found is not None:
             gains[k], orbit[k] = found.phase_gains, found.orbit
-    hips = [np.concatenate([p.hip.values, p.hip.slopes, p.hip.curvatures], axis=2) for p in steps]
     return FootPlacement(
         library.velocities[gaits],
         steps[0].clock,
@@ -206,5 +205,5 @@ def _placement(
         gains,
         orbit,
         np.stack([p.placement for p in steps], axis=1),
-        np.stack(hips, axis=1),
+        np.stack([np.concatenate(p.hip.orders, axis=2) for p in steps], axis=1),
     )

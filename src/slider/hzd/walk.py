@@ -82,7 +82,9 @@ class Linearisation:
     errors: np.ndarray
 
 
-def linearise(loop: ClosedLoop, steps: Sequence[StepPlan], config: StabilityConfig) -> Linearisation:
+def linearise(
+    loop: ClosedLoop, steps: Sequence[StepPlan], config: StabilityConfig
+) -> Linearisation:
     """Limit cycles of n gaits, and their derivatives by central differences."""
     size = config.linearisation.difference
     maps = [partial(_observe, loop, plan) for plan in steps]
@@ -107,12 +109,12 @@ def linearise(loop: ClosedLoop, steps: Sequence[StepPlan], config: StabilityConf
 
 def _observe(loop: ClosedLoop, plan: StepPlan, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """State after the next impact (22), then ξ at all phases, of states and displacements."""
-    flow = loop.step(plan.of(rows), z[:, :NUM], z[:, NUM:_STATE], z[:, _STATE:])
+    flow = loop.step(plan.of(rows), z[:, :_STATE], z[:, _STATE:])
     seen = []
     for q, v in zip(flow.q, flow.v, strict=True):
         at = loop.model.measure(q, v)
         seen += [at.com[:, 1], at.com_rate[:, 1], at.com_rate[:, 0]]
-    return np.concatenate([flow.landed.q, flow.landed.v, np.stack(seen, axis=1)], axis=1)
+    return np.concatenate([flow.landed.state, np.stack(seen, axis=1)], axis=1)
 
 
 def _state_after(observe: Map, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -120,7 +122,11 @@ def _state_after(observe: Map, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 
 def walk(
-    loop: ClosedLoop, steps: Sequence[StepPlan], found: Linearisation, gait: int, config: StabilityConfig
+    loop: ClosedLoop,
+    steps: Sequence[StepPlan],
+    found: Linearisation,
+    gait: int,
+    config: StabilityConfig,
 ) -> Walk:
     """Return map and foot placement of one of the gaits.
 
@@ -131,10 +137,12 @@ def walk(
     r = 2 if steps[0].clock[gait] else len(COORDINATES)
     landed = derivative[:, :_STATE]
     seen = derivative[:, _STATE:].reshape(2, len(PHASES), len(COORDINATES), -1)[:, :, :r]
-    tangents = np.stack([
-        _tangent(loop, plan.of(np.array([gait])), now[:, :_STATE])
-        for plan, now in zip(steps, seen[:, 0], strict=True)
-    ])
+    tangents = np.stack(
+        [
+            _tangent(loop, plan.of(np.array([gait])), now[:, :_STATE])
+            for plan, now in zip(steps, seen[:, 0], strict=True)
+        ]
+    )
     free = int(np.searchsorted(PHASES, config.correction_end - 1e-9))
     restricted = restrict(landed[..., :_STATE], tangents, seen[:, free, :, :_STATE])
     inputs = restricted.projection[::-1] @ landed[..., _STATE:]

@@ -9,13 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.stage import BASIN, CSV
+from slider.hzd.stage import CSV
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
 from slider.reports.figures import FORMATS
 from slider.reports.figures.maps import VelocityMap, draw_maps
-from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure
-from slider.reports.figures.style import write_figure
+from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
 
 MAPS, BASINS, PORTRAITS = "spectral_radius", "basins", "phase_portraits"
 FILES = tuple(f"{name}.{suffix}" for name in (MAPS, BASINS, PORTRAITS) for suffix in FORMATS)
@@ -66,16 +65,16 @@ class Basin:
     @classmethod
     def load(cls, folder: Path) -> "Basin":
         """What the stage wrote."""
-        with np.load(folder / BASIN) as found:
-            vx, vy = found["velocity"]
-            return cls(
-                f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
-                found["roll"],
-                found["roll_rate"],
-                np.stack([found["without"], found["with"]]),
-                (found["walk_without"], found["walk_with"]),
-                found["cycle"],
-            )
+        found = {path.stem: np.load(path) for path in folder.glob("*.npy")}
+        vx, vy = found["velocity"]
+        return cls(
+            f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
+            found["roll"],
+            found["roll_rate"],
+            np.stack([found["without"], found["with"]]),
+            (found["walk_without"], found["walk_with"]),
+            found["cycle"],
+        )
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -157,5 +156,3 @@ def _portrait(axes: Axes, cycle: np.ndarray, walked: np.ndarray) -> None:
     middle = (cycle.max(axis=0) + cycle.min(axis=0)) / 2
     axes.set_xlim(middle[0] - wide[0], middle[0] + wide[0])
     axes.set_ylim(middle[1] - wide[1], middle[1] + wide[1])
-
-

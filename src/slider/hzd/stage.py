@@ -29,7 +29,11 @@ from slider.library.reader import STORE, GaitLibrary
 
 RECORDS = "gaits.json"
 CSV, MARKDOWN = "stability.csv", "stability.md"
-_PUSH = 0.3  # a portrait's start: share of the greatest perturbation of the roll rate
+_OF_WALK = (
+    *("spectral_radius", "eigenvalues", "closed_eigenvalues", "closed_spectral_radius"),
+    *("gain_position", "gain_lateral", "gain_forward", "difference"),
+)
+_PUSH = 0.1  # a portrait's start: share of the greatest perturbation of the roll rate
 
 
 def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -168,8 +172,7 @@ def _record(
 
 def _stability(found: Walk | None) -> dict[str, Any]:
     if found is None:
-        names = ("spectral_radius", "eigenvalues", "closed_eigenvalues", "closed_spectral_radius")
-        return dict.fromkeys((*names, "difference"))
+        return dict.fromkeys(_OF_WALK)
     gains = found.phase_gains[0, 0]
     open_, closed = (
         per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (found.maps, found.closed)

@@ -113,14 +113,14 @@ def draw_basins(basins: Sequence[Basin]) -> Figure:
     if not basins:
         return figure
     panels = figure.subplots(2, len(basins), sharex=True, sharey=True, squeeze=False)
-    most = max(1, *(int(basin.steps.max()) for basin in basins))
+    most = max(2, *(int(basin.steps.max()) for basin in basins))
     mesh = None
     for column, basin in zip(panels.T, basins, strict=True):
         for axes, steps, name in zip(column, basin.steps, ("without", "with"), strict=True):
             shown = np.ma.masked_less(steps, 0)
             axes.set_facecolor(EMPTY)
             mesh = axes.pcolormesh(
-                basin.roll, basin.roll_rate, shown.T, cmap=f"{COLOURS}_r", vmin=0, vmax=most
+                basin.roll, basin.roll_rate, shown.T, cmap=f"{COLOURS}_r", vmin=1, vmax=most
             )
             axes.plot(0, 0, "+", color=MIDDLE)
             axes.grid(visible=False)

@@ -12,12 +12,11 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.stage import CSV
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
-from slider.reports.figures import FORMATS
+from slider.reports.figures import STABILITY
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
 
-MAPS, BASINS, PORTRAITS = "spectral_radius", "basins", "phase_portraits"
-FILES = tuple(f"{name}.{suffix}" for name in (MAPS, BASINS, PORTRAITS) for suffix in FORMATS)
+MAPS, BASINS, PORTRAITS = STABILITY
 _SHOWN = {
     "spectral_radius": "spectral radius per step, without foot placement",
     "closed_spectral_radius": "spectral radius per step, with it",

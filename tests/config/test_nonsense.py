@@ -33,6 +33,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster
         *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
+        *("hzd.impacts.*", "hzd.basin.*"),  # perturbations to both sides
     ),
     0: (
         *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "speeds.table1[[]*"),  # to stand still
@@ -50,6 +51,8 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.planner.width_min", "*.planner.integral*", "*.swing.*", "*.entry.*"),
         *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
+        *("hzd.impacts.*", "hzd.basin.*", "hzd.placement.lower", "hzd.feedback.reach"),
+        "gait.decoupling_min",  # none is refused
         *(
             "*.seed",
             "*.seeds[[]*",

@@ -28,7 +28,9 @@ QUANTITIES = {
     "eigenvalues": Quantity("1/step", "moduli of the restricted map's, without foot placement"),
     "closed_eigenvalues": Quantity("1/step", "the same with it"),
     "closed_spectral_radius": Quantity("1/step", "of the full return map with it"),
-    "gain_position": Quantity("-", "displacement of the right foot to the left per lateral position"),
+    "gain_position": Quantity(
+        "-", "displacement of the right foot to the left per lateral position"
+    ),
     "gain_lateral": Quantity("s", "the same per lateral velocity"),
     "gain_forward": Quantity("s", "its displacement forward per forward velocity"),
     "difference": Quantity("-", "change of the derivatives with half the difference"),

@@ -151,7 +151,7 @@ def _portrait(axes: Axes, cycle: np.ndarray, walked: np.ndarray) -> None:
     axes.plot(*walked[:1].T, "o", color=MIDDLE, markersize=3)
     closed = np.concatenate([cycle, cycle[:1]])
     axes.plot(*closed.T, color=DARK, linewidth=1.4)
-    wide = 3.0 * np.ptp(cycle, axis=0) / 2
+    wide = 2.5 * np.ptp(cycle, axis=0)
     middle = (cycle.max(axis=0) + cycle.min(axis=0)) / 2
     axes.set_xlim(middle[0] - wide[0], middle[0] + wide[0])
     axes.set_ylim(middle[1] - wide[1], middle[1] + wide[1])

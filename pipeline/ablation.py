@@ -54,7 +54,7 @@ def ablation_job(
         for seed in settings.seeds:
             own, note = _with_budget(variant, settings, seed), f" ({name}, seed {seed})"
             walking.append(training_jobs(own, gaits, note)["walking"])
-            evaluations += evaluations_of(own, own.evaluation, walking[-1], note)
+            evaluations += evaluations_of(own, own.evaluation, {"walking": walking[-1]}, note)
             runs.append({"variant": name, "seed": seed, "batch": _batch(own.train.walking)})
     section = {
         "name": reports,

@@ -105,7 +105,7 @@ def _made(
     made: dict[str, Any] = {"gaits": [], "rollout": None}
     if settings.gaits:
         shared = gait_section(own)
-        solved = [_noted(gait(shared, (command, 0.0)), label) for command in settings.commands]
+        solved = [_noted(gait(shared, (command, 0.0, 0.0)), label) for command in settings.commands]
         made["gaits"] = [gaits.place(item) for item in solved]
     if settings.policy:
         made["rollout"] = rollouts.place(_noted(rollout(config, changed, walking), label))

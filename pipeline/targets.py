@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from pipeline.ablation import ablation_job
+from pipeline.gait_study import NAME as GAIT_STUDY_TARGET
+from pipeline.gait_study import gait_study_job
 from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs
 from pipeline.stages.entries import ENTRIES
@@ -73,8 +75,13 @@ def _sensitivity(config: Config, targets: Targets, overrides: Sequence[str], con
     return sensitivity_job(config, targets["walking"])
 
 
+def _gait_study(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
+    return gait_study_job(config)
+
+
 ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] = {
-    SENSITIVITY_TARGET: _sensitivity,  # the quicker one to lay out first
+    GAIT_STUDY_TARGET: _gait_study,  # the quicker ones to lay out first
+    SENSITIVITY_TARGET: _sensitivity,
     ABLATION_TARGET: _ablation,
     SEEDS_TARGET: _seeds,
 }
@@ -90,18 +97,21 @@ def _files() -> dict[str, tuple[str, ...]]:
     """Those of every target but the protocols."""
     return {
         "table1": _reports("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
+        "velocity_tracking": _compared("velocity_tracking"),
         "report": _reports("index.html"),
         "policy_export": _reports(*(f"policy/{name}" for name in POLICY_FILES)),
         "figures": _reports(*(f"figures/{name}" for name in FIGURES)),
         "verification": _reports(*(f"verification.{suffix}" for suffix in ("csv", "json", "md"))),
         "stability": _reports("stability.csv", "stability.md"),
         "stability_figures": _reports(*(f"figures/{name}" for name in STABILITY_FILES)),
+        "gait_walks": _reports("gait_walks.csv", "gait_walks.md"),
         "verification_maps": _reports(*_drawn("verification_maps"), "figures/verification_maps.md"),
         **{
             name: (*_compared(name), *_reports(f"{name}_curves.csv"))
             for name in (ABLATION_TARGET, SEEDS_TARGET)
         },
         SENSITIVITY_TARGET: _compared(SENSITIVITY_TARGET),
+        GAIT_STUDY_TARGET: (*_compared(GAIT_STUDY_TARGET), *_reports("gait_starts.csv")),
     }
 
 

@@ -76,18 +76,18 @@ class Policy:
         """Joint positions of a zero action at the present phase."""
         if self.halted:
             return np.array(self.layout["reference"]["standing"])
-        half = self.reference.shape[2] // 2
+        half = self.reference.shape[3] // 2
         step = int(self.phase >= 0.5)
         sample = (2.0 * self.phase - step) * (half - 1)
         before = min(int(sample), half - 2)
-        rows = self.reference[:, :, step * half + before : step * half + before + 2]
-        between = rows[:, :, 0] + (sample - before) * (rows[:, :, 1] - rows[:, :, 0])
-        return bilinear(self.layout["reference"], between, self.velocity)
+        rows = self.reference[:, :, :, step * half + before : step * half + before + 2]
+        between = rows[..., 0, :] + (sample - before) * (rows[..., 1, :] - rows[..., 0, :])
+        return trilinear(self.layout["reference"], between, [*self.velocity, self.command[2]])
 
     def _advance(self, state: dict[str, np.ndarray], command: np.ndarray) -> None:
         clock, period = self.layout["clock"], self.layout["control_period"]
         if clock is not None:
-            phase = self.phase + period / (2.0 * step_time(clock, self.velocity))
+            phase = self.phase + period / (2.0 * step_time(clock, [*self.velocity, command[2]]))
             change = np.ceil(2.0 * self.phase) / 2.0
             halt = clock["halt"]
             slow = self.halted or np.hypot(*self.filtered) < halt["below"]
@@ -143,15 +143,16 @@ def reflect(values: np.ndarray, mirror: dict) -> np.ndarray:
     return values[mirror["permutation"]] * mirror["sign"]
 
 
-def step_time(clock: dict, command: np.ndarray) -> float:
-    """Duration of a step at a velocity."""
-    return float(bilinear(clock, np.array(clock["step_time"])[..., None], command)[0])
+def step_time(clock: dict, command: list[float]) -> float:
+    """Duration of a step at a command."""
+    return float(trilinear(clock, np.array(clock["step_time"])[..., None], command)[0])
 
 
-def bilinear(grid: dict, values: np.ndarray, command: np.ndarray) -> np.ndarray:
-    """Values (nx, ny, k) at vx, vy: (k,); the border's outside the grid."""
-    for axis, speed in ((grid["vx"], command[0]), (grid["vy"], command[1])):
-        place = np.interp(speed, axis, np.arange(len(axis)))
+def trilinear(grid: dict, values: np.ndarray, command: list[float]) -> np.ndarray:
+    """Values (nx, ny, nw, k) at vx, vy, yaw rate: (k,); the border's outside the grid."""
+    for name, wanted in zip(("vx", "vy", "yaw_rate"), command, strict=True):
+        axis = grid[name]
+        place = np.interp(wanted, axis, np.arange(len(axis)))
         low = min(int(place), max(len(axis) - 2, 0))
         high = min(low + 1, len(axis) - 1)
         values = values[low] + (place - low) * (values[high] - values[low])

@@ -6,11 +6,13 @@ in the recipe.
 
 On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
 that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
-model-predictive controllers; it needs no other. The ablation compares several configurations and
-has a module of its own, ``pipeline.ablation``; so has the sensitivity, which changes the robot.
+controllers of ``conf/control``; those that walk by gaits need the library and its foot placement.
+The ablation compares several configurations and has a module of its own, ``pipeline.ablation``; so
+have the sensitivity, which changes the robot, and the study of the gaits, which changes mesh and
+start.
 """
 
-from pipeline.stages.evaluation import evaluations_of, table1
+from pipeline.stages.evaluation import evaluations_of, gait_walks, table1, velocity_tracking
 from pipeline.stages.gaits import figure_jobs, library_job
 from pipeline.stages.protocols import protocol_jobs
 from pipeline.stages.stability import stability_jobs
@@ -21,18 +23,21 @@ from slider.config.schema import Config
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs of everything but page, ablation and sensitivity, by the name of their target."""
+    """Jobs of everything but the page and what is on demand, by the name of their target."""
     targets = table1_jobs(config)
     library = targets["library"]
     targets |= verification_jobs(config, library) | figure_jobs(library)
-    targets |= stability_jobs(config, library)
-    targets |= {"policy_export": policy_export(targets["walking"])}
-    return targets | protocol_jobs(config, targets["walking"])
+    targets |= {
+        "policy_export": policy_export(targets["walking"]),
+        "velocity_tracking": velocity_tracking(config, targets["table1"]),
+    }
+    return targets | gait_walks(config, targets) | protocol_jobs(config, targets)
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs up to Table 1 by the name of their target."""
     library = library_job(config)
     trainings = training_jobs(config, library)
-    evaluations = evaluations_of(config, config.evaluation, trainings["walking"])
-    return {"library": library, **trainings, "table1": table1(config, evaluations)}
+    made = {"library": library, **stability_jobs(config, library), **trainings}
+    evaluations = evaluations_of(config, config.evaluation, made)
+    return made | {"table1": table1(config, evaluations)}

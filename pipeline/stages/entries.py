@@ -8,12 +8,14 @@ from slider.artefacts.recipe import code_of
 
 ENTRIES = {
     "gait": "slider.gait.stage:run",
+    "gait_start": "slider.gait.random_start:run",
     "library": "slider.library.stage:run",
     "standing": "slider.training.stage:run_standing",
     "walking": "slider.training.stage:run_walking",
     "evaluation": "slider.evaluation.stage:run",
     "baseline": "slider.evaluation.baseline:run",
     "table1": "slider.reports.table1:run",
+    "velocity_tracking": "slider.reports.velocity_tracking:run",
     "speeds": "slider.reports.protocols.speeds:run",
     "segments": "slider.reports.protocols.segments:run",
     "cases": "slider.reports.protocols.cases:run",
@@ -25,11 +27,13 @@ ENTRIES = {
     "stability": "slider.hzd.stage:run",
     "basin": "slider.hzd.stage:run_basin",
     "stability_figures": "slider.reports.figures.stability:run",
+    "gait_walks": "slider.evaluation.gait_walks:run",
     "figures": "slider.reports.figures.stage:run",
     "policy_export": "slider.control.export.stage:run",
     "ablation": "slider.reports.ablation:run",
     "sensitivity_policy": "slider.evaluation.stage:run_changed",
     "sensitivity": "slider.reports.sensitivity:run",
+    "gait_convergence": "slider.reports.gait_convergence:run",
     "video": "slider.reports.video:run",
     "report": "slider.reports.page:run",
 }

@@ -1,27 +1,29 @@
 """Evaluations of a protocol, of the policy and of the baselines, and Table 1."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pipeline.stages.entries import job
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
-from slider.config.control import POLICY, POLICY_LABEL
+from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig
+from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 
 
 def evaluations_of(
-    config: Config, protocol: EvaluationConfig, walking: JobSpec, note: str = ""
+    config: Config, protocol: EvaluationConfig, made: Mapping[str, JobSpec], note: str = ""
 ) -> list[JobSpec]:
     """A protocol's evaluations: each controller at each command, or in each case of the profile.
 
-    ``note`` is added to their labels.
+    ``made`` has the jobs ``walking``, ``library`` and ``foot_placement``; ``note`` is added to
+    the labels.
     """
     asked = protocol.commands if protocol.profile is None else protocol.profile.cases
     return [
-        evaluation(config, protocol, controller, one, walking, note)
+        evaluation(config, protocol, controller, one, made, note)
         for controller in protocol.controllers
         for one in asked
     ]
@@ -32,7 +34,7 @@ def evaluation(
     protocol: EvaluationConfig,
     controller: str,
     asked: float | CaseConfig,
-    walking: JobSpec,
+    made: Mapping[str, JobSpec],
     note: str = "",
 ) -> JobSpec:
     """A protocol with one controller at one command, or in one case."""
@@ -46,9 +48,8 @@ def evaluation(
     else:
         section |= controlled(config, controller, asked)
         label = f"evaluation of {controller} at {asked:.1f} m/s{note}"
-    if controller == POLICY:
-        return job("evaluation", label, section, {"walking": [walking]})
-    return job("baseline", label, section)
+    stage = "evaluation" if controller == POLICY else "baseline"
+    return job(stage, label, section, made_of(config, controller, made))
 
 
 def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
@@ -61,11 +62,40 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
     section = {"controller": controller, "command": command}
     if controller == POLICY:
         return section | simulation(config)
+    control = config.control[controller]
+    if isinstance(control, HzdControlConfig):
+        section["hzd"] = enforced_section(config.hzd)
     return section | {
         "robot": robot(config),
         "plant": only(to_dict(config.env), "control_period", "physics", "termination"),
-        "control": without(to_dict(config.control[controller]), "label"),
+        "control": without(to_dict(control), "label"),
     }
+
+
+def made_of(
+    config: Config, controller: str, made: Mapping[str, JobSpec]
+) -> dict[str, list[JobSpec]]:
+    """What a controller is made of: a training, the gait library, or nothing."""
+    if controller == POLICY:
+        return {"walking": [made["walking"]]}
+    walks_gaits = isinstance(config.control[controller], HzdControlConfig)
+    if not walks_gaits:
+        return {}
+    return {name: [made[name]] for name in ("library", "foot_placement")}
+
+
+def gait_walks(config: Config, made: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
+    """Every gait from its own first sample, with the first controller that walks by gaits."""
+    for name, control in config.control.items():
+        if isinstance(control, HzdControlConfig):
+            section = without(controlled(config, name, None), "controller", "command")
+            section |= {"steps": config.hzd.steps}
+            return {
+                "gait_walks": job(
+                    "gait_walks", "walks of all gaits", section, made_of(config, name, made)
+                )
+            }
+    return {}
 
 
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
@@ -77,12 +107,25 @@ def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     """Table 1 from the records of all evaluations.
 
-    A library that the policy was trained with also gives the gaits' own sway. A table without one
+    A library that a controller was made with also gives the gaits' own sway. A table without one
     (of baselines alone, of a training without library) does not wait for it.
     """
     section = {"labels": labels(config, config.evaluation.controllers)}
-    trainings = [walking for item in evaluations for walking in item.inputs.get("walking", ())]
+    users = [made for item in evaluations for made in (item, *item.inputs.get("walking", ()))]
+    libraries = [user.inputs["library"] for user in users if "library" in user.inputs]
     inputs = {"evaluations": evaluations}
-    if trainings and "library" in trainings[0].inputs:
-        inputs["library"] = list(trainings[0].inputs["library"])
+    if libraries:
+        inputs["library"] = list(libraries[0])
     return job("table1", "table 1", section, inputs)
+
+
+def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
+    """Velocity over time at some of Table 1's commands."""
+    asked = config.report.tracking_commands
+    shown = [one for one in table1.inputs["evaluations"] if one.section["command"] in asked]
+    section = {
+        "commands": asked,
+        "control_period": config.env.control_period,
+        "labels": labels(config, config.evaluation.controllers),
+    }
+    return job("velocity_tracking", "velocity tracking", section, {"evaluations": shown})

@@ -1,6 +1,7 @@
-"""Gaits, one per velocity of the grid, their library and its pictures."""
+"""Gaits, one per command of the grid, their library and its pictures."""
 
 from dataclasses import fields
+from itertools import product
 from typing import Any
 
 from pipeline.stages.entries import job
@@ -11,20 +12,20 @@ from slider.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig,
 from slider.config.robot import Mechanism
 from slider.config.schema import Config
 
-Velocity = tuple[float, float]
+Command = tuple[float, float, float]
 
 
 def library_job(config: Config) -> JobSpec:
     """The gait library, and with it all gaits."""
     shared = gait_section(config)
-    gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
+    gaits = [gait(shared, command) for command in commands(config.gait.grid)]
     return gait_library(config, gaits)
 
 
-def velocities(grid: GridConfig) -> list[Velocity]:
-    """Commanded velocities (vx, vy) [m/s] of a grid, each once, sorted."""
-    blocks = [(grid.vx, grid.vy), *((block.vx, block.vy) for block in grid.extra)]
-    return sorted({(vx, vy) for x, y in blocks for vx in _values(x) for vy in _values(y)})
+def commands(grid: GridConfig) -> list[Command]:
+    """Commands (vx [m/s], vy [m/s], yaw rate [rad/s]) of a grid, each once, sorted."""
+    blocks = [map(_values, block.axes) for block in (grid, *grid.extra)]
+    return sorted({(vx, vy, yaw_rate) for axes in blocks for vx, vy, yaw_rate in product(*axes)})
 
 
 def _values(axis: Axis | list[float]) -> list[float]:
@@ -49,10 +50,12 @@ def gait_section(config: Config) -> dict[str, Any]:
     }
 
 
-def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
-    """One gait; it does not know of the other velocities."""
-    label = f"gait {velocity[0]:.2f} {velocity[1]:+.2f} m/s"
-    return job("gait", label, shared | {"velocity": list(velocity)})
+def gait(shared: dict[str, Any], command: Command) -> JobSpec:
+    """One gait; it does not know of the other commands."""
+    vx, vy, yaw_rate = command
+    turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
+    label = f"gait {vx:.2f} {vy:+.2f} m/s{turn}"
+    return job("gait", label, shared | {"command": list(command)})
 
 
 def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pipeline.stages.entries import job
-from pipeline.stages.evaluation import controlled, labels, protocol_section
+from pipeline.stages.evaluation import controlled, labels, made_of, protocol_section
 from pipeline.stages.sections import origin, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
@@ -17,7 +17,7 @@ VIDEOS = "videos"
 
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     """The page; its sections say what it needs."""
-    available = _available(targets) | {VIDEOS: _videos(config, targets["walking"])}
+    available = _available(targets) | {VIDEOS: _videos(config, targets)}
     inputs = {}
     for need in needs(config):
         name = need.removesuffix(OPTIONAL)
@@ -52,7 +52,8 @@ def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:
 def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
     """The configuration without what has no part in the page."""
     shown = without(
-        to_dict(config), "resources", "tracking", "ablation", "sensitivity", "protocols"
+        to_dict(config),
+        *("resources", "tracking", "ablation", "sensitivity", "gait_study", "protocols"),
     )
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}
@@ -65,17 +66,17 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
     return shown
 
 
-def _videos(config: Config, walking: JobSpec) -> list[JobSpec]:
+def _videos(config: Config, made: Mapping[str, JobSpec]) -> list[JobSpec]:
     if config.report.video.renderer == "none":
         return []
     return [
-        video(config, controller, command, walking)
+        video(config, controller, command, made)
         for controller in config.evaluation.controllers
         for command in config.report.video.commands
     ]
 
 
-def video(config: Config, controller: str, command: float, walking: JobSpec) -> JobSpec:
+def video(config: Config, controller: str, command: float, made: Mapping[str, JobSpec]) -> JobSpec:
     """A short film of one controller at one command."""
     section = controlled(config, controller, command) | {
         "label": labels(config, [controller])[controller],
@@ -83,6 +84,5 @@ def video(config: Config, controller: str, command: float, walking: JobSpec) -> 
         "disturbance": to_dict(config.evaluation.disturbance),
         "video": without(to_dict(config.report.video), "commands"),
     }
-    inputs = {"walking": [walking]} if controller == POLICY else {}
     label = f"video of {controller} at {command:.1f} m/s"
-    return job("video", label, section, inputs, tracked=False)
+    return job("video", label, section, made_of(config, controller, made), tracked=False)

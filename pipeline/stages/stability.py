@@ -6,21 +6,21 @@ from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 
-_BEYOND = ("basin", "chunk")  # settings that a gait's linearisation does not use
+_BEYOND = ("basin", "steps", "chunk")  # settings that a gait's linearisation does not use
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """Linearised gaits, what controllers take of them, their table, basins and figures."""
     settings = without(to_dict(config.hzd), *_BEYOND)
-    commands = [gait.section["velocity"] for gait in library.inputs["gaits"]]
+    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
     size = config.hzd.chunk
     chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
     gaits = [_gaits(settings, chunk, library) for chunk in chunks]
     table = job("stability", "stability", {}, {"gaits": gaits})
     drawn = {"library": [library], "stability": [table]}
-    wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if list(gait) in commands]
+    wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if [*gait, 0.0] in commands]
     if wanted:
-        drawn["basins"] = [_basin(config, settings, list(gait), library) for gait in wanted]
+        drawn["basins"] = [_basin(config, settings, [*gait, 0.0], library) for gait in wanted]
     return {
         "foot_placement": job(
             "foot_placement", "foot placement", {}, {"library": [library], "gaits": gaits}
@@ -32,7 +32,7 @@ def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
 
 def _gaits(settings: dict, commands: list[list[float]], library: JobSpec) -> JobSpec:
     """Return maps of some gaits."""
-    section = {"hzd": settings, "velocities": commands}
+    section = {"hzd": settings, "commands": commands}
     label = f"stability of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
     return job("stability_gaits", label, section, {"library": [library]}, tracked=False)
 
@@ -40,6 +40,6 @@ def _gaits(settings: dict, commands: list[list[float]], library: JobSpec) -> Job
 def _basin(config: Config, settings: dict, gait: list[float], library: JobSpec) -> JobSpec:
     """Basin of attraction of one gait."""
     basin = without(to_dict(config.hzd.basin), "gaits")
-    section = {"hzd": settings, "basin": basin, "velocity": gait}
+    section = {"hzd": settings, "basin": basin, "command": gait}
     label = f"basin of {gait[0]:.2f} {gait[1]:+.2f} m/s"
     return job("basin", label, section, {"library": [library]}, tracked=False)

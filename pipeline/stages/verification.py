@@ -11,7 +11,7 @@ _COLLECTED = ("on_failure", "reach", "bounds")  # settings of the collection alo
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """Chunks of gaits, their collection, and maps of what it found."""
-    commands = [gait.section["velocity"] for gait in library.inputs["gaits"]]
+    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
     size = config.verification.chunk
     chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
     gaits = [verification_of_gaits(config, chunk, library) for chunk in chunks]
@@ -29,7 +29,7 @@ def verification_of_gaits(config: Config, commands: list[list[float]], library: 
         "robot": robot(config),
         "posture": to_dict(config.gait.posture),
         "verification": without(to_dict(config.verification), "chunk", *_COLLECTED),
-        "velocities": commands,
+        "commands": commands,
     }
     label = f"verification of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
     return job("verification_gaits", label, section, {"library": [library]}, tracked=False)

@@ -21,7 +21,7 @@ from slider.config.verification import VerificationConfig
         ("evaluation.disturbance.friction.lower", "a number in (0, 1000]"),
         ("evaluation.disturbance.delay.lower", "a number in [0, 100000] s"),
         ("gait.nodes", "an integer in [5, 201], an odd number"),
-        ("gait.grid.extra", "a list of values of vx, vy"),
+        ("gait.grid.extra", "a list of values of vx, vy, yaw_rate"),
         ("gait.grid.vx.step", "a number in (0, 100] m/s"),
         ("robot.links.base.inertia", "3 numbers in (0, 10000] kg m²"),
         ("robot.joints", "values by name"),

@@ -28,7 +28,14 @@ GROUPS = ([], 3, "nonsense", None)
 # Leaves, as patterns, that take a value which is nonsense elsewhere, and why.
 ALLOWED: dict[Any, tuple[str, ...]] = {
     -1: (
-        *("*.vx*", "*.vy*", "*.yaw_rate.lower", "*.yaw_rate", "*commands[[]*"),  # backward, right
+        *(
+            "*.vx*",
+            "*.vy*",
+            "*.yaw_rate.lower",
+            "*.yaw_rate",
+            "*.yaw_rate[[]*",
+            "*commands[[]*",
+        ),  # backward, right
         *("*.speeds[[]0]", "speeds.table1[[]*"),  # as above
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster
@@ -48,8 +55,9 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.iterations", "*.period", "*fraction", "*.lam", "*.actor_ema"),  # never, none
         *("*.velocity_filter", "*.step_time", "*.halt.*", "*.acceleration"),  # documented: off
         *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
-        *("*.planner.width_min", "*.planner.integral*", "*.swing.*", "*.entry.*"),
+        *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),
         *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
+        *("*.hzd.weights.*", "*.hzd.ahead", "*.hzd.capture", "*.hzd.descent"),  # switched off
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
         *("hzd.impacts.*", "hzd.basin.*", "hzd.placement.lower", "hzd.feedback.reach"),
         "gait.decoupling_min",  # none is refused

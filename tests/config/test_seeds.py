@@ -55,7 +55,7 @@ def test_no_reported_seed_is_chosen_by(experiment):
     given = [f"experiment={experiment}"]
     config = compose(given, CONF)
     jobs = table1_jobs(config)
-    protocols = protocol_jobs(config, jobs["walking"])
+    protocols = protocol_jobs(config, jobs)
     seeds = ablation(*given, "ablation=seeds", "ablation.run=[default]")
     final = drawn([jobs["table1"], *protocols.values(), seeds])
 

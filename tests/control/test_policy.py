@@ -85,7 +85,7 @@ def test_foreign_files_are_one_line(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 99}, "{path}: expected version 6, found 99"),
+        ({"version": 99}, "{path}: expected version 7, found 99"),
         ({"joints": ["left_knee"]}, "{path}: expected the joints " + ", ".join(JOINTS)),
         ({"format": "other"}, "{path}: expected format slider-policy, found other"),
     ],
@@ -207,7 +207,7 @@ def test_the_gaits_under_the_actions_travel_with_the_policy(tmp_path):
     save_policy(replace(make_policy(), reference=reference), tmp_path / "policy.pt")
     back = load_policy(tmp_path / "policy.pt").reference
     assert back is not None
-    arguments = np.array([0.3, 1.1]), np.array([0.0, 0.05]), np.array([0.2, 0.8])
+    arguments = np.array([(0.3, 0.0, 0.1), (1.1, 0.05, 0.0)]), np.array([0.2, 0.8])
     np.testing.assert_array_equal(back.at(*arguments), reference.at(*arguments))
     assert np.abs(back.at(*arguments)).max() > 0.05
 

@@ -73,18 +73,24 @@ def motor_torques(efforts: np.ndarray) -> np.ndarray:
     return np.concatenate(legs, axis=-1)
 
 
-def make_library(velocities: tuple[tuple[float, float], ...] | None = None) -> GaitLibrary:
+VELOCITIES = ((0.0, 0.0), (0.4, 0.0), (0.0, 0.1), (0.4, 0.1))
+YAW_RATES = (-0.3, 0.0, 0.3)
+
+
+def make_library(
+    velocities: tuple[tuple[float, float], ...] = VELOCITIES, yaw_rates: tuple[float, ...] = (0.0,)
+) -> GaitLibrary:
     """Gaits that step in place with small sinusoids, the second step a mirror of the first.
 
-    Amplitude and step time grow with vx, so that gaits differ.
+    Amplitude and step time grow with vx, so that gaits differ; those that turn yaw their hips.
     """
-    grid = np.array(velocities or ((0.0, 0.0), (0.4, 0.0), (0.0, 0.1), (0.4, 0.1)))
-    gaits = [_gait(vx, vy) for vx, vy in grid]
+    grid = np.array([(*velocity, rate) for velocity in velocities for rate in yaw_rates])
+    gaits = [_gait(*command) for command in grid]
     arrays = {
-        "velocities": grid,
+        "commands": grid,
         "samples": np.stack([samples for samples, _ in gaits]),
         "base": np.stack([base for _, base in gaits]),
-        "step_time": np.stack([np.full(2, step_time(vx)) for vx, _ in grid]),
+        "step_time": np.stack([np.full(2, step_time(vx)) for vx in grid[:, 0]]),
     }
     return GaitLibrary(arrays, {})
 
@@ -93,7 +99,7 @@ def step_time(vx: float) -> float:
     return STEP_TIME - 0.1 * vx
 
 
-def _gait(vx: float, vy: float) -> tuple[np.ndarray, np.ndarray]:
+def _gait(vx: float, vy: float, yaw_rate: float) -> tuple[np.ndarray, np.ndarray]:
     duration = 2 * step_time(vx)
     per_step = SAMPLES // 2
     first = 0.5 * np.arange(per_step) / (per_step - 1)
@@ -110,12 +116,16 @@ def _gait(vx: float, vy: float) -> tuple[np.ndarray, np.ndarray]:
         column = JOINTS.index("left_slide") + 6 * leg
         joints[:, column] = -0.02 * (1 - np.cos(angle))
         rates[:, column] = -0.02 * speed * np.sin(angle)
+    ramp = yaw_rate * duration / 2 * (0.5 - np.tile(2 * first, 2)) * np.repeat([1, -1], per_step)
+    joints[:, JOINTS.index("left_hip_yaw")] = ramp
+    joints[:, JOINTS.index("right_hip_yaw")] = -ramp
     ones = np.ones((SAMPLES, 1))
     samples = np.concatenate([joints, rates, vx * ones, vy * ones], axis=1)
     base = np.zeros((SAMPLES, 13))
     base[:, 0], base[:, 1] = vx * duration * phase, vy * duration * phase
     base[:, 2] = nominal_qpos(robot_config())[2]
-    base[:, 3] = 1.0
+    course = yaw_rate * duration / 2 * (2 * phase - 0.5)
+    base[:, 3], base[:, 6] = np.cos(course / 2), np.sin(course / 2)
     base[:, 7], base[:, 8] = vx, vy
     return samples, base
 
@@ -128,6 +138,12 @@ def library() -> GaitLibrary:
 @cache
 def gait_table() -> GaitTable:
     return GaitTable.from_library(library())
+
+
+@cache
+def turning_library() -> GaitLibrary:
+    """The same velocities with three yaw rates each."""
+    return make_library(yaw_rates=YAW_RATES)
 
 
 def make_guide(gait: str = "interpolated") -> Guide:
@@ -254,6 +270,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
         torque_limits=TORQUE_LIMITS,
+        period=0.02,
         scan_points=(15, 12),
         scan_spacing=0.1,
         **values,

@@ -6,6 +6,7 @@ import pytest
 from slider.core.errors import UserError
 from slider.env.interface import AgentInterface
 from slider.env.starts import joint_range
+from slider.library.lookup import GaitTable
 from slider.robot.names import JOINTS, NUM_JOINTS
 from tests.env.synthetic import (
     PERMUTATION,
@@ -18,6 +19,7 @@ from tests.env.synthetic import (
     mirror_pose,
     robot_config,
     step_time,
+    turning_library,
 )
 
 UPPER_FEET = [i for i, name in enumerate(JOINTS) if name.endswith("upper_foot")]
@@ -187,7 +189,7 @@ def test_a_robot_that_lags_does_not_hold_its_reference_back():
     for _ in range(26):
         agent.advance(running)
     np.testing.assert_array_equal(agent.reference_velocity, [[0.0, 0.0]])
-    gait = gait_table().at(np.zeros(1), np.zeros(1), agent.clock.phase)[:, :NUM_JOINTS]
+    gait = gait_table().at(np.zeros((1, 3)), agent.clock.phase)[:, :NUM_JOINTS]
     np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), gait, atol=1e-12)
 
 
@@ -248,12 +250,27 @@ def test_a_residual_action_is_about_the_gait(phase):
         agent.set_velocity_command(np.arange(3), command)
         agent.reset(np.arange(3), make_state(3), phase=phase, velocity=command[:, :2])
     residual, nominal = agents
-    expected = gait_table().at(command[:, 0], command[:, 1], np.full(3, phase))[:, :NUM_JOINTS]
+    expected = gait_table().at(command, np.full(3, phase))[:, :NUM_JOINTS]
     assert np.abs(expected - nominal.nominal).max() > 0.05
     np.testing.assert_allclose(residual.act(np.zeros((3, NUM_JOINTS))), expected, atol=1e-12)
     action = np.random.default_rng(0).uniform(-0.2, 0.2, (3, NUM_JOINTS))
     moved = residual.act(action.copy()) - expected
     np.testing.assert_allclose(moved, nominal.act(action.copy()) - nominal.nominal, atol=1e-12)
+
+
+def test_a_residual_action_is_about_the_gait_that_turns():
+    """The commanded yaw rate counts at once, the velocity on its way."""
+    settings, table = config("experiment=test"), GaitTable.from_library(turning_library())
+    agent = AgentInterface(settings.robot, settings.env, 1, table.times, table.joints)
+    agent.set_velocity_command(np.array([0]), np.array([[0.4, 0.0, 0.2]]))
+    agent.reset(np.array([0]), make_state(1), phase=0.1)
+    agent.advance(make_state(1))
+    assert agent.clock is not None
+    velocity = agent.reference_velocity[0]
+    assert 0.0 < velocity[0] < 0.4
+    expected = table.at(np.array([[*velocity, 0.2]]), agent.clock.phase)[:, :NUM_JOINTS]
+    np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), expected, atol=1e-12)
+    assert np.abs(expected[0, JOINTS.index("left_hip_yaw")]) > 0.01
 
 
 def test_a_halted_robot_acts_about_standing_on_both_feet():
@@ -264,8 +281,7 @@ def test_a_halted_robot_acts_about_standing_on_both_feet():
     np.testing.assert_array_equal(agent.view(make_state(3)).halted, [True, True, False])
     np.testing.assert_array_equal(targets[0], targets[1])
     np.testing.assert_allclose(targets[0], targets[0][PERMUTATION] * SIGN, atol=1e-12)
-    zero = np.zeros(3)
-    gait = gait_table().at(zero, zero, np.array([0.0, 0.5, 0.3]))[:, :NUM_JOINTS]
+    gait = gait_table().at(np.zeros((3, 3)), np.array([0.0, 0.5, 0.3]))[:, :NUM_JOINTS]
     np.testing.assert_allclose(targets[0], (gait[0] + gait[1]) / 2, atol=1e-12)
     np.testing.assert_allclose(targets[2], gait[2], atol=1e-12)
     agent.set_velocity_command(np.arange(3), np.array([[0.1, 0.0, 0.0]] * 3))

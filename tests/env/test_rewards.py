@@ -5,9 +5,10 @@ import pytest
 
 from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
-from slider.env.guide import observed_channels
+from slider.env.guide import Guide, observed_channels
 from slider.env.rewards import TERMS, Reward, RewardView
 from slider.env.view import View
+from slider.library.lookup import GaitTable
 from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
 from tests.env.synthetic import (
     config,
@@ -18,6 +19,7 @@ from tests.env.synthetic import (
     make_state,
     make_view,
     random_pose,
+    turning_library,
 )
 
 NOMINAL_HEIGHT = 0.685
@@ -161,7 +163,14 @@ HAND = {  # term → (state, view, parameters, value)
 }
 
 
-BELOW = {"guide_phase", "guide_phase_turning", "guide_nearest", "contact_schedule"}
+BELOW = {
+    "guide_phase",
+    "guide_phase_turning",
+    "guide_nearest",
+    "clf_value",
+    "clf_decrease",
+    "contact_schedule",
+}
 
 
 @pytest.mark.parametrize("name", [*HAND, *sorted(TERMS.keys() - HAND.keys() - BELOW)])
@@ -186,14 +195,14 @@ def test_a_commanded_turn_moves_the_hip_yaws_of_the_guide():
     command = np.tile([0.4, 0.0, rate, 0.0], (4, 1))
     phase = np.array([0.0, 0.4999999, 0.5, 0.9999999])
     view = make_view(make_state(4), command=command, phase=phase)
-    half = 0.5 * rate * table.times.at(command[:, 0], command[:, 1])[0]
+    half = 0.5 * rate * table.times.at(command[:, :3])[0]
     yaws = [JOINTS.index("left_hip_yaw"), JOINTS.index("right_hip_yaw")]
     turn = make_guide().turn(view)
     np.testing.assert_allclose(
         turn[:, yaws], half * np.array([[1, -1], [-1, 1], [-1, 1], [1, -1]]), atol=1e-6
     )
     assert not np.delete(turn, yaws, axis=1).any()
-    reference = table.at(command[:, 0], command[:, 1], phase)[:, :12]
+    reference = table.at(command[:, :3], phase)[:, :12]
     on_it = make_view(make_state(4, joint_positions=reference + turn), command=command, phase=phase)
     np.testing.assert_allclose(value("guide_phase_turning", on_it, width=0.35), 1.0)
     assert (value("guide_phase", on_it, width=0.35) < 1.0).all()
@@ -242,13 +251,13 @@ def test_the_guide_of_a_halted_robot_is_standing():
     view = make_view(make_state(2), phase=[0.5, 0.5], command=command, halted=[True, False])
     stands, steps = make_guide().at_phase(view)
     np.testing.assert_array_equal(stands, gait_table().standing)
-    np.testing.assert_array_equal(steps, gait_table().at(*np.zeros((2, 1)), np.array([0.5]))[0])
+    np.testing.assert_array_equal(steps, gait_table().at(np.zeros((1, 3)), np.array([0.5]))[0])
     assert (stands != steps).any()
 
 
 def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
     view = moving_view()
-    reference = gait_table().at(view.command[:, 0], view.command[:, 1], view.phase)[:, :12]
+    reference = gait_table().at(view.command[:, :3], view.phase)[:, :12]
 
     def off(name: str, error: float) -> np.ndarray:
         state = make_state(40, joint_positions=reference + joint(name, error))
@@ -264,6 +273,80 @@ def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
     np.testing.assert_allclose(off("left_hip_pitch", 0.1), hip)
 
 
+CLF = {"bandwidth": 20.0, "rate_weight": 2.0, "eta_max": 0.5}  # P = [[2, 1], [1, 2]]
+RATES = {"eta_dot_max": 5.0, "decay": 4.0}
+SCALE = 2 * 3.0 * 0.5 * 5.0 + 4.0 * 3.0 * 0.5**2  # 2‖P‖ η_max η̇_max + decay λ_max(P) η_max²
+
+
+def off_the_gait(name: str, error: float, rate: float = 0.0) -> View:
+    """A robot whose joint is off by [rad or m], with a rate that is off as well."""
+    phase, command = np.array([0.3]), np.array([[0.4, 0.0, 0.0, 0.0]])
+    gait = gait_table().at(command[:, 0], command[:, 1], phase)
+    positions, rates = gait[:, :12] + joint(name, error), gait[:, 12:24] + joint(name, rate)
+    state = make_state(1, joint_positions=positions, joint_velocities=rates)
+    return make_view(state, command=command, phase=phase)
+
+
+def seen(view: View, before: View | None = None) -> RewardView:
+    """As the environment has it, after the control step ``before``."""
+    guide = make_guide()
+    if before is None:
+        return RewardView(view, guide)
+    return RewardView(view, guide, RewardView(before, guide).outputs)
+
+
+@pytest.mark.parametrize(
+    ("name", "error", "rate", "lyapunov"),
+    [
+        ("left_hip_pitch", 0.0, 0.0, 0.0),
+        ("left_hip_pitch", 0.2, 0.0, 2 * 0.04),
+        ("right_ankle", 0.0, 4.0, 0.5 * 2 * 0.2**2),
+        ("right_slide", 0.05, -2.0, 40 * (2 * 0.05**2 - 2 * 0.05 * 0.1 + 2 * 0.1**2)),
+        ("left_upper_foot", 9.0, 9.0, 0.0),  # no motor, no output
+    ],
+)
+def test_clf_value(name, error, rate, lyapunov):
+    found = TERMS["clf_value"].function(seen(off_the_gait(name, error, rate)), **CLF)
+    np.testing.assert_allclose(found, [np.exp(-lyapunov / (3.0 * 0.5**2))], rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "expected"),
+    [
+        (0.2, 0.1, 0.0),  # falls faster than asked
+        (0.1, 0.1, 4.0 * 0.02 / SCALE),  # stays: V = 0.02
+        (0.1, 0.1 * np.exp(-0.5 * 4.0 * 0.02), 0.0),  # falls as e^(−decay t), in one step
+        (0.1, 0.11, ((0.0242 - 0.02) / 0.02 + 4.0 * 0.0242) / SCALE),
+        (0.0, 5.0, 1.0),
+        (0.0, 0.0, 0.0),
+    ],
+)
+def test_clf_decrease(before, now, expected):
+    views = [off_the_gait("left_hip_pitch", error) for error in (now, before)]
+    found = TERMS["clf_decrease"].function(seen(*views), **CLF, **RATES)
+    np.testing.assert_allclose(found, [expected], rtol=1e-9, atol=2e-4 if before > now else 1e-12)
+
+
+def test_nothing_is_asked_of_the_first_step_of_an_episode():
+    view = seen(off_the_gait("left_hip_pitch", 5.0, 5.0))
+    np.testing.assert_array_equal(view.outputs_before, np.full((1, 2, 10), np.inf))
+    np.testing.assert_array_equal(TERMS["clf_decrease"].function(view, **CLF, **RATES), [0.0])
+
+
+def test_clf_rewards_are_bounded():
+    now, before = moving_view(), moving_view()
+    before.state.joint_positions[:] += 0.01
+    both = seen(now, before)
+    for values in (
+        TERMS["clf_value"].function(both, **CLF),
+        TERMS["clf_decrease"].function(both, **CLF, **RATES),
+    ):
+        assert values.shape == (40,)
+        assert (values >= 0.0).all()
+        assert (values <= 1.0).all()
+        assert np.ptp(values) > 0.01
+
+
 def brute_force(view: View, keep: np.ndarray) -> np.ndarray:
     """Distance to the nearest of the 42 samples of the nearest gait, one robot at a time."""
     gaits, observed = library(), observed_channels(view)
@@ -274,6 +357,22 @@ def brute_force(view: View, keep: np.ndarray) -> np.ndarray:
         assert len(errors) == 42
         result.append(min(errors))
     return np.array(result)
+
+
+def test_gaits_that_turn_need_the_hip_yaws_of_what_they_lack_only():
+    """In the middle of the grid nothing; beyond its border what is missing there."""
+    library = turning_library()
+    guide, flat = Guide(library, GaitTable.from_library(library)), make_guide()
+    command = np.tile([0.2, 0.05, 0.0, 0.0], (4, 1))
+    command[:, 2] = [0.2, -0.3, 0.5, 0.0]
+    phase = np.array([0.1, 0.3, 0.6, 0.9])
+    view = make_view(make_state(4), command=command, phase=phase)
+    missing = make_view(make_state(4), command=command * [1, 1, 0, 0], phase=phase)
+    missing.command[2, 2] = 0.2
+    np.testing.assert_allclose(guide.turn(view), flat.turn(missing), atol=1e-12)
+    turned = guide.at_phase(view)[:, :12] + guide.turn(view)
+    expected = flat.at_phase(view)[:, :12] + flat.turn(view)  # synthetic gaits turn by their hips
+    np.testing.assert_allclose(turned, expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("masked", [0.0, 1.0])
@@ -294,7 +393,7 @@ def test_guide_nearest_of_an_interpolated_gait(masked):
     view.command[:, :2] = [0.2, 0.0]
     keep = np.array([not (masked and "upper_foot" in name) for name in CHANNELS])
     at_rest, slow = (
-        library().samples[library().nearest(*np.array([[v], [0.0]]))[0]] for v in (0.0, 0.4)
+        library().samples[library().nearest(np.array([[v, 0.0, 0.0]]))[0]] for v in (0.0, 0.4)
     )
     middle = (at_rest + slow) / 2
     errors = (observed_channels(view)[:, None] - middle)[:, :, keep]
@@ -306,11 +405,11 @@ def test_guide_nearest_of_an_interpolated_gait(masked):
 
 def test_the_nearest_gait_guides_at_its_own_velocity():
     commands = np.array([[0.22, 0.01, 0, 0], [0.04, 0.0, 0, 0]])
-    near = library().velocities[library().nearest(commands[:, 0], commands[:, 1])]
+    near = library().commands[library().nearest(commands[:, :3])]
     phase = np.array([0.2, 0.7])
     found = make_guide("nearest").at_phase(make_view(make_state(2), command=commands, phase=phase))
-    np.testing.assert_array_equal(found, gait_table().at(near[:, 0], near[:, 1], phase))
-    assert (near != commands[:, :2]).any()
+    np.testing.assert_array_equal(found, gait_table().at(near, phase))
+    assert (near != commands[:, :3]).any()
 
 
 def test_guide_nearest_is_zero_on_a_sample():

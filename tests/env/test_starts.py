@@ -56,7 +56,8 @@ def on_gaits(count: int) -> tuple[np.ndarray, np.ndarray]:
     """States of gaits whose base is so high that the stance foot is on the ground."""
     draw = np.random.default_rng(3)
     vx, phase = draw.uniform(0.0, 0.4, count), draw.uniform(size=count)
-    qpos, qvel = make_guide().states(vx, np.zeros(count), phase)
+    command = np.stack([vx, 0.0 * vx, 0.0 * vx], axis=1)
+    qpos, qvel = make_guide().states(command, phase)
     qpos[:, 2] -= lowest(qpos)
     return qpos, qvel
 

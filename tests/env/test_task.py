@@ -38,7 +38,7 @@ def test_only_a_guided_training_gets_a_guide(library):
 
 
 def test_the_clock_runs_at_its_own_pace_or_at_that_of_the_gaits(library):
-    speeds = np.array([0.0, 1.0]), np.zeros(2)
+    commands = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
     clocks = {
         "env/phase=clock": [0.42, 0.37],  # as the gaits were written
         "env.phase.step_time=0.3": [0.3, 0.3],
@@ -46,6 +46,6 @@ def test_the_clock_runs_at_its_own_pace_or_at_that_of_the_gaits(library):
     for override, expected in clocks.items():
         times = make(library, override).times
         assert times is not None
-        np.testing.assert_allclose(times.at(*speeds), expected)
+        np.testing.assert_allclose(times.at(commands), expected)
     assert make(library, "env/phase=none").times is None
     assert make(None, "env/phase=clock").times is None

@@ -144,8 +144,10 @@ def test_every_parameter_of_a_term_has_its_unit():
 def test_a_reward_needs_the_clock_and_the_library_exactly_if_it_reads_them(name):
     term, view = rewards.TERMS[name], moving_view()
     later = replace(view, phase=(view.phase + 0.37) % 1.0)
+    before = RewardView(view, make_guide()).outputs
     values = [
-        term.function(RewardView(seen, make_guide()), **PARAMS[name]) for seen in (view, later)
+        term.function(RewardView(seen, make_guide(), before), **PARAMS[name])
+        for seen in (view, later)
     ]
     assert (values[0] != values[1]).any() == (Needs.CLOCK in term.needs)
     if Needs.LIBRARY in term.needs:
@@ -182,6 +184,21 @@ MISTAKES = [
     (
         "train.walking.reward.terms.heading.params.width=abc",
         'heading.params.width: expected a number, found "abc"',
+    ),
+    (
+        "+train.walking.reward.terms.clf_value="
+        "{weight: 1.0, params: {bandwidth: 0.0, rate_weight: 2.0, eta_max: 0.5}}",
+        "clf_value.params.bandwidth: expected a number in (0, 10000] rad/s, found 0",
+    ),
+    (
+        "+train.walking.reward.terms.clf_value="
+        "{weight: 1.0, params: {bandwidth: 20.0, rate_weight: -2.0, eta_max: 0.5}}",
+        "clf_value.params.rate_weight: expected a number in [0, 1e9], found -2",
+    ),
+    (
+        "+train.walking.reward.terms.clf_decrease={weight: -1.0, params: "
+        "{bandwidth: 20.0, rate_weight: 2.0, eta_max: 0.5, eta_dot_max: 5.0, decay: -1.0}}",
+        "clf_decrease.params.decay: expected a number in [0, 10000] 1/s, found -1",
     ),
     ("env.termination.terms.tilt=abc", 'terms.tilt: expected a number, found "abc"'),
     ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),

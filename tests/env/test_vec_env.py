@@ -9,14 +9,24 @@ import torch
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import UserError
+from slider.env.declaration import Needs
 from slider.env.guide import Guide
+from slider.env.lyapunov import Lyapunov
+from slider.env.rewards import Reward, RewardView
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.library.lookup import GaitTable
 from slider.robot.kinematics import standing_height
-from tests.env.synthetic import config, gait_table, make_guide, make_library, step_time
+from tests.env.synthetic import (
+    config,
+    gait_table,
+    make_guide,
+    make_library,
+    step_time,
+    turning_library,
+)
 
-EXPERIMENTS = ("default", "turning", "robust", "paper", "paper_alive", "smoke", "test")
+EXPERIMENTS = ("default", "turning", "omni", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
 FEW = (f"train.standing.robots={NUM_ENVS}", f"train.walking.robots={NUM_ENVS}")
 
@@ -182,7 +192,7 @@ def test_starts_on_the_reference(share, spread):
     state, command = env.physics.read(), env.agent.command
     clock = env.agent.clock
     assert clock is not None
-    reference = gait_table().at(command[:, 0], command[:, 1], clock.phase)
+    reference = gait_table().at(command[:, :3], clock.phase)
     if not spread:
         np.testing.assert_allclose(state.joint_positions, 0.0, atol=1e-12)
         np.testing.assert_allclose(state.heading_velocity, 0.0, atol=1e-12)
@@ -341,8 +351,29 @@ def test_a_library_of_one_gait_guides_at_every_command():
         observations, reward, _, _ = env.step(torch.zeros(NUM_ENVS, 12))
         assert torch.isfinite(observations["policy"]).all()
         assert torch.isfinite(reward).all()
-    commands = np.array([0.0, 3.0])
-    np.testing.assert_array_equal(table.times.at(commands, 0.0 * commands), step_time(0.33))
+    commands = np.array([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0)])
+    np.testing.assert_array_equal(table.times.at(commands), step_time(0.33))
+
+
+def test_robots_that_start_on_a_turning_gait_are_on_their_course():
+    """The heading target is the course of the walk at the phase of the start."""
+    library = turning_library()
+    table = GaitTable.from_library(library)
+    whole = settings(
+        "experiment=test",
+        "train.walking.reset.reference_fraction=1.0",
+        "train.walking.commands.yaw_rate={lower: -0.5, upper: 0.5}",
+        "env.start.tilt=0",
+    )
+    guide = Guide(library, table)
+    task = Task(whole.robot, whole.env, whole.train.walking, table.times, guide, table.joints)
+    env = WalkingEnv(task)
+    command, yaw = env.agent.command, env.physics.read().yaw
+    assert env.agent.clock is not None
+    np.testing.assert_allclose(command[:, 3], 0.0, atol=1e-9)
+    expected = guide.course(command[:, :3], env.agent.clock.phase)
+    np.testing.assert_allclose(yaw, expected, atol=1e-9)
+    assert np.ptp(yaw) > 0.05
 
 
 def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
@@ -353,3 +384,43 @@ def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
         error = np.abs(env.agent.filtered_velocity[:, 0] - env.agent.command[:, 0])
         assert extras["log"]["/episode/speed_error"] == pytest.approx(error.mean())
     assert error.mean() > 0.01
+
+
+class Watched(Reward):
+    """A reward that keeps what it saw and gave."""
+
+    def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict]:
+        self.seen, result = r, super().__call__(r, fell)
+        self.parts = result[1]
+        return result
+
+
+def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset():
+    whole = settings("experiment=test", "train/walking/reward=clf")
+    env, reward = build(whole), Watched(whole.train.walking.reward)
+    env._reward = reward
+    term = whole.train.walking.reward.terms["clf_decrease"]
+    clf = Lyapunov(term.params["bandwidth"], term.params["rate_weight"])
+    size, rate, decay = (term.params[name] for name in ("eta_max", "eta_dot_max", "decay"))
+    scale = clf.largest * (2 * size * rate + decay * size**2)
+    generator = torch.Generator().manual_seed(0)
+    started, before, starts, violated = np.ones(NUM_ENVS, dtype=bool), np.zeros(NUM_ENVS), 0, 0
+    for step in range(60):
+        if step == 30:
+            env.physics.qpos[2, 2] = 0.2  # falls
+        _, _, done, _ = env.step(actions("random", generator))
+        value = clf.value(reward.seen.outputs)
+        violation = np.clip(((value - before) / 0.02 + decay * value) / scale, 0.0, 1.0)
+        expected = term.weight * np.where(started, 0.0, violation)
+        np.testing.assert_allclose(reward.parts["clf_decrease"], expected, rtol=1e-9, atol=1e-12)
+        starts, violated = starts + started.sum(), violated + (expected < 0).sum()
+        started, before = done.numpy() > 0, value.copy()
+    assert starts > NUM_ENVS
+    assert violated > NUM_ENVS
+
+
+def test_errors_are_kept_only_for_terms_that_look_back():
+    env = build(settings("experiment=test"))
+    assert Needs.PAST not in env._reward.needs
+    env.step(torch.zeros(NUM_ENVS, 12))
+    assert np.isinf(env._outputs).all()

@@ -25,23 +25,23 @@ def config() -> Config:
 
 
 @cache
-def form(dynamics: str = "prismatic") -> Formulation:
-    return formulate(config().robot, replace(config().gait, dynamics=dynamics))
+def form(dynamics: str = "prismatic", turning: bool = False) -> Formulation:
+    return formulate(config().robot, replace(config().gait, dynamics=dynamics), turning)
 
 
 @cache
-def problem() -> GaitProblem:
-    return build(form())
+def problem(turning: bool = False) -> GaitProblem:
+    return build(form(turning=turning))
 
 
 @cache
-def solver() -> GaitSolver:
-    return GaitSolver(problem(), config().gait.solver, config().gait.step_time)
+def solver(turning: bool = False) -> GaitSolver:
+    return GaitSolver(problem(turning), config().gait.solver, config().gait.step_time)
 
 
 @cache
-def solved(vx: float, vy: float) -> Solve:
-    return solver().solve(vx, vy)
+def solved(vx: float, vy: float, yaw_rate: float = 0.0) -> Solve:
+    return solver(yaw_rate != 0.0).solve(vx, vy, yaw_rate)
 
 
 @cache
@@ -54,8 +54,8 @@ def nodes(vx: float, vy: float) -> np.ndarray:
     return problem().layout.node_vectors(solved(vx, vy).variables).reshape(-1, NODE)
 
 
-def section(vx: float, vy: float, **solver_settings: Any) -> dict[str, Any]:
+def section(vx: float, vy: float, yaw_rate: float = 0.0, **solver_settings: Any) -> dict[str, Any]:
     """What the stage ``gait`` gets."""
     shared = gait_section(config())
     solve = shared["solve"] | {"solver": shared["solve"]["solver"] | solver_settings}
-    return shared | {"solve": solve, "velocity": [vx, vy]}
+    return shared | {"solve": solve, "command": [vx, vy, yaw_rate]}

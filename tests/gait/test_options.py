@@ -98,7 +98,7 @@ ENDS = {"cold": (3.0, True), "fast": (1.0, False), "crouched": (2.0, True)}
 class Scripted(GaitSolver):
     """Attempts end as given: cost and success by guess."""
 
-    def attempt(self, guess: str, vx: float, vy: float) -> Outcome:
+    def attempt(self, guess: str, vx: float, vy: float, yaw_rate: float = 0.0) -> Outcome:
         cost, success = ENDS[guess]
         rows = np.zeros(sum(len(block.rows) for block in self.problem.blocks))
         variables = np.full(self.problem.layout.size, cost)

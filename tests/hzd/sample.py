@@ -18,7 +18,7 @@ from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary
 from tests.gait.gaits import config, section
 
-VELOCITIES = [(0.2, 0.0), (0.6, 0.1)]
+COMMANDS = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
 CLOCK, HIP = range(2)
 
 
@@ -27,10 +27,10 @@ def folder() -> Path:
     """Object folder of the library."""
     root = Path(mkdtemp(prefix="slider-hzd-"))
     gaits = []
-    for vx, vy in VELOCITIES:
+    for vx, vy, yaw_rate in COMMANDS:
         gaits.append(root / f"gait {vx} {vy}")
         gaits[-1].mkdir()
-        gait_stage.run(section(vx, vy), {}, gaits[-1], Job(root))
+        gait_stage.run(section(vx, vy, yaw_rate), {}, gaits[-1], Job(root))
     out = root / "library"
     out.mkdir()
     library_stage.run(gait_library(config(), []).section, {"gaits": gaits}, out, Job(root))

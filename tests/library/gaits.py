@@ -15,11 +15,11 @@ from slider.library.schema import ARRAYS
 from slider.library.stage import run
 
 SAMPLES, HALF = 42, 21
-SCALARS = ("velocities", "cost", "max_violation", "iterations", "residuals")
+SCALARS = ("commands", "cost", "max_violation", "iterations", "residuals")
 CONF = Path(__file__).parents[2] / "conf"
 MECHANISM = ("geometry", "links", "virtual_knee", "joints", "drives", "capstan")
 ROBOT = {name: to_dict(compose([], CONF).robot)[name] for name in MECHANISM}
-Velocities = Sequence[tuple[float, float]]
+Commands = Sequence[tuple[float, ...]]  # vx, vy [m/s] and, if it is not zero, yaw rate [rad/s]
 SHAPES = {
     "samples": (SAMPLES, 26),
     "time": (SAMPLES,),
@@ -38,24 +38,25 @@ SHAPES = {
 }
 
 
-def value(name: str, vx: float, vy: float) -> np.ndarray:
-    """Linear in velocity, so that linear interpolation is exact."""
+def value(name: str, vx: float, vy: float, yaw_rate: float = 0.0) -> np.ndarray:
+    """Linear in the command, so that linear interpolation is exact."""
     shape = SHAPES[name]
     ramp = np.linspace(0.0, 1.0, int(np.prod(shape))).reshape(shape)
     if name == "step_time":
         return np.full(2, 0.42 - 0.05 * vx)
-    array = ramp + vx * (1 + ramp) - 0.5 * vy * ramp
+    array = ramp + vx * (1 + ramp) - 0.5 * vy * ramp + 0.2 * yaw_rate * (1 - ramp)
     if name == "base":
         array[:, 3:7] = np.array([1.0, 0.02, 0.0, 0.0])
     return array
 
 
-def write_gait(folder: Path, vx: float, vy: float, **report: object) -> Path:
+def write_gait(folder: Path, vx: float, vy: float, yaw_rate: float = 0.0, **report: object) -> Path:
     folder.mkdir(parents=True)
     for name in ARRAYS:
         if name not in SCALARS:
-            np.save(folder / f"{name}.npy", value(name, vx, vy))
-    facts = {"vx": vx, "vy": vy, "status": "Solve_Succeeded", "converged": True}
+            np.save(folder / f"{name}.npy", value(name, vx, vy, yaw_rate))
+    facts = {"vx": vx, "vy": vy, "yaw_rate": yaw_rate}
+    facts |= {"status": "Solve_Succeeded", "converged": True}
     facts |= {
         "iterations": 30,
         "cost": 1e4 * (1 + vx),
@@ -67,11 +68,10 @@ def write_gait(folder: Path, vx: float, vy: float, **report: object) -> Path:
     return folder
 
 
-def section(velocities: Velocities, allow_holes: bool = False) -> dict[str, Any]:
+def section(allow_holes: bool = False) -> dict[str, Any]:
     """What the stage ``library`` gets."""
     return {
         "library": {"allow_holes": allow_holes, "max_violation": 1e-6},
-        "velocities": [list(velocity) for velocity in velocities],
         "robot": ROBOT,
         "dynamics": "prismatic",
         "transcription": "bezier",
@@ -80,16 +80,16 @@ def section(velocities: Velocities, allow_holes: bool = False) -> dict[str, Any]
     }
 
 
-def write_store(folder: Path, velocities: Velocities, holes: Velocities = ()) -> Path:
+def write_store(folder: Path, commands: Commands, holes: Commands = ()) -> Path:
     """A library of made-up gaits, with holes; the path of its ``library.zarr``."""
-    gaits = [write_gait(folder / f"gait{i}", *v) for i, v in enumerate(velocities)]
+    gaits = [write_gait(folder / f"gait{i}", *v) for i, v in enumerate(commands)]
     failed = {"converged": False, "status": "Infeasible_Problem_Detected", "max_violation": 0.3}
     failed |= {"residuals": {"impact": 1e-3, "torso": 0.3}}
     gaits += [write_gait(folder / f"hole{i}", *v, **failed) for i, v in enumerate(holes)]
     out = folder / "out"
-    run(section([*velocities, *holes], bool(holes)), {"gaits": gaits}, out, Job(folder))
+    run(section(bool(holes)), {"gaits": gaits}, out, Job(folder))
     return out / "library.zarr"
 
 
-def library(folder: Path, velocities: Velocities, holes: Velocities = ()) -> GaitLibrary:
-    return GaitLibrary.load(write_store(folder, velocities, holes))
+def library(folder: Path, commands: Commands, holes: Commands = ()) -> GaitLibrary:
+    return GaitLibrary.load(write_store(folder, commands, holes))

@@ -34,7 +34,7 @@ def real(tmp_path_factory) -> GaitLibrary:
         (folder / f"{index}").mkdir()
         run_gait(gait_section(*velocity), {}, folder / f"{index}", Job(folder))
     inputs = {"gaits": [folder / f"{index}" for index in range(2)]}
-    run(section(velocities), inputs, folder / "out", Job(folder))
+    run(section(), inputs, folder / "out", Job(folder))
     return GaitLibrary.load(folder / "out" / "library.zarr")
 
 
@@ -96,7 +96,7 @@ def test_across_a_line_of_the_grid_nothing_jumps(made_up):
 
 def test_outside_it_is_the_border_and_says_so(made_up):
     gait = blend(made_up, 9.0, 0.0)
-    assert gait.velocity.tolist() == [2.0, 0.0]
+    assert gait.command.tolist() == [2.0, 0.0, 0.0]
     np.testing.assert_array_equal(gait.samples(), blend(made_up, 2.0, 0.0).samples())
 
 

@@ -1,41 +1,44 @@
-"""The weights of gaits over the commanded velocity."""
+"""The weights of gaits over the command."""
 
 from itertools import product
 
 import numpy as np
 import pytest
 
-from slider.library.mesh import VelocityMesh
+from slider.library.mesh import CommandMesh
 
 VX, VY = (0.0, 0.05, 0.1, 0.15), (-0.1, 0.0, 0.1)
-GRID = np.array([*product(VX, VY)])
-WITHOUT_ONE = GRID[[tuple(v) != (0.05, 0.0) for v in GRID]]
+GRID = np.array([*product(VX, VY, (0.0,))])
+WITHOUT_ONE = GRID[[tuple(v) != (0.05, 0.0, 0.0) for v in GRID]]
+YAW = (-0.3, 0.0, 0.3)
+TURNING = np.array([*product(VX, VY, YAW)])
 # A block with other velocities in vy, as the extended grid has, and a corner that is missing.
-BLOCKS = np.array([*product(VX, VY), (0.25, -0.1), (0.25, 0.1), (0.35, 0.1)])
+BLOCKS = np.array([*product(VX, VY, (0.0,)), (0.25, -0.1, 0.0), (0.25, 0.1, 0.0), (0.35, 0.1, 0.0)])
+MESHES = pytest.mark.parametrize(
+    "commands", [GRID, WITHOUT_ONE, BLOCKS, GRID[:1], GRID[1::3], TURNING, TURNING[::2]]
+)
 
 
-def weights(velocities: np.ndarray, vx: float, vy: float) -> np.ndarray:
-    return VelocityMesh.of(velocities).weights(np.array([vx]), np.array([vy]))[0]
+def weights(commands: np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0) -> np.ndarray:
+    return CommandMesh.of(commands).weights(np.array([[vx, vy, yaw_rate]]))[0]
 
 
-def linear(velocities: np.ndarray) -> np.ndarray:
-    return 3.0 - 2.0 * velocities[:, 0] + 5.0 * velocities[:, 1]
+def linear(commands: np.ndarray) -> np.ndarray:
+    return 3.0 + commands @ [-2.0, 5.0, 1.5]
 
 
-@pytest.mark.parametrize("velocities", [GRID, WITHOUT_ONE, BLOCKS, GRID[:1], GRID[1::3]])
-def test_a_gait_s_own_velocity_takes_that_gait_alone(velocities):
-    for index, (vx, vy) in enumerate(velocities):
-        np.testing.assert_allclose(
-            weights(velocities, vx, vy), np.eye(len(velocities))[index], atol=1e-12
-        )
+@MESHES
+def test_a_gait_s_own_velocity_takes_that_gait_alone(commands):
+    for index, command in enumerate(commands):
+        expected = np.eye(len(commands))[index]
+        np.testing.assert_allclose(weights(commands, *command), expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("velocities", [GRID, WITHOUT_ONE, BLOCKS, GRID[:1], GRID[1::3]])
-def test_weights_are_shares(velocities):
+@MESHES
+def test_weights_are_shares(commands):
     rng = np.random.default_rng(0)
-    found = VelocityMesh.of(velocities).weights(
-        rng.uniform(-0.2, 0.6, 300), rng.uniform(-0.3, 0.3, 300)
-    )
+    asked = rng.uniform((-0.2, -0.3, -0.5), (0.6, 0.3, 0.5), (300, 3))
+    found = CommandMesh.of(commands).weights(asked)
     assert (found >= 0).all()
     np.testing.assert_allclose(found.sum(axis=1), 1.0, atol=1e-12)
 
@@ -48,25 +51,53 @@ def test_a_complete_cell_is_bilinear():
         ((0.05, 0.1), 0.75 * 0.2),
         ((0.1, 0.1), 0.25 * 0.2),
     ):
-        assert found.pop(corner) == pytest.approx(expected)
+        assert found.pop((*corner, 0.0)) == pytest.approx(expected)
     assert not any(found.values())
 
 
 def test_a_hole_between_gaits_is_filled_linearly():
     assert weights(WITHOUT_ONE, 0.05, 0.0) @ linear(WITHOUT_ONE) == pytest.approx(2.9)
     used = WITHOUT_ONE[weights(WITHOUT_ONE, 0.05, 0.0) > 0]
-    assert {tuple(v) for v in used} == {(0.0, 0.0), (0.1, 0.0), (0.05, -0.1), (0.05, 0.1)}
+    assert {tuple(v) for v in used[:, :2]} == {(0.0, 0.0), (0.1, 0.0), (0.05, -0.1), (0.05, 0.1)}
+
+
+def test_a_complete_cell_with_a_yaw_rate_is_trilinear():
+    """A product of three linear functions is reproduced, and it is that of the eight corners."""
+    rng = np.random.default_rng(2)
+    asked = rng.uniform((0.0, -0.1, -0.3), (0.05, 0.0, 0.0), (50, 3))
+    mesh = CommandMesh.of(TURNING)
+    for function in (linear, lambda c: (1 + c[:, 0]) * (2 - c[:, 1]) * (3 + c[:, 2])):
+        found = mesh.weights(asked) @ function(TURNING)
+        np.testing.assert_allclose(found, function(asked), atol=1e-12)
+    assert ((mesh.weights(asked) > 0).sum(axis=1) == 8).all()
+
+
+def test_a_hole_is_filled_along_the_yaw_rate_too():
+    holed = TURNING[[tuple(c) != (0.0, -0.1, 0.0) for c in TURNING]]  # a corner of the rectangle
+    found = weights(holed, 0.0, -0.1, 0.0)
+    assert {tuple(c) for c in holed[found > 0]} == {(0.0, -0.1, -0.3), (0.0, -0.1, 0.3)}
+    assert found @ linear(holed) == pytest.approx(2.5)
+
+
+def test_one_yaw_rate_leaves_the_weights_of_velocities_alone():
+    rng = np.random.default_rng(3)
+    asked = rng.uniform((-0.1, -0.2, -1.0), (0.5, 0.2, 1.0), (200, 3))
+    straight = asked * [1.0, 1.0, 0.0]
+    for commands in (GRID, WITHOUT_ONE, BLOCKS):
+        mesh = CommandMesh.of(commands)
+        np.testing.assert_array_equal(mesh.weights(asked), mesh.weights(straight))
 
 
 def test_the_nearer_pair_counts_more():
-    velocities = np.array([(0.0, 0.0), (1.0, 0.1), (1.0, -0.1), (3.0, 0.0), (2.0, 0.1)])
-    found = weights(velocities, 1.0, 0.0)  # (0, 0) and (3, 0) are 3 places apart, the others 2
+    commands = np.zeros((5, 3))
+    commands[:, :2] = [(0.0, 0.0), (1.0, 0.1), (1.0, -0.1), (3.0, 0.0), (2.0, 0.1)]
+    found = weights(commands, 1.0, 0.0)  # (0, 0) and (3, 0) are 3 places apart, the others 2
     np.testing.assert_allclose(found, [0.4 * 2 / 3, 0.3, 0.3, 0.4 / 3, 0.0])
 
 
 def test_a_node_between_no_gaits_is_the_nearest_one():
     found = weights(BLOCKS, 0.35, -0.1)
-    assert BLOCKS[found.argmax()].tolist() == [0.25, -0.1]
+    assert BLOCKS[found.argmax()].tolist() == [0.25, -0.1, 0.0]
     assert found.max() == 1.0
 
 
@@ -75,12 +106,12 @@ def test_commands_outside_take_the_border():
     np.testing.assert_array_equal(weights(GRID, 0.07, -9.0), weights(GRID, 0.07, -0.1))
 
 
-@pytest.mark.parametrize("velocities", [GRID, WITHOUT_ONE, BLOCKS])
-def test_weights_are_continuous(velocities):
-    """No weight changes faster than bilinear weights can: one cell per jump of one."""
+@pytest.mark.parametrize("commands", [GRID, WITHOUT_ONE, BLOCKS, TURNING])
+def test_weights_are_continuous(commands):
+    """No weight changes faster than trilinear weights can: one cell per jump of one."""
     rng = np.random.default_rng(1)
-    start = rng.uniform((-0.1, -0.2), (0.5, 0.2), (2000, 2))
+    start = rng.uniform((-0.1, -0.2, -0.5), (0.5, 0.2, 0.5), (2000, 3))
     step = 1e-4 * rng.uniform(-1, 1, start.shape)
-    mesh = VelocityMesh.of(velocities)
-    change = mesh.weights(*(start + step).T) - mesh.weights(*start.T)
-    assert np.abs(change).sum(axis=1).max() < 2.1 * 1e-4 * (1 / 0.05 + 1 / 0.1)
+    mesh = CommandMesh.of(commands)
+    change = mesh.weights(start + step) - mesh.weights(start)
+    assert np.abs(change).sum(axis=1).max() < 2.1 * 1e-4 * (1 / 0.05 + 1 / 0.1 + 1 / 0.3)

@@ -54,7 +54,7 @@ def test_another_store_is_refused(tmp_path: Path):
 
 def test_a_library_of_version_1_is_refused_with_what_to_do(changed):
     path = changed(lambda group: group.attrs.update(version=1))
-    expected = f"{path}: expected version 2 of the gait library, found 1; make it anew with"
+    expected = f"{path}: expected version 3 of the gait library, found 1; make it anew with"
     assert refused(path).startswith(expected)
 
 
@@ -91,6 +91,7 @@ def test_all_arrays_are_there_by_name(store):
     np.testing.assert_array_equal(library.base, library.arrays["base"])
     np.testing.assert_array_equal(library.step_time[0], [0.42, 0.42])
     np.testing.assert_array_equal(library.velocities, GAITS)
+    np.testing.assert_array_equal(library.commands, [(*v, 0.0) for v in GAITS])
 
 
 def test_it_knows_what_its_gaits_were_made_for_and_with(store):
@@ -103,11 +104,11 @@ def test_it_knows_what_its_gaits_were_made_for_and_with(store):
 
 
 def test_nearest_gait():
-    velocities = np.random.default_rng(1).uniform(-0.5, 2.5, (30, 2))
-    library = GaitLibrary({"velocities": velocities}, {})
-    vx, vy = np.random.default_rng(0).uniform(-1.0, 3.0, (2, 200))
-    distance = np.hypot(velocities[:, 0] - vx[:, None], velocities[:, 1] - vy[:, None])
-    np.testing.assert_array_equal(library.nearest(vx, vy), distance.argmin(axis=1))
+    commands = np.random.default_rng(1).uniform(-0.5, 2.5, (30, 3))
+    library = GaitLibrary({"commands": commands}, {})
+    asked = np.random.default_rng(0).uniform(-1.0, 3.0, (200, 3))
+    distance = np.linalg.norm(commands - asked[:, None], axis=2)
+    np.testing.assert_array_equal(library.nearest(asked), distance.argmin(axis=1))
 
 
 def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(store):
@@ -119,3 +120,18 @@ def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(store):
         library.find(0.1, -0.2)
     with pytest.raises(UserError, match=r"did not converge: Infeasible.*torso 3\.0e-01, impact"):
         library.find(0.5, 0.0)
+
+
+def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
+    commands = [(0.5, 0.0, rate) for rate in (-0.3, 0.0, 0.3)] + [(0.6, 0.0, 0.0)]
+    library = GaitLibrary.load(write_store(tmp_path, commands, [(0.6, 0.0, 0.3)]))
+    assert library.find(0.5, 0.0, 0.3) == 2
+    assert library.find(0.5, 0.0) == 1
+    nearest = r"the nearest gait is at \(0\.5, 0\) m/s, 0\.3 rad/s"
+    with pytest.raises(UserError, match=r"found \(0\.5, 0\) m/s, 0\.4 rad/s; " + nearest):
+        library.find(0.5, 0.0, 0.4)
+    with pytest.raises(UserError, match=r"\(0\.6, 0\) m/s, 0\.3 rad/s did not converge"):
+        library.find(0.6, 0.0, 0.3)
+    np.testing.assert_array_equal(library.straight.commands, [commands[1], commands[3]])
+    assert library.straight.holes == ()
+    assert library.straight.straight is library.straight

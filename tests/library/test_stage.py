@@ -31,7 +31,7 @@ class Recorder(NoTracker):
 
 
 def section(allow_holes: bool = False) -> dict[str, Any]:
-    return gaits_section(VELOCITIES, allow_holes)
+    return gaits_section(allow_holes)
 
 
 @pytest.fixture
@@ -86,7 +86,7 @@ def test_a_hole_is_refused_with_the_constraint_that_is_violated(with_a_hole, tmp
 
 def test_holes_alone_are_no_library(with_a_hole, tmp_path: Path):
     """Allowing them would not help, and is not offered."""
-    section = gaits_section([(0.5, 0.1)], allow_holes=True)
+    section = gaits_section(allow_holes=True)
     with pytest.raises(UserError, match="expected at least one gait, none of 1 conv") as error:
         run(section, {"gaits": [with_a_hole[1]]}, tmp_path / "out", Job(tmp_path))
     assert "allow_holes" not in str(error.value)

@@ -10,6 +10,9 @@ from slider.gait.nlp import assemble
 from tests.gait.gaits import problem, solver
 
 STEP_SIZE = 1e-6
+TURN = np.array([0.3, 0.2])  # yaw rate [rad/s] and phase of a node
+
+both = pytest.mark.parametrize("turning", [False, True])
 
 
 def near_a_gait() -> np.ndarray:
@@ -46,37 +49,40 @@ def node_vector() -> np.ndarray:
     return (problem().layout.select_nodes @ near_a_gait())[5 * NODE : 6 * NODE]
 
 
-def test_node_jacobian_and_cost_gradient():
+@both
+def test_node_jacobian_and_cost_gradient(turning):
     x, weight = node_vector(), 0.03
-    piece = problem().node
-    rows, jacobian = piece.jacobian(x)
-    cost, value = piece.value(x, weight)
+    piece = problem(turning).node
+    rows, jacobian = piece.jacobian(x, TURN)
+    cost, value = piece.value(x, weight, TURN)
     np.testing.assert_allclose(flat(rows), flat(value), rtol=1e-12)
-    assert_close(dense(jacobian), differences(lambda y: flat(piece.value(y, weight)[1]), x))
-    gradient = flat(problem().gradient(x, weight)[1])
-    expected = differences(lambda y: float(piece.value(y, weight)[0]), x)
+    assert_close(dense(jacobian), differences(lambda y: flat(piece.value(y, weight, TURN)[1]), x))
+    gradient = flat(problem(turning).gradient(x, weight)[1])
+    expected = differences(lambda y: float(piece.value(y, weight, TURN)[0]), x)
     assert_close(gradient, expected)
     assert float(cost) > 0
 
 
-def test_node_hessian():
+@both
+def test_node_hessian(turning):
     rng = np.random.default_rng(0)
     x, weight, factor = node_vector(), 0.03, 0.7
-    piece, gradient = problem().node, problem().gradient
+    piece, gradient = problem(turning).node, problem(turning).gradient
     multipliers = rng.normal(size=piece.value.size1_out(1))
 
     def lagrangian_gradient(y: np.ndarray) -> np.ndarray:
         slope = factor * flat(gradient(y, weight)[1])
-        return slope + dense(piece.jacobian(y)[1]).T @ multipliers
+        return slope + dense(piece.jacobian(y, TURN)[1]).T @ multipliers
 
-    hessian = dense(piece.hessian(x, weight, factor, multipliers))
+    hessian = dense(piece.hessian(x, weight, TURN, factor, multipliers))
     assert_close(hessian, differences(lagrangian_gradient, x))
 
 
-def test_impact_and_step_ends():
+@both
+def test_impact_and_step_ends(turning):
     rng = np.random.default_rng(1)
-    y, command = problem().layout.select_ends @ near_a_gait(), np.array([0.5, 0.05])
-    piece = problem().ends
+    y, command = problem().layout.select_ends @ near_a_gait(), np.array([0.5, 0.05, 0.3])
+    piece = problem(turning).ends
     assert y.shape == (2 * STEP,)
     jacobian = dense(piece.jacobian(y, command)[1])
     assert_close(jacobian, differences(lambda z: flat(piece.value(z, command)), y))
@@ -95,11 +101,12 @@ def test_collocation():
     assert_close(dense(piece.hessian(x, multipliers)), expected)
 
 
+@both
 @pytest.mark.parametrize("seed", [0, 1])
-def test_assembled_programme_along_random_directions(seed):
+def test_assembled_programme_along_random_directions(seed, turning):
     rng = np.random.default_rng(seed)
-    nlp = assemble(problem())
-    x, command = near_a_gait(), np.array([0.5, -0.05])
+    nlp = assemble(problem(turning))
+    x, command = near_a_gait(), np.array([0.5, -0.05, 0.3])
     direction = rng.normal(size=x.size)
     direction /= np.linalg.norm(direction)
     multipliers, factor = rng.normal(size=nlp.objective_and_rows.size1_out(1)), 0.4

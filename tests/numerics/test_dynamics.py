@@ -151,7 +151,7 @@ def impact_rows() -> ca.Function:
     roll, rate, new_roll, new_rate = (ca.SX.sym(name) for name in ("r", "w", "nr", "nw"))
     q, v, new_q, new_v = (ca.SX.sym(name, 10) for name in ("q", "v", "nq", "nv"))
     before, after = StepEnd(roll, rate, q, v), StepEnd(new_roll, new_rate, new_q, new_v)
-    rows = of_touchdown(form(), before, after)
+    rows = of_touchdown(form(), before, after, ca.SX(0))
     impact = next(row.expression for row in rows if row.name == "impact")
     return ca.Function("impact", [roll, rate, q, v, new_roll, new_q, new_rate, new_v], [impact])
 

@@ -20,6 +20,7 @@ SAMPLES = 10
 def library() -> GaitLibrary:
     """Two gaits that move straight on: base x = vx t, joint 0 = t within the walk."""
     velocities = np.array([[0.2, 0.0], [0.6, 0.1]])
+    commands = np.pad(velocities, ((0, 0), (0, 1)))
     step_time = np.array([[0.4, 0.4], [0.3, 0.5]])
     samples, base = np.zeros((2, SAMPLES, 26)), np.zeros((2, SAMPLES, 13))
     for gait, (first, second) in enumerate(step_time):
@@ -28,18 +29,39 @@ def library() -> GaitLibrary:
         samples[gait, :, 0] = time
         base[gait, :, :2] = time[:, None] * velocities[gait]
         base[gait, :, 2], base[gait, :, 3] = 0.7, 1.0
-    arrays = {"velocities": velocities, "samples": samples, "base": base, "step_time": step_time}
+    arrays = {"commands": commands, "samples": samples, "base": base, "step_time": step_time}
     return GaitLibrary(arrays, {})
 
 
 def test_replay_takes_the_nearest_gait_and_goes_on_for_ever():
-    motion = Replay(library(), 0.7, 0.05, period=0.02)
+    motion = Replay(library(), (0.7, 0.05, 0.0), period=0.02)
     frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(100)]
     np.testing.assert_allclose(motion.velocity, [0.6, 0.1])
     last = frames[-1]
     assert last.time == pytest.approx(2.0)
     np.testing.assert_allclose(last.qpos[:3], [1.2, 0.2, 0.7], atol=1e-9)
     assert last.qpos[7] == pytest.approx(2.0 - 2 * 0.8)  # two walks of 0.8 s are over
+
+
+def test_a_turning_gait_goes_along_its_arc():
+    """A constant speed and yaw rate: the base is on a circle, its heading tangential to it."""
+    straight, (speed, rate) = library(), (0.6, 0.3)
+    time = np.concatenate(
+        [np.linspace(0.0, 0.3, SAMPLES // 2), np.linspace(0.3, 0.8, SAMPLES // 2)]
+    )
+    base = straight.base[1:].copy()
+    base[0, :, 0] = speed / rate * np.sin(rate * time)
+    base[0, :, 1] = speed / rate * (1 - np.cos(rate * time))
+    base[0, :, 3], base[0, :, 6] = np.cos(rate * time / 2), np.sin(rate * time / 2)
+    arrays = {name: straight.arrays[name][1:] for name in ("samples", "step_time")}
+    turning = GaitLibrary({**arrays, "base": base, "commands": np.array([[speed, 0.0, rate]])}, {})
+    motion = Replay(turning, (0.5, 0.0, 0.2), period=0.02)
+    frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(300)]
+    angle = rate * np.array([frame.time for frame in frames])
+    place = np.array([frame.qpos for frame in frames])
+    circle = speed / rate * np.stack([np.sin(angle), 1 - np.cos(angle)], axis=1)
+    np.testing.assert_allclose(place[:, :2], circle, atol=5e-4)  # linear between samples
+    np.testing.assert_allclose(place[:, 6], np.sin(angle / 2), atol=1e-5)
 
 
 @pytest.fixture(scope="module")

@@ -1,10 +1,34 @@
-"""The readings on the page and those in the documentation are the same."""
+"""Statements of the paper: page and documentation agree, and each names places that exist."""
 
+import re
 from pathlib import Path
+from pkgutil import resolve_name
 
-from slider.reports.sections.readings import in_effect, read
+import pytest
 
-METHOD = Path(__file__).parents[2] / "docs" / "explanation" / "method.md"
+from pipeline.targets import report_files
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+from slider.env import observations, rewards
+from slider.reports.sections.readings import HEADS, blocks, in_effect, read
+from slider.reports.table import Table, Text
+from tests.reports.sections.sources import sources
+
+ROOT = Path(__file__).parents[2]
+CONF = ROOT / "conf"
+CONFIG = compose([], CONF)
+REPORTS = {file for files in report_files(CONFIG).values() for file in files}
+REPORTS |= {f"reports/figures/solve_times.{suffix}" for suffix in ("svg", "png", "md")}
+STATUSES = {"as printed", "read", "ours differs", "not done"}
+PLACES = sorted({place for row in read() for place in row["where"].split(", ") if place})
+PAPER = compose(["experiment=paper"], CONF)
+LITERAL = sorted(
+    {
+        row["where"].split(", ")[0]
+        for row in read()
+        if "experiment=paper" in row["reading"] and in_effect(to_dict(CONFIG), row["where"])
+    }
+)
 
 
 def cells(line: str) -> list[str]:
@@ -13,16 +37,90 @@ def cells(line: str) -> list[str]:
     return [cell.strip().replace("\0", "|") for cell in text.split("|")]
 
 
+def documented() -> list[list[str]]:
+    """Rows of the page's tables of statements, each with the heading above it."""
+    part, inside, found = "", False, []
+    for line in (ROOT / "docs" / "paper.md").read_text().splitlines():
+        if line.startswith("#"):
+            part = line.lstrip("# ")
+        if not line.startswith("|"):
+            inside = False
+        elif cells(line) == [*HEADS]:
+            inside = True
+        elif inside and not line.startswith("|---"):
+            found.append([part, *cells(line)])
+    return found
+
+
 def test_page_and_documentation_agree():
-    _, _, after = METHOD.read_text().partition("| the paper says |")
-    lines = after.splitlines()[2:]
-    table = [cells(line) for line in lines if line.startswith("|")]
+    table = documented()
     assert table
-    assert [list(reading.values()) for reading in read()] == table
+    assert [list(statement.values()) for statement in read()] == table
+
+
+def test_every_statement_has_a_status_and_those_that_differ_a_reason():
+    for statement in read():
+        assert statement["status"] in STATUSES, statement["paper"]
+        assert statement["reading"], statement["paper"]
+        assert statement["where"] or statement["status"] == "not done", statement["paper"]
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_place_exists(place):
+    """A key, group or file of the configuration, a term, a name of the source, a report, a page."""
+    assert _exists(place), place
+
+
+def _exists(place: str) -> bool:
+    if place.startswith("reports/"):
+        return place in REPORTS
+    if place.startswith(("conf/", "docs/")):
+        return (ROOT / place).is_file()
+    if place.startswith("slider."):
+        return resolve_name(place) is not None
+    if "=" in place:
+        return bool(compose([place], CONF))
+    if "/" in place:
+        return (CONF / place).is_dir()
+    return place in {*rewards.TERMS, *observations.TERMS} or _is_key(place)
+
+
+def _is_key(place: str) -> bool:
+    node = to_dict(CONFIG)
+    for name in place.split("."):
+        if not isinstance(node, dict) or name not in node:
+            return False
+        node = node[name]
+    return True
+
+
+@pytest.mark.parametrize("place", LITERAL)
+def test_the_papers_experiment_has_another_value(place):
+    """Where a row says what ``experiment=paper`` does, its key is not the default's there."""
+    assert in_effect(to_dict(PAPER), place) != in_effect(to_dict(CONFIG), place)
+
+
+def test_the_page_has_a_table_per_part_and_the_values_of_its_run():
+    text, *tables = blocks(sources({}, configuration=to_dict(PAPER)))
+    assert isinstance(text, Text)
+    shown = [table for table in tables if isinstance(table, Table)]
+    assert [table.caption for table in shown] == list(dict.fromkeys(row["part"] for row in read()))
+    assert sum(len(table.rows) for table in shown) == len(read())
+    values = {row[3].text: row[-1].text for table in shown for row in table.rows}
+    assert values["gait.dynamics"] == "knee"
 
 
 def test_shows_single_values_only():
     configuration = {"gait": {"cost": "paper", "grid": {"vx": 1}}}
     assert in_effect(configuration, "gait.cost") == "paper"
+    assert in_effect(configuration, "gait.cost, reports/table1.csv") == "paper"
     assert in_effect(configuration, "gait.grid") == ""
     assert in_effect(configuration, "gait/grid") == ""
+
+
+def test_numbers_of_results_are_not_typed():
+    """Measured numbers are in tables that a command writes; shares of robots are all measured."""
+    quoted = re.compile(r"\"[^\"]*\"")
+    for statement in read():
+        shares = re.findall(r"\d+(?:\.\d+)? ?%", quoted.sub("", statement["reading"]))
+        assert shares in ([], ["15 %"]), statement["paper"]  # of the commands, a setting

@@ -64,7 +64,9 @@ def test_trains_with_neither_library_nor_standing_policy(tmp_path):
     assert policy.reference is None
     assert policy.times is not None
     pace = config(*ALONE).env.phase.step_time
-    np.testing.assert_array_equal(policy.times.at(np.array([0.0, 2.0]), np.zeros(2)), pace)
+    np.testing.assert_array_equal(
+        policy.times.at(np.array([(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)])), pace
+    )
 
 
 def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):

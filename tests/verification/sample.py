@@ -39,15 +39,16 @@ def library() -> Path:
 
 
 @cache
-def collected(dynamics: str, *velocities: tuple[float, float]) -> Path:
+def collected(dynamics: str, *commands: tuple[float, ...]) -> Path:
     folder = Path(mkdtemp(prefix="slider-verification-"))
     settings = config(f"gait.dynamics={dynamics}")
     shared = gait_section(settings)
     gaits = []
-    for vx, vy in velocities:
-        gaits.append(folder / f"gait {vx} {vy}")
+    for command in commands:
+        gaits.append(folder / f"gait {command}")
         gaits[-1].mkdir()
-        gait_stage.run(shared | {"velocity": [vx, vy]}, {}, gaits[-1], Job(folder))
+        full = [*command, 0.0][:3]
+        gait_stage.run(shared | {"command": full}, {}, gaits[-1], Job(folder))
     out = folder / "library"
     out.mkdir()
     section = gait_library(settings, []).section
@@ -64,6 +65,13 @@ def gaits() -> list[StoredGait]:
 def knee_gait() -> StoredGait:
     """A gait with the virtual knee's dynamics."""
     return gaits_of(GaitLibrary.load(collected("knee", VELOCITIES[1]) / STORE))[0]
+
+
+@cache
+def turning_gaits() -> list[StoredGait]:
+    """Two gaits that turn, reflections of each other."""
+    found = collected("prismatic", (0.5, 0.1, -0.3), (0.5, -0.1, 0.3))
+    return gaits_of(GaitLibrary.load(found / STORE))
 
 
 @cache
@@ -86,7 +94,7 @@ def table(dynamics: str = "prismatic") -> dict[str, Check]:
 def jobs() -> tuple[list[JobSpec], JobSpec]:
     """The jobs of the small library: those of some gaits each, and the one that collects."""
     code = Code("", "", {})
-    solves = [JobSpec("gait", "", code, {"velocity": list(velocity)}) for velocity in VELOCITIES]
+    solves = [JobSpec("gait", "", code, {"command": [*velocity, 0.0]}) for velocity in VELOCITIES]
     source = JobSpec("library", "", code, {}, {"gaits": solves})
     collect = verification_jobs(config(), source)["verification"]
     return list(collect.inputs["gaits"]), collect

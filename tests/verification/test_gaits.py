@@ -5,7 +5,15 @@ import pytest
 
 from slider.verification.quantities import QUANTITIES
 from slider.verification.summary import Row, failures
-from tests.verification.sample import VELOCITIES, config, gaits, knee_gait, spoiled, table
+from tests.verification.sample import (
+    VELOCITIES,
+    config,
+    gaits,
+    knee_gait,
+    spoiled,
+    table,
+    turning_gaits,
+)
 
 OWN = (
     "kinematics",
@@ -25,13 +33,32 @@ def failed(gait, names=OWN, dynamics="prismatic", experiment="default") -> set[s
     bounds, values = config(f"experiment={experiment}").verification.bounds, {}
     for name in names:
         values |= table(dynamics)[name](gait)
-    rows = [Row((0.0, 0.0), values)]
+    rows = [Row((0.0, 0.0, 0.0), values)]
     return {failure.quantity for failure in failures(rows, bounds)}
 
 
 @pytest.mark.parametrize("index", range(len(VELOCITIES)))
 def test_solved_gaits_pass(index):
     assert failed(gaits()[index], (*OWN, *SLOW)) == set()
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_gaits_that_turn_pass(index):
+    assert failed(turning_gaits()[index], (*OWN, *SLOW)) == set()
+
+
+@pytest.mark.parametrize(
+    ("array", "change", "caught"),
+    [
+        ("commands", lambda command: add(2, 1e-3)(command), {"impact_velocity", "periodicity"}),
+        ("commands", lambda command: add(0, 0.01)(command), {"mean_velocity"}),
+        ("commands", lambda command: flip(2)(command), {"impact_velocity", "plant_impact"}),
+        ("base", lambda base: add((41, 1), 1e-4)(base), {"periodicity", "kinematics_position"}),
+        ("swing_foot", lambda foot: add((41, 1), 1e-4)(foot), {"periodicity"}),
+    ],
+)
+def test_spoiled_turns_are_caught(array, change, caught):
+    assert caught <= failed(spoiled(turning_gaits()[1], array, change))
 
 
 def test_gaits_with_the_knees_dynamics_pass_but_for_what_the_plant_says():
@@ -72,7 +99,7 @@ def flip(index):
         ("ground_wrench", add((30, 2), 1e-5), {"dynamics_base", "plant_force"}),
         ("ground_wrench", add((7, 3), 1e-5), {"dynamics_line_moment", "plant_moment"}),
         ("roll", add((0, 9, 2), 1e-5), {"dynamics_base", "plant_force", "plant_efforts"}),
-        ("velocities", add(0, 0.01), {"mean_velocity"}),
+        ("commands", add(0, 0.01), {"mean_velocity"}),
         ("swing_foot", add((20, 0), 1e-4), {"mean_velocity", "kinematics_position"}),
         ("step_time", add(1, 1e-4), {"mean_velocity", "kinematics_time"}),
         ("samples", flip((12, 7)), {"kinematics_samples"}),
@@ -92,7 +119,7 @@ def test_spoiled_gaits_are_caught(array, change, caught):
 def test_a_wrong_torque_or_command_is_no_business_of_the_other_checks():
     torque = spoiled(gaits()[1], "knee_torques", add((5, 2), 1e-3))
     assert failed(torque) == {"dynamics_torque"}
-    command = spoiled(gaits()[1], "velocities", add(1, 0.01))
+    command = spoiled(gaits()[1], "commands", add(1, 0.01))
     assert failed(command) == {"mean_velocity"}
 
 

@@ -10,7 +10,7 @@ from slider.robot import names
 from slider.robot.transmission import Transmission
 from slider.verification.reference import tabulate
 from slider.verification.replay import Simulation, replays
-from tests.verification.sample import config, gaits, plant
+from tests.verification.sample import config, gaits, plant, turning_gaits
 
 
 def simulation(steps: int) -> Simulation:
@@ -23,6 +23,18 @@ def test_foot_placement_keeps_up_what_targets_alone_do_not():
     assert found["regulated_steps"] == 12
     assert 2 <= found["replay_steps"] <= 6
     assert found["regulated_speed"] < 0.03
+
+
+def test_a_gait_that_turns_is_walked_along_its_course():
+    """With the course of another gait the same regulator places the feet wrongly."""
+    gait, robot = turning_gaits()[1], simulation(12)
+    found = replays(gait, robot, plant())
+    assert found["regulated_steps"] == 12
+    assert found["regulated_speed"] < 0.03
+    assert robot.course == pytest.approx(6 * gait.turns.sum())
+    heading = robot.data.xmat[robot.base].reshape(3, 3)[:, 0]
+    assert np.arctan2(heading[1], heading[0]) == pytest.approx(robot.course, abs=0.2)
+    assert robot.course > 1.0
 
 
 def test_the_same_replay_twice_is_the_same():

@@ -42,16 +42,18 @@ def collect(checked, out: Path, **settings) -> Job:
 
 
 def test_every_gait_is_in_one_chunk():
-    chunks = [job.section["velocities"] for job in jobs()[0]]
+    chunks = [job.section["commands"] for job in jobs()[0]]
     assert [len(chunk) for chunk in chunks] == [2, 1]
-    assert [tuple(velocity) for chunk in chunks for velocity in chunk] == VELOCITIES
+    assert [tuple(command) for chunk in chunks for command in chunk] == [
+        (*v, 0.0) for v in VELOCITIES
+    ]
 
 
 def test_table_and_summary(checked, tmp_path):
     job = collect(checked, tmp_path)
     rows = list(csv.DictReader((tmp_path / stage.CSV).read_text().splitlines()))
     assert [(float(row["vx"]), float(row["vy"])) for row in rows] == VELOCITIES
-    assert set(rows[0]) == {"vx", "vy", "failed", *QUANTITIES}
+    assert set(rows[0]) == {"vx", "vy", "yaw_rate", "failed", *QUANTITIES}
     content = json.loads((tmp_path / stage.JSON).read_text())
     assert content["passed"]
     assert content["gaits"] == len(VELOCITIES)
@@ -87,7 +89,7 @@ def test_or_is_written_down(checked, tmp_path):
 
 
 def test_holes_of_the_library_are_left_out(tmp_path):
-    section = dict(jobs()[0][0].section) | {"velocities": [[2.0, 0.0]]}
+    section = dict(jobs()[0][0].section) | {"commands": [[2.0, 0.0, 0.0]]}
     job = Job(tmp_path)
     assert stage.run_gaits(section, {"library": [library()]}, tmp_path, job) == {"gaits": 0}
     assert json.loads((tmp_path / stage.RECORDS).read_text()) == []

@@ -13,9 +13,9 @@ from tests.verification.sample import config
 
 NONE: summary.Bounds = dict.fromkeys(QUANTITIES)
 ROWS = [
-    summary.Row((0.2, 0.0), {"dynamics_torque": 1e-9, "regulated_steps": 30.0}),
-    summary.Row((0.3, 0.0), {"dynamics_torque": 1e-3, "regulated_steps": 4.0}),
-    summary.Row((0.4, 0.0), {"dynamics_torque": float("nan")}),
+    summary.Row((0.2, 0.0, 0.0), {"dynamics_torque": 1e-9, "regulated_steps": 30.0}),
+    summary.Row((0.3, 0.0, 0.0), {"dynamics_torque": 1e-3, "regulated_steps": 4.0}),
+    summary.Row((0.4, 0.0, 0.0), {"dynamics_torque": float("nan")}),
 ]
 
 
@@ -37,7 +37,7 @@ def test_other_names_are_refused(bounds, message):
 
 def test_values_beyond_a_bound_fail_and_no_numbers_too():
     failed = summary.failures(ROWS, NONE | {"dynamics_torque": 1e-6})
-    assert [failure.velocity for failure in failed] == [(0.3, 0.0), (0.4, 0.0)]
+    assert [failure.command for failure in failed] == [(0.3, 0.0, 0.0), (0.4, 0.0, 0.0)]
     assert str(failed[0]) == (
         "gait (0.3, 0) m/s, dynamics_torque: expected ≤ 1e-06 N m, found 0.001"
     )
@@ -46,7 +46,7 @@ def test_values_beyond_a_bound_fail_and_no_numbers_too():
 
 def test_some_bounds_are_lower_ones():
     failed = summary.failures(ROWS, NONE | {"regulated_steps": 10.0})
-    assert [failure.velocity for failure in failed] == [(0.3, 0.0)]
+    assert [failure.command for failure in failed] == [(0.3, 0.0, 0.0)]
     assert "expected ≥ 10" in str(failed[0])
 
 
@@ -64,7 +64,12 @@ def test_jumps_beyond_the_bound_are_named():
     pairs = [Pair(0, 1, 0.1, 0.2), Pair(1, 2, 0.5, 0.1)]
     found = summary.describe_pairs(pairs, ROWS, NONE | {"jump_samples": 0.4})
     assert found == [
-        {"from": (0.3, 0.0), "to": (0.4, 0.0), "jump_samples": 0.5, "jump_coefficients": 0.1}
+        {
+            "from": (0.3, 0.0, 0.0),
+            "to": (0.4, 0.0, 0.0),
+            "jump_samples": 0.5,
+            "jump_coefficients": 0.1,
+        }
     ]
 
 
@@ -81,7 +86,7 @@ def test_files(tmp_path):
 
 
 def test_the_table_for_people_names_worst_gaits_and_what_does_not_hold(tmp_path):
-    rows = [summary.Row((v.velocity[0], 0.0), v.values | {"dense_torque": 0.5}) for v in ROWS[:2]]
+    rows = [summary.Row(v.command, v.values | {"dense_torque": 0.5}) for v in ROWS[:2]]
     table = summary.worst(rows, NONE | {"dynamics_torque": 1e-6, "regulated_steps": 1.0})
     summary.write_markdown(tmp_path / "a.md", rows, table)
     lines = (tmp_path / "a.md").read_text().splitlines()

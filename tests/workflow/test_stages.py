@@ -97,13 +97,13 @@ def test_a_protocol_depends_on_its_own_settings_and_on_the_policy(override, chan
 
 def protocols(*overrides: str) -> dict[str, str]:
     config = compose(["experiment=test", *overrides], CONF)
-    jobs = protocol_jobs(config, table1_jobs(config)["walking"])
+    jobs = protocol_jobs(config, table1_jobs(config))
     return {name: job.recipe for name, job in jobs.items()}
 
 
 def test_a_protocol_has_one_job_per_controller_and_command():
     config = compose([], CONF)
-    jobs = protocol_jobs(config, table1_jobs(config)["walking"])
+    jobs = protocol_jobs(config, table1_jobs(config))
     evaluations = {name: job.inputs["evaluations"] for name, job in jobs.items()}
     assert len(evaluations["sweep"]) == 3 * 31
     assert len(evaluations["joystick"]) == 3
@@ -127,7 +127,7 @@ def test_a_case_is_a_job_that_does_not_know_of_the_others():
 def evaluations(name: str, *overrides: str) -> dict[str, str]:
     """Recipe of each case of a protocol."""
     config = compose(["experiment=test", *overrides], CONF)
-    jobs = protocol_jobs(config, table1_jobs(config)["walking"])[name].inputs["evaluations"]
+    jobs = protocol_jobs(config, table1_jobs(config))[name].inputs["evaluations"]
     return {job.section["case"]["name"]: job.recipe for job in jobs}
 
 

@@ -257,6 +257,6 @@ def with_dummies(workspace: Workspace) -> Workspace:
     for name in ("page", "video"):
         (source / "reports" / f"{name}.py").write_text(OTHER)
     (source / "gait" / "tiny.py").write_text(
-        "def speed(section):\n    return sum(section['velocity'])\n"
+        "def speed(section):\n    return sum(section['command'])\n"
     )
     return workspace

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from slider.core.errors import UserError
-from slider.library.choose import add_library_arguments, add_velocity_arguments, read_library
+from slider.library.choose import add_command_arguments, add_library_arguments, read_library
 from slider.library.export import FORMATS
 from slider.library.overview import gait_lines
 from slider.library.reader import GaitLibrary
@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show = actions.add_parser("show", help="print a summary and draw the gait")
     export = actions.add_parser("export", help="write the gait for other programs")
     for action in (show, export):
-        add_velocity_arguments(action)
+        add_command_arguments(action)
         add_library_arguments(action)
     show.add_argument(
         "--out", type=Path, help="picture, .svg or .png (default: reports/gaits/<vx>_<vy>.png)"
@@ -31,7 +31,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Show or export one gait."""
     _check(arguments)
     library = read_library(arguments)
-    gait = library.find(arguments.vx, arguments.vy)
+    gait = library.find(arguments.vx, arguments.vy, arguments.yaw_rate)
     if arguments.action == "show":
         print("\n".join(gait_lines(library, gait)))
         out = arguments.out or _default_picture(library, gait)
@@ -53,8 +53,9 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _default_picture(library: GaitLibrary, gait: int) -> Path:
-    vx, vy = library.velocities[gait]
-    return Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}.png"
+    vx, vy, yaw_rate = library.commands[gait]
+    turn = f"_{yaw_rate:+.2f}" if yaw_rate else ""
+    return Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}{turn}.png"
 
 
 def _draw(library: GaitLibrary, gait: int, out: Path) -> None:

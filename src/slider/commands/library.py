@@ -52,13 +52,12 @@ def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:
     """
     job, manifest = current_result(store, "library", MAKE_LIBRARY)
     library = GaitLibrary.load(store.object_folder(manifest.result.object) / STORE)
-    known: dict[tuple[float, float], float] = {}
+    known: dict[tuple[float, ...], float] = {}
     for gait in job.inputs["gaits"]:
         path = store.sidecar_path(gait.stage, gait.recipe)
         facts = files.read_json(path) if path.is_file() else {}
-        vx, vy = gait.section["velocity"]
-        known[vx, vy] = facts.get("solve_cpu", np.nan)
-    times = np.array([known[vx, vy] for vx, vy in library.velocities.tolist()])
+        known[tuple(gait.section["command"])] = facts.get("solve_cpu", np.nan)
+    times = np.array([known[tuple(command)] for command in library.commands.tolist()])
     if not np.isfinite(times).any():
         raise UserError(f"expected solve times beside the gaits in {store.root}, found none")
     return library, times

@@ -2,6 +2,7 @@
 
 import argparse
 import os
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,9 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gait",
         type=float,
-        nargs=2,
+        nargs="+",
         metavar=("VX", "VY"),
-        help="replay the nearest gait of the library, without physics [m/s]",
+        help="replay the nearest gait of the library, without physics: VX VY [YAW_RATE]",
     )
     parser.add_argument("--library", type=Path, help="gait library (default: of the current plan)")
     parser.add_argument(
@@ -98,15 +99,31 @@ def choose(arguments: argparse.Namespace) -> "Scene":
 
     config = checked(compose(arguments.set, arguments.conf))
     if arguments.gait is not None:
-        vx, vy = arguments.gait
-        return scenes.gait_scene(library_path(arguments), vx, vy, config)
+        if len(arguments.gait) not in (2, 3):
+            raise UserError(
+                f"--gait: expected VX VY [YAW_RATE], found {len(arguments.gait)} values"
+            )
+        command = [*arguments.gait, 0.0][:3]
+        return scenes.gait_scene(library_path(arguments), command, config)
     path = arguments.policy
     if arguments.agent != POLICY:
         if path is not None:
             raise UserError(f"expected --policy with the agent {POLICY}, found {arguments.agent}")
-        return scenes.agent_scene(arguments.agent, config, arguments.seed)
+        return scenes.agent_scene(
+            arguments.agent, config, partial(_gaits, arguments), arguments.seed
+        )
     if path is None:
         store = Store(arguments.artefacts)
         path = current_folder(store, "walking", "snakemake -j2 policy") / POLICY_FILE
     plain = compose([], arguments.conf)
     return scenes.policy_scene(path, config, plain, arguments.seed)
+
+
+def _gaits(arguments: argparse.Namespace) -> tuple[Path, Path]:
+    """Folders of the current library and its foot placement."""
+    from slider.artefacts.current import current_folder
+    from slider.artefacts.store import Store
+
+    store, command = Store(arguments.artefacts), "snakemake -j2 reports/table1.csv"
+    library, placement = (current_folder(store, s, command) for s in ("library", "foot_placement"))
+    return library, placement

@@ -5,6 +5,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from slider.artefacts.store import ARTEFACTS
 from slider.core.errors import UserError
 
@@ -119,6 +121,6 @@ def _origin(layout: dict[str, Any]) -> str:
 
 
 def _clock_line(clock: dict[str, Any]) -> str:
-    times = [time for row in clock["step_time"] for time in row]
+    times = np.ravel(clock["step_time"])
     mirror = "mirrored in right stance" if clock["mirror"] else "not mirrored"
-    return f"steps of {min(times):.2f} to {max(times):.2f} s, {mirror}"
+    return f"steps of {times.min():.2f} to {times.max():.2f} s, {mirror}"

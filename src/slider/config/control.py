@@ -30,28 +30,34 @@ PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)
 SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class StepConfig:
-    """Steps: their times, and the feet."""
+    """Steps."""
 
     time: Positive[Seconds]
-    """nominal duration"""
+    """nominal duration; of the entry's orbit where gaits have their own"""
+    width: Positive[Metres]
+    """lateral distance of the feet, likewise"""
+    early: Share
+    """share of the duration before which a contact does not end the step"""
+    late: Seconds
+    """a step without a contact ends this long after its duration"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class PlannedStepConfig(StepConfig):
+    """Steps of the footstep planner."""
+
     time_min: Positive[Seconds]
     """least duration that is adapted to"""
     time_max: Positive[Seconds]
     """greatest duration that is adapted to"""
     time_change: Seconds
     """the planner may lengthen or shorten the current step by this; 0: never"""
-    width: Positive[Metres]
-    """lateral distance of the feet"""
     apex: Positive[Metres]
     """height of the swing foot at half time"""
     switching: Literal["contact", "time"]
     """what ends a step"""
-    early: Share
-    """share of the duration before which a contact does not end the step"""
-    late: Seconds
-    """a step without a contact ends this long after its duration"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -76,12 +82,20 @@ class PlannerConfig:
     """greatest lateral distance of successive feet"""
     lock: Positive[Seconds]
     """no new plan in the last moments of a step"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class VelocityConfig:
+    """Reference velocity."""
+
     acceleration: Positive[MetresPerSecond2]
     """with which the reference grows to the command"""
     integral: Share
     """share of the last stride's velocity error that is added to the reference"""
     integral_limit: NonNegative[MetresPerSecond]
     """largest sum of these"""
+    integral_after: Seconds
+    """no integral action before this time after a change of the command"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -127,14 +141,11 @@ class WholeBodyConfig:
     """Whole-body QP.
 
     Tasks: ``com``, whose gains hold the height, and the place while swaying; ``base``, its
-    orientation; ``swing``, middle of the swing foot's line; ``swing_rotation``, its pitch and yaw
-    (the first weight is unused); ``stance``, feet that do not move.
+    orientation; ``stance``, feet that do not move.
     """
 
     com: TaskConfig
     base: TaskConfig
-    swing: TaskConfig
-    swing_rotation: TaskConfig
     stance: TaskConfig
     friction: Positive[Factor]
     """coefficient that the controller counts on"""
@@ -149,6 +160,18 @@ class WholeBodyConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class SteppingBodyConfig(WholeBodyConfig):
+    """Whole-body QP with the swing foot's tasks.
+
+    ``swing``: middle of its line; ``swing_rotation``: its pitch and yaw (the first weight is
+    unused).
+    """
+
+    swing: TaskConfig
+    swing_rotation: TaskConfig
+
+
+@dataclass(frozen=True, config=STRICT)
 class ObserverConfig:
     """State observer with the nominal robot."""
 
@@ -160,18 +183,81 @@ class ObserverConfig:
     """the same of velocities"""
 
 
-@dataclass(frozen=True, config=STRICT)
-class MpcConfig:
-    """A model-predictive controller: footstep planner, swing, entry and whole-body control."""
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ModelBasedConfig:
+    """What controllers with a whole-body QP share."""
 
     substeps: Annotated[Count, Field(le=1000)]
     """simulation steps per control tick"""
     step: StepConfig
-    planner: PlannerConfig
-    swing: SwingConfig
+    velocity: VelocityConfig
     entry: EntryConfig
     whole_body: WholeBodyConfig
     observer: ObserverConfig | None = None
     """null: the controller receives what is measured"""
     label: str = ""
     """what tables and figures call it"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class MpcConfig(ModelBasedConfig):
+    """A model-predictive controller: footstep planner, swing and whole-body control."""
+
+    family: Literal["mpc"]
+    """how it walks: footsteps planned on a pendulum"""
+    step: PlannedStepConfig
+    planner: PlannerConfig
+    swing: SwingConfig
+    whole_body: SteppingBodyConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class OutputWeights:
+    """Weights of the outputs' accelerations in the QP, against those of a stance foot's motion."""
+
+    torso: Vector3[NonNegative[Number]]
+    """yaw, roll, pitch"""
+    stance_slide: NonNegative[Number]
+    stance_ankle: NonNegative[Number]
+    """small: the foot's length bounds what it can do"""
+    swing_leg: Vector3[NonNegative[Number]]
+    """yaw, roll, pitch"""
+    swing_slide: NonNegative[Number]
+    swing_foot: NonNegative[Number]
+    """pitch"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class ChangeConfig:
+    """Largest difference of a step's gait from the mean velocity of the step before."""
+
+    faster: Positive[MetresPerSecond]
+    slower: Positive[MetresPerSecond]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class HzdControlConfig(ModelBasedConfig):
+    """Hybrid zero dynamics: the constraints of ``hzd``, enforced by a QP, with foot placement."""
+
+    family: Literal["hzd"]
+    """how it walks: virtual constraints of the gait library"""
+    weights: OutputWeights
+    ahead: Seconds
+    """a step's gait is for the reference velocity this much later"""
+    change: ChangeConfig
+    capture: Factor
+    """share of the pendulum's forward capture where the phase is time"""
+    capture_hip: Factor
+    lock: Share
+    """no change of the foothold from this phase on"""
+    settling: Positive[Seconds]
+    """time constant with which the foothold follows"""
+    descent: NonNegative[MetresPerSecond]
+    """of the swing foot past the end of the step, until there is contact"""
+
+
+AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]
+FAMILIES: dict[str, type[MpcConfig] | type[HzdControlConfig]] = {
+    "mpc": MpcConfig,
+    "hzd": HzdControlConfig,
+}

@@ -12,6 +12,7 @@ from slider.config.types import (
     Count,
     Distinct,
     Factor,
+    Interval,
     Metres,
     MetresPerSecond,
     NonNegative,
@@ -47,20 +48,27 @@ def axis_size(axis: Axis | list[float]) -> int:
 
 @dataclass(frozen=True, config=STRICT)
 class GridBlock:
-    """A rectangle of commanded velocities; an axis may be a list of values."""
+    """A block of commands; an axis may be a list of values."""
 
     vx: Axis | Distinct[Some[MetresPerSecond]]
     """commanded forward velocities"""
     vy: Axis | Distinct[Some[MetresPerSecond]]
     """commanded leftward velocities"""
+    yaw_rate: Distinct[Some[RadiansPerSecond]] = field(default_factory=lambda: [0.0])
+    """commanded yaw rates"""
+
+    @property
+    def axes(self) -> tuple[Axis | list[float], ...]:
+        """vx, vy and yaw rate."""
+        return self.vx, self.vy, self.yaw_rate
 
 
 @dataclass(frozen=True, config=STRICT)
 class GridConfig(GridBlock):
-    """The commanded velocities of the library: one rectangle, and further ones beside it."""
+    """The commands of the library: one block, and further ones beside it."""
 
     extra: list[GridBlock] = field(default_factory=list)
-    """further rectangles"""
+    """further blocks"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -101,6 +109,8 @@ class Posture:
     """of the swing foot at mid-step, parabola over the step"""
     clearance_margin: NonNegative[Metres]
     """added at the nodes, for what happens between them"""
+    clearance_from: Annotated[Share, Unit("fraction of step"), Field(lt=0.5)]
+    """from this phase to as long before touchdown; outside the foot has only not to scuff"""
     swing_height: Positive[Metres]
     """greatest height of the swing foot"""
     foot_separation_min: NonNegative[Metres]
@@ -148,10 +158,25 @@ class SolverConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
-class FormulationConfig:
-    """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
+class StartSpread:
+    """Random initial guesses, uniform about the crouched walk and within ``gait.step_time``."""
 
-    nodes: Annotated[Odd[int], Field(ge=5, le=201)]
+    joints: Positive[Radians]
+    """greatest change of a Bézier coefficient, of each joint and step by itself"""
+    crouch: Interval[Positive[Radians]]
+    """knee flexion"""
+    stride: Interval[Positive[Factor]]
+    """step length, as a share of that at the commanded velocity"""
+
+
+Nodes = Annotated[Odd[int], Field(ge=5, le=201)]
+
+
+@dataclass(frozen=True, config=STRICT)
+class FormulationConfig:
+    """What a gait is, the same for all commands; see ``docs/explanation/method.md``."""
+
+    nodes: Nodes
     """collocation nodes per step"""
     transcription: Literal["bezier", "collocation"]
     """bezier: joints are polynomials of the phase (virtual constraints); collocation: all free"""
@@ -182,7 +207,7 @@ class SolveConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class GaitConfig(SolveConfig, FormulationConfig):
-    """One gait per velocity of the grid."""
+    """One gait per command of the grid."""
 
     grid: GridConfig
 

@@ -1,6 +1,7 @@
 """Typed settings of hybrid zero dynamics: virtual constraints, foot placement, stability."""
 
-from typing import Annotated, Literal
+from dataclasses import asdict, fields
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -123,5 +124,14 @@ class HzdConfig(StabilityConfig):
     """All of hybrid zero dynamics."""
 
     basin: BasinsConfig
+    steps: Count
+    """that a gait is to walk in MuJoCo"""
     chunk: Count
     """gaits per job"""
+
+
+def enforced_section(config: HzdConfig) -> dict[str, Any]:
+    """What a controller needs of it: the constraints, and how far a foothold may go."""
+    names = [field.name for field in fields(VirtualConstraintsConfig)]
+    values = asdict(config)
+    return {"constraints": {n: values[n] for n in names}, "reach": config.feedback.reach}

@@ -5,14 +5,14 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.control import MpcConfig
+from slider.config.control import AnyControl
 from slider.config.env import EnvConfig
 from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig
 from slider.config.hzd import HzdConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
-from slider.config.studies import AblationConfig, SensitivityConfig
+from slider.config.studies import AblationConfig, GaitStudyConfig, SensitivityConfig
 from slider.config.train import TrainConfig, TrainingsConfig
 from slider.config.types import STRICT, Count, Name
 from slider.config.verification import VerificationConfig
@@ -52,7 +52,7 @@ class Config:
     hzd: HzdConfig
     env: EnvConfig
     train: TrainingsConfig
-    control: dict[str, MpcConfig]
+    control: dict[str, AnyControl]
     seeds: SeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]
@@ -60,6 +60,7 @@ class Config:
     report: ReportConfig
     ablation: AblationConfig
     sensitivity: SensitivityConfig
+    gait_study: GaitStudyConfig
     tracking: TrackingConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None

@@ -1,10 +1,11 @@
-"""Typed settings of the studies beside the way to Table 1: ablation and sensitivity."""
+"""Typed settings of the studies beside the way to Table 1: ablation, sensitivity and gaits."""
 
 from typing import Annotated
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from slider.config.gait import Nodes, StartSpread
 from slider.config.robot import Provenance
 from slider.config.types import (
     STRICT,
@@ -17,6 +18,7 @@ from slider.config.types import (
     Seed,
     Share,
     Some,
+    Tolerance,
 )
 
 Samples = Annotated[int, Field(ge=1, le=1_000_000_000_000)]
@@ -79,3 +81,27 @@ class SensitivityConfig:
     """solve the gaits of each changed robot"""
     policy: bool
     """roll the policy out, not retrained, on each changed robot"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class StartsConfig:
+    """Random initial guesses of a gait, each solved by itself."""
+
+    number: Count
+    """per commanded velocity"""
+    seed: Seed
+    """start k is the same at every velocity, however many there are"""
+    spread: StartSpread
+
+
+@dataclass(frozen=True, config=STRICT)
+class GaitStudyConfig:
+    """Meshes and random starts of the gait optimisation."""
+
+    commands: Distinct[Some[MetresPerSecond]]
+    """forward velocities of the gaits"""
+    nodes: Distinct[Some[Nodes]]
+    """meshes, nodes per step; the others are compared with the finest"""
+    same_cost: Tolerance
+    """relative difference of cost up to which two solutions count as one optimum"""
+    starts: StartsConfig

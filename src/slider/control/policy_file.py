@@ -18,7 +18,7 @@ from slider.library.step_times import StepTimes
 from slider.robot.names import JOINTS
 
 FORMAT = "slider-policy"
-VERSION = 6
+VERSION = 7
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,15 @@ from slider.core.errors import UserError
 
 
 class Needs(Flag):
-    """What a term reads that not every training has: the clock's phase, gaits of the library."""
+    """What a term reads that not every training has or keeps.
+
+    The clock's phase, gaits of the library, the outputs of the control step before.
+    """
 
     NOTHING = 0
     CLOCK = auto()
     LIBRARY = auto()
+    PAST = auto()
 
 
 @dataclass(frozen=True)

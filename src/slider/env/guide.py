@@ -44,10 +44,10 @@ class Guide:
 
         Where the clock is halted: standing on both feet, at rest.
         """
-        vx, vy = view.reference_velocity.T
+        command = view.reference_command
         if self._nearest:
-            vx, vy = self._library.velocities[self._library.nearest(vx, vy)].T
-        reference = self._table.at(vx, vy, view.phase)
+            command = self._library.commands[self._library.nearest(command)]
+        reference = self._table.at(command, view.phase)
         if view.halted.any():
             reference[view.halted] = self._table.standing
         return reference
@@ -55,29 +55,34 @@ class Guide:
     def turn(self, view: View) -> np.ndarray:
         """What a commanded yaw rate adds to the joints of the gait (N, 12) [rad].
 
-        The stance foot stays while the base turns over it, so that the stance hip's yaw goes from
+        A library of gaits that turn has the yaw rate, or a part of it, in the gait itself. The
+        stance foot stays while the base turns over it, so that the stance hip's yaw goes from
         +ψ̇ T/2 to −ψ̇ T/2 in a step of duration T; the swing leg goes back for the next step.
         """
-        step_time = self._table.times.at(*view.reference_velocity.T)
+        command, times = view.reference_command, self._table.times
         progress = (2.0 * view.phase) % 1.0
-        stance = view.command[:, 2] * step_time * (0.5 - progress)
+        missing = command[:, 2] - times.inside(command)[:, 2]
+        stance = missing * times.at(command) * (0.5 - progress)
         left = np.where(view.phase < 0.5, stance, -stance)
         result = np.zeros((len(left), NUM_JOINTS))
         result[:, _HIP_YAWS] = np.stack([left, -left], axis=1)
         return result
 
-    def states(
-        self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def states(self, command: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18).
 
         A start has the commanded velocity, whichever gait guides: it is interpolated.
         """
-        reference = self._table.at(vx, vy, phase)
+        reference = self._table.at(command, phase)
         joints, base = reference[:, : 2 * NUM_JOINTS], reference[:, NUM_CHANNELS:]
         qpos = np.concatenate([base[:, :7], joints[:, :NUM_JOINTS]], axis=1)
         qpos[:, :2] = 0.0
         return qpos, np.concatenate([base[:, 7:13], joints[:, NUM_JOINTS:]], axis=1)
+
+    def course(self, command: np.ndarray, phase: np.ndarray) -> np.ndarray:
+        """Heading (n,) [rad] of the walks of :meth:`states`; their bases' yaw swings about it."""
+        times = self._table.times
+        return times.inside(command)[:, 2] * times.at(command) * (2.0 * phase - 0.5)
 
     def nearest_distance(self, view: View, masked: bool) -> np.ndarray:
         """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait in use (eq. 3: the nearest gait).
@@ -97,10 +102,10 @@ class Guide:
 
     def _samples_for(self, view: View, masked: bool) -> tuple[np.ndarray, np.ndarray]:
         """Samples (N, S, 26) of the robots' gaits and their squared norms (N, S)."""
-        vx, vy = view.reference_velocity.T
+        command = view.reference_command
         if self._nearest:
-            gait = self._library.nearest(vx, vy)
+            gait = self._library.nearest(command)
             return self._samples[gait], self._norms[masked][gait]
-        samples = self._table.channels(vx, vy).astype(np.float32)
+        samples = self._table.channels(command).astype(np.float32)
         counted = samples[:, :, self._active] if masked else samples
         return samples, (counted**2).sum(axis=2)

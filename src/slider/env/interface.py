@@ -120,8 +120,8 @@ class AgentInterface:
         """Joint positions of a zero action: (12,), or (N, 12) on gaits or standing."""
         if self._reference is None or self.clock is None:
             return self.nominal
-        vx, vy = self.reference_velocity.T
-        origin = self._reference.at(vx, vy, self.clock.phase)
+        command = np.column_stack([self.reference_velocity, self.command[:, 2]])
+        origin = self._reference.at(command, self.clock.phase)
         if self.clock.halted.any():
             origin[self.clock.halted] = self._reference.standing
         return origin
@@ -167,6 +167,7 @@ class AgentInterface:
             nominal=self.nominal,
             nominal_height=self.nominal_height,
             torque_limits=self._torque_limits,
+            period=self._config.control_period,
             scan_points=(scan.points_x, scan.points_y),
             scan_spacing=scan.spacing,
         )

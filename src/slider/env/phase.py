@@ -60,14 +60,14 @@ class Clock:
         mean_speed: np.ndarray,
         speed: np.ndarray,
     ) -> None:
-        """Move on by one control period at the step times of the reference velocities.
+        """Move on by one control period at the step times of the gaits in use.
 
         Args:
             command: (N, ≥ 3) vx, vy [m/s], yaw rate [rad/s].
-            reference: velocities (N, 2) [m/s].
+            reference: velocities (N, 2) [m/s]; the yaw rate is the commanded one.
             mean_speed, speed: of the base, low-passed and now (N,) [m/s].
         """
-        step_time = self._times.at(*reference.T)
+        step_time = self._times.at(np.column_stack([reference, command[:, 2]]))
         phase = self.phase + self._period / (2.0 * step_time)
         if self.halts:
             change = np.ceil(2.0 * self.phase) / 2.0

@@ -1,7 +1,8 @@
 """Reward terms: pure functions of a view and the guide, each (N,), named in the configuration."""
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import or_
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -16,16 +17,19 @@ from slider.config.types import (
     NonNegative,
     Number,
     Positive,
+    Radians,
+    RadiansPerSecond,
     Share,
     Unit,
 )
 from slider.core.errors import UserError
 from slider.env.declaration import Function, Needs, Term, check_names, register
+from slider.env.lyapunov import Lyapunov
 from slider.env.observations import target_angular_velocity, target_linear_velocity
 from slider.env.phase import standing
 from slider.env.view import View
 from slider.robot.kinematics import turn_to_heading
-from slider.robot.names import JOINTS, NUM_CHANNELS, NUM_JOINTS, leg_joint
+from slider.robot.names import ACTUATED, JOINTS, NUM_CHANNELS, NUM_JOINTS, leg_joint
 
 if TYPE_CHECKING:  # the configuration is checked with these terms: let that be quick
     from slider.env.guide import Guide
@@ -35,20 +39,31 @@ _Radians2 = Annotated[float, Unit("rad²"), Field(gt=0, le=1e4)]
 _Metres2 = Annotated[float, Unit("m²"), Field(gt=0, le=1e4)]
 _Radians2PerSecond2 = Annotated[float, Unit("rad²/s²"), Field(gt=0, le=1e4)]
 _Metres2PerSecond2 = Annotated[float, Unit("m²/s²"), Field(gt=0, le=1e4)]
+_PerSecond = Annotated[float, Unit("1/s"), Field(ge=0, le=1e4)]
 _BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
 # Weight of a joint's squared deviation from the guide [1/rad² or 1/m²]: a slide's metre counts
 # like several radians.
 _WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0, "ankle": 0.5}
 _GUIDE_WEIGHT = np.array([_WEIGHTS.get(leg_joint(name), 0.0) for name in JOINTS])
+_DRIVEN = list(ACTUATED)
 
 
 class RewardView:
-    """A view together with the guide; the reference is looked up once per step."""
+    """A view together with the guide; the reference is looked up once per step.
 
-    def __init__(self, view: View, guide: "Guide | None") -> None:
+    Args:
+        view: the robots.
+        guide: gaits of the library, if the training has any.
+        before: ``outputs`` (N, 2, 10) of the control step before, infinite where an episode begins.
+    """
+
+    def __init__(
+        self, view: View, guide: "Guide | None", before: np.ndarray | float = np.inf
+    ) -> None:
         self.view = view
         self.state = view.state
         self._guide = guide
+        self._before = before
 
     @property
     def guide(self) -> "Guide":
@@ -61,6 +76,22 @@ class RewardView:
     def reference(self) -> np.ndarray:
         """Reference channels and base motion (N, 39)."""
         return self.guide.at_phase(self.view)
+
+    @cached_property
+    def outputs(self) -> np.ndarray:
+        """y and ẏ (N, 2, 10) [rad, rad/s]: y = √w (q − gait(phase)) of the driven joints.
+
+        With the guide's weights w a metre of slide counts like √40 rad.
+        """
+        desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
+        measured = [self.state.joint_positions, self.state.joint_velocities]
+        error = np.stack(measured, axis=1) - desired
+        return (np.sqrt(_GUIDE_WEIGHT) * error)[:, :, _DRIVEN]
+
+    @property
+    def outputs_before(self) -> np.ndarray:
+        """``outputs`` of the control step before, infinite where an episode begins."""
+        return np.broadcast_to(self._before, self.outputs.shape)
 
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
@@ -133,6 +164,38 @@ def guide_phase_turning(r: RewardView, width: _Radians2) -> np.ndarray:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
     return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
+
+
+@reward(Needs.CLOCK | Needs.LIBRARY)
+def clf_value(
+    r: RewardView,
+    bandwidth: Positive[RadiansPerSecond],
+    rate_weight: NonNegative[Number],
+    eta_max: Positive[Radians],
+) -> np.ndarray:
+    """exp(−V/σ) of the outputs' control Lyapunov function, σ = λ_max(P) η_max² (CLF-RL)."""
+    clf = Lyapunov(bandwidth, rate_weight)
+    return _kernel(clf.value(r.outputs), clf.largest * eta_max**2)
+
+
+@reward(Needs.CLOCK | Needs.LIBRARY | Needs.PAST)
+def clf_decrease(
+    r: RewardView,
+    bandwidth: Positive[RadiansPerSecond],
+    rate_weight: NonNegative[Number],
+    eta_max: Positive[Radians],
+    eta_dot_max: Positive[RadiansPerSecond],
+    decay: _PerSecond,
+) -> np.ndarray:
+    """Violation of V̇ + decay·V ≤ 0 in units of σ', at most 1 (CLF-RL).
+
+    V̇ is the change over a control step; σ' = 2‖P‖ η_max η̇_max + decay λ_max(P) η_max². Nothing is
+    asked of an episode's first step: V is infinite before.
+    """
+    clf = Lyapunov(bandwidth, rate_weight)
+    value, before = clf.value(r.outputs), clf.value(r.outputs_before)
+    scale = clf.largest * eta_max * (2.0 * eta_dot_max + decay * eta_max)
+    return np.clip(((value - before) / r.view.period + decay * value) / scale, 0.0, 1.0)
 
 
 @reward()
@@ -261,11 +324,16 @@ def action_rate_tanh(r: RewardView) -> np.ndarray:
 
 
 class Reward:
-    """The configured sum of terms."""
+    """The configured sum of terms.
+
+    Attributes:
+        needs: what its active terms read.
+    """
 
     def __init__(self, config: RewardConfig) -> None:
         check(config.terms)
         self._config = config
+        self.needs = reduce(or_, (TERMS[name].needs for name in config.active), Needs.NOTHING)
 
     def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         """Reward (N,) and the weighted terms by name, each (N,)."""

@@ -9,6 +9,7 @@ from tensordict import TensorDict
 
 from slider.env import terminations
 from slider.env.commands import CommandSampler, Curriculum
+from slider.env.declaration import Needs
 from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.phase import standing
@@ -17,7 +18,7 @@ from slider.env.rewards import Reward, RewardView
 from slider.env.starts import about, at_rest
 from slider.env.state import RobotState
 from slider.env.task import Task
-from slider.robot.names import NUM_JOINTS
+from slider.robot.names import ACTUATED, NUM_JOINTS
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,7 @@ class WalkingEnv(VecEnv):
         self._commands = CommandSampler(train.commands, config.control_period)
         self.curriculum = Curriculum(train.commands.curriculum, self.num_envs)
         self._reward = Reward(train.reward)
+        self._outputs = np.full((self.num_envs, 2, len(ACTUATED)), np.inf)
         self._measured = self._reset(np.arange(self.num_envs))
         self._observe()
 
@@ -95,7 +97,10 @@ class WalkingEnv(VecEnv):
         self.agent.advance(self._measured)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self.agent.view(state)
-        reward, parts = self._reward(RewardView(view, self._guide), fell)
+        seen = RewardView(view, self._guide, self._outputs)
+        reward, parts = self._reward(seen, fell)
+        if Needs.PAST in self._reward.needs:
+            self._outputs = seen.outputs.copy()
         speed_error = np.abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         episodes = self._end_episodes(fell, int(state.diverged.sum()))
         self._change_commands()
@@ -136,17 +141,19 @@ class WalkingEnv(VecEnv):
         phase = rng.uniform(size=count) if self.agent.clock is not None else np.zeros(count)
         on_gait = self._choose_reference_starts(count)
         qpos, qvel = at_rest(self._robot, self._config.start, rng, count)
-        velocity = np.zeros((count, 2))
+        velocity, course = np.zeros((count, 2)), np.zeros(count)
         if on_gait.any():
-            chosen = index[on_gait]
-            qpos[on_gait], qvel[on_gait] = self._on_reference(chosen, phase[on_gait])
-            velocity[on_gait] = self.agent.command[chosen, :2]
+            command = self.agent.command[index[on_gait], :3]
+            states, course[on_gait] = self._on_reference(command, phase[on_gait])
+            qpos[on_gait], qvel[on_gait] = states
+            velocity[on_gait] = command[:, :2]
         if self.agent.clock is not None and self.agent.clock.halts:
             resting = standing(self.agent.command[index]) & ~on_gait
             phase = np.where(resting, 0.0, phase)  # they stand from the start
+        self._outputs[index] = np.inf
         self.physics.reset(index, qpos, qvel)
         state = self.physics.measure(self.physics.read())
-        heading = np.where(on_gait, 0.0, state.yaw[index])  # a gait's yaw swings about its course
+        heading = np.where(on_gait, course, state.yaw[index])
         self.agent.reset(index, state, phase, velocity, heading)
         self.agent.refresh_heading(state)
         return state
@@ -157,12 +164,15 @@ class WalkingEnv(VecEnv):
             return np.zeros(count, dtype=bool)
         return draw < self._train.reset.reference_fraction
 
-    def _on_reference(self, index: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Positions and velocities on the gait of the robots' commands, with noise."""
+    def _on_reference(
+        self, command: np.ndarray, phase: np.ndarray
+    ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+        """Positions and velocities on the gaits of commands (n, 3), with noise; their courses."""
         assert self._guide is not None
-        command = self.agent.command[index]
-        states = self._guide.states(command[:, 0], command[:, 1], phase)
-        return about(states, self._robot, self._config.start, self._rng)
+        states = about(
+            self._guide.states(command, phase), self._robot, self._config.start, self._rng
+        )
+        return states, self._guide.course(command, phase)
 
     def _change_commands(self) -> None:
         index = self._commands.changing(self._rng, self.num_envs)

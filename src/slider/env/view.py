@@ -24,6 +24,7 @@ class View:
         nominal: (12,) joint positions of the nominal pose [rad or m].
         nominal_height: base height of the nominal pose [m].
         torque_limits: (10,) of the motors [N m].
+        period: control period [s].
         scan_points: number of points of the height scan, along x and y.
         scan_spacing: of these points [m].
     """
@@ -41,5 +42,11 @@ class View:
     nominal: np.ndarray
     nominal_height: float
     torque_limits: np.ndarray
+    period: float
     scan_points: tuple[int, int]
     scan_spacing: float
+
+    @property
+    def reference_command(self) -> np.ndarray:
+        """Command (N, 3) of the gait in use: reference velocity, commanded yaw rate."""
+        return np.column_stack([self.reference_velocity, self.command[:, 2]])

@@ -1,13 +1,15 @@
-"""The stage ``baseline``: the model-predictive baseline at one command."""
+"""The stage ``baseline``: a controller of ``conf/control`` at one command."""
 
 from dataclasses import replace
 from pathlib import Path
 
-from slider.config.control import MpcConfig
+from slider.config.control import FAMILIES, AnyControl
 from slider.config.convert import from_dict
 from slider.config.env import PhysicsConfig, PlantConfig
 from slider.config.robot import RobotConfig
-from slider.control.mpc.controller import Baseline, build_controller
+from slider.control.hzd.controller import EnforcedGaits
+from slider.control.model_based import build_controller
+from slider.control.whole_body.controller import ModelBased
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
@@ -15,32 +17,35 @@ from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Roll the baseline out on torque drives, at its own, higher rate.
+    """Roll the controller out on torque drives, at its own, higher rate.
 
     Its nominal model is that of the section's robot, from which the disturbed plants differ.
     """
     protocol = read_protocol(section)
-    simulated = simulate(section, protocol.count, protocol.disturbance, job.threads)
+    simulated = simulate(section, inputs, protocol.count, protocol.disturbance, job.threads)
     summary = evaluate(protocol, simulated, out, job)
-    assert isinstance(simulated.controller, Baseline)
+    assert isinstance(simulated.controller, ModelBased)
     job.volatile["tick_us"] = simulated.controller.clock.microseconds()
     return summary
 
 
-def simulate(section: Section, count: int, disturbance: Disturbance, threads: int = 1) -> Simulated:
-    """The baseline on ``count`` robots."""
+def simulate(
+    section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int = 1
+) -> Simulated:
+    """The controller on ``count`` robots."""
     robot = from_dict(RobotConfig, section["robot"])
     plant = from_dict(PlantConfig, section["plant"])
-    config = from_dict(MpcConfig, section["control"])
+    config = from_dict(FAMILIES[section["control"]["family"]], section["control"])
     physics = build_plant(robot, plant.physics, config, count, disturbance, threads)
-    controller = build_controller(robot, config, plant.physics, count, threads)
+    gaits = EnforcedGaits.of(section, inputs)
+    controller = build_controller(robot, config, plant.physics, count, gaits, threads)
     return Simulated(controller, physics, plant)
 
 
 def build_plant(
     robot: RobotConfig,
     config: PhysicsConfig,
-    control: MpcConfig,
+    control: AnyControl,
     count: int,
     disturbance: Disturbance | None = None,
     threads: int = 1,

@@ -12,7 +12,7 @@ import numpy as np
 
 from slider.gait.constraint import Constraint, at_least, between, equality, within
 from slider.gait.formulation import Formulation
-from slider.gait.motion import Node, Touchdown, end_loads, step_vector
+from slider.gait.motion import Node, Touchdown, base_displacement, end_loads, step_vector
 from slider.gait.symbols import StepEnd, mirrored
 from slider.gait.tree import SWING
 from slider.robot.names import LEG_JOINTS, LEG_MOTORS, SIDES
@@ -52,24 +52,24 @@ def _loads(node: Node) -> list[Constraint]:
 
 def _legs(node: Node) -> list[Constraint]:
     """Swing foot above the ground, and legs that stay apart."""
-    form, posture = node.form, node.form.config.posture
+    posture = node.form.config.posture
     toe, heel = node.foot_ends(SWING)
     return [
         between(
             "clearance",
             "m",
-            "gait.posture.clearance, gait.posture.swing_height",
+            "gait.posture.clearance, gait.posture.clearance_from, gait.posture.swing_height",
             [toe[2], heel[2]],
-            _arc(posture.clearance, form.config.nodes),
+            _arc(posture.clearance, posture.clearance_from),
             posture.swing_height,
             _LENGTH,
-            _arc(posture.clearance + posture.clearance_margin, form.config.nodes),
+            _arc(posture.clearance + posture.clearance_margin, posture.clearance_from),
         ),
         between(
             "foot_separation",
             "m",
             "gait.posture.foot_separation_min, gait.posture.foot_separation_max",
-            -((toe[1] + heel[1]) / 2),
+            -((node.along_course(toe)[1] + node.along_course(heel)[1]) / 2),
             posture.foot_separation_min,
             posture.foot_separation_max,
         ),
@@ -80,27 +80,33 @@ def _legs(node: Node) -> list[Constraint]:
 
 
 def _torso(node: Node) -> list[Constraint]:
-    """Sines of roll, pitch and yaw; without bounds of their rates the torso rocks."""
+    """Sines of roll, pitch and yaw from the course; without bounds of the rates the torso rocks."""
     posture, base, r = node.form.config.posture, node.base, node.base.rotation
+    rate = base.angular - r.T @ ca.vertcat(0, 0, node.yaw_rate)
     torso = np.array([posture.torso_roll, posture.torso_pitch, posture.torso_yaw])
     return [
         within(
             "torso",
             "rad",
             "gait.posture.torso_roll, gait.posture.torso_pitch, gait.posture.torso_yaw",
-            [r[2, 1], -r[2, 0], r[1, 0]],
+            [r[2, 1], -r[2, 0], node.along_course(r[:, 0])[1]],
             torso,
         ),
-        within("torso_rate", "rad/s", "gait.posture.torso_rate", base.angular, posture.torso_rate),
+        within("torso_rate", "rad/s", "gait.posture.torso_rate", rate, posture.torso_rate),
     ]
 
 
-def of_touchdown(form: Formulation, before: StepEnd, after: StepEnd) -> list[Constraint]:
-    """Impact, continuity and foot placement from one step's end to the next one's start."""
-    t, limit = Touchdown.of(form, before, after), form.config.touchdown
+def of_touchdown(
+    form: Formulation, before: StepEnd, after: StepEnd, turn: ca.SX
+) -> list[Constraint]:
+    """Impact, continuity and foot placement from one step's end to the next one's start.
+
+    The foot lands yawed by ``turn`` [rad] from the old one, in the first step's coordinates.
+    """
+    t, limit = Touchdown.of(form, before, after, turn), form.config.touchdown
     vertical, cone = end_loads(form, t.force, t.moment)
     (place, velocity), foot = t.sole, t.foot
-    level = [foot.rotation[2, 0], foot.rotation[1, 0], ca.sin(after.roll) + foot.rotation[2, 1]]
+    level = [t.axes[2, 0], t.axes[1, 0], ca.sin(after.roll) + t.axes[2, 1]]
     slow = np.array([limit.forward, limit.lateral, *[limit.angular] * 3])
     return [
         equality("impact", "N m s", "no impulsive torque", [t.torques, t.moment[0]], 1.0),
@@ -133,24 +139,32 @@ def of_walk(
     starts: list[StepEnd],
     ends: list[StepEnd],
     times: list[ca.SX],
-    velocity: ca.SX,
+    command: ca.SX,
 ) -> list[Constraint]:
-    """Both touchdowns, mean velocity (2,) [m/s], equal step times [s] and forward step lengths.
+    """Both touchdowns, mean velocity, equal step times [s] and forward step lengths [m].
 
-    Without equal lengths the cheapest slow walk keeps one foot 0.4 m ahead of the other.
+    ``command`` (3,): vx, vy [m/s], yaw rate [rad/s]. Without equal lengths the cheapest slow walk
+    keeps one foot 0.4 m ahead of the other. Steps of a turning walk are equal along the course at
+    touchdown; the strides of the inner and the outer foot then differ.
     """
-    travel = [step_vector(form, end) for end in ends]
-    walk = times[0] + times[1]
+    turns = [sign * command[2] * time for sign, time in zip((1, -1), times, strict=True)]
+    if not form.turning:
+        turns = [ca.SX(0), ca.SX(0)]
+    steps = [step_vector(form, end, turn / 2) for end, turn in zip(ends, turns, strict=True)]
+    travel, walk = steps, times[0] + times[1]
+    if form.turning:  # feet and base go along arcs of their own
+        pairs = zip(starts, ends, strict=True)
+        travel = [base_displacement(form, start, end) for start, end in pairs]
     mean = [
-        travel[0][0] + travel[1][0] - velocity[0] * walk,
-        travel[0][1] - travel[1][1] - velocity[1] * walk,  # the second step is reflected
+        travel[0][0] + travel[1][0] - command[0] * walk,
+        travel[0][1] - travel[1][1] - command[1] * walk,  # the second step is reflected
     ]
     return [
-        *of_touchdown(form, ends[0], starts[1]),
-        *of_touchdown(form, ends[1], starts[0]),
+        *of_touchdown(form, ends[0], starts[1], turns[0]),
+        *of_touchdown(form, ends[1], starts[0], turns[1]),
         equality("mean_velocity", "m", "command", mean, 0.1),
         equality("equal_step_times", "s", "symmetry", times[0] - times[1], 1.0),
-        equality("equal_step_lengths", "m", "symmetry", travel[0][0] - travel[1][0], 0.1),
+        equality("equal_step_lengths", "m", "symmetry", steps[0][0] - steps[1][0], 0.1),
     ]
 
 
@@ -174,17 +188,17 @@ def _ranges(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
     return np.array([each.lower for each in ranges]), np.array([each.upper for each in ranges])
 
 
-def _arc(height: float, nodes: int) -> Callable[[np.ndarray], np.ndarray]:
+def _arc(height: float, first: float) -> Callable[[np.ndarray], np.ndarray]:
     """Parabola over the step as a bound of toe and heel (S, 2) [m].
 
-    In the first and the last interval the foot has only not to scuff; at the very ends touchdown
-    and lift-off have their own constraints.
+    Before phase ``first`` and after 1 − ``first`` the foot has only not to scuff; at the very ends
+    touchdown and lift-off have their own constraints. The phase does not depend on the nodes:
+    otherwise each mesh would have a problem of its own.
     """
-    first = 1.0 / (nodes - 1) - 1e-9
 
     def bound(phase: np.ndarray) -> np.ndarray:
         away = np.minimum(phase, 1.0 - phase)
-        arc = np.where(away > first, 4.0 * height * phase * (1.0 - phase), 0.0)
+        arc = np.where(away > first - 1e-9, 4.0 * height * phase * (1.0 - phase), 0.0)
         return np.repeat(np.where(away > 0, arc, -np.inf)[:, None], 2, axis=1)
 
     return bound

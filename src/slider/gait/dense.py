@@ -11,15 +11,21 @@ from slider.gait.tree import NUM_JOINTS
 DENSE = 10  # phases per node interval at which a solution is checked
 
 
-def dense_violations(problem: GaitProblem, variables: np.ndarray) -> dict[str, float]:
+def dense_violations(
+    problem: GaitProblem, variables: np.ndarray, yaw_rate: float = 0.0
+) -> dict[str, float]:
     """Worst violation by name at ``DENSE`` phases per node interval, SI units.
+
+    ``yaw_rate`` [rad/s] is the commanded one.
 
     The roll equation holds at nodes only; between them its residual measures the collocation.
     """
-    lower, upper = scaled_bounds(problem.node_constraints, _phase(problem), at_nodes=False)
+    phase = _phase(problem)
+    lower, upper = scaled_bounds(problem.node_constraints, phase, at_nodes=False)
     x = dense_nodes(problem, variables)
+    turns = np.stack([yaw_rate * np.repeat([1.0, -1.0], len(phase)), np.tile(phase - 0.5, 2)])
     evaluate = problem.node.value.map(len(x))
-    rows = np.array(evaluate(x.T, np.ones((1, len(x))))[1]).T
+    rows = np.array(evaluate(x.T, np.ones((1, len(x))), turns)[1]).T
     lower, upper = np.tile(lower, (2, 1)), np.tile(upper, (2, 1))
     excess = np.maximum(np.maximum(lower - rows, rows - upper), 0.0).ravel()
     blocks = node_blocks(problem.node_constraints, len(x))

@@ -1,7 +1,9 @@
 """What a gait is, the same for all commanded velocities: a robot, its dynamics and settings.
 
 Two steps make a walk. The second is written in reflected coordinates, so that the stance foot is
-always the left one and the same functions serve both.
+always the left one and the same functions serve both. A turning walk's course has the commanded
+yaw rate ω: in a step of duration T it goes from −ω T/2 to ω T/2 against the stance foot's line,
+and the next foot lands yawed by ω T. In the reflected step ω has the other sign.
 """
 
 from dataclasses import dataclass
@@ -23,11 +25,13 @@ class Formulation:
     Attributes:
         tree: kinematics and dynamics of the robot on its left foot.
         config, robot: settings, and the limits of the robot.
+        turning: whether the commands have a yaw rate; else it is zero in all expressions.
     """
 
     tree: StanceTree
     config: FormulationConfig
     robot: Mechanism
+    turning: bool = False
 
     @property
     def weight(self) -> float:
@@ -46,10 +50,11 @@ class Formulation:
         return self.sole + [model.toe, 0.0, 0.0], self.sole - [model.heel, 0.0, 0.0]
 
 
-def formulate(robot: Mechanism, config: FormulationConfig) -> Formulation:
+def formulate(robot: Mechanism, config: FormulationConfig, turning: bool = False) -> Formulation:
     """The formulation with the configured dynamics: the prismatic leg's or the virtual knee's."""
     knee = build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
     length = robot.geometry.leg_length
     if config.dynamics == "knee":
-        return Formulation(StanceTree(knee, length), config, robot)
-    return Formulation(PrismaticTree(knee, length, build_prismatic_model(robot)), config, robot)
+        return Formulation(StanceTree(knee, length), config, robot, turning)
+    tree = PrismaticTree(knee, length, build_prismatic_model(robot))
+    return Formulation(tree, config, robot, turning)

@@ -40,13 +40,18 @@ def cold_start(
     ``duration``: bounds of the step time [s].
     """
     step_time = float(np.clip(start.stride / max(abs(vx), 1e-9), *duration))
-    angles = _joints(vx * step_time / 2 / LEG, degree + 1, start.crouch)
-    joints = from_polynomials(layout.joints, angles)
-    step = np.concatenate([joints, [step_time], np.zeros(ROLL_STATES * layout.nodes)])
-    return np.tile(step, 2)
+    angles = crouched_walk(vx * step_time / 2 / LEG, degree + 1, start.crouch)
+    return variables_of(layout, np.stack([angles, angles]), step_time)
 
 
-def _joints(swing: float, count: int, crouch: float) -> np.ndarray:
+def variables_of(layout: Layout, coefficients: np.ndarray, step_time: float) -> np.ndarray:
+    """Variables (size,) of Bézier coefficients (2, 10, degree + 1) and a step time [s], no roll."""
+    rolls = np.zeros(ROLL_STATES * layout.nodes)
+    joints = (from_polynomials(layout.joints, step) for step in coefficients)
+    return np.concatenate([np.concatenate([each, [step_time], rolls]) for each in joints])
+
+
+def crouched_walk(swing: float, count: int, crouch: float) -> np.ndarray:
     """Bézier coefficients (10, count): legs swing from +swing to −swing about vertical."""
     s = np.linspace(0.0, 1.0, count)
     joints = np.zeros((NUM_JOINTS, count))

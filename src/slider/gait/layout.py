@@ -79,6 +79,12 @@ class Layout:
         """Matrix (2 · nodes · 34, size) from variables to node vectors."""
         return sp.csc_matrix(self._nodes)
 
+    @cached_property
+    def turns(self) -> np.ndarray:
+        """Sign of the yaw rate and phase from −½ to ½ (2, 2 · nodes): the second is reflected."""
+        signs = np.repeat([1.0, -1.0], self.nodes)
+        return np.stack([signs, np.tile(self.phase - 0.5, 2)])
+
     def node_vectors(self, variables: np.ndarray) -> np.ndarray:
         """Vectors (2, nodes, 34) of all nodes of both steps, the second one reflected."""
         return (self.select_nodes @ variables).reshape(2, self.nodes, NODE)

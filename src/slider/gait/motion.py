@@ -9,7 +9,7 @@ from slider.gait.dynamics import InverseDynamics
 from slider.gait.formulation import Formulation
 from slider.gait.motors import Motors
 from slider.gait.symbols import NodeSymbols, StepEnd, mirrored
-from slider.gait.tree import NUM_JOINTS, STANCE, SWING, BodyPose
+from slider.gait.tree import NUM_JOINTS, STANCE, SWING, BodyPose, rotation
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,8 @@ class Node:
         force, moment: of the ground at the middle of the foot line [N], [N m], world axes.
         poses: of all bodies.
         motors: torques and speeds.
+        course: of the walk, from the stance foot's line [rad].
+        yaw_rate: of the course [rad/s].
     """
 
     form: Formulation
@@ -32,22 +34,33 @@ class Node:
     moment: ca.SX
     poses: dict[str, BodyPose]
     motors: Motors
+    course: ca.SX
+    yaw_rate: ca.SX
 
     @classmethod
-    def of(cls, form: Formulation, x: ca.SX) -> "Node":
-        """Of a node vector (34,)."""
+    def of(cls, form: Formulation, x: ca.SX, turn: ca.SX) -> "Node":
+        """Of a node vector (34,).
+
+        ``turn`` (2,) is the course's yaw rate [rad/s] and the node's phase, from −½ to ½.
+        """
         s, tree = NodeSymbols.of(x), form.tree
         dynamics = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
         force, moment = tree.line_wrench(s.roll, dynamics)
         poses = tree.poses(s.roll, s.roll_rate, s.q, s.v)
         speeds = tree.map.velocities(s.q, s.v)
         motors = Motors.of(dynamics.efforts, speeds, form.robot.capstan)
-        return cls(form, s, dynamics, force, moment, poses, motors)
+        yaw_rate = turn[0] if form.turning else ca.SX(0)
+        course = yaw_rate * turn[1] * s.step_time
+        return cls(form, s, dynamics, force, moment, poses, motors, course, yaw_rate)
 
     @property
     def base(self) -> BodyPose:
         """The torso."""
         return self.poses["base"]
+
+    def along_course(self, vector: ca.SX) -> ca.SX:
+        """A world vector (3,) forward, leftward and upward of the course."""
+        return turned_back(vector, self.course)
 
     def foot_ends(self, leg: str) -> list[ca.SX]:
         """Toe and heel of ``STANCE`` or ``SWING`` (3,) [m]."""
@@ -95,7 +108,8 @@ class Touchdown:
 
     Attributes:
         foot: the landing foot, in the old step's coordinates.
-        sole: its middle and that one's velocity (3,) [m], [m/s].
+        sole: its middle, in the same, and that one's velocity along the new line (3,) [m], [m/s].
+        axes: of the landing foot (3, 3), seen from the new line.
         landing, lifting: vertical velocities (2,) of toe and heel: of the landing foot before, of
             the old stance foot after [m/s].
         torques: impulsive (10,) [N m s].
@@ -104,6 +118,7 @@ class Touchdown:
 
     foot: BodyPose
     sole: tuple[ca.SX, ca.SX]
+    axes: ca.SX
     landing: list[ca.SX]
     lifting: list[ca.SX]
     torques: ca.SX
@@ -111,16 +126,21 @@ class Touchdown:
     moment: ca.SX
 
     @classmethod
-    def of(cls, form: Formulation, before: StepEnd, after: StepEnd) -> "Touchdown":
-        """Between two step ends; the second one's coordinates are reflected against the first's."""
+    def of(cls, form: Formulation, before: StepEnd, after: StepEnd, turn: ca.SX) -> "Touchdown":
+        """Between two step ends; the second one's coordinates are reflected against the first's.
+
+        ``turn`` [rad] is the yaw of the new foot's line from the old one, in the first's.
+        """
         tree = form.tree
         old = tree.poses(before.roll, before.roll_rate, before.q, before.v)
         new = tree.poses(after.roll, after.roll_rate, after.q, after.v)
         foot = old["swing_foot"]
-        jump = _jump(form, foot, before, after)
+        jump = _jump(form, foot, before, after, turn)
+        place, velocity = tree.point(foot, form.sole)
         return cls(
             foot,
-            tree.point(foot, form.sole),
+            (place, turned_back(velocity, turn)),
+            turned_back(foot.rotation, turn),
             [tree.point(foot, end)[1][2] for end in form.foot_ends],
             [tree.point(new["swing_foot"], end)[1][2] for end in form.foot_ends],
             jump.torques,
@@ -128,12 +148,19 @@ class Touchdown:
         )
 
 
-def _jump(form: Formulation, foot: BodyPose, before: StepEnd, after: StepEnd) -> InverseDynamics:
+def turned_back(vectors: ca.SX, angle: ca.SX) -> ca.SX:
+    """Vectors (3, n) as axes that are yawed by ``angle`` [rad] see them; unchanged for a 0."""
+    return rotation(2, angle).T @ vectors
+
+
+def _jump(
+    form: Formulation, foot: BodyPose, before: StepEnd, after: StepEnd, turn: ca.SX
+) -> InverseDynamics:
     reflect = ca.DM(np.diag([1.0, -1.0, 1.0]))
     reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
     new = form.tree.foot_pose(after.roll, after.roll_rate)
     angular = new.angular - reflect_axial @ foot.angular
-    linear = new.rotation.T @ (new.linear - reflect @ foot.linear)
+    linear = new.rotation.T @ (new.linear - reflect @ turned_back(foot.linear, turn))
     zero, rest = ca.SX.zeros(3), ca.SX.zeros(NUM_JOINTS)
     return form.tree.newton_euler(
         zero, angular, linear, after.q, rest, after.v - mirrored(before.v)
@@ -162,7 +189,13 @@ def end_loads(form: Formulation, force: ca.SX, moment: ca.SX) -> tuple[ca.SX, ca
     return ca.vertcat(toe_z, heel_z), cone
 
 
-def step_vector(form: Formulation, end: StepEnd) -> ca.SX:
-    """Horizontal displacement (2,) [m] from the stance foot to the touched-down foot."""
+def step_vector(form: Formulation, end: StepEnd, course: ca.SX) -> ca.SX:
+    """Displacement (2,) [m] from the stance foot to the touched-down foot, along the course."""
     poses = form.tree.poses(end.roll, end.roll_rate, end.q, end.v)
-    return form.tree.point(poses["swing_foot"], form.sole)[0][:2]
+    return turned_back(form.tree.point(poses["swing_foot"], form.sole)[0], course)[:2]
+
+
+def base_displacement(form: Formulation, start: StepEnd, end: StepEnd) -> ca.SX:
+    """Horizontal displacement (2,) [m] of the base in a step, along the stance foot's line."""
+    first, last = (form.tree.poses(s.roll, s.roll_rate, s.q, s.v) for s in (start, end))
+    return (last["base"].origin - first["base"].origin)[:2]

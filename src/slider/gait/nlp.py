@@ -6,11 +6,12 @@ import casadi as ca
 
 from slider.gait.layout import NODE
 from slider.gait.problem import GaitProblem
+from slider.robot.names import COMMAND
 
 
 @dataclass(frozen=True)
 class Nlp:
-    """Functions of the variables x and the command p = (vx, vy)."""
+    """Functions of the variables x and the command p = (vx, vy, yaw rate)."""
 
     objective_and_rows: ca.Function
     gradient: ca.Function
@@ -27,6 +28,7 @@ class _Symbols:
         nodes: arguments of the node functions, a column per node; ``count`` of them.
         ends: arguments of the functions of the step ends.
         weights: of the nodes' costs, a row.
+        turns: of the nodes (2, count); see ``Node.of``.
     """
 
     x: ca.MX
@@ -36,6 +38,7 @@ class _Symbols:
     nodes: ca.MX
     ends: ca.MX
     weights: ca.DM
+    turns: ca.MX
     count: int
 
 
@@ -52,15 +55,16 @@ def assemble(problem: GaitProblem) -> Nlp:
 
 def _symbols(problem: GaitProblem) -> _Symbols:
     layout, count = problem.layout, 2 * problem.nodes
-    x, p = ca.MX.sym("x", layout.size), ca.MX.sym("p", 2)
+    x, p = ca.MX.sym("x", layout.size), ca.MX.sym("p", len(COMMAND))
     select, select_ends = ca.DM(layout.select_nodes), ca.DM(layout.select_ends)
     nodes = ca.reshape(select @ x, NODE, count)
-    weights = ca.DM(layout.weights).T
-    return _Symbols(x, p, select, select_ends, nodes, select_ends @ x, weights, count)
+    weights, turns = ca.DM(layout.weights).T, ca.DM(layout.turns)
+    turns = ca.vertcat(p[2] * turns[0, :], turns[1, :])
+    return _Symbols(x, p, select, select_ends, nodes, select_ends @ x, weights, turns, count)
 
 
 def _objective_and_rows(problem: GaitProblem, s: _Symbols) -> ca.Function:
-    costs, node_rows = problem.node.value.map(s.count)(s.nodes, s.weights)
+    costs, node_rows = problem.node.value.map(s.count)(s.nodes, s.weights, s.turns)
     defects, end_rows = problem.collocation.value(s.x), problem.ends.value(s.ends, s.p)
     rows = ca.vertcat(ca.vec(node_rows), defects, end_rows)
     return ca.Function("nlp", [s.x, s.p], [ca.sum2(costs), rows], ["x", "p"], ["f", "g"])
@@ -73,7 +77,7 @@ def _gradient(problem: GaitProblem, s: _Symbols) -> ca.Function:
 
 
 def _jacobian(problem: GaitProblem, s: _Symbols) -> ca.Function:
-    node_rows, node_jacobians = problem.node.jacobian.map(s.count)(s.nodes)
+    node_rows, node_jacobians = problem.node.jacobian.map(s.count)(s.nodes, s.turns)
     defects, defect_jacobian = problem.collocation.jacobian(s.x)
     end_rows, end_jacobian = problem.ends.jacobian(s.ends, s.p)
     rows = ca.vertcat(ca.vec(node_rows), defects, end_rows)
@@ -92,7 +96,8 @@ def _hessian(problem: GaitProblem, s: _Symbols) -> ca.Function:
     factor, multipliers = ca.MX.sym("f"), ca.MX.sym("lam", split[1] + ends)
     factors = ca.repmat(factor, 1, s.count)
     node_multipliers = ca.reshape(multipliers[: split[0]], per_node, s.count)
-    nodes = problem.node.hessian.map(s.count)(s.nodes, s.weights, factors, node_multipliers)
+    given = s.nodes, s.weights, s.turns, factors, node_multipliers
+    nodes = problem.node.hessian.map(s.count)(*given)
     hessian = s.select.T @ _diagonal(nodes) @ s.select
     hessian += problem.collocation.hessian(s.x, multipliers[split[0] : split[1]])
     at_ends = problem.ends.hessian(s.ends, s.p, multipliers[split[1] :])

@@ -12,6 +12,7 @@ from slider.gait.layout import END, NODE, ROLL_STATES, STEP, Layout
 from slider.gait.motion import Node
 from slider.gait.symbols import StepEnd
 from slider.gait.tree import NUM_JOINTS
+from slider.robot.names import COMMAND
 
 
 @dataclass(frozen=True)
@@ -26,11 +27,12 @@ class Piece:
 def node_piece(form: Formulation) -> tuple[Piece, ca.Function, list[Constraint]]:
     """Cost and constraints of a node, the cost's gradient, and the constraints.
 
-    ``value``: (x, weight) → cost, rows; ``jacobian``: x → rows, their Jacobian; ``hessian``:
-    (x, weight, factor, multipliers) → symmetric (34, 34).
+    ``value``: (x, weight, turn) → cost, rows; ``jacobian``: (x, turn) → rows, their Jacobian;
+    ``hessian``: (x, weight, turn, factor, multipliers) → symmetric (34, 34). ``turn`` (2,) is what
+    ``Node.of`` says.
     """
-    x, weight = ca.SX.sym("x", NODE), ca.SX.sym("w")
-    node = Node.of(form, x)
+    x, weight, turn = ca.SX.sym("x", NODE), ca.SX.sym("w"), ca.SX.sym("turn", 2)
+    node = Node.of(form, x, turn)
     rows_of, cost = constraints.of_node(node), COSTS[form.config.cost]
     rows, cost = scaled_rows(rows_of), cost.scale * cost.node(node, weight)
     multiplier, factor = ca.SX.sym("lam", rows.numel()), ca.SX.sym("f")
@@ -38,9 +40,9 @@ def node_piece(form: Formulation) -> tuple[Piece, ca.Function, list[Constraint]]
     full = ca.triu2symm(ca.triu(hessian))
     gradient = ca.Function("cost", [x, weight], [cost, ca.gradient(cost, x)])
     piece = Piece(
-        ca.Function("node", [x, weight], [cost, rows]),
-        ca.Function("node_jacobian", [x], [rows, ca.jacobian(rows, x)]),
-        ca.Function("node_hessian", [x, weight, factor, multiplier], [full]),
+        ca.Function("node", [x, weight, turn], [cost, rows]),
+        ca.Function("node_jacobian", [x, turn], [rows, ca.jacobian(rows, x)]),
+        ca.Function("node_hessian", [x, weight, turn, factor, multiplier], [full]),
     )
     return piece, gradient, rows_of
 
@@ -48,31 +50,31 @@ def node_piece(form: Formulation) -> tuple[Piece, ca.Function, list[Constraint]]
 def quantities(form: Formulation) -> ca.Function:
     """What a gait stores of a node; see ``Node.stored``."""
     x = ca.SX.sym("x", NODE)
-    return ca.Function("quantities", [x], Node.of(form, x).stored())
+    return ca.Function("quantities", [x], Node.of(form, x, ca.SX(2, 1)).stored())
 
 
 def ends_piece(form: Formulation) -> tuple[Piece, list[Constraint]]:
-    """Touchdowns and periodicity as functions of the step ends (90,) and the command (2,)."""
-    y, velocity = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", 2)
-    rows_of = _walk(form, y, velocity)
+    """Touchdowns and periodicity as functions of the step ends (90,) and the command (3,)."""
+    y, command = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", len(COMMAND))
+    rows_of = _walk(form, y, command)
     rows = scaled_rows(rows_of)
     multiplier = ca.SX.sym("lam", rows.numel())
     hessian, _ = ca.hessian(ca.dot(multiplier, rows), y)
     full = ca.triu2symm(ca.triu(hessian))
     piece = Piece(
-        ca.Function("ends", [y, velocity], [rows]),
-        ca.Function("ends_jacobian", [y, velocity], [rows, ca.jacobian(rows, y)]),
-        ca.Function("ends_hessian", [y, velocity, multiplier], [full]),
+        ca.Function("ends", [y, command], [rows]),
+        ca.Function("ends_jacobian", [y, command], [rows, ca.jacobian(rows, y)]),
+        ca.Function("ends_hessian", [y, command, multiplier], [full]),
     )
     return piece, rows_of
 
 
-def _walk(form: Formulation, y: ca.SX, velocity: ca.SX) -> list[Constraint]:
+def _walk(form: Formulation, y: ca.SX, command: ca.SX) -> list[Constraint]:
     steps = [y[step * STEP : (step + 1) * STEP] for step in range(2)]
     times = [step[-1] for step in steps]
     starts = [_step_end(step[:END], step[-1]) for step in steps]
     ends = [_step_end(step[END : 2 * END], step[-1]) for step in steps]
-    return constraints.of_walk(form, starts, ends, times, velocity)
+    return constraints.of_walk(form, starts, ends, times, command)
 
 
 def _step_end(part: ca.SX, step_time: ca.SX) -> StepEnd:

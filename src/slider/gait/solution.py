@@ -9,7 +9,7 @@ from slider.gait.layout import NODE, ROLL_STATES
 from slider.gait.problem import GaitProblem
 from slider.gait.tree import NUM_JOINTS
 from slider.robot import knee_map
-from slider.robot.kinematics import turn_to_heading, yaw_of
+from slider.robot.kinematics import about_z, turn_to_heading, yaw_of
 
 _AXIAL = np.array([-1.0, 1.0, -1.0])  # reflection of angular quantities
 _POLAR = np.array([1.0, -1.0, 1.0])
@@ -19,7 +19,8 @@ _POLAR = np.array([1.0, -1.0, 1.0])
 class KneeTrajectory:
     """A walk of S samples in virtual-knee coordinates, world axes, not reflected.
 
-    The world's origin is the middle of each step's own foot line. Joints: left leg, right leg.
+    The world's origin is the middle of each step's own foot line, and x along it. Joints: left
+    leg, right leg.
 
     Attributes:
         q, v, torques: (S, 10) [rad], [rad/s], [N m].
@@ -62,18 +63,24 @@ def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajecto
     )
 
 
-def base_motion(trajectory: KneeTrajectory, step_lengths: np.ndarray) -> np.ndarray:
+def base_motion(
+    trajectory: KneeTrajectory, step_lengths: np.ndarray, turn: float = 0.0
+) -> np.ndarray:
     """Base pose and velocity (S, 13) relative to the first stance foot.
 
     Position [m], quaternion w, x, y, z, linear velocity [m/s] (world), angular velocity [rad/s]
-    (base frame), as a MuJoCo free joint has them.
+    (base frame), as a MuJoCo free joint has them. The second stance foot is at ``step_lengths``
+    (2,) [m], yawed by ``turn`` [rad].
     """
-    position = trajectory.base_position.copy()
-    position[len(position) // 2 :, :2] += step_lengths
-    quaternion = np.array([_quaternion(r) for r in trajectory.base_rotation])
-    return np.concatenate(
-        [position, quaternion, trajectory.base_velocity, trajectory.base_angular], axis=1
-    )
+    position, rotation = trajectory.base_position.copy(), trajectory.base_rotation.copy()
+    velocity, second = trajectory.base_velocity.copy(), slice(len(position) // 2, None)
+    if turn:
+        axes = about_z(np.array([turn]))[0]
+        position[second], velocity[second] = position[second] @ axes.T, velocity[second] @ axes.T
+        rotation[second] = axes @ rotation[second]
+    position[second, :2] += step_lengths
+    quaternion = np.array([_quaternion(r) for r in rotation])
+    return np.concatenate([position, quaternion, velocity, trajectory.base_angular], axis=1)
 
 
 def _quaternion(r: np.ndarray) -> np.ndarray:

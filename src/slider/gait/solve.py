@@ -1,4 +1,4 @@
-"""Solve a gait problem for one commanded velocity."""
+"""Solve a gait problem for one command."""
 
 import time
 from dataclasses import dataclass, field
@@ -12,7 +12,9 @@ from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.nlp import Nlp, assemble
 from slider.gait.problem import GaitProblem
+from slider.robot.names import COMMAND
 
+GIVEN = "given"  # name of a start that is no guess of the configuration
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
 _WARM = {
     "warm_start_init_point": "yes",
@@ -95,7 +97,7 @@ def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
 
 
 class GaitSolver:
-    """IPOPT on one problem; reusable for several velocities."""
+    """IPOPT on one problem; reusable for several commands."""
 
     def __init__(self, problem: GaitProblem, config: SolverConfig, step_time: StepTime) -> None:
         self.problem = problem
@@ -112,7 +114,7 @@ class GaitSolver:
 
     def _build(self, changes: dict[str, object]) -> ca.Function:
         config = self._config
-        x, p = ca.MX.sym("x", self.problem.layout.size), ca.MX.sym("p", 2)
+        x, p = ca.MX.sym("x", self.problem.layout.size), ca.MX.sym("p", len(COMMAND))
         objective, rows = self._nlp.objective_and_rows(x, p)
         ipopt = {
             "max_iter": config.max_iterations,
@@ -140,15 +142,23 @@ class GaitSolver:
         }
         return ca.nlpsol("gait", "ipopt", {"x": x, "p": p, "f": objective, "g": rows}, options)
 
-    def solve(self, vx: float, vy: float) -> Solve:
-        """Solve for a commanded velocity [m/s], from the initial guesses in order.
+    def solve(
+        self, vx: float, vy: float, yaw_rate: float = 0.0, start: np.ndarray | None = None
+    ) -> Solve:
+        """Solve for a command [m/s, rad/s], from the initial guesses in order.
 
         The result is the first that converges or, with ``keep: best``, the cheapest that does.
+        Variables ``start`` (size,) take the place of the guesses.
+
+        Raises:
+            ValueError: a yaw rate, and the problem's walks do not turn.
         """
+        if yaw_rate and not self.problem.form.turning:
+            raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
         wall, cpu = time.perf_counter(), time.process_time()
         outcomes: list[Outcome] = []
-        for guess in self._config.guesses:
-            outcomes.append(self.attempt(guess, vx, vy))
+        for guess in self._config.guesses if start is None else [start]:
+            outcomes.append(self.attempt(guess, vx, vy, yaw_rate))
             if outcomes[-1].success and self._config.keep == "first":
                 break
         kept = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
@@ -166,44 +176,51 @@ class GaitSolver:
             attempts=tuple(outcome.attempt for outcome in outcomes),
         )
 
-    def attempt(self, guess: str, vx: float, vy: float) -> Outcome:
-        """Solve for a commanded velocity [m/s] from one initial guess."""
-        function, result = self._solve_from(guess, vx, vy)
+    def attempt(
+        self, guess: str | np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0
+    ) -> Outcome:
+        """Solve for a command [m/s, rad/s] from one initial guess, by name or as variables."""
+        function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
         return Outcome(
-            Attempt(guess, status, iterations, cost),
+            Attempt(guess if isinstance(guess, str) else GIVEN, status, iterations, cost),
             bool(stats["success"]),
             np.array(result["x"]).ravel(),
             np.array(result["g"]).ravel(),
             {k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
         )
 
-    def _solve_from(self, guess: str, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
+    def _solve_from(
+        self, guess: str | np.ndarray, command: np.ndarray
+    ) -> tuple[ca.Function, dict[str, ca.DM]]:
         """One guess: a cold start, or a ``ramp`` of warm starts from walking in place."""
+        if isinstance(guess, np.ndarray):
+            return self._cold, self._call(self._cold, _Point(guess), command)
         if guess == "ramp":
-            return self._ramp(vx, vy)
-        duration = duration_bounds(self._step_time, vx, vy)
+            return self._ramp(command)
+        duration = duration_bounds(self._step_time, *command[:2])
         degree = self.problem.config.degree
-        start = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
-        return self._cold, self._call(self._cold, _Point(start), vx, vy)
+        start = cold_start(self.problem.layout, command[0], degree, duration, STARTS[guess])
+        return self._cold, self._call(self._cold, _Point(start), command)
 
-    def _ramp(self, vx: float, vy: float) -> tuple[ca.Function, dict[str, ca.DM]]:
+    def _ramp(self, command: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
         """Walk in place first, then ever faster, each start with primal and dual values."""
-        _, result = self._solve_from("cold", 0.0, 0.0)
+        _, result = self._solve_from("cold", np.zeros(len(COMMAND)))
         for share in RAMP:
             values = (np.array(result[name]).ravel() for name in ("x", "lam_x", "lam_g"))
-            result = self._call(self._warm, _Point(*values), share * vx, share * vy)
+            result = self._call(self._warm, _Point(*values), share * command)
         return self._warm, result
 
-    def _call(self, function: ca.Function, start: _Point, vx: float, vy: float) -> dict[str, ca.DM]:
-        lower, upper = self.problem.variable_bounds(duration_bounds(self._step_time, vx, vy))
+    def _call(self, function: ca.Function, start: _Point, command: np.ndarray) -> dict[str, ca.DM]:
+        duration = duration_bounds(self._step_time, *command[:2])
+        lower, upper = self.problem.variable_bounds(duration)
         row_lower, row_upper = self.problem.row_bounds
         duals = {} if start.lam_x is None else {"lam_x0": start.lam_x, "lam_g0": start.lam_g}
         return function(
             x0=start.x,
-            p=[vx, vy],
+            p=command,
             lbx=lower,
             ubx=upper,
             lbg=row_lower,

@@ -1,4 +1,4 @@
-"""The stage ``gait``: one walk for one commanded velocity."""
+"""The stage ``gait``: one walk for one command."""
 
 import json
 from dataclasses import asdict
@@ -27,29 +27,56 @@ from slider.gait.solution import (
 )
 from slider.gait.solve import GaitSolver, Solve
 from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
-from slider.robot.names import ACTUATED
+from slider.robot.names import ACTUATED, COMMAND, command_text
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
-    config = from_dict(SolveConfig, section["solve"])
-    vx, vy = (float(v) for v in section["velocity"])
-    robot = from_dict(Mechanism, section["robot"])
-    problem = build(formulate(robot, from_dict(FormulationConfig, section["formulation"])))
-    job.progress(f"gait ({vx:g}, {vy:g}) m/s: built")
-    solve = GaitSolver(problem, config.solver, config.step_time).solve(vx, vy)
-    job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, config.kinematic_map)
+    solver, command = prepare(section, job)
+    solve = solver.solve(*command)
+    arrays, summary = write_report(section, solver.problem, solve, out, job)
     for name, array in arrays.items():
         np.save(out / f"{name}.npy", array)
-    missed = shortfall(arrays[DECOUPLING], config.decoupling_min)
-    report = _report(problem, solve, vx, vy, missed)
+    return summary
+
+
+def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float, float]]:
+    """Solver of a section, and its command [m/s, m/s, rad/s]."""
+    config = from_dict(SolveConfig, section["solve"])
+    command = _command(section)
+    robot = from_dict(Mechanism, section["robot"])
+    formulation = from_dict(FormulationConfig, section["formulation"])
+    problem = build(formulate(robot, formulation, turning=command[2] != 0.0))
+    job.progress(f"gait {command_text(command)}: built")
+    return GaitSolver(problem, config.solver, config.step_time), command
+
+
+def write_report(
+    section: Section, problem: GaitProblem, solve: Solve, out: Path, job: Job
+) -> tuple[dict[str, np.ndarray], Summary]:
+    """Write the report of a solve and note its times; arrays of the gait, and the summary."""
+    command = _command(section)
+    job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
+    arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], command[2])
+    missed = shortfall(arrays[DECOUPLING], section["solve"]["decoupling_min"])
+    report = _report(problem, solve, command, missed)
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
-    return {k: report[k] for k in ("vx", "vy", "status", "converged", "cost", "max_violation")}
+    names = (*COMMAND, "status", "converged", "cost", "max_violation")
+    return arrays, {name: report[name] for name in names}
 
 
-def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[str, np.ndarray]:
-    """Arrays of a gait; see ``docs/reference/gait-library.md`` for shapes, units and frames."""
+def _command(section: Section) -> tuple[float, float, float]:
+    vx, vy, yaw_rate = (float(value) for value in section["command"])
+    return vx, vy, yaw_rate
+
+
+def gait_arrays(
+    problem: GaitProblem, solve: Solve, kinematic_map: str, yaw_rate: float = 0.0
+) -> dict[str, np.ndarray]:
+    """Arrays of a gait; see ``docs/reference/gait-library.md`` for shapes, units and frames.
+
+    ``yaw_rate`` [rad/s] is the commanded one.
+    """
     layout, variables = problem.layout, solve.variables
     trajectory = knee_trajectory(problem, variables)
     robot, half = problem.form.robot, layout.nodes
@@ -64,7 +91,7 @@ def gait_arrays(problem: GaitProblem, solve: Solve, kinematic_map: str) -> dict[
         "time": np.concatenate([first, second]),
         "step_time": times,
         "coefficients": coefficients(problem, variables)[0],
-        "base": base_motion(trajectory, trajectory.swing_foot[half - 1, :2]),
+        "base": base_motion(trajectory, trajectory.swing_foot[half - 1, :2], yaw_rate * times[0]),
         "contact": stance,
         "knee_positions": trajectory.q,
         "knee_velocities": trajectory.v,
@@ -86,11 +113,10 @@ def _rooted(position: np.ndarray, roll: np.ndarray) -> np.ndarray:
 
 
 def _report(
-    problem: GaitProblem, solve: Solve, vx: float, vy: float, missed: float
+    problem: GaitProblem, solve: Solve, command: tuple[float, ...], missed: float
 ) -> dict[str, Any]:
     return {
-        "vx": vx,
-        "vy": vy,
+        **dict(zip(COMMAND, command, strict=True)),
         "status": solve.status,
         "converged": solve.success,
         "iterations": solve.iterations,
@@ -99,6 +125,6 @@ def _report(
         "cost_unit": COSTS[problem.config.cost].unit,
         "max_violation": max(solve.max_violation, missed),
         "residuals": solve.residuals | {DECOUPLING: missed},
-        "between_nodes": dense_violations(problem, solve.variables),
+        "between_nodes": dense_violations(problem, solve.variables, command[2]),
         "coefficient_error": coefficients(problem, solve.variables)[1],
     }

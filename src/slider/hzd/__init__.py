@@ -1,1 +1,1 @@
-"""Hybrid zero dynamics: virtual constraints, re-anchoring at impacts, return maps, feedback."""
+"""Hybrid zero dynamics: virtual constraints, return maps and feedback from step to step."""

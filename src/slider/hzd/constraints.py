@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from slider.gait import bezier
-from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL
+from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL, SWING
 from slider.hzd.polynomials import (
     NodeTable,
     Orders,
@@ -24,6 +24,7 @@ from slider.hzd.polynomials import (
 )
 from slider.robot.knee_map import KneeLengths, prismatic_motion
 
+_SLIDE = SWING - JOINTS + 3  # of the swing leg, among the joints
 _LEAST = 0.2  # a correction lasts at least this share of a step
 
 
@@ -81,17 +82,19 @@ class StepConstraints:
         return value, slope, curve
 
     def _gait(self, phase: np.ndarray) -> Orders:
-        degree = self.coefficients.shape[2] - 1
-        knee = [
-            np.einsum("nk,njk->nj", bezier.basis_derivative(degree, phase, order), values)
-            for order, values in zip(range(3), [self.coefficients] * 3, strict=True)
-        ]
-        legs, rolls = prismatic_motion(knee[0], knee[1], knee[2], self.lengths), self.roll.at(phase)
+        q, v, a = (self._knee(phase, order) for order in range(3))
+        legs, rolls = prismatic_motion(q, v, a, self.lengths), self.roll.at(phase)
         found = np.zeros((3, len(phase), NUM_COORDINATES))
         for order in range(3):
             found[order, :, ROLL] = rolls[order][:, 0]
             found[order, :, JOINTS:] = legs[order]
         return found[0], found[1], found[2]
+
+    def _knee(self, phase: np.ndarray, order: int) -> np.ndarray:
+        """A derivative (n, 10) of the virtual legs over the phase."""
+        degree = self.coefficients.shape[2] - 1
+        basis = bezier.basis_derivative(degree, phase, order)
+        return np.einsum("nk,njk->nj", basis, self.coefficients)
 
     def _correction(self, phase: np.ndarray) -> Orders:
         span = np.maximum(self.correction_end - self.anchor, _LEAST)
@@ -107,6 +110,8 @@ class StepConstraints:
         start, end = self.placement_span
         span = end - start
         way = np.einsum("njk,nk->nj", self.placement, self.displacement)
+        # A leg that is aside has farther to go: the foot's height is kept to second order.
+        way[:, _SLIDE] += (self.displacement**2).sum(axis=1) / (2 * self.lengths.nominal)
         share = smooth_step((phase - start) / span)
         return (
             way * share[0][:, None],

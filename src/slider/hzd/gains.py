@@ -17,7 +17,7 @@ class FootPlacement:
     stance sole: x along its line, reflected in right stance.
 
     Attributes:
-        velocities: of the gaits (G, 2) [m/s].
+        commands: of the gaits (G, 3) [m/s], [m/s], [rad/s].
         clock: whether the phase is time (G,), else where the hip is.
         phases: (S,) in [0, 1].
         gains: K(s) (G, 2, S, 2, 3): forward and leftward displacement [-], [s], [s]. Those for ċ_x
@@ -29,7 +29,7 @@ class FootPlacement:
             the phase (G, 2, N, 3) at N even phases [m].
     """
 
-    velocities: np.ndarray
+    commands: np.ndarray
     clock: np.ndarray
     phases: np.ndarray
     gains: np.ndarray

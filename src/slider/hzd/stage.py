@@ -26,6 +26,7 @@ from slider.hzd.step import PHASES, ClosedLoop, StepPlan
 from slider.hzd.summary import per_step, write_csv, write_markdown
 from slider.hzd.walk import COORDINATES, Linearisation, Walk, linearise, walk
 from slider.library.reader import STORE, GaitLibrary
+from slider.robot.names import COMMAND
 
 RECORDS = "gaits.json"
 CSV, MARKDOWN = "stability.csv", "stability.md"
@@ -44,7 +45,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """
     config = from_dict(StabilityConfig, section["hzd"])
     library = _library(inputs)
-    gaits = _indices(library, section["velocities"])
+    gaits = _indices(library, section["commands"])
     loop = ClosedLoop(RootedModel(library.robot), config)
     steps = plans(library, gaits, loop.model, config)
     found = linearise(loop, steps, config)
@@ -66,7 +67,7 @@ def collect_placement(section: Section, inputs: Inputs, out: Path, job: Job) -> 
         for field in fields(FootPlacement)
         if field.name != "phases"
     }
-    order = _indices(FootPlacement(phases=PHASES, **whole), library.velocities.tolist())
+    order = _indices(FootPlacement(phases=PHASES, **whole), library.commands.tolist())
     ordered = {name: values[order] for name, values in whole.items()}
     FootPlacement(phases=parts[0].phases, **ordered).save(out)
     return {"gaits": len(order)}
@@ -75,7 +76,7 @@ def collect_placement(section: Section, inputs: Inputs, out: Path, job: Job) -> 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Table of all gaits as CSV, and for people."""
     rows = [row for folder in inputs["gaits"] for row in json.loads((folder / RECORDS).read_text())]
-    rows.sort(key=lambda row: (row["vx"], row["vy"]))
+    rows.sort(key=lambda row: [row[name] for name in COMMAND])
     write_csv(out / CSV, rows)
     write_markdown(out / MARKDOWN, rows)
     job.tracker.log_file(out / CSV)
@@ -93,12 +94,12 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(StabilityConfig, section["hzd"])
     basin = from_dict(BasinConfig, section["basin"])
     library = _library(inputs)
-    gait = np.array([library.find(*section["velocity"])])
+    gait = np.array([library.find(*section["command"])])
     loop = ClosedLoop(RootedModel(library.robot), config)
     steps = plans(library, gait, loop.model, config)
     found = walk(loop, steps, linearise(loop, steps, config), 0, config)
     arrays = {name: np.array(values) for name, values in vars(axes(basin)).items()}
-    arrays["velocity"] = library.velocities[gait[0]]
+    arrays["command"] = library.commands[gait[0]]
     push = ImpactGrid([0.0], [_PUSH * basin.roll_rate.upper])
     start = perturbed(loop, found.points[:1], push)[1][0]
     cases = {"without": None, "with": Placement(found, config.feedback.reach)}
@@ -120,12 +121,10 @@ def _library(inputs: Inputs) -> GaitLibrary:
     return library
 
 
-def _indices(
-    gaits: GaitLibrary | FootPlacement, velocities: Sequence[Sequence[float]]
-) -> np.ndarray:
-    """Places of the velocities that there are."""
-    places = {tuple(v): k for k, v in enumerate(gaits.velocities.tolist())}
-    return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)
+def _indices(gaits: GaitLibrary | FootPlacement, commands: Sequence[Sequence[float]]) -> np.ndarray:
+    """Places of the commands that there are."""
+    places = {tuple(v): k for k, v in enumerate(gaits.commands.tolist())}
+    return np.array([places[tuple(v)] for v in commands if tuple(v) in places], dtype=int)
 
 
 def _walk(
@@ -151,12 +150,10 @@ def _record(
     kept: Invariance,
 ) -> dict[str, Any]:
     """Values of ``slider.hzd.summary.QUANTITIES``; None where there is no limit cycle."""
-    vx, vy = (float(v) for v in library.velocities[gait])
     share = [np.min(p.hip.slopes[place]) / np.ptp(p.hip.values[place, [0, -1]]) for p in steps]
     values = library.arrays["decoupling"][gait]
     record = {
-        "vx": vx,
-        "vy": vy,
+        **dict(zip(COMMAND, map(float, library.commands[gait]), strict=True)),
         "phase": "time" if steps[0].clock[place] else "hip",
         "hip_share": None if steps[0].clock[place] else float(min(share)),
         "decoupling": float(values[:, 0].min()),
@@ -202,7 +199,7 @@ def _placement(
         if found is not None:
             gains[k], orbit[k] = found.phase_gains, found.orbit
     return FootPlacement(
-        library.velocities[gaits],
+        library.commands[gaits],
         steps[0].clock,
         PHASES,
         gains,

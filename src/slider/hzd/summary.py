@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from slider.robot.names import COMMAND
+
 Values = Mapping[str, Any]
 
 
@@ -66,9 +68,9 @@ def write_csv(path: Path, rows: Sequence[Values]) -> None:
     """One line per gait; several values of one column are separated by blanks."""
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["vx", "vy", *QUANTITIES])
+        writer.writerow([*COMMAND, *QUANTITIES])
         for row in rows:
-            writer.writerow([_text(row.get(name), 6) for name in ("vx", "vy", *QUANTITIES)])
+            writer.writerow([_text(row.get(name), 6) for name in (*COMMAND, *QUANTITIES)])
 
 
 def write_markdown(path: Path, rows: Sequence[Values]) -> None:
@@ -76,7 +78,7 @@ def write_markdown(path: Path, rows: Sequence[Values]) -> None:
     lines = [f"{len(rows)} gaits.", ""]
     head = ["quantity", "unit", "meaning", "least", "median", "greatest"]
     lines += _grid(head, [_range(name, rows) for name in QUANTITIES if name != "phase"])
-    straight = [row for row in rows if row["vy"] == 0.0]
+    straight = [row for row in rows if row["vy"] == row["yaw_rate"] == 0.0]
     if straight:
         head = ["vx [m/s]", *(f"{row['vx']:g}" for row in straight)]
         body = [[f"`{n}`", *(_text(row.get(n), 3) for row in straight)] for n in _OVER_SPEED]

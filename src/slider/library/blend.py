@@ -16,7 +16,7 @@ from slider.gait import bezier
 from slider.library.mesh import aligned, normalise
 from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
-from slider.robot.names import JOINTS
+from slider.robot.names import JOINTS, command_text
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Gait:
     """A walk of two steps, left stance first.
 
     Attributes:
-        velocity: (2,) commanded vx, vy [m/s], within the library's range.
+        command: (3,) vx, vy [m/s], yaw rate [rad/s], within the library's range.
         weights: (G,) share of each gait of the library.
         step_time: (2,) duration of the steps [s].
         coefficients: (2, 10, degree + 1) Bézier coefficients [rad], as in the library.
@@ -33,7 +33,7 @@ class Gait:
         forward, leftward: (2 · nodes,) speed of the base in its heading frame [m/s].
     """
 
-    velocity: np.ndarray
+    command: np.ndarray
     weights: np.ndarray
     step_time: np.ndarray
     coefficients: np.ndarray
@@ -69,26 +69,26 @@ class Gait:
         return np.concatenate([position, velocity, speeds], axis=1)
 
 
-def blend(library: GaitLibrary, vx: float, vy: float) -> Gait:
-    """Gait at a command [m/s]: bilinear in the four velocities around it, step times included.
+def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> Gait:
+    """Gait at a command [m/s, rad/s]: trilinear in the commands around it, step times included.
 
-    At a velocity of the library it is that gait. It is continuous in the command everywhere: at
-    the border (commands outside take the nearest velocity inside) and at holes and velocities
+    At a command of the library it is that gait. It is continuous in the command everywhere: at
+    the border (commands outside take the nearest command inside) and at holes and commands
     that only a part of the grid has (filled as ``slider.library.mesh`` says).
 
     Raises:
         ValueError: the command is not finite.
     """
-    if not (np.isfinite(vx) and np.isfinite(vy)):
-        raise ValueError(f"expected a finite command, found ({vx}, {vy}) m/s")
+    command = np.array([vx, vy, yaw_rate])
+    if not np.isfinite(command).all():
+        raise ValueError(f"expected a finite command, found {command_text(command)}")
     mesh, arrays = library.mesh, library.arrays
-    weights = mesh.weights(np.array([vx]), np.array([vy]))[0]
+    weights = mesh.weights(command[None])[0]
     blended = {name: np.tensordot(weights, arrays[name], axes=1) for name in _BLENDED}
     base = normalise(np.tensordot(weights, aligned(arrays["base"]), axes=1))
     speeds = np.tensordot(weights, arrays["samples"][..., 2 * len(JOINTS) :], axes=1)
-    inside = np.clip([vx, vy], [mesh.vx[0], mesh.vy[0]], [mesh.vx[-1], mesh.vy[-1]])
     return Gait(
-        velocity=inside,
+        command=mesh.inside(command),
         weights=weights,
         base=base,
         forward=speeds[:, 0],

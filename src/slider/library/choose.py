@@ -20,10 +20,11 @@ def add_library_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_velocity_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the velocity of a gait."""
+def add_command_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command of a gait."""
     parser.add_argument("--vx", type=float, required=True, help="forward velocity [m/s]")
     parser.add_argument("--vy", type=float, default=0.0, help="leftward [m/s] (default: 0)")
+    parser.add_argument("--yaw-rate", type=float, default=0.0, help="[rad/s] (default: 0)")
 
 
 def read_library(arguments: argparse.Namespace) -> GaitLibrary:

@@ -11,19 +11,19 @@ from slider.library.step_times import StepTimes
 
 @dataclass(frozen=True)
 class JointTable:
-    """Joint positions on all nodes of the mesh of velocities.
+    """Joint positions on all nodes of the mesh of commands.
 
     Attributes:
-        times: step times, and the velocities of the mesh.
-        positions: (nx, ny, S, 12) [rad or m] at S samples per walk, left stance first.
+        times: step times, and the commands of the mesh.
+        positions: (nx, ny, nw, S, 12) [rad or m] at S samples per walk, left stance first.
     """
 
     times: StepTimes
     positions: np.ndarray
 
-    def at(self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray) -> np.ndarray:
-        """Joint positions (N, 12) of commands (N,), (N,) [m/s] at phases (N,) in [0, 1)."""
-        return at_phase(self.times, self.positions, vx, vy, phase)
+    def at(self, command: np.ndarray, phase: np.ndarray) -> np.ndarray:
+        """Joint positions (N, 12) of commands (N, 3) at phases (N,) in [0, 1)."""
+        return at_phase(self.times, self.positions, command, phase)
 
     @cached_property
     def standing(self) -> np.ndarray:
@@ -32,26 +32,26 @@ class JointTable:
 
 
 def standing(times: StepTimes, table: np.ndarray) -> np.ndarray:
-    """Row (channels,) of a table (nx, ny, S, channels) for standing on both feet.
+    """Row (channels,) of a table (nx, ny, nw, S, channels) for standing on both feet.
 
     The mean of the two changes of feet of the gait in place, which are reflections of each other.
     """
-    zero = np.zeros(2)
-    return at_phase(times, table, zero, zero, np.array([0.0, 0.5])).mean(axis=0)
+    return at_phase(times, table, np.zeros((2, 3)), np.array([0.0, 0.5])).mean(axis=0)
 
 
 def at_phase(
-    times: StepTimes, table: np.ndarray, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray
+    times: StepTimes, table: np.ndarray, command: np.ndarray, phase: np.ndarray
 ) -> np.ndarray:
-    """Rows (N, channels) of a table (nx, ny, S, channels) at commands and phases (N,).
+    """Rows (N, channels) of a table (nx, ny, nw, S, channels) at commands (N, 3), phases (N,).
 
-    Bilinear in velocity, linear in time within a step: the velocities jump at touchdown.
+    Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
     """
-    k, c = _sample(phase, table.shape[2])
-    flat = table.reshape(-1, table.shape[3])
-    result = np.zeros((len(vx), table.shape[3]))
-    for i, j, weight in corners(times.vx, times.vy, vx, vy):
-        row = (i * table.shape[1] + j) * table.shape[2] + k
+    samples, channels = table.shape[3:]
+    k, c = _sample(phase, samples)
+    flat = table.reshape(-1, channels)
+    result = np.zeros((len(command), channels))
+    for node, weight in corners(times, command):
+        row = np.ravel_multi_index(node, times.shape) * samples + k
         result += (weight * (1 - c))[:, None] * flat[row]
         result += (weight * c)[:, None] * flat[row + 1]
     return result

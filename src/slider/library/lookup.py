@@ -1,4 +1,4 @@
-"""Look gaits up by commanded velocity and phase, thousands at once."""
+"""Look gaits up by command and phase, thousands at once."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,11 +14,11 @@ from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
 
 @dataclass(frozen=True)
 class GaitTable:
-    """Gaits on all nodes of the mesh of velocities, for fast look-up.
+    """Gaits on all nodes of the mesh of commands, for fast look-up.
 
     Attributes:
-        times: mean duration of a step, and the velocities of the mesh.
-        reference: (nx, ny, S, 26 + 13) channels and base motion.
+        times: mean duration of a step, and the commands of the mesh.
+        reference: (nx, ny, nw, S, 26 + 13) channels and base motion.
     """
 
     times: StepTimes
@@ -26,24 +26,24 @@ class GaitTable:
 
     @classmethod
     def from_library(cls, library: GaitLibrary) -> "GaitTable":
-        """Fill every node of the library's mesh of velocities."""
+        """Fill every node of the library's mesh of commands."""
         mesh = library.mesh
         values = np.concatenate([library.samples, aligned(library.base)], axis=2)
         reference = np.tensordot(mesh.node_weights, values, axes=1)
         step_time = mesh.node_weights @ library.step_time.mean(axis=1)
-        return cls(StepTimes(mesh.vx, mesh.vy, step_time), reference)
+        return cls(StepTimes(mesh.vx, mesh.vy, mesh.yaw_rate, step_time), reference)
 
     @property
     def joints(self) -> JointTable:
         """The joint positions alone."""
         return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
 
-    def at(self, vx: np.ndarray, vy: np.ndarray, phase: np.ndarray) -> np.ndarray:
-        """Channels and base motion (N, 39) of commands (N,), (N,) at phases (N,) in [0, 1).
+    def at(self, command: np.ndarray, phase: np.ndarray) -> np.ndarray:
+        """Channels and base motion (N, 39) of commands (N, 3) at phases (N,) in [0, 1).
 
-        Bilinear in velocity, linear in time within a step: the velocities jump at touchdown.
+        Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
         """
-        result = at_phase(self.times, self.reference, vx, vy, phase)
+        result = at_phase(self.times, self.reference, command, phase)
         normalise(result[:, NUM_CHANNELS:])
         return result
 
@@ -56,11 +56,13 @@ class GaitTable:
         normalise(result[None, NUM_CHANNELS:])
         return result
 
-    def channels(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
-        """Channels (N, S, 26) of all samples of the walks at commands (N,), (N,) [m/s]."""
+    def channels(self, command: np.ndarray) -> np.ndarray:
+        """Channels (N, S, 26) of all samples of the walks at commands (N, 3)."""
         samples = self.reference[..., :NUM_CHANNELS]
-        around = corners(self.times.vx, self.times.vy, vx, vy)
         return sum(
-            (weight[:, None, None] * samples[i, j] for i, j, weight in around),
-            start=np.zeros((len(vx), *samples.shape[2:])),
+            (
+                weight[:, None, None] * samples[node]
+                for node, weight in corners(self.times, command)
+            ),
+            start=np.zeros((len(command), *samples.shape[3:])),
         )

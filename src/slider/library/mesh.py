@@ -1,51 +1,77 @@
-"""The grid of commanded velocities, and the weights of its gaits at any command.
+"""The grid of commands (vx, vy, yaw rate), and the weights of its gaits at any command.
 
-All interpolation between gaits goes through these weights. A command inside the grid is bilinear
-in the four nodes around it and a command outside takes the border's, so that weights are
-continuous everywhere. A node with a gait is that gait alone. A node without one (a hole, or a
-velocity that only another part of the grid has) is filled once, from the gaits before and after
-it in its row and in its column, the nearer pair counting more; where it lies between no two
-gaits it is the nearest gait. Attitudes are blended as quaternions, aligned before and made unit
-after.
+All interpolation between gaits goes through these weights. A command inside the grid is linear
+along each axis between the nodes around it and a command outside takes the border's, so that
+weights are continuous everywhere; along an axis with one value they are constant. A node with a
+gait is that gait alone. A node without one (a hole, or a command that only another part of the
+grid has) is filled once, from the gaits before and after it along each axis, the nearer pair
+counting more; where it lies between no two gaits it is the nearest gait, 1 rad/s as far as 1 m/s.
+Attitudes are blended as quaternions, aligned before and made unit after.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
 _QUATERNION = slice(3, 7)  # of the 13 columns of the base's motion
 
+Node = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Places (N,) along vx, vy and yaw rate."""
+
 
 @dataclass(frozen=True)
-class VelocityMesh:
-    """Every vx of a library times every vy, with the gaits that make up each node.
-
-    Attributes:
-        vx, vy: increasing velocities [m/s], (nx,), (ny,).
-        node_weights: (nx, ny, G), not negative; they sum to one over the gaits.
-    """
+class Axes:
+    """Increasing commands of a grid: vx (nx,), vy (ny,) [m/s] and yaw rate (nw,) [rad/s]."""
 
     vx: np.ndarray
     vy: np.ndarray
+    yaw_rate: np.ndarray
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        """The three axes."""
+        return iter((self.vx, self.vy, self.yaw_rate))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis) for axis in self)
+
+    def inside(self, command: np.ndarray) -> np.ndarray:
+        """Nearest commands (..., 3) that the grid has."""
+        return np.clip(command, [axis[0] for axis in self], [axis[-1] for axis in self])
+
+
+@dataclass(frozen=True)
+class CommandMesh(Axes):
+    """Every vx of a library times every vy and yaw rate, with the gaits that make up each node.
+
+    Attributes:
+        node_weights: (nx, ny, nw, G), not negative; they sum to one over the gaits.
+    """
+
     node_weights: np.ndarray
 
     @classmethod
-    def of(cls, velocities: np.ndarray) -> "VelocityMesh":
-        """Mesh of gaits with velocities (G, 2) [m/s]."""
-        vx, column = np.unique(velocities[:, 0], return_inverse=True)
-        vy, row = np.unique(velocities[:, 1], return_inverse=True)
-        gait = np.full((len(vx), len(vy)), -1)
-        gait[column, row] = np.arange(len(velocities))
-        weights = np.zeros((*gait.shape, len(velocities)))
-        for i, j in np.ndindex(gait.shape):
-            weights[i, j] = _node(velocities, gait, vx, vy, i, j)
-        return cls(vx, vy, weights)
+    def of(cls, commands: np.ndarray) -> "CommandMesh":
+        """Mesh of gaits with commands (G, 3)."""
+        values, places = zip(
+            *(np.unique(column, return_inverse=True) for column in commands.T), strict=True
+        )
+        gait = np.full([len(axis) for axis in values], -1)
+        gait[places] = np.arange(len(commands))
+        weights = np.zeros((*gait.shape, len(commands)))
+        for node in np.ndindex(gait.shape):
+            weights[node] = _node(commands, gait, values, node)
+        vx, vy, yaw_rate = values
+        return cls(vx, vy, yaw_rate, weights)
 
-    def weights(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
-        """Weights (N, G) of the gaits at commands (N,), (N,) [m/s]."""
+    def weights(self, command: np.ndarray) -> np.ndarray:
+        """Weights (N, G) of the gaits at commands (N, 3)."""
         result = 0.0
-        for i, j, weight in corners(self.vx, self.vy, vx, vy):
-            result = result + weight[:, None] * self.node_weights[i, j]
+        for node, weight in corners(self, command):
+            result = result + weight[:, None] * self.node_weights[node]
         return np.asarray(result)
 
 
@@ -58,38 +84,49 @@ def cell(axis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return index, position - index
 
 
-def corners(
-    vx_axis: np.ndarray, vy_axis: np.ndarray, vx: np.ndarray, vy: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """The four nodes around commands (N,): their indices (N,), (N,) and bilinear weights (N,)."""
-    i, a = cell(vx_axis, vx)
-    j, b = cell(vy_axis, vy)
-    right, up = np.minimum(i + 1, len(vx_axis) - 1), np.minimum(j + 1, len(vy_axis) - 1)
-    sides = [(i, 1 - a), (right, a)]
-    levels = [(j, 1 - b), (up, b)]
-    return [(x, y, wx * wy) for x, wx in sides for y, wy in levels]
+def corners(axes: Axes, command: np.ndarray) -> list[tuple[Node, np.ndarray]]:
+    """The nodes around commands (N, 3), up to eight: their indices and trilinear weights (N,)."""
+    sides = [_sides(axis, value) for axis, value in zip(axes, command.T, strict=True)]
+    return [((i, j, k), wx * wy * wz) for (i, wx), (j, wy), (k, wz) in product(*sides)]
+
+
+def _sides(axis: np.ndarray, value: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Places (N,) below and above along an axis, and their weights; one place if it has no more."""
+    below, share = cell(axis, value)
+    if len(axis) == 1:
+        return [(below, np.ones(len(value)))]
+    return [(below, 1 - share), (below + 1, share)]
 
 
 def _node(
-    velocities: np.ndarray, gait: np.ndarray, vx: np.ndarray, vy: np.ndarray, i: int, j: int
+    commands: np.ndarray, gait: np.ndarray, axes: Sequence[np.ndarray], node: tuple[int, ...]
 ) -> np.ndarray:
     """Weights (G,) of one node."""
-    weights = np.zeros(len(velocities))
-    if gait[i, j] >= 0:
-        weights[gait[i, j]] = 1.0
+    weights = np.zeros(len(commands))
+    if gait[node] >= 0:
+        weights[gait[node]] = 1.0
         return weights
-    pairs = [_bracket(gait[:, j], vx, i), _bracket(gait[i], vy, j)]
-    for first, second, fraction, span in filter(None, pairs):
-        weights[first] += (1 - fraction) / span
-        weights[second] += fraction / span
+    for number, axis in enumerate(axes):
+        line = gait[(*node[:number], slice(None), *node[number + 1 :])]
+        pair = _bracket(line, axis, node[number])
+        if pair is not None:
+            first, second, fraction, span = pair
+            weights[first] += (1 - fraction) / span
+            weights[second] += fraction / span
     if not weights.any():
-        distance = np.hypot(velocities[:, 0] - vx[i], velocities[:, 1] - vy[j])
-        weights[distance.argmin()] = 1.0
+        place = [axis[k] for axis, k in zip(axes, node, strict=True)]
+        weights[distances(commands, place).argmin()] = 1.0
     return weights / weights.sum()
 
 
+def distances(commands: np.ndarray, place: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Distances (G,) of commands (G, 3) from one (3,); 1 rad/s counts as 1 m/s."""
+    away = commands - np.asarray(place)
+    return np.hypot(np.hypot(away[:, 0], away[:, 1]), away[:, 2])
+
+
 def _bracket(line: np.ndarray, axis: np.ndarray, k: int) -> tuple[int, int, float, int] | None:
-    """Gaits before and after place k of a row or column, the fraction between them, their span."""
+    """Gaits before and after place k along an axis, the fraction between them, their span."""
     there = np.flatnonzero(line >= 0)
     before, after = there[there < k], there[there > k]
     if not len(before) or not len(after):

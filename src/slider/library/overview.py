@@ -7,7 +7,7 @@ import numpy as np
 from slider.library import loads
 from slider.library.reader import GaitLibrary, Hole
 from slider.library.smoothness import smoothness
-from slider.robot.names import CHANNELS
+from slider.robot.names import CHANNELS, command_text
 
 _WORST = 5  # constraints that are shown by name
 
@@ -15,11 +15,10 @@ _WORST = 5  # constraints that are shown by name
 def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
     """Status, times, cost, peaks against the limits, worst residuals and clearance of a gait."""
     arrays = library.arrays
-    vx, vy = library.velocities[gait]
     first, second = arrays["step_time"][gait]
     lengths = _step_lengths(library, gait)
     lines = [
-        f"gait ({vx:g}, {vy:g}) m/s: {arrays['status'][gait]}, "
+        f"gait {command_text(library.commands[gait])}: {arrays['status'][gait]}, "
         f"{arrays['iterations'][gait]} iterations",
         f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
         f"  step length  {lengths[0]:.3f} m, {lengths[1]:.3f} m forward",
@@ -65,6 +64,7 @@ def _grid(library: GaitLibrary) -> list[str]:
         f"gait library: {len(library)} of {asked} gaits converged",
         f"  vx {_axis(mesh.vx)} m/s",
         f"  vy {_axis(mesh.vy)} m/s",
+        *([f"  yaw rate {_axis(mesh.yaw_rate)} rad/s"] if mesh.yaw_rate.any() else []),
     ]
 
 
@@ -90,7 +90,7 @@ def _run(values: np.ndarray) -> str:
 
 
 def _hole(hole: Hole) -> str:
-    return f"({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}, {hole.violations}"
+    return f"{command_text(hole.command)}: {hole.status}, {hole.violations}"
 
 
 def _ranges(library: GaitLibrary) -> list[str]:
@@ -115,18 +115,17 @@ def _spread(values: Sequence[float] | np.ndarray) -> str:
 def _worst_residual(library: GaitLibrary) -> str:
     residuals = library.arrays["residuals"]
     gait, constraint = np.unravel_index(residuals.argmax(), residuals.shape)
-    vx, vy = library.velocities[gait]
-    name = library.constraints[constraint]
-    return f"  worst residual: {name} {residuals.max():.1e} at ({vx:g}, {vy:g}) m/s"
+    name, command = library.constraints[constraint], command_text(library.commands[gait])
+    return f"  worst residual: {name} {residuals.max():.1e} at {command}"
 
 
 def _smoothness(library: GaitLibrary) -> str:
-    measured = smoothness(library.velocities, library.arrays["samples"])
+    measured = smoothness(library.commands, library.arrays["samples"])
     if not len(measured.pairs):
         return "  smoothness: no neighbouring gaits"
     first, second, channel = measured.worst
-    (ax, ay), (bx, by) = library.velocities[[first, second]]
+    ends = [command_text(library.commands[index]) for index in (first, second)]
     return (
         f"  smoothness: greatest jump {100 * measured.largest:.1f} % of the range of "
-        f"{CHANNELS[channel]}, between ({ax:g}, {ay:g}) and ({bx:g}, {by:g}) m/s"
+        f"{CHANNELS[channel]}, between {ends[0]} and {ends[1]}"
     )

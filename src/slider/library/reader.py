@@ -13,7 +13,7 @@ from scipy.spatial import KDTree
 from slider.config.convert import from_dict
 from slider.config.robot import Mechanism
 from slider.core.errors import UserError
-from slider.library.mesh import VelocityMesh
+from slider.library.mesh import CommandMesh, distances
 from slider.library.schema import (
     ARRAYS,
     CONSTRAINT,
@@ -23,23 +23,30 @@ from slider.library.schema import (
     SCHEMA,
     VERSION,
 )
+from slider.robot.names import command_text
 
 STORE = "library.zarr"
 _NAMES = (*ARRAYS, *COORDINATES, CONSTRAINT)
 _ANEW = "make it anew with `snakemake -j2 gait_library`"
-_SAME = 1e-6  # velocities closer than this are one [m/s]
+_SAME = 1e-6  # commands closer than this are one [m/s, rad/s]
 
 
 @dataclass(frozen=True)
 class Hole:
-    """A velocity [m/s] without a gait; ``residuals`` are the violated constraints, worst first."""
+    """A command without a gait; ``residuals`` are the violated constraints, worst first."""
 
     vx: float
     vy: float
+    yaw_rate: float
     status: str
     iterations: int
     max_violation: float
     residuals: Mapping[str, float]
+
+    @property
+    def command(self) -> tuple[float, float, float]:
+        """vx, vy [m/s], yaw rate [rad/s]."""
+        return self.vx, self.vy, self.yaw_rate
 
     @property
     def violations(self) -> str:
@@ -89,12 +96,17 @@ class GaitLibrary:
 
     def __len__(self) -> int:
         """Number of gaits."""
-        return len(self.velocities)
+        return len(self.commands)
+
+    @property
+    def commands(self) -> np.ndarray:
+        """Commands (G, 3): vx, vy [m/s], yaw rate [rad/s]."""
+        return self.arrays["commands"]
 
     @property
     def velocities(self) -> np.ndarray:
-        """Commanded vx, vy (G, 2) [m/s]."""
-        return self.arrays["velocities"]
+        """Commanded vx, vy (G, 2) [m/s] alone."""
+        return self.commands[:, :2]
 
     @property
     def samples(self) -> np.ndarray:
@@ -122,7 +134,7 @@ class GaitLibrary:
 
     @cached_property
     def holes(self) -> tuple[Hole, ...]:
-        """Velocities whose gait did not converge."""
+        """Commands whose gait did not converge."""
         return tuple(from_dict(list[Hole], self.attributes["holes"]))
 
     @cached_property
@@ -146,36 +158,48 @@ class GaitLibrary:
         return self.attributes["cost_unit"]
 
     @cached_property
-    def mesh(self) -> VelocityMesh:
+    def mesh(self) -> CommandMesh:
         """Weights of the gaits at any command."""
-        return VelocityMesh.of(self.velocities)
+        return CommandMesh.of(self.commands)
 
-    def nearest(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
-        """Index (N,) of the gait nearest to each command (N,), (N,) [m/s]."""
-        return np.asarray(self._tree.query(np.stack([vx, vy], axis=1))[1])
+    @cached_property
+    def straight(self) -> "GaitLibrary":
+        """The gaits whose yaw rate is nearest to zero: what maps over vx and vy show."""
+        rates = self.mesh.yaw_rate
+        if len(rates) == 1:
+            return self
+        rate = rates[np.abs(rates).argmin()]
+        kept = self.commands[:, 2] == rate
+        arrays = {name: self.arrays[name][kept] for name in (*ARRAYS, *COORDINATES)}
+        holes = [hole for hole in self.attributes["holes"] if hole["yaw_rate"] == rate]
+        arrays[CONSTRAINT] = self.arrays[CONSTRAINT]
+        return GaitLibrary(arrays, {**self.attributes, "holes": holes})
+
+    def nearest(self, command: np.ndarray) -> np.ndarray:
+        """Index (N,) of the gait nearest to each command (N, 3); 1 rad/s counts as 1 m/s."""
+        return np.asarray(self._tree.query(command)[1])
 
     @cached_property
     def _tree(self) -> KDTree:
-        return KDTree(self.velocities)
+        return KDTree(self.commands)
 
-    def find(self, vx: float, vy: float) -> int:
-        """Index of the gait of a velocity [m/s].
+    def find(self, vx: float, vy: float, yaw_rate: float = 0.0) -> int:
+        """Index of the gait of a command [m/s, rad/s].
 
         Raises:
-            UserError: names the nearest velocity, or what was violated if it is a hole.
+            UserError: names the nearest command, or what was violated if it is a hole.
         """
-        distance = np.hypot(self.velocities[:, 0] - vx, self.velocities[:, 1] - vy)
+        command = (vx, vy, yaw_rate)
+        distance, text = distances(self.commands, command), command_text(command)
         index = int(distance.argmin())
         if distance[index] <= _SAME:
             return index
-        near_vx, near_vy = self.velocities[index]
-        nearest = f"the nearest gait is at ({near_vx:g}, {near_vy:g}) m/s"
+        nearest = f"the nearest gait is at {command_text(self.commands[index])}"
         for hole in self.holes:
-            if np.hypot(hole.vx - vx, hole.vy - vy) <= _SAME:
+            if distances(np.array([hole.command]), command)[0] <= _SAME:
                 why = f"{hole.status}, {hole.violations}"
-                raise UserError(f"the gait ({vx:g}, {vy:g}) m/s did not converge: {why}; {nearest}")
-        found = f"found ({vx:g}, {vy:g}) m/s"
-        raise UserError(f"expected a velocity of the library, {found}; {nearest}")
+                raise UserError(f"the gait {text} did not converge: {why}; {nearest}")
+        raise UserError(f"expected a command of the library, found {text}; {nearest}")
 
 
 class _Stored(Mapping[str, np.ndarray]):

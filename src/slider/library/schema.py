@@ -2,10 +2,10 @@
 
 from typing import NamedTuple
 
-from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES
+from slider.robot.names import CHANNELS, COMMAND, JOINTS, KNEE_JOINTS, SIDES
 
 SCHEMA = "slider-gait-library"
-VERSION = 2
+VERSION = 3
 
 
 class Array(NamedTuple):
@@ -21,7 +21,7 @@ class Array(NamedTuple):
 
 
 ARRAYS: dict[str, Array] = {
-    "velocities": Array("m/s", ("component",)),
+    "commands": Array("m/s, m/s, rad/s", ("component",)),
     "samples": Array("see channel_units", ("sample", "channel")),
     "time": Array("s", ("sample",)),
     "step_time": Array("s", ("step",)),
@@ -45,6 +45,7 @@ ARRAYS: dict[str, Array] = {
 COORDINATES: dict[str, Array] = {
     "vx": Array("m/s"),
     "vy": Array("m/s"),
+    "yaw_rate": Array("rad/s"),
     "status": Array("IPOPT's return status"),
 }
 
@@ -52,7 +53,7 @@ COORDINATES: dict[str, Array] = {
 # The names of the constraints are the formulation's and come with the gaits.
 CONSTRAINT = "constraint"
 LABELS: dict[str, tuple[str, ...]] = {
-    "component": ("vx", "vy"),
+    "component": COMMAND,
     "channel": CHANNELS,
     "joint": JOINTS,
     "knee_joint": KNEE_JOINTS,
@@ -72,5 +73,5 @@ LABELS: dict[str, tuple[str, ...]] = {
 
 # What the gaits were made for and with, which the configuration says (``gait.*``), ...
 ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")
-# ... and what their optimisation adds: the velocities that have no gait, the unit of the cost.
+# ... and what their optimisation adds: the commands that have no gait, the unit of the cost.
 OUTCOME = ("holes", "cost_unit")

@@ -1,4 +1,4 @@
-"""How much the gait changes from one velocity to the next."""
+"""How much the gait changes from one command to the next."""
 
 from dataclasses import dataclass
 
@@ -43,29 +43,29 @@ class Smoothness:
         return result
 
 
-def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
+def smoothness(commands: np.ndarray, samples: np.ndarray) -> Smoothness:
     """Measure the jumps between neighbours; a channel that never changes has none.
 
     Args:
-        velocities: (G, 2) commanded vx, vy [m/s].
+        commands: (G, 3) vx, vy [m/s], yaw rate [rad/s].
         samples: (G, S, C) channels; each is divided by its range over all gaits and samples, so
             that 0.1 means a tenth of everything that this channel does in the whole library.
     """
-    pairs = neighbours(velocities)
+    pairs = neighbours(commands)
     extent = np.ptp(samples, axis=(0, 1))
     scale = np.where(extent > 0, extent, np.inf)
     change = np.abs(samples[pairs[:, 1]] - samples[pairs[:, 0]]).max(axis=1)
     return Smoothness(pairs, change / scale)
 
 
-def neighbours(velocities: np.ndarray) -> np.ndarray:
-    """Pairs (P, 2) of gaits that follow one another in vx at one vy, or in vy at one vx.
+def neighbours(commands: np.ndarray) -> np.ndarray:
+    """Pairs (P, 2) of gaits that follow one another along one axis of the command.
 
     Between the two there is no further gait; a hole between them does not part them.
     """
     pairs = []
-    for along, fixed in ((0, 1), (1, 0)):
-        order = np.lexsort((velocities[:, along], velocities[:, fixed]))
-        same = np.diff(velocities[order, fixed]) == 0
+    for along, *fixed in ((0, 1, 2), (1, 0, 2), (2, 0, 1)):
+        order = np.lexsort(commands.T[[along, *fixed]])
+        same = (np.diff(commands[order][:, fixed], axis=0) == 0).all(axis=1)
         pairs.append(np.stack([order[:-1], order[1:]], axis=1)[same])
     return np.concatenate(pairs)

@@ -1,7 +1,7 @@
 """The stage ``library``: collect all gaits in one Zarr store."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ from slider.library.schema import (
     SCHEMA,
     VERSION,
 )
-from slider.robot.names import CHANNEL_UNITS, CHANNELS
+from slider.robot.names import CHANNEL_UNITS, CHANNELS, COMMAND, command_text
 
 _TEXT = np.dtypes.StringDType()
 
@@ -31,7 +31,7 @@ Report = dict[str, Any]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Stack converged gaits in the order of the velocities.
+    """Stack converged gaits in the order of the commands.
 
     Raises:
         UserError: gaits did not converge and ``library.allow_holes`` is off.
@@ -39,7 +39,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(LibraryConfig, section["library"])
     folders = list(inputs["gaits"])
     reports = [json.loads((folder / REPORT).read_text()) for folder in folders]
-    good = [i for i, report in enumerate(reports) if _acceptable(report, config)]
+    good = [i for i, report in enumerate(reports) if acceptable(report, config.max_violation)]
     holes = [report for i, report in enumerate(reports) if i not in set(good)]
     _log(reports, job)
     if not good or (holes and not config.allow_holes):
@@ -50,7 +50,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_library(out / STORE, [folders[i] for i in good], [reports[i] for i in good], about)
     return {
         "gaits": len(good),
-        "holes": [[report["vx"], report["vy"]] for report in holes],
+        "holes": [_command(report) for report in holes],
         "max_violation": max(reports[i]["max_violation"] for i in good),
     }
 
@@ -91,8 +91,12 @@ def _facts(reports: Sequence[Report], constraints: Sequence[str]) -> dict[str, n
     """Arrays that come from the reports of the gaits."""
     residuals = [[report["residuals"][name] for name in constraints] for report in reports]
     facts = {name: _column(reports, name) for name in ("cost", "max_violation", "iterations")}
-    velocities = np.array([[report["vx"], report["vy"]] for report in reports])
-    return facts | {"velocities": velocities, "residuals": np.array(residuals)}
+    commands = np.array([_command(report) for report in reports])
+    return facts | {"commands": commands, "residuals": np.array(residuals)}
+
+
+def _command(report: Report) -> list[float]:
+    return [report[name] for name in COMMAND]
 
 
 def _column(reports: Sequence[Report], name: str) -> np.ndarray:
@@ -109,14 +113,15 @@ def _write_array(
 
 def _hole(report: Report, config: LibraryConfig) -> dict[str, Any]:
     """What is known of a gait that did not converge: the constraints that it violates, by name."""
-    names = ("vx", "vy", "status", "iterations", "max_violation")
+    names = (*COMMAND, "status", "iterations", "max_violation")
     violated = {k: v for k, v in report["residuals"].items() if v > config.max_violation}
     worst_first = dict(sorted(violated.items(), key=lambda item: -item[1]))
     return {name: report[name] for name in names} | {"residuals": worst_first}
 
 
-def _acceptable(report: Report, config: LibraryConfig) -> bool:
-    return report["converged"] and report["max_violation"] <= config.max_violation
+def acceptable(report: Mapping[str, Any], max_violation: float) -> bool:
+    """Whether a gait counts as converged: for IPOPT, and by its worst residual."""
+    return report["converged"] and report["max_violation"] <= max_violation
 
 
 def _describe(holes: Sequence[Report], good: int) -> str:
@@ -124,9 +129,8 @@ def _describe(holes: Sequence[Report], good: int) -> str:
     texts = []
     for report in holes:
         name, value = max(report["residuals"].items(), key=lambda item: item[1])
-        texts.append(
-            f"({report['vx']:g}, {report['vy']:g}) m/s {report['status']}, {name} {value:.1e}"
-        )
+        command = command_text(_command(report))
+        texts.append(f"{command} {report['status']}, {name} {value:.1e}")
     list_ = "; ".join(texts)
     if not good:
         return f"library: expected at least one gait, none of {len(holes)} converged: {list_}"
@@ -138,7 +142,7 @@ def _describe(holes: Sequence[Report], good: int) -> str:
 
 
 def _log(reports: Sequence[Report], job: Job) -> None:
-    columns = ("vx", "vy", "status", "iterations", "cost", "max_violation")
+    columns = (*COMMAND, "status", "iterations", "cost", "max_violation")
     table: dict[str, list[Any]] = {name: [r[name] for r in reports] for name in columns}
     volatile = job.input_volatile.get("gaits", [{}] * len(reports))
     table["solve_cpu"] = [facts.get("solve_cpu") for facts in volatile]

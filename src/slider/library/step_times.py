@@ -1,33 +1,30 @@
-"""Step time as a function of the commanded velocity."""
+"""Step time as a function of the command."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from slider.library.mesh import corners
+from slider.library.mesh import Axes, corners
 
 
 @dataclass(frozen=True)
-class StepTimes:
-    """Step time over a grid of commanded velocities.
+class StepTimes(Axes):
+    """Step time over a grid of commands.
 
     Attributes:
-        vx, vy: increasing grid values [m/s], (nx,), (ny,).
-        step_time: (nx, ny) [s].
+        step_time: (nx, ny, nw) [s].
     """
 
-    vx: np.ndarray
-    vy: np.ndarray
     step_time: np.ndarray
 
     @classmethod
     def constant(cls, step_time: float) -> "StepTimes":
-        """The same step time [s] at every velocity."""
-        return cls(np.zeros(1), np.zeros(1), np.full((1, 1), step_time))
+        """The same step time [s] at every command."""
+        return cls(np.zeros(1), np.zeros(1), np.zeros(1), np.full((1, 1, 1), step_time))
 
-    def at(self, vx: np.ndarray, vy: np.ndarray) -> np.ndarray:
-        """Bilinear step times (N,) [s]; commands outside the grid use its border."""
-        result = np.zeros(len(vx))
-        for i, j, weight in corners(self.vx, self.vy, vx, vy):
-            result += weight * self.step_time[i, j]
+    def at(self, command: np.ndarray) -> np.ndarray:
+        """Trilinear step times (N,) [s] of commands (N, 3); outside the grid its border's."""
+        result = np.zeros(len(command))
+        for node, weight in corners(self, command):
+            result += weight * self.step_time[node]
         return result

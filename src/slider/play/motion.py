@@ -1,28 +1,30 @@
 """What moves: a simulated robot with an agent, or a gait replayed without physics."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 import torch
 
-from slider.config.control import MpcConfig
+from slider.config.control import AnyControl
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.agent import agent_of
-from slider.control.mpc.controller import build_controller
+from slider.control.hzd.controller import EnforcedGaits
+from slider.control.model_based import build_controller
 from slider.control.policy import PolicyController
 from slider.control.policy_file import Policy
 from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
-from slider.env.starts import at_rest
+from slider.env.starts import at_rest, multiply_quaternions
 from slider.evaluation.baseline import build_plant
 from slider.library.reader import GaitLibrary
 from slider.library.step_times import StepTimes
+from slider.robot.kinematics import about_z
 from slider.robot.names import NUM_JOINTS
 
 Start = Callable[[], tuple[np.ndarray, np.ndarray]]
@@ -73,12 +75,13 @@ class Simulation:
 
 
 class Replay:
-    """A gait of the library over and over, on a straight line."""
+    """A gait of the library over and over, along its course."""
 
-    def __init__(self, library: GaitLibrary, vx: float, vy: float, period: float) -> None:
-        index = int(library.nearest(np.array([vx]), np.array([vy]))[0])
+    def __init__(self, library: GaitLibrary, command: Sequence[float], period: float) -> None:
+        index = int(library.nearest(np.array([command]))[0])
         self.period = period
-        self.velocity = library.velocities[index]
+        self.command = library.commands[index]
+        self.velocity = self.command[:2]
         durations = library.step_time[index]
         self._duration = float(durations.sum())
         self._times = _sample_times(durations, library.samples.shape[1])
@@ -104,8 +107,21 @@ class Replay:
         walks, since = divmod(time, self._duration)
         qpos = np.array([np.interp(since, self._times, column) for column in self._qpos.T])
         qpos[3:7] /= np.linalg.norm(qpos[3:7])
-        qpos[:2] += walks * self._duration * self.velocity
+        if self.command[2]:
+            self._turn(qpos, int(walks))
+        else:
+            qpos[:2] += walks * self._duration * self.velocity
         return Frame(time, qpos, self.velocity, failed=False)
+
+    def _turn(self, qpos: np.ndarray, walks: int) -> None:
+        """Move a pose (19,) on by a number of turning walks, in place."""
+        angle = self.command[2] * self._duration
+        axes = about_z(np.array([angle]))[0, :2, :2]
+        walk = self._qpos[-1, :2] - axes @ self._qpos[0, :2]  # of the stance foot
+        for _ in range(walks):
+            qpos[:2] = walk + axes @ qpos[:2]
+        turn = np.array([[np.cos(walks * angle / 2), 0.0, 0.0, np.sin(walks * angle / 2)]])
+        qpos[3:7] = multiply_quaternions(turn, qpos[None, 3:7])[0]
 
 
 def _sample_times(durations: np.ndarray, samples: int) -> np.ndarray:
@@ -131,17 +147,18 @@ def simulate_policy(
     return _simulate_network(robot, env, agent, policy.network, noise, seed, disturbance)
 
 
-def simulate_mpc(
+def simulate_model_based(
     robot: RobotConfig,
     plant: PlantConfig,
-    config: MpcConfig,
+    config: AnyControl,
+    gaits: EnforcedGaits | None,
     noise: StartNoise,
     seed: int,
     disturbance: DisturbanceConfig,
 ) -> Simulation:
-    """A model-predictive controller on torque drives, as in its evaluation."""
+    """A controller of ``conf/control`` on torque drives, as in its evaluation."""
     physics = build_plant(robot, plant.physics, config, 1, Disturbance(disturbance, (seed,)))
-    controller = build_controller(robot, config, plant.physics, 1)
+    controller = build_controller(robot, config, plant.physics, 1, gaits)
     episode = Episode(controller, physics, plant)
     return Simulation(episode, plant.control_period, _starts(robot, noise, seed))
 
@@ -150,7 +167,7 @@ def simulate_agent(
     robot: RobotConfig, env: EnvConfig, noise: StartNoise, seed: int, random: bool
 ) -> Simulation:
     """A smoke agent: it holds the nominal pose, or its actions are uniform in ±1."""
-    times = StepTimes(np.zeros(1), np.zeros(1), np.full((1, 1), 0.4))
+    times = StepTimes.constant(0.4)
     env = replace(env, action=replace(env.action, offset="nominal"))
     agent = AgentInterface(robot, env, 1, times)
     generator = torch.Generator().manual_seed(seed)

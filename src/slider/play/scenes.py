@@ -1,17 +1,20 @@
 """What ``slider play`` can show: a policy, another controller, a smoke agent or a gait."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TypeVar
 
-from slider.config.control import POLICY, SMOKE_AGENTS
+from slider.config.control import POLICY, SMOKE_AGENTS, HzdControlConfig
 from slider.config.env import EnvConfig, PlantConfig
+from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
+from slider.control.hzd.controller import EnforcedGaits
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary
-from slider.play.motion import Motion, Replay, simulate_agent, simulate_mpc, simulate_policy
+from slider.play.motion import Motion, Replay, simulate_agent, simulate_model_based, simulate_policy
 
 Section = TypeVar("Section", EnvConfig, RobotConfig)
 
@@ -53,8 +56,12 @@ def _changed(own: Section, asked: Section, plain: Section) -> Section:
     return replace(own, **{n: part for n, part in parts.items() if part != getattr(plain, n)})
 
 
-def agent_scene(name: str, config: Config, seed: int) -> Scene:
+def agent_scene(
+    name: str, config: Config, gaits: Callable[[], tuple[Path, Path]], seed: int
+) -> Scene:
     """A controller of the configuration as in its evaluation, or a smoke agent.
+
+    ``gaits`` finds library and foot placement for those that walk by them.
 
     Raises:
         UserError: there is no agent of this name.
@@ -63,8 +70,13 @@ def agent_scene(name: str, config: Config, seed: int) -> Scene:
     if name in config.control:
         plant = PlantConfig(env.control_period, env.physics, env.termination)
         control, disturbance = config.control[name], test.disturbance
-        motion = simulate_mpc(config.robot, plant, control, test.start, seed, disturbance)
-        return Scene(f"baseline {name}", config.robot, motion, config.speeds.top)
+        enforced = None
+        if isinstance(control, HzdControlConfig):
+            enforced = EnforcedGaits.load(*gaits(), enforced_section(config.hzd))
+        motion = simulate_model_based(
+            config.robot, plant, control, enforced, test.start, seed, disturbance
+        )
+        return Scene(f"controller {name}", config.robot, motion, config.speeds.top)
     if name in SMOKE_AGENTS:
         motion = simulate_agent(config.robot, env, test.start, seed, random=name == "random")
         return Scene(f"agent {name}", config.robot, motion, config.speeds.top)
@@ -72,8 +84,9 @@ def agent_scene(name: str, config: Config, seed: int) -> Scene:
     raise UserError(f"agent: expected one of {known}, found {name}")
 
 
-def gait_scene(path: Path, vx: float, vy: float, config: Config) -> Scene:
-    """The gait of a library that is nearest to (vx, vy) [m/s], without physics."""
-    motion = Replay(GaitLibrary.load(path), vx, vy, config.env.control_period)
-    vx, vy = motion.velocity
-    return Scene(f"gait {vx:.2f} {vy:+.2f} m/s", config.robot, motion, config.speeds.top)
+def gait_scene(path: Path, command: Sequence[float], config: Config) -> Scene:
+    """The gait of a library that is nearest to vx, vy [m/s], yaw rate [rad/s]; no physics."""
+    motion = Replay(GaitLibrary.load(path), command, config.env.control_period)
+    vx, vy, yaw_rate = motion.command
+    turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
+    return Scene(f"gait {vx:.2f} {vy:+.2f} m/s{turn}", config.robot, motion, config.speeds.top)

@@ -18,7 +18,7 @@ from slider.reports.sensitivity_effects import (
     limit,
     nominals,
 )
-from slider.reports.table import Heading, Picture, Table, Text, Written, grid
+from slider.reports.table import Heading, Picture, Table, Text, Written, grid, listed
 
 STRONGEST = 20  # rows of the table
 NAMED = 6  # causes that a sentence names
@@ -88,7 +88,7 @@ def _asked(found: Sequence[Effect], section: Mapping[str, Any]) -> str:
 def _count(carry: Sequence[Effect], found: Sequence[Effect]) -> str:
     if not carry:
         return f"No parameter of {len(found)} carries the result."
-    names = _listed(f"`{effect.parameter}`" for effect in carry)
+    names = listed(f"`{effect.parameter}`" for effect in carry)
     verb = "carries" if len(carry) == 1 else "carry"
     return f"{len(carry)} of {len(found)} parameters {verb} the result: {names}."
 
@@ -152,7 +152,7 @@ def _rest(others: Sequence[Effect], some: bool) -> Iterator[str]:
 def _no_robots(found: Sequence[Effect]) -> Iterator[str]:
     names = [f"`{e.parameter}` × {factor:g}" for e in found for factor in e.impossible]
     if names:
-        yield f"There is no robot with {_listed(names)}; the reason stands below."
+        yield f"There is no robot with {listed(names)}; the reason stands below."
 
 
 def _cause(effect: Effect, cell: Cell) -> str:
@@ -162,12 +162,7 @@ def _cause(effect: Effect, cell: Cell) -> str:
 def _some(causes: Sequence[str]) -> str:
     """The first causes, and how many there are besides."""
     more = len(causes) - NAMED
-    return _listed([*causes[:NAMED], *([f"{more} more"] if more > 0 else [])])
-
-
-def _listed(texts: Iterable[str]) -> str:
-    *first, last = texts
-    return f"{', '.join(first)} and {last}" if first else last
+    return listed([*causes[:NAMED], *([f"{more} more"] if more > 0 else [])])
 
 
 def _commands(cells: Iterable[Cell]) -> list[float]:

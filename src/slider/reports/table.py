@@ -143,6 +143,12 @@ def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "
     return Table(columns, [[Cell(text) for text in row] for row in rows], caption, sortable=False)
 
 
+def listed(texts: Iterable[str]) -> str:
+    """Texts as a sentence lists them: with commas, and an "and" before the last one."""
+    *first, last = texts
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def escape(text: str) -> str:
     """Text as LaTeX reads it."""
     return "".join(_LATEX.get(character, character) for character in text)

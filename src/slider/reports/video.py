@@ -44,7 +44,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     one = (
         stage.simulate(section, inputs, 1, disturbance)
         if learned
-        else baseline.simulate(section, 1, disturbance)
+        else baseline.simulate(section, inputs, 1, disturbance)
     )
     episode = Episode(one.controller, one.physics, one.env)
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)

@@ -3,6 +3,8 @@
 Joint order: left leg, then right leg, each from hip to foot. x forward, y left, z up.
 """
 
+from collections.abc import Iterable
+
 from slider.config.legs import LEG_JOINTS
 
 SIDES = ("left", "right")
@@ -25,11 +27,20 @@ MIRROR_PERMUTATION = tuple((i + len(LEG_JOINTS)) % NUM_JOINTS for i in range(NUM
 LEG_MIRROR_SIGN = (-1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
 MIRROR_SIGN = LEG_MIRROR_SIGN * len(SIDES)
 
+# What a robot is commanded to: velocity of the base in its heading frame [m/s], yaw rate [rad/s].
+COMMAND = ("vx", "vy", "yaw_rate")
+
 GRAVITY = 9.81  # [m/s²], as in MuJoCo
 
 BASE = "base"
 FLOOR = "floor"
 IMU = "imu"
+
+
+def command_text(command: Iterable[float]) -> str:
+    """A command (vx, vy, yaw rate) in words; a yaw rate of zero is left out."""
+    vx, vy, yaw_rate = command
+    return f"({vx:g}, {vy:g}) m/s" + (f", {yaw_rate:g} rad/s" if yaw_rate else "")
 
 
 def leg_joint(joint: str) -> str:

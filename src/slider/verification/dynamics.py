@@ -14,7 +14,7 @@ _BASE = 6
 
 
 def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingState:
-    """A sample as it is stored; the world's origin is the stance foot.
+    """A sample as it is stored; the world's origin is the stance foot, its x axis that foot's.
 
     The library stores no accelerations: they follow from the coefficients and the foot's roll.
     """
@@ -23,9 +23,21 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
     w, x, y, z = base[3:7]
     knee = gait.knee_positions[sample], gait.knee_velocities[sample]
     joints, rates, _ = robot.coordinates.motion(*knee, np.zeros_like(knee[0]))
-    q = np.concatenate([base[:3] - gait.origin(gait.step_of(sample)), [x, y, z, w], joints])
+    step = gait.step_of(sample)
+    q = np.concatenate([base[:3] - gait.origin(step), [x, y, z, w], joints])
     v = np.concatenate([rotation.T @ base[7:10], base[10:13], rates])
-    return FloatingState(q, v, moving_state(gait, robot, sample).a)
+    state = FloatingState(q, v, moving_state(gait, robot, sample).a)
+    return seen_from(state, gait.heading(step))
+
+
+def seen_from(state: FloatingState, yaw: float) -> FloatingState:
+    """The same in axes that are yawed about the origin; velocities are the base's own."""
+    if not yaw:
+        return state
+    back = _about_z(-yaw)
+    attitude = (back * Rotation.from_quat(state.q[3:7])).as_quat()
+    q = np.concatenate([back.apply(state.q[:3]), attitude, state.q[7:]])
+    return FloatingState(q, state.v, state.a)
 
 
 def moving_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingState:
@@ -125,10 +137,13 @@ def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
 
 
 def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, FloatingState, str]]:
-    """Stored states before and after both touchdowns, and the side of the foot that lands."""
+    """Stored states before and after both touchdowns, and the side of the foot that lands.
+
+    Both are in the axes of that foot's line.
+    """
     found = []
-    for step in range(2):
-        before = stored_state(gait, robot, (step + 1) * gait.half - 1)
+    for step, turn in enumerate(gait.turns):
+        before = seen_from(stored_state(gait, robot, (step + 1) * gait.half - 1), turn)
         after = stored_state(gait, robot, (step + 1) * gait.half % (2 * gait.half))
         found.append((before, after, SIDES[1 - step]))
     return found
@@ -137,26 +152,42 @@ def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, F
 def mean_velocity(gait: StoredGait) -> dict[str, float]:
     """Displacement of the base over the walk, and the feet's, against the command [m/s].
 
-    The last sample is the first one of the next walk, but for its velocities.
+    The last sample is the first one of the next walk, but for its velocities. Of a turning walk it
+    is the base's in each step, along that step's stance foot: the mean course.
     """
     walk = gait.step_time.sum()
     travelled = [gait.base[-1, :2] - gait.base[0, :2]]
     travelled.append(gait.swing_foot[gait.half - 1, :2] + gait.swing_foot[-1, :2])
-    errors = [np.abs(way / walk - gait.velocities).max() for way in travelled]
+    if gait.commands[2]:
+        starts, ends = gait.base[[0, gait.half], :3], gait.base[[gait.half - 1, -1], :3]
+        ways = zip((0, 1), ends - starts, strict=True)
+        travelled = [sum(_about_z(-gait.heading(step)).apply(way)[:2] for step, way in ways)]
+    errors = [np.abs(way / walk - gait.commands[:2]).max() for way in travelled]
     return {"mean_velocity": float(max(errors))}
+
+
+def _about_z(angle: float) -> Rotation:
+    return Rotation.from_rotvec([0.0, 0.0, angle])
 
 
 def periodicity(gait: StoredGait) -> dict[str, float]:
     """Jump of joints [rad], base height [m] and base orientation [rad] over both touchdowns.
 
-    Velocities jump; by how much is the impact's check.
+    Velocities jump; by how much is the impact's check. The next walk of a turning gait starts where
+    the feet have gone to, yawed by both turns.
     """
     ends = [gait.half - 1, 2 * gait.half - 1]
     starts = [gait.half, 0]
     joints = gait.knee_positions[ends] - gait.knee_positions[starts]
     height = gait.base[ends, 2] - gait.base[starts, 2]
-    turn = _rotations(gait, ends) * _rotations(gait, starts).inv()
-    middle = gait.base[gait.half - 1, :2] - gait.base[gait.half, :2]
+    after, middle = _rotations(gait, starts), gait.base[ends[0], :2] - gait.base[starts[0], :2]
+    if gait.commands[2]:
+        first, whole = _about_z(gait.heading(1)), _about_z(gait.heading(2))
+        after = Rotation.concatenate([after[0], whole * after[1]])
+        feet = gait.origin(1) + first.apply(gait.swing_foot[-1])
+        again = feet + whole.apply(gait.base[0, :3])
+        middle = np.concatenate([middle, gait.base[-1, :2] - again[:2]])
+    turn = _rotations(gait, ends) * after.inv()
     jumps = (joints, height, turn.magnitude(), middle)
     return {"periodicity": max(float(np.abs(jump).max()) for jump in jumps)}
 

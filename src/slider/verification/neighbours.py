@@ -1,4 +1,4 @@
-"""Checks 5 and 10: gaits of opposite sideways velocity, and of neighbouring velocities."""
+"""Checks 5 and 10: gaits of reflected commands, and of neighbouring commands."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ import numpy as np
 from slider.robot.names import CHANNELS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
 from slider.verification.stored import StoredGait
 
-SPACING = 0.05  # jumps are per this change of velocity [m/s]
-_SAME = 1e-9  # velocities are rounded to 1e-10 m/s
+SPACING = 0.05  # jumps are per this change of the command [m/s, rad/s]
+_SAME = 1e-9  # commands are rounded to 1e-10
 
 
 @dataclass(frozen=True)
@@ -23,20 +23,22 @@ class Pair:
 
 
 def mirror(gaits: Sequence[StoredGait]) -> list[dict[str, float]]:
-    """Distance of each gait from the reflection of its partner at −vy; nothing without one.
+    """Distance of each gait from the reflection of its partner; nothing without one.
+
+    The partner's vy and yaw rate have the other sign.
 
     Two optima of nearly one cost may exist, so that the difference in cost is what counts.
     """
     found: list[dict[str, float]] = []
     for gait in gaits:
-        vx, vy = gait.velocities
-        partner = next((g for g in gaits if _is_at(g, vx, -vy)), None)
+        image = gait.commands * [1.0, -1.0, -1.0]
+        partner = next((g for g in gaits if _is_at(g, image)), None)
         found.append({} if partner is None else _distance(gait, partner))
     return found
 
 
-def _is_at(gait: StoredGait, vx: float, vy: float) -> bool:
-    return bool(np.abs(gait.velocities - [vx, vy]).max() < _SAME)
+def _is_at(gait: StoredGait, command: np.ndarray) -> bool:
+    return bool(np.abs(gait.commands - command).max() < _SAME)
 
 
 def _distance(gait: StoredGait, partner: StoredGait) -> dict[str, float]:
@@ -58,7 +60,7 @@ def reflected(samples: np.ndarray) -> np.ndarray:
 
 
 def smoothness(gaits: Sequence[StoredGait], reach: float) -> list[Pair]:
-    """Jumps between gaits that are next to each other along vx or vy, at most ``reach`` apart.
+    """Jumps between neighbouring gaits, at most ``reach`` apart along an axis of the command.
 
     A channel's scale is its range over the whole library, that of a coefficient its joint's.
     """
@@ -68,8 +70,8 @@ def smoothness(gaits: Sequence[StoredGait], reach: float) -> list[Pair]:
     channel = np.ptp(samples[..., moving], axis=(0, 1))
     joint = np.ptp(coefficients, axis=(0, 1, 3))[:, None]
     pairs = []
-    for i, j in neighbours(np.stack([gait.velocities for gait in gaits]), reach):
-        per = SPACING / float(np.abs(gaits[i].velocities - gaits[j].velocities).sum())
+    for i, j in neighbours(np.stack([gait.commands for gait in gaits]), reach):
+        per = SPACING / float(np.abs(gaits[i].commands - gaits[j].commands).sum())
         jump = (samples[i] - samples[j])[:, moving]
         bend = coefficients[i] - coefficients[j]
         pairs.append(Pair(i, j, per * _share(jump, channel), per * _share(bend, joint)))
@@ -83,13 +85,14 @@ def _share(jump: np.ndarray, scale: np.ndarray) -> float:
     return float((np.abs(jump[moves]) / scale[moves]).max()) if moves.any() else 0.0
 
 
-def neighbours(velocities: np.ndarray, reach: float) -> list[tuple[int, int]]:
-    """Pairs of velocities (G, 2) [m/s] that differ in one component and have none between."""
+def neighbours(commands: np.ndarray, reach: float) -> list[tuple[int, int]]:
+    """Pairs of commands (G, 3) that differ in one component and have none between."""
     pairs = []
-    for axis in range(2):
-        for i, velocity in enumerate(velocities):
-            away = velocities[:, axis] - velocity[axis]
-            ahead = (np.abs(velocities[:, 1 - axis] - velocity[1 - axis]) < _SAME) & (away > _SAME)
+    for axis in range(commands.shape[1]):
+        for i, command in enumerate(commands):
+            away = commands[:, axis] - command[axis]
+            beside = np.abs(np.delete(commands - command, axis, axis=1)).max(axis=1)
+            ahead = (beside < _SAME) & (away > _SAME)
             if ahead.any():
                 j = int(np.argmin(np.where(ahead, away, np.inf)))
                 if away[j] <= reach + _SAME:

@@ -39,8 +39,10 @@ QUANTITIES: dict[str, Quantity] = {
     "roll_end": Quantity(4, "rad", "collocated roll against DOP853 at the end of a step"),
     "roll_rate_end": Quantity(4, "rad/s", "the same for the roll rate"),
     "roll_worst": Quantity(4, "rad", "collocated roll against DOP853 at all nodes"),
-    "mirror_distance": Quantity(5, "rad, m", "joints against the reflected gait of -vy"),
-    "mirror_cost": Quantity(5, "-", "relative difference in cost from the gait of -vy"),
+    "mirror_distance": Quantity(
+        5, "rad, m", "joints against the reflected gait of -vy and -yaw rate"
+    ),
+    "mirror_cost": Quantity(5, "-", "relative difference in cost from that gait"),
     "return_map": Quantity(6, "-", "greatest modulus of the open loop's eigenvalues, per walk"),
     "return_map_least": Quantity(6, "-", "least modulus of the open loop's eigenvalues"),
     "replay_steps": Quantity(7, "1", "steps of the replay by joint targets alone", True),

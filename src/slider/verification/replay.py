@@ -13,6 +13,7 @@ import numpy as np
 from slider.config.robot import RobotConfig
 from slider.config.verification import ReplayConfig
 from slider.robot import names
+from slider.robot.kinematics import about_z
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor
 from slider.verification.plant import Plant
@@ -33,7 +34,12 @@ class Replay:
 
 
 class Simulation:
-    """The prismatic robot in MuJoCo, its drives following the targets of a gait."""
+    """The prismatic robot in MuJoCo, its drives following the targets of a gait.
+
+    Attributes:
+        course: yaw of the axes in which the regulator sees the robot [rad]: of a gait that turns,
+            those of the present stance foot's line.
+    """
 
     def __init__(self, robot: RobotConfig, config: ReplayConfig) -> None:
         self.robot, self.config = robot, config
@@ -41,6 +47,7 @@ class Simulation:
         self.model = build_model(robot, options)
         self.data = mujoco.MjData(self.model)
         self.base = self.model.body(names.BASE).id
+        self.course = 0.0
         self.motors = Transmission.of(robot)
         gains = by_motor(robot.gains) * len(names.SIDES)
         self.kp, self.kd = (
@@ -50,6 +57,7 @@ class Simulation:
     def start(self, gait: StoredGait, desired: Reference) -> None:
         """Put the robot where a walk starts, just after touchdown."""
         mujoco.mj_resetData(self.model, self.data)
+        self.course = 0.0
         self.data.qpos[:] = np.concatenate([gait.base[0, :7], desired.joints])
         self.data.qvel[:] = np.concatenate([gait.base[0, 7:], desired.velocities])
         mujoco.mj_forward(self.model, self.data)
@@ -63,17 +71,17 @@ class Simulation:
         mujoco.mj_step(self.model, self.data, self.config.substeps)
 
     def measure(self, side: str) -> Measurement:
-        """The state as the regulator wants it, in stance ``side``."""
-        data = self.data
+        """The state as the regulator wants it, in stance ``side``, along the course."""
+        data, axes = self.data, about_z(np.array([self.course]))[0]
         mujoco.mj_subtreeVel(self.model, data)
         other = names.SIDES[1 - names.SIDES.index(side)]
         return Measurement(
-            (data.xpos[self.base].copy(), data.xmat[self.base].reshape(3, 3).copy()),
+            (data.xpos[self.base] @ axes, axes.T @ data.xmat[self.base].reshape(3, 3)),
             data.qpos[7:].copy(),
-            data.subtree_com[self.base].copy(),
-            data.subtree_linvel[self.base].copy(),
-            data.site(names.sole(side)).xpos.copy(),
-            data.site(names.sole(other)).xpos.copy(),
+            data.subtree_com[self.base] @ axes,
+            data.subtree_linvel[self.base] @ axes,
+            data.site(names.sole(side)).xpos @ axes,
+            data.site(names.sole(other)).xpos @ axes,
         )
 
     def loaded(self, side: str) -> bool:
@@ -96,14 +104,14 @@ def replays(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str,
     """Steps and errors of the mean velocity [m/s], alone and with the regulator."""
     steps = tabulate(gait, plant, simulation.config.points)
     found = {}
-    speed = float(gait.velocities[0])
+    speed = float(gait.commands[0])
     regulator = Regulator(simulation.robot.geometry, simulation.config.regulator, speed)
     for name, follow in (
         ("replay", alone_step),
         ("regulated", partial(regulated_step, regulator=regulator)),
     ):
         simulation.start(gait, steps[0].at(0.0))
-        walk = walk_on(simulation, steps, follow)
+        walk = walk_on(simulation, steps, follow, gait.turns)
         found[f"{name}_steps"] = float(walk.steps)
         if walk.speed is not None:
             found[f"{name}_speed"] = abs(walk.speed - speed)
@@ -111,15 +119,32 @@ def replays(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str,
 
 
 def walk_on(
-    simulation: Simulation, steps: tuple[StepReference, StepReference], follow: Follow
+    simulation: Simulation,
+    steps: tuple[StepReference, StepReference],
+    follow: Follow,
+    turns: np.ndarray,
 ) -> Replay:
-    """Step after step, until one is not completed or the walk is long enough."""
-    start = float(simulation.data.qpos[0])
-    count, time, place = 0, 0.0, start
+    """Step after step, until one is not completed or the walk is long enough.
+
+    ``turns`` (2,) is the yaw from each step's stance foot to the next one's [rad].
+    """
+    count, time, courses = 0, 0.0, [0.0]
+    places = [simulation.data.qpos[:2].copy()]
     while count < simulation.config.steps and follow(simulation, steps[count % 2]):
+        simulation.course += float(turns[count % 2])
         count += 1
-        time, place = float(simulation.data.time), float(simulation.data.qpos[0])
-    return Replay(count, (place - start) / time if count else None)
+        time = float(simulation.data.time)
+        places.append(simulation.data.qpos[:2].copy())
+        courses.append(simulation.course)
+    return Replay(count, _way(np.array(places), np.array(courses)) / time if count else None)
+
+
+def _way(places: np.ndarray, courses: np.ndarray) -> float:
+    """Way forward [m] through places (S, 2), each part of it along its course (S,) [rad]."""
+    if not courses.any():
+        return float(places[-1, 0] - places[0, 0])
+    parts, along = np.diff(places, axis=0), courses[:-1]
+    return float(np.sum(np.cos(along) * parts[:, 0] + np.sin(along) * parts[:, 1]))
 
 
 def alone_step(simulation: Simulation, step: StepReference) -> bool:

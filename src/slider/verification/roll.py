@@ -10,17 +10,22 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from slider.config.verification import IntegratorConfig
+from slider.robot.kinematics import about_z
 from slider.verification.pin_robot import FloatingState, PinRobot
 from slider.verification.stored import StepMotion, StoredGait
 
 
 @dataclass(frozen=True)
 class RollDynamics:
-    """Roll of one stance foot while the joints follow a step."""
+    """Roll of one stance foot while the joints follow a step.
+
+    ``turn`` is the yaw of the landing foot's line from the stance foot's [rad].
+    """
 
     robot: PinRobot
     motion: StepMotion
     integrator: IntegratorConfig
+    turn: float = 0.0
 
     def derivative(self, time: float, state: np.ndarray) -> np.ndarray:
         """Rate and acceleration (2,) of roll and rate (2,)."""
@@ -52,9 +57,12 @@ class RollDynamics:
         moving = self._state(self.motion.duration, state)
         self.robot.jacobian(moving.q, self.other)
         sole = self.robot.data.oMf[self.robot.sole(self.other)]
-        roll = float(np.arctan2(sole.rotation[2, 1], sole.rotation[1, 1]))
+        axes = about_z(np.array([self.turn]))[0]
+        lateral = axes[:, 1] @ sole.rotation[:, 1]
+        roll = float(np.arctan2(sole.rotation[2, 1], lateral))
         place = sole.translation.copy()
-        return roll, float(self.robot.momentum_about(moving.q, moving.v, place)[0])
+        momentum = self.robot.momentum_about(moving.q, moving.v, place)
+        return roll, float(axes[:, 0] @ momentum)
 
     def rate_of(self, roll: float, momentum: float) -> float:
         """Roll rate [rad/s] at the start that has a momentum [kg m²/s] about the line."""
@@ -96,7 +104,10 @@ def return_map(
     Open loop: the joints follow their polynomials in time, through both touchdowns; each moves
     the momentum about the old line to the new one. ``step`` is the perturbation [rad, rad/s].
     """
-    dynamics = [RollDynamics(robot, motion, integrator) for motion in gait.steps]
+    dynamics = [
+        RollDynamics(robot, motion, integrator, float(turn))
+        for motion, turn in zip(gait.steps, gait.turns, strict=True)
+    ]
     start = gait.steps[0].roll_at(0.0)[:2]
     columns = []
     for axis in np.eye(2):

@@ -24,7 +24,7 @@ _SHOWN = 5  # failures in the line that ends a job
 
 
 def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Check the gaits of some velocities; a hole of the library is left out.
+    """Check the gaits of some commands; a hole of the library is left out.
 
     Raises:
         UserError: pinocchio is not installed.
@@ -43,11 +43,11 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
             from_dict(CheckConfig, section["verification"]),
         )
     )
-    chosen = _choose(gaits_of(library), section["velocities"])
+    chosen = _choose(gaits_of(library), section["commands"])
     records, times = [], []
     for gait in chosen:
         values, seconds = gaits.check_gait(gait, table)
-        records.append({"velocity": gait.velocities.tolist(), "values": values})
+        records.append({"command": gait.commands.tolist(), "values": values})
         times.append(seconds)
         job.progress(f"{len(records)} of {len(chosen)} gaits")
     if times:
@@ -57,9 +57,9 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"gaits": len(records)}
 
 
-def _choose(gaits: Sequence[StoredGait], velocities: Sequence[Sequence[float]]) -> list[StoredGait]:
-    by_velocity = {tuple(gait.velocities): gait for gait in gaits}
-    return [by_velocity[tuple(v)] for v in velocities if tuple(v) in by_velocity]
+def _choose(gaits: Sequence[StoredGait], commands: Sequence[Sequence[float]]) -> list[StoredGait]:
+    by_command = {tuple(gait.commands): gait for gait in gaits}
+    return [by_command[tuple(c)] for c in commands if tuple(c) in by_command]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -95,7 +95,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def _records(folders: Sequence[Path]) -> dict[tuple[float, ...], dict[str, float]]:
     records = [r for folder in folders for r in json.loads((folder / RECORDS).read_text())]
-    return {tuple(record["velocity"]): record["values"] for record in records}
+    return {tuple(record["command"]): record["values"] for record in records}
 
 
 def _rows(
@@ -105,9 +105,9 @@ def _rows(
 ) -> list[summary.Row]:
     rows = []
     for index, (gait, reflection) in enumerate(zip(gaits, neighbours.mirror(gaits), strict=True)):
-        vx, vy = (float(v) for v in gait.velocities)
-        values = records[vx, vy] | reflection | neighbours.jumps_of(pairs, index)
-        rows.append(summary.Row((vx, vy), values))
+        command = tuple(gait.commands.tolist())
+        values = records[command] | reflection | neighbours.jumps_of(pairs, index)
+        rows.append(summary.Row(command, values))
     return rows
 
 

@@ -15,7 +15,7 @@ from slider.robot.names import SIDES
 class StoredGait:
     """One gait of the library; shapes, units and frames: ``docs/reference/gait-library.md``."""
 
-    velocities: np.ndarray
+    commands: np.ndarray
     samples: np.ndarray
     time: np.ndarray
     step_time: np.ndarray
@@ -34,6 +34,11 @@ class StoredGait:
     iterations: np.ndarray
 
     @property
+    def turns(self) -> np.ndarray:
+        """Yaw (2,) [rad] of each step's landing foot from its stance foot, as commanded."""
+        return self.commands[2] * self.step_time
+
+    @property
     def half(self) -> int:
         """Samples per step."""
         return len(self.samples) // 2
@@ -45,6 +50,10 @@ class StoredGait:
     def time_in_step(self, sample: int) -> float:
         """Time since the last touchdown [s]."""
         return float(self.time[sample] - self.time[self.step_of(sample) * self.half])
+
+    def heading(self, step: int) -> float:
+        """Yaw of a step's stance foot [rad]; the first step's is the world's x axis."""
+        return float(self.turns[:step].sum())
 
     def origin(self, step: int) -> np.ndarray:
         """Middle of the stance foot's line (3,) [m]; the first step's is the world's origin."""

@@ -3,7 +3,7 @@
 import csv
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from slider.core.errors import UserError
+from slider.robot.names import COMMAND, command_text
 from slider.verification.neighbours import Pair
 from slider.verification.quantities import QUANTITIES, Quantity
 
@@ -19,9 +20,9 @@ Bounds = dict[str, float | None]
 
 @dataclass(frozen=True)
 class Row:
-    """Quantities of the gait of a velocity (vx, vy) [m/s]; some do not exist for every gait."""
+    """Quantities of the gait of a command; some do not exist for every gait."""
 
-    velocity: tuple[float, float]
+    command: tuple[float, ...]
     values: dict[str, float]
 
 
@@ -29,16 +30,16 @@ class Row:
 class Failure:
     """A quantity of a gait that is beyond its bound."""
 
-    velocity: tuple[float, float]
+    command: tuple[float, ...]
     quantity: str
     value: float
     bound: float
 
     def __str__(self) -> str:
-        about, (vx, vy) = QUANTITIES[self.quantity], self.velocity
+        about = QUANTITIES[self.quantity]
         sign = "≥" if about.at_least else "≤"
         return (
-            f"gait ({vx:g}, {vy:g}) m/s, {self.quantity}: expected {sign} {self.bound:g} "
+            f"gait {command_text(self.command)}, {self.quantity}: expected {sign} {self.bound:g} "
             f"{about.unit}, found {self.value:.3g}"
         )
 
@@ -68,7 +69,7 @@ def failures(rows: Sequence[Row], bounds: Bounds) -> list[Failure]:
         for row in rows:
             value = row.values.get(name)
             if value is not None and not _holds(value, bound, about):
-                found.append(Failure(row.velocity, name, value, bound))
+                found.append(Failure(row.command, name, value, bound))
     return found
 
 
@@ -89,8 +90,7 @@ def worst(rows: Sequence[Row], bounds: Bounds) -> dict[str, dict[str, Any]]:
             "check": about.check,
             "unit": about.unit,
             "worst": _number(row.values[name]),
-            "vx": row.velocity[0],
-            "vy": row.velocity[1],
+            **dict(zip(COMMAND, row.command, strict=True)),
             "median": _number(float(np.median([row.values[name] for row in having]))),
             "bound": bounds[name],
             "passed": None if bounds[name] is None else name not in failed,
@@ -118,7 +118,7 @@ def describe_pairs(
         jumps = {"jump_samples": pair.samples, "jump_coefficients": pair.coefficients}
         limits = {name: bounds[name] for name in jumps}
         if any(limit is not None and jumps[name] > limit for name, limit in limits.items()):
-            ends = {"from": rows[pair.first].velocity, "to": rows[pair.second].velocity}
+            ends = {"from": rows[pair.first].command, "to": rows[pair.second].command}
             found.append(ends | {name: _number(value) for name, value in jumps.items()})
     return found
 
@@ -127,11 +127,11 @@ def write_csv(path: Path, rows: Sequence[Row], failed: Sequence[Failure]) -> Non
     """One line per gait, one column per quantity, and the names of those that failed."""
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["vx", "vy", *QUANTITIES, "failed"])
+        writer.writerow([*COMMAND, *QUANTITIES, "failed"])
         for row in rows:
-            names = [f.quantity for f in failed if f.velocity == row.velocity]
+            names = [f.quantity for f in failed if f.command == row.command]
             values = [_text(row.values.get(name)) for name in QUANTITIES]
-            writer.writerow([*(f"{v:g}" for v in row.velocity), *values, " ".join(names)])
+            writer.writerow([*(f"{v:g}" for v in row.command), *values, " ".join(names)])
 
 
 def _text(value: float | None) -> str:
@@ -158,17 +158,17 @@ _HOLDS = {None: "", True: "", False: " **(not held)**"}
 
 
 def write_markdown(path: Path, rows: Sequence[Row], table: dict[str, dict[str, Any]]) -> None:
-    """Worst values by quantity, and some over the forward velocity at vy = 0."""
+    """Worst values by quantity, and some over the forward velocity straight ahead."""
     head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
     lines = _grid(head, [_cells(name, found) for name, found in table.items()])
-    straight = [row for row in rows if row.velocity[1] == 0.0]
+    straight = [row for row in rows if not any(row.command[1:])]
     if straight:
-        head = ["vx [m/s]", *(f"{row.velocity[0]:g}" for row in straight)]
+        head = ["vx [m/s]", *(f"{row.command[0]:g}" for row in straight)]
         over = [
             [f"`{name}`", *(_short(row.values.get(name)) for row in straight)]
             for name in _OVER_SPEED
         ]
-        lines += ["", "At vy = 0:", "", *_grid(head, over)]
+        lines += ["", "Straight ahead:", "", *_grid(head, over)]
     path.write_text(f"{len(rows)} gaits.\n\n" + "\n".join(lines) + "\n")
 
 
@@ -181,10 +181,16 @@ def _cells(name: str, found: dict[str, Any]) -> list[str]:
         about.unit,
         about.meaning,
         _short(found["worst"]),
-        f"{found['vx']:g}, {found['vy']:g}",
+        place(found),
         _short(found["median"]),
         limit + _HOLDS[found["passed"]],
     ]
+
+
+def place(found: Mapping[str, Any]) -> str:
+    """Command of the gait that has the worst value of a quantity; a yaw rate if there is one."""
+    turn = f", {found['yaw_rate']:g} rad/s" if found["yaw_rate"] else ""
+    return f"{found['vx']:g}, {found['vy']:g}{turn}"
 
 
 def _short(value: float | None) -> str:

@@ -12,9 +12,11 @@ from slider.control.export.folder import write_files
 from slider.control.policy import PolicyController
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
+from slider.library.lookup import GaitTable
 from slider.robot.mjcf import nominal_qpos
+from tests.control.export import policies
 from tests.control.export.policies import write_policy
-from tests.env.synthetic import config
+from tests.env.synthetic import config, turning_library
 
 EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "run_policy.py"
 COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
@@ -55,6 +57,7 @@ def load_example():
     return module
 
 
+@pytest.mark.parametrize("turning", [False, True])
 @pytest.mark.parametrize(
     "overrides",
     [
@@ -66,7 +69,10 @@ def load_example():
         ("env.reference.acceleration=0",),
     ],
 )
-def test_it_acts_and_moves_like_the_package(tmp_path, overrides):
+def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, turning):
+    if turning:
+        table = GaitTable.from_library(turning_library())
+        monkeypatch.setattr(policies, "gait_table", lambda: table)
     policy = write_files(written(tmp_path, *overrides), {}, tmp_path)
     physics = BatchedPhysics(policy.robot, policy.env.physics, 1)
     physics.reset(np.arange(1), nominal_qpos(policy.robot)[None], np.zeros((1, 18)))

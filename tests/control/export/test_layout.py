@@ -102,7 +102,8 @@ def test_a_reflection_undoes_itself():
 def test_a_policy_without_a_clock_says_so():
     assert describe(make_policy("env=paper"), {})["clock"] is None
     clock = describe(make_policy(), {})["clock"]
-    assert np.shape(clock["step_time"]) == (len(clock["vx"]), len(clock["vy"]))
+    assert np.shape(clock["step_time"]) == (len(clock["vx"]), len(clock["vy"]), 1)
+    assert clock["yaw_rate"] == [0.0]
 
 
 def test_a_zero_action_is_the_nominal_pose_or_the_gait():
@@ -114,8 +115,7 @@ def test_a_zero_action_is_the_nominal_pose_or_the_gait():
     assert [describe(p, {})["action"]["offset"] for p in (plain, about)] == ["nominal", "gait"]
     assert found["shape"] == list(gaits.positions.shape)
     assert found["vx"] == gaits.times.vx.tolist()
-    zero = np.zeros(1)
     nominal = [joint["nominal"] for joint in describe(plain, {})["action"]["joints"]]
     for phase in (0.0, 0.4, 0.9):
-        pose = reference_table(plain).at(zero, zero, np.array([phase]))
+        pose = reference_table(plain).at(np.zeros((1, 3)), np.array([phase]))
         np.testing.assert_array_equal(pose[0], nominal)

@@ -7,9 +7,10 @@ import pytest
 
 from slider.config.env import StartNoise
 from slider.config.robot import RobotConfig
-from slider.control.mpc.controller import MpcController
-from slider.control.mpc.memory import OFF, STAND, WALK
-from slider.control.mpc.steps import ReferenceVelocity
+from slider.control.mpc.controller import mpc_controller
+from slider.control.whole_body.controller import WalkingController
+from slider.control.whole_body.memory import OFF, STAND, WALK
+from slider.control.whole_body.velocity import ReferenceVelocity
 from slider.env.metrics import CONTACT_FORCE
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
@@ -26,12 +27,12 @@ def walk(
     plant: RobotConfig | None = None,
     seconds: float = SECONDS,
     noise: bool = False,
-) -> tuple[Recording, MpcController]:
+) -> tuple[Recording, WalkingController]:
     whole = config()
     control = whole.control[f"mpc_wbc_{setting}"]
     settings = replace(whole.env.physics, substeps=control.substeps)
     physics = BatchedPhysics(plant or robot_config(), settings, COUNT, 1, "torque")
-    controller = MpcController(robot_config(), control, physics.period)
+    controller = mpc_controller(robot_config(), control, physics.period)
     spread = whole.evaluation.start if noise else StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     start = at_rest(robot_config(), spread, np.random.default_rng(7), COUNT)
     velocity = np.tile(command, (COUNT, 1)) if np.ndim(command) == 1 else np.asarray(command)
@@ -97,7 +98,7 @@ def test_a_robot_does_not_depend_on_the_others():
     recording, _ = walk((0.6, 0.0, 0.0), seconds=1.0, noise=True)
     whole = config()
     physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
-    controller = MpcController(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
+    controller = mpc_controller(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
     qpos, qvel = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
     alone = roll_out(
         controller, physics, whole.env, (qpos[1:2], qvel[1:2]), np.array([[0.6, 0, 0]]), 1.0
@@ -107,7 +108,7 @@ def test_a_robot_does_not_depend_on_the_others():
 
 def test_switches_off_where_it_has_fallen():
     control = config().control["mpc_wbc_tuned"]
-    controller = MpcController(robot_config(), control, 0.005)
+    controller = mpc_controller(robot_config(), control, 0.005)
     state = make_state(2, foot_forces=60.0)
     controller.reset(state, np.zeros((2, 3)))
     lying = replace(state, gravity=np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]))
@@ -122,7 +123,7 @@ def test_torques_stay_within_the_limits():
     recorded = []
     whole = config()
     physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
-    controller = MpcController(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
+    controller = mpc_controller(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
     step = physics.step
 
     def spying(torques: np.ndarray) -> None:
@@ -182,8 +183,8 @@ def test_the_reference_goes_from_the_old_command_to_the_new_one():
     np.testing.assert_allclose(memory.old[:, 0], 0.6)
     gone = memory.walked - memory.changed
     np.testing.assert_allclose(gone, 0.1, atol=1e-9)
-    planner = config().control["mpc_wbc_tuned"].planner
-    left = np.hypot(0.6, 0.1) - planner.acceleration * 0.1
-    reference = ReferenceVelocity(planner, 0.005).of(memory, np.arange(COUNT))
+    settings = config().control["mpc_wbc_tuned"].velocity
+    left = np.hypot(0.6, 0.1) - settings.acceleration * 0.1
+    reference = ReferenceVelocity(settings, 0.005).of(memory, np.arange(COUNT))
     found = np.linalg.norm(reference - [0.0, 0.1], axis=1)
     np.testing.assert_allclose(found, left, atol=1e-9)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.control.mpc import lip
 from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
+from slider.control.whole_body import lip
 from tests.env.synthetic import config
 
 OMEGA = lip.rate(0.65)

@@ -13,9 +13,9 @@ from slider.library.reader import GaitLibrary
 from slider.reports.figures import FILES, NAMES, convergence
 from slider.reports.figures.gait_sheet import draw as draw_sheet
 from slider.reports.figures.gait_tiles import postures
-from slider.reports.figures.knee_map_error import map_errors
 from slider.reports.figures.limit_cycles import draw as draw_cycles
 from slider.reports.figures.limit_cycles import forward_gaits
+from slider.reports.figures.mapping import map_errors
 from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.stage import DRAWINGS, run
 from slider.reports.figures.style import save, style

@@ -10,9 +10,10 @@ from slider.hzd.stage import CSV
 from slider.hzd.summary import QUANTITIES, write_csv
 from slider.reports.figures import STABILITY_FILES
 from slider.reports.figures.stability import Basin, run
+from slider.robot.names import COMMAND
 from tests.library.gaits import write_store
 
-GAITS = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.1)]
+GAITS = [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (0.5, 0.1, 0.0)]
 
 
 @pytest.fixture(scope="module")
@@ -20,14 +21,14 @@ def inputs(tmp_path_factory) -> dict[str, list[Path]]:
     folder = tmp_path_factory.mktemp("stability")
     store = write_store(folder / "library", GAITS, []).parent
     values = dict.fromkeys(QUANTITIES, 1.5)
-    rows = [{"vx": vx, "vy": vy, **values} for vx, vy in GAITS[:2]]
-    rows.append({"vx": 0.5, "vy": 0.1})  # without a limit cycle
+    rows = [dict(zip(COMMAND, gait, strict=True)) | values for gait in GAITS[:2]]
+    rows.append(dict(zip(COMMAND, GAITS[2], strict=True)))  # without a limit cycle
     write_csv(folder / CSV, rows)
     basin = folder / "basin"
     basin.mkdir()
     angle = np.linspace(0, 2 * np.pi, 42)
     arrays = {
-        "velocity": np.array([0.5, 0.1]),
+        "command": np.array([0.5, 0.1, 0.0]),
         "roll": np.array([-0.1, 0.0, 0.1]),
         "roll_rate": np.array([-1.0, 1.0]),
         "without": np.full((3, 2), -1),

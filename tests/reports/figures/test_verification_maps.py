@@ -13,20 +13,20 @@ from slider.reports.figures.verification_maps import MAPS, NAME, TABLE, gait_val
 from slider.verification.quantities import QUANTITIES
 from tests.library.gaits import write_store
 
-GAITS = [(0.0, -0.1), (0.0, 0.0), (0.5, 0.0)]
+GAITS = [(0.0, -0.1, 0.0), (0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]
 
 
-def table(folder: Path, gaits: list[tuple[float, float]]) -> Path:
+def table(folder: Path, gaits: list[tuple[float, float, float]]) -> Path:
     """Values that tell gait and quantity: 100 · row + column; one does not apply."""
     folder.mkdir()
     with (folder / TABLE).open("w", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(["vx", "vy", *QUANTITIES, "failed"])
-        for k, velocity in enumerate(gaits):
+        writer.writerow(["vx", "vy", "yaw_rate", *QUANTITIES, "failed"])
+        for k, command in enumerate(gaits):
             values = [100 * k + i + 1 for i in range(len(QUANTITIES))]
             blank = list(QUANTITIES).index("regulated_steps")
             row = [*values[:blank], "" if k == 2 else values[blank], *values[blank + 1 :]]
-            writer.writerow([*velocity, *row, ""])
+            writer.writerow([*command, *row, ""])
     return folder
 
 
@@ -41,7 +41,9 @@ def test_values_belong_to_their_gaits(store, tmp_path):
     found = gait_values(library, read_table(checked / TABLE), "return_map")
     place = list(QUANTITIES).index("return_map") + 1
     expected = {gait: 100 * k + place for k, gait in enumerate(GAITS[::-1])}
-    np.testing.assert_array_equal(found, [expected[vx, vy] for vx, vy in library.velocities])
+    np.testing.assert_array_equal(
+        found, [expected[tuple(command)] for command in library.commands.tolist()]
+    )
     assert set(MAPS) <= QUANTITIES.keys()
 
 

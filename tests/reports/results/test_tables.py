@@ -114,6 +114,12 @@ def test_the_ablation_has_neither_title_nor_figure(tmp_path):
     assert text.startswith("Means.\n\n**Success rate [%]**\n\n| variant | 0.4 m/s |")
 
 
+def test_the_convergence_of_the_gaits_begins_with_its_first_table(tmp_path):
+    report = "# Gaits\n\n![Gaits](figures/a.png)\n\n## Meshes\n\n| nodes |\n|---|\n| 5 |\n"
+    text = make("gait_convergence", report, tmp_path)
+    assert text == "**Meshes**\n\n| nodes |\n|---|\n| 5 |"
+
+
 def test_of_the_sensitivity_the_verdict_and_the_strongest(tmp_path):
     text = make("sensitivity", SENSITIVITY, tmp_path)
     assert text.startswith("One of 2 parameters carries it.\n\n**The strongest 2 of 2 parameters**")
@@ -121,7 +127,15 @@ def test_of_the_sensitivity_the_verdict_and_the_strongest(tmp_path):
 
 
 def test_the_verification_counts_its_bounds(tmp_path):
-    found = {"worst": 0.5, "vx": 1.2, "vy": -0.1, "median": 0.1, "bound": 0.4, "passed": False}
+    found = {
+        "worst": 0.5,
+        "vx": 1.2,
+        "vy": -0.1,
+        "yaw_rate": 0.0,
+        "median": 0.1,
+        "bound": 0.4,
+        "passed": False,
+    }
     about = {"gaits": 179, "quantities": {"roll_end": found}}
     text = make("verification", json.dumps(about), tmp_path)
     assert text.startswith("179 gaits; 0 of 1 bounds hold for all of them.")

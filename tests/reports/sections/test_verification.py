@@ -13,7 +13,7 @@ def rows() -> list[Row]:
     first = dict.fromkeys(QUANTITIES, 0.5)
     second = dict.fromkeys(QUANTITIES, 0.25) | {"mirror_cost": 0.9, "return_map": 20.0}
     second.pop("roll_end")  # some quantities do not exist for every gait
-    return [Row((0.0, 0.0), first), Row((0.5, 0.1), second)]
+    return [Row((0.0, 0.0, 0.0), first), Row((0.5, 0.1, 0.3), second)]
 
 
 @pytest.fixture
@@ -37,12 +37,12 @@ def test_names_what_failed(found):
     section = found(0.1)
     assert pick(section, Text)[2].markdown.splitlines() == [
         "* gait (0, 0) m/s, mirror_cost: expected ≤ 0.1 -, found 0.5",
-        "* gait (0.5, 0.1) m/s, mirror_cost: expected ≤ 0.1 -, found 0.9",
+        "* gait (0.5, 0.1) m/s, 0.3 rad/s, mirror_cost: expected ≤ 0.1 -, found 0.9",
     ]
     (bounds,) = pick(section, Table)
     table = {row[1].text: [cell.text for cell in row] for row in bounds.rows}
     assert set(table) == set(QUANTITIES)
-    assert table["mirror_cost"][4:] == ["0.9", "≤ 0.1", "NO", "0.5, 0.1", "0.7"]
+    assert table["mirror_cost"][4:] == ["0.9", "≤ 0.1", "NO", "0.5, 0.1, 0.3 rad/s", "0.7"]
     assert table["roll_end"][4:] == ["0.5", "–", "–", "0, 0", "0.5"]
     page = html(verification=section)
     assert "2 values are beyond their bounds" in page

@@ -2,7 +2,14 @@
 
 from collections.abc import Mapping
 
-from slider.config.control import PAPER_LABELS, POLICY, POLICY_LABEL, SMOKE_AGENTS, MpcConfig
+from slider.config.control import (
+    PAPER_LABELS,
+    POLICY,
+    POLICY_LABEL,
+    SMOKE_AGENTS,
+    AnyControl,
+    MpcConfig,
+)
 from slider.config.env import EnvConfig, PhysicsConfig
 from slider.config.validation.checks import multiple, ordered, require
 
@@ -10,7 +17,7 @@ LEAST_RATE = 200  # [Hz]
 _TAKEN = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
 
 
-def check_controls(controls: Mapping[str, MpcConfig], env: EnvConfig) -> None:
+def check_controls(controls: Mapping[str, AnyControl], env: EnvConfig) -> None:
     """Every controller beside the policy; people tell them apart by their labels."""
     labels = {POLICY_LABEL: POLICY, **{label: name for name, label in PAPER_LABELS.items()}}
     for name, control in controls.items():
@@ -30,12 +37,13 @@ def _label(label: str, taken: Mapping[str, str], key: str) -> None:
     require(label not in taken, key, expected, label)
 
 
-def _control(control: MpcConfig, env: EnvConfig, key: str) -> None:
-    step, planner = control.step, control.planner
+def _control(control: AnyControl, env: EnvConfig, key: str) -> None:
     _substeps(control.substeps, env.physics, f"{key}.substeps")
-    ordered(f"{key}.step", step.time_min, step.time)
-    ordered(f"{key}.step", step.time, step.time_max)
-    ordered(f"{key}.planner.width_min", planner.width_min, planner.width_max)
+    if isinstance(control, MpcConfig):
+        step, planner = control.step, control.planner
+        ordered(f"{key}.step", step.time_min, step.time)
+        ordered(f"{key}.step", step.time, step.time_max)
+        ordered(f"{key}.planner.width_min", planner.width_min, planner.width_max)
     if control.observer is not None:
         period = env.physics.timestep * control.substeps
         multiple(f"{key}.observer.delay", control.observer.delay, period)

@@ -1,6 +1,6 @@
 """Rules of the gait optimisation and of its independent checks."""
 
-from slider.config.gait import Axis, GaitConfig, GridConfig, Posture, StepTime, axis_size
+from slider.config.gait import Axis, GaitConfig, GridBlock, GridConfig, Posture, StepTime, axis_size
 from slider.config.validation.checks import ordered, require
 from slider.config.verification import RegulatorConfig
 
@@ -25,11 +25,13 @@ def check_regulator(regulator: RegulatorConfig) -> None:
 
 
 def _grid(grid: GridConfig) -> None:
-    size = _axis("gait.grid.vx", grid.vx) * _axis("gait.grid.vy", grid.vy)
-    for index, block in enumerate(grid.extra):
-        key = f"gait.grid.extra[{index}]"
-        size += _axis(f"{key}.vx", block.vx) * _axis(f"{key}.vy", block.vy)
-    require(size <= MAX_GRID, "gait.grid", f"at most {MAX_GRID} velocities", size)
+    size = _block("gait.grid", grid)
+    size += sum(_block(f"gait.grid.extra[{i}]", block) for i, block in enumerate(grid.extra))
+    require(size <= MAX_GRID, "gait.grid", f"at most {MAX_GRID} commands", size)
+
+
+def _block(key: str, block: GridBlock) -> int:
+    return _axis(f"{key}.vx", block.vx) * _axis(f"{key}.vy", block.vy) * len(block.yaw_rate)
 
 
 def _axis(key: str, axis: Axis | list[float]) -> int:

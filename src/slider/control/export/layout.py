@@ -18,6 +18,7 @@ from slider.library.step_times import StepTimes
 from slider.robot.names import (
     ACTUATED,
     CHANNEL_UNITS,
+    COMMAND,
     JOINTS,
     MIRROR_PERMUTATION,
     MIRROR_SIGN,
@@ -28,7 +29,7 @@ from slider.robot.names import (
 from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
-VERSION = 7
+VERSION = 8
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
@@ -136,7 +137,7 @@ def reference_table(policy: Policy) -> JointTable:
     if policy.reference is not None:
         return policy.reference
     nominal = AgentInterface(policy.robot, policy.env, 1, policy.times).nominal
-    return JointTable(StepTimes.constant(1.0), np.tile(nominal, (1, 1, 4, 1)))
+    return JointTable(StepTimes.constant(1.0), np.tile(nominal, (1, 1, 1, 4, 1)))
 
 
 def _reference(policy: Policy) -> dict[str, Any]:
@@ -144,14 +145,14 @@ def _reference(policy: Policy) -> dict[str, Any]:
     table = reference_table(policy)
     return {
         "file": REFERENCE,
-        "axes": ["vx", "vy", "sample", "joint"],
+        "axes": [*COMMAND, "sample", "joint"],
         "acceleration": policy.env.reference.acceleration,
         "shape": list(table.positions.shape),
-        "vx": table.times.vx.tolist(),
-        "vy": table.times.vy.tolist(),
+        **_axes(table.times),
         "standing": table.standing.tolist(),
-        "meaning": "joint positions of a zero action at the reference velocity and the clock's "
-        "phase (0 without one): bilinear in vx and vy, the nearest border's outside; the first "
+        "meaning": "joint positions of a zero action at the reference velocity, the commanded yaw "
+        "rate and the clock's phase (0 without one): linear along vx, vy and yaw_rate, the nearest "
+        "border's outside; the first "
         "half of the samples is left stance, the second right stance, evenly spaced over the step "
         "with both of its ends, linear in between; standing: while the clock is halted. The "
         "reference "
@@ -159,6 +160,10 @@ def _reference(policy: Policy) -> dict[str, Any]:
         "of the command of the period that is over, by at most acceleration * control_period; an "
         "acceleration of 0: it is the present command",
     }
+
+
+def _axes(times: StepTimes) -> dict[str, list[float]]:
+    return {name: axis.tolist() for name, axis in zip(COMMAND, times, strict=True)}
 
 
 def _joint(policy: Policy, agent: AgentInterface, index: int) -> dict[str, Any]:
@@ -196,7 +201,7 @@ def _motors(policy: Policy) -> list[dict[str, Any]]:
 
 
 def _clock(policy: Policy) -> dict[str, Any] | None:
-    """The clock's pace: bilinear in the reference velocity, the border's value outside."""
+    """The clock's pace: trilinear in the reference command, the border's value outside."""
     if not policy.env.phase.enabled or policy.times is None:
         return None
     return {
@@ -206,11 +211,10 @@ def _clock(policy: Policy) -> dict[str, Any] | None:
         "(of the step before) less than halt.below in size and the velocity itself less than "
         "halt.above, the phase does not pass the next change of feet (0 or 0.5); there the clock "
         "is halted until there is a command, or the velocity itself reaches halt.above",
-        "advance": "phase = (phase + control_period / (2 * step_time(reference velocity))) modulo "
-        "1, before the reference velocity moves; "
-        "left stance below 0.5, right stance from there on; step_time[i][j] is at vx[i], vy[j], "
-        "bilinear in between, the nearest border's outside",
-        "vx": policy.times.vx.tolist(),
-        "vy": policy.times.vy.tolist(),
+        "advance": "phase = (phase + control_period / (2 * step_time(reference velocity, commanded "
+        "yaw rate))) modulo 1, before the reference velocity moves; "
+        "left stance below 0.5, right stance from there on; step_time[i][j][k] is at vx[i], vy[j], "
+        "yaw_rate[k], linear along each in between, the nearest border's outside",
+        **_axes(policy.times),
         "step_time": policy.times.step_time.tolist(),
     }

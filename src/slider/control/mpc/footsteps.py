@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.config.control import PlannerConfig, StepConfig
-from slider.control.mpc import lip, qp
+from slider.config.control import PlannedStepConfig, PlannerConfig
+from slider.control.whole_body import lip, qp
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class FootstepPlanner:
         omega: natural frequency of the pendulum [rad/s].
     """
 
-    def __init__(self, step: StepConfig, config: PlannerConfig, omega: float) -> None:
+    def __init__(self, step: PlannedStepConfig, config: PlannerConfig, omega: float) -> None:
         self._step, self._config, self.omega = step, config, omega
         powers = [np.eye(2)]
         for _ in range(config.steps):

@@ -1,70 +1,16 @@
-"""Steps of the walking robots: start, end, footholds, swing foot and reference velocity."""
+"""Steps of the walking robots: start, end, footholds and swing foot."""
 
 import numpy as np
 
-from slider.config.control import MpcConfig, PlannerConfig
+from slider.config.control import MpcConfig
 from slider.control.mpc import swing
-from slider.control.mpc.clock import TickClock
 from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
-from slider.control.mpc.memory import LEFT, Memory
-from slider.control.mpc.nominal import Dynamics
-from slider.robot.kinematics import turn_to_heading
-
-
-class ReferenceVelocity:
-    """Follows the command.
-
-    Args:
-        config: acceleration and integral action.
-        period: of a tick [s].
-    """
-
-    def __init__(self, config: PlannerConfig, period: float) -> None:
-        self._config, self._period = config, period
-
-    def change(self, memory: Memory, command: np.ndarray) -> None:
-        """Go with ``command`` (N, 3) from now on; the reference grows from where it is."""
-        changed = np.flatnonzero((command != memory.command).any(axis=1))
-        memory.old[changed] = self._on_the_way(memory, changed)
-        memory.changed[changed] = memory.walked[changed]
-        memory.correction[changed] = 0.0
-        memory.steps[changed] = np.minimum(
-            memory.steps[changed], 1
-        )  # no error of a stride in between
-        memory.command = command
-
-    def of(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
-        """Velocity (n, 2) forward, left [m/s] that the steps are planned for."""
-        return self._on_the_way(memory, robots) + memory.correction[robots]
-
-    def _on_the_way(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
-        """From the old command to the new one with constant acceleration (n, 2) [m/s]."""
-        old = memory.old[robots]
-        change = memory.command[robots, :2] - old
-        size = np.maximum(np.linalg.norm(change, axis=1), 1e-9)
-        time = memory.walked[robots] - memory.changed[robots]
-        share = np.minimum(1.0, self._config.acceleration * time / size)
-        return old + change * share[:, None]
-
-    def correct(self, memory: Memory, robots: np.ndarray, com: np.ndarray) -> None:
-        """Add the velocity error of the last stride at the start of a step.
-
-        Args:
-            memory: memory, of which ``starts`` and ``correction`` change.
-            robots: that start a step (n,).
-            com: their centres of mass (n, 2) [m], world.
-        """
-        now = np.concatenate([com, memory.walked[robots, None]], axis=1)
-        gone = now - memory.starts[robots, 0]
-        memory.starts[robots] = np.stack([memory.starts[robots, 1], now], axis=1)
-        # Not in the first stride, nor while it brakes in order to stand.
-        known = (memory.steps[robots] > 2) & ~memory.commanded_to_stand(robots)
-        halfway = memory.heading[robots] - 0.5 * memory.command[robots, 2] * gone[:, 2]
-        mean = turn_to_heading(gone, halfway) / np.maximum(gone[:, 2:], self._period)
-        error = np.where(known[:, None], memory.command[robots, :2] - mean, 0.0)
-        limit = self._config.integral_limit
-        total = memory.correction[robots] + self._config.integral * error
-        memory.correction[robots] = np.clip(total, -limit, limit)
+from slider.control.mpc.single_support import SingleSupport
+from slider.control.whole_body.controller import Surroundings
+from slider.control.whole_body.memory import LEFT, Memory
+from slider.control.whole_body.nominal import Dynamics
+from slider.control.whole_body.tasks import Solved
+from slider.control.whole_body.velocity import ReferenceVelocity
 
 
 class Steps:
@@ -72,24 +18,22 @@ class Steps:
 
     Args:
         config: settings of the baseline.
-        omega: natural frequency of the pendulum [rad/s].
-        velocity: what the steps are planned for.
-        period: of a tick [s].
-        clock: for the part ``footsteps``.
+        around: the robot.
     """
 
-    def __init__(
-        self,
-        config: MpcConfig,
-        omega: float,
-        velocity: ReferenceVelocity,
-        period: float,
-        clock: TickClock,
-    ) -> None:
-        self._config, self._velocity = config, velocity
-        self._period, self._clock = period, clock
-        self._planner = FootstepPlanner(config.step, config.planner, omega)
-        self._ticks_per_plan = max(1, round(config.planner.period / period))
+    def __init__(self, config: MpcConfig, around: Surroundings) -> None:
+        self._config, self._period, self._clock = config, around.period, around.clock
+        self._velocity = ReferenceVelocity(config.velocity, around.period)
+        self._planner = FootstepPlanner(config.step, config.planner, around.omega)
+        self._support = SingleSupport(config, around.body, around.model.nominal_height)
+        self._ticks_per_plan = max(1, round(config.planner.period / around.period))
+
+    def reset(self, count: int) -> None:
+        """Nothing: the memory has it all."""
+
+    def command(self, memory: Memory, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from now on."""
+        self._velocity.change(memory, velocity)
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
@@ -114,7 +58,12 @@ class Steps:
             return elapsed >= duration
         return (contact & (elapsed > step.early * duration)) | (elapsed > duration + step.late)
 
-    def advance(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
+    def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
+        """Torques of this tick."""
+        self._advance(memory, robots, dynamics)
+        return self._support.torques(memory, robots, dynamics)
+
+    def _advance(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
         """One tick on, with a new plan where it is time for one."""
         config = self._config
         if memory.tick % self._ticks_per_plan == 0:

@@ -7,7 +7,7 @@ time, then down to the ground with a touchdown velocity; past the step's time it
 import numpy as np
 
 from slider.config.control import SwingConfig
-from slider.control.mpc.quintic import follow
+from slider.control.whole_body.quintic import follow
 
 
 def begin(position: np.ndarray) -> np.ndarray:

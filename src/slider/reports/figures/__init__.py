@@ -1,14 +1,13 @@
-"""Pictures of the gait library; one module per figure, drawn by the stage ``figures``.
-
-Those of stability are drawn by the stage ``stability_figures``.
-"""
+"""Pictures of robot and gait library; one module per figure, drawn by the stage ``figures``."""
 
 NAMES = (
+    "capstan",
+    "mapping",
+    "zero_dynamics",
     "limit_cycles",
     "gait_tiles",
     "velocity_maps",
     "convergence",
-    "knee_map_error",
     "smoothness",
 )
 FORMATS = ("svg", "png", "md")

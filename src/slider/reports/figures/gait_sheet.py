@@ -8,7 +8,15 @@ from slider.library.loads import foot_heights, motor_torques
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.gait_tiles import draw_tiles, tile_samples
 from slider.reports.figures.style import DARK, MIDDLE, new_figure
-from slider.robot.names import JOINTS, LEG_JOINTS, LEG_MOTORS, MOTORS, NUM_JOINTS, SIDES
+from slider.robot.names import (
+    JOINTS,
+    LEG_JOINTS,
+    LEG_MOTORS,
+    MOTORS,
+    NUM_JOINTS,
+    SIDES,
+    command_text,
+)
 from slider.robot.transmission import by_motor
 
 _SHOWN = LEG_JOINTS[:5]
@@ -21,8 +29,7 @@ def draw(library: GaitLibrary, gait: int) -> Figure:
     figure = new_figure(sum(_HEIGHTS) + 1.4)
     heights = (_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6)
     tiles, plots = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
-    vx, vy = library.velocities[gait]
-    figure.suptitle(f"gait at ({vx:g}, {vy:g}) m/s", fontsize=9)
+    figure.suptitle(f"gait at {command_text(library.commands[gait])}", fontsize=9)
     draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
     panels = plots.subplots(3, 5, sharex=True)
     positions = library.arrays["samples"][gait][:, :NUM_JOINTS]

@@ -36,8 +36,8 @@ def draw(library: GaitLibrary) -> Figure:
     figure = new_figure(4.6)
     panels = figure.subplots(2, 3)
     for index in chosen:
-        gait = blend(library, *library.velocities[index])
-        colour = colormaps[COLOURS](scale(float(gait.velocity[0])))
+        gait = blend(library, *library.commands[index])
+        colour = colormaps[COLOURS](scale(float(gait.command[0])))
         for axes, joint in zip(panels.flat, _SHOWN, strict=False):
             _closed_curve(axes, _joint(gait, joint), colour)
         _closed_curve(panels.flat[-1], _roll(gait), colour)

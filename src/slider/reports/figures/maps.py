@@ -17,8 +17,9 @@ from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE, new_figure
 
 CAPTION = """\
 One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
-the grid. The cost is that of the optimisation (`gait.cost`). Torque and voltage are the greatest
-of all motors over the walk, as shares of the motor's torque limit and of its torque-speed line.
+the grid. Gaits that turn are left out. The cost is that of the optimisation (`gait.cost`). Torque
+and voltage are the greatest of all motors over the walk, as shares of the motor's torque limit and
+of its torque-speed line.
 """
 
 

@@ -7,7 +7,7 @@ from slider.library.reader import GaitLibrary
 from slider.library.smoothness import Smoothness, smoothness
 from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.style import DARK, new_figure
-from slider.robot.names import CHANNELS
+from slider.robot.names import CHANNELS, command_text
 
 
 def draw(library: GaitLibrary) -> Figure:
@@ -38,12 +38,12 @@ def caption(library: GaitLibrary) -> str:
     if not len(measured.pairs):
         return text + "This library has no neighbouring gaits.\n"
     first, second, channel = measured.worst
-    places = [f"({vx:g}, {vy:g})" for vx, vy in library.velocities[[first, second]]]
+    places = [command_text(command) for command in library.commands[[first, second]]]
     return text + (
         f"The greatest is {100 * measured.largest:.1f} % of {CHANNELS[channel]}, between "
-        f"{places[0]} and {places[1]} m/s.\n"
+        f"{places[0]} and {places[1]}.\n"
     )
 
 
 def _measure(library: GaitLibrary) -> Smoothness:
-    return smoothness(library.velocities, library.arrays["samples"])
+    return smoothness(library.commands, library.arrays["samples"])

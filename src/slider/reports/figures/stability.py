@@ -15,6 +15,7 @@ from slider.reports import rows
 from slider.reports.figures import STABILITY
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
+from slider.robot.names import COMMAND
 
 MAPS, BASINS, PORTRAITS = STABILITY
 _SHOWN = {
@@ -65,7 +66,7 @@ class Basin:
     def load(cls, folder: Path) -> "Basin":
         """What the stage wrote."""
         found = {path.stem: np.load(path) for path in folder.glob("*.npy")}
-        vx, vy = found["velocity"]
+        vx, vy, _ = found["command"]
         return cls(
             f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
             found["roll"],
@@ -79,7 +80,9 @@ class Basin:
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Draw the figures as SVG, PNG and Markdown."""
     library = GaitLibrary.load(inputs["library"][0] / STORE)
-    table = {(row["vx"], row["vy"]): row for row in rows.read(inputs["stability"][0] / CSV)}
+    table = {
+        tuple(row[name] for name in COMMAND): row for row in rows.read(inputs["stability"][0] / CSV)
+    }
     maps = [
         VelocityMap(title, _values(library, table, name), _UNITS.get(name, ""))
         for name, title in _SHOWN.items()
@@ -102,7 +105,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def _values(library: GaitLibrary, table: dict, name: str) -> np.ndarray:
-    found = [table.get((float(vx), float(vy)), {}).get(name) for vx, vy in library.velocities]
+    found = [table.get(tuple(map(float, command)), {}).get(name) for command in library.commands]
     return np.array([np.nan if value is None else value for value in found], dtype=float)
 
 

@@ -11,6 +11,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import write_figure
+from slider.robot.names import COMMAND, command_text
 from slider.verification.quantities import QUANTITIES
 
 TABLE = "verification.csv"
@@ -42,7 +43,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     Raises:
         UserError: the table lacks a gait of the library.
     """
-    library = GaitLibrary.load(inputs["library"][0] / STORE)
+    library = GaitLibrary.load(inputs["library"][0] / STORE).straight
     table = read_table(inputs["verification"][0] / TABLE)
     maps = [
         VelocityMap(QUANTITIES[name].meaning, gait_values(library, table, name), unit(name))
@@ -60,13 +61,13 @@ def unit(name: str) -> str:
     return "" if found in ("-", "1") else found
 
 
-def read_table(path: Path) -> dict[tuple[float, float], rows.Row]:
-    """Rows by velocity; NaN where a quantity does not apply."""
-    return {(row["vx"], row["vy"]): row for row in rows.read(path)}
+def read_table(path: Path) -> dict[tuple[float, ...], rows.Row]:
+    """Rows by command; NaN where a quantity does not apply."""
+    return {tuple(row[name] for name in COMMAND): row for row in rows.read(path)}
 
 
 def gait_values(
-    library: GaitLibrary, table: Mapping[tuple[float, float], rows.Row], name: str
+    library: GaitLibrary, table: Mapping[tuple[float, ...], rows.Row], name: str
 ) -> np.ndarray:
     """A quantity of each gait (G,), in the order of the library.
 
@@ -74,9 +75,9 @@ def gait_values(
         UserError: the table lacks a gait.
     """
     values = []
-    for vx, vy in library.velocities:
-        row = table.get((float(vx), float(vy)))
+    for command in library.commands.tolist():
+        row = table.get(tuple(command))
         if row is None:
-            raise UserError(f"{TABLE}: expected the gait ({vx:g}, {vy:g}) m/s, found none")
+            raise UserError(f"{TABLE}: expected the gait {command_text(command)}, found none")
         values.append(row[name])
     return np.array(values)

@@ -177,9 +177,14 @@ def seeds(report: Path, store: Store) -> str:
 
 @block("ablation.md", "ablation.csv")
 def ablation(report: Path, store: Store) -> str:
-    """All of the report without title and figure; its headings become bold lines."""
-    first, *others = _parts(report)
-    return "\n\n".join([first[1], *(f"**{title}**\n\n{text}" for title, text in others)])
+    """All of the report."""
+    return _whole(report)
+
+
+@block("gait_convergence.md", "gait_convergence.csv")
+def gait_convergence(report: Path, store: Store) -> str:
+    """All of the report."""
+    return _whole(report)
 
 
 @block("sensitivity.md", "sensitivity.csv")
@@ -253,12 +258,20 @@ def _cell(row: Row, name: str) -> str:
     return QUANTITIES[name].between(row[name], *([row[end] for end in ends] or (NAN, NAN)))
 
 
+def _whole(report: Path) -> str:
+    """A Markdown report without title and figure; its headings become bold lines."""
+    first, *others = _parts(report)
+    shown = [first[1], *(f"**{title}**\n\n{text}" for title, text in others)]
+    return "\n\n".join(text for text in shown if text)
+
+
 def _parts(report: Path) -> list[tuple[str, str]]:
     """Headings of a Markdown report and the text below each, without pictures."""
     parts = f"\n{report.read_text(encoding='utf-8')}".split("\n#")[1:]
     found = []
     for part in parts:
         title, _, text = part.partition("\n")
-        kept = [item.strip("\n") for item in text.split("\n\n") if not item.startswith("![")]
-        found.append((title.lstrip("# "), "\n\n".join(item for item in kept if item)))
+        items = [item.strip("\n") for item in text.split("\n\n")]
+        kept = [item for item in items if item and not item.startswith("![")]
+        found.append((title.lstrip("# "), "\n\n".join(kept)))
     return found

@@ -24,7 +24,7 @@ _FIRST_SHOWN = (0.6, 0.0)  # the cycle drawn before anything is hovered [m/s]
 
 def blocks(sources: Sources) -> Iterator[Text | Chart]:
     """A map whose colour can be chosen; hovering a gait draws its limit cycle beside it."""
-    library = GaitLibrary.load(sources.file("library", STORE))
+    library = GaitLibrary.load(sources.file("library", STORE)).straight
     first = int(np.argmin(np.linalg.norm(library.velocities - _FIRST_SHOWN, axis=1)))
     yield Text(
         f"{len(library)} gaits. Move the pointer over a gait, or tap it, to see its limit cycle. "

@@ -112,9 +112,9 @@ def ablation(sources: "Sources") -> Blocks:
     return blocks(NAME, sources.file(NAME, f"{NAME}.svg"), found, variants)
 
 
-@section("Readings of the paper")
+@section("The paper, statement by statement")
 def readings(sources: "Sources") -> Blocks:
-    """What the paper leaves open, and the value that each choice has in this run."""
+    """What is here of the paper, and the value that each choice has in this run."""
     from slider.reports.sections.readings import blocks
 
     return blocks(sources)

@@ -11,15 +11,11 @@ from slider.evaluation.results import Evaluation
 from slider.reports.charts import Chart, chart
 from slider.reports.controllers import colour, line, speed
 from slider.reports.sections.sources import Sources
-from slider.reports.table import Text
-
-_CAPTION = (
-    "Forward velocity from rest: mean over surviving robots, the band is one standard deviation "
-    "between robots, dashed the command."
-)
+from slider.reports.table import Written
+from slider.reports.velocity_tracking import CAPTION, fell, notes
 
 
-def blocks(sources: Sources) -> Iterator[Chart | Text]:
+def blocks(sources: Sources) -> Iterator[Chart | Written]:
     """One panel per command, one curve per controller."""
     found = sources.evaluations("table1")
     evaluated = {one.command for one in found}
@@ -27,21 +23,7 @@ def blocks(sources: Sources) -> Iterator[Chart | Text]:
     shown = [command for command in asked if command in evaluated]
     if shown:
         yield _chart(found, shown, sources.configuration["env"]["control_period"])
-    missing = ", ".join(speed(command) for command in asked if command not in evaluated)
-    if missing:
-        yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
-    fallen = [
-        f"{one.label} at {speed(one.command)} m/s"
-        for one in found
-        if one.command in shown and _fell(one)
-    ]
-    if fallen:
-        yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")
-
-
-def _fell(one: Evaluation) -> bool:
-    """Nobody survived: there is nothing to draw."""
-    return not one.robots.survived.any()
+    yield from notes(found, asked)
 
 
 def _chart(found: list[Evaluation], commands: list[float], period: float) -> Chart:
@@ -59,7 +41,7 @@ def _chart(found: list[Evaluation], commands: list[float], period: float) -> Cha
             figure.update_xaxes(title_text="time [s]", **place)
         figure.update_yaxes(title_text="velocity [m/s]", rangemode="tozero", **place)
     figure.update_layout(legend={"orientation": "h", "y": 1.0 + 0.16 / rows, "yanchor": "bottom"})
-    return chart("velocity", figure, _CAPTION, 80 + 290 * rows)
+    return chart("velocity", figure, CAPTION, 80 + 290 * rows)
 
 
 def _add_trace(
@@ -70,7 +52,7 @@ def _add_trace(
     first: bool,
     place: dict[str, Any],
 ) -> None:
-    if _fell(one):
+    if fell(one):
         return
     mean, spread = np.round(one.velocity.astype(float).T, 4)
     time = np.round(period * np.arange(1, len(mean) + 1), 3)

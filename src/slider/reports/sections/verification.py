@@ -8,6 +8,7 @@ from slider.reports.figures.verification_maps import CAPTION, NAME, unit
 from slider.reports.sections.sources import Sources
 from slider.reports.table import Cell, Picture, Table, Text, Written
 from slider.verification.quantities import QUANTITIES
+from slider.verification.summary import place
 
 _HOLDS = {None: "–", True: "yes", False: "NO"}
 _SHOWN = 20  # failures
@@ -67,7 +68,7 @@ def _row(name: str, found: Mapping[str, Any]) -> list[Cell]:
         _number(found["worst"]),
         Cell("–") if bound is None else Cell(f"{sign} {bound:g}", bound),
         Cell(_HOLDS[found["passed"]], failed=found["passed"] is False),
-        Cell(f"{found['vx']:g}, {found['vy']:g}", found["vx"]),
+        Cell(place(found), found["vx"]),
         _number(found["median"]),
     ]
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.control.mpc import qp
+from slider.control.whole_body import qp
 
 
 def conditions(hessian, gradient, rows, lower, upper, x) -> None:

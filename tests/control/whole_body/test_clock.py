@@ -1,7 +1,7 @@
 """Processor time of the parts of a tick, on a clock that is set by hand."""
 
-from slider.control.mpc import clock
-from slider.control.mpc.clock import TickClock
+from slider.control.whole_body import clock
+from slider.control.whole_body.clock import TickClock
 
 
 def test_times_are_means_over_ticks(monkeypatch):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.control.mpc.quintic import follow
+from slider.control.whole_body.quintic import follow
 
 
 def test_ends_and_derivatives():

@@ -13,8 +13,8 @@ import numpy as np
 
 from slider.config.control import WholeBodyConfig
 from slider.config.robot import RobotConfig
-from slider.control.mpc import qp
-from slider.control.mpc.nominal import NUM_DOFS, Dynamics
+from slider.control.whole_body import qp
+from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
 from slider.robot import names
 from slider.robot.transmission import Transmission
 

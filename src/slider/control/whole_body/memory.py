@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.control.mpc.entry import Sway
+from slider.control.whole_body.entry import Sway
 from slider.env.phase import standing
 from slider.robot.kinematics import turn_to_heading
 

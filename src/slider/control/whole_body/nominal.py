@@ -21,6 +21,8 @@ class Dynamics:
     """Terms of M q̈ + h = Sᵀτ + Jᵀf for n robots, and where their parts are.
 
     Attributes:
+        base_position: (n, 3) [m].
+        joints: positions (n, 12) [rad, m].
         qvel: (n, 18).
         mass_matrix: M (n, 18, 18).
         bias: h (n, 18), Coriolis, gravity and joint damping.
@@ -34,6 +36,8 @@ class Dynamics:
         foot_bias: their accelerations at q̈ = 0 (n, 2, 6).
     """
 
+    base_position: np.ndarray
+    joints: np.ndarray
     qvel: np.ndarray
     mass_matrix: np.ndarray
     bias: np.ndarray
@@ -88,6 +92,8 @@ class NominalModel:
         com_jacobian = mass[:, :3] / self.mass  # momentum = mass × velocity of the centre of mass
         com_bias = bias[:, :3] / self.mass - [0.0, 0.0, names.GRAVITY]
         return Dynamics(
+            base_position=qpos[:, :3],
+            joints=qpos[:, 7:],
             qvel=qvel,
             mass_matrix=mass,
             bias=bias + self._damping * qvel,

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.control.mpc import lip
-from slider.control.mpc.entry import Entry
+from slider.control.whole_body import lip
+from slider.control.whole_body.entry import Entry
 from tests.env.synthetic import config
 
 OMEGA, TUNED = lip.rate(0.65), config().control["mpc_wbc_tuned"]

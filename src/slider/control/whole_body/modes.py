@@ -3,12 +3,16 @@
 STAND → SWAY → WALK → STAND. Where a mode or a step ends is decided here, once per tick.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from slider.control.mpc.entry import Entry, Sway
-from slider.control.mpc.memory import FEET, LEFT, RIGHT, STAND, SWAY, WALK, Memory
-from slider.control.mpc.nominal import Dynamics
-from slider.control.mpc.steps import Steps
+from slider.control.whole_body.entry import Entry, Sway
+from slider.control.whole_body.memory import FEET, LEFT, RIGHT, STAND, SWAY, WALK, Memory
+from slider.control.whole_body.nominal import Dynamics
+
+if TYPE_CHECKING:
+    from slider.control.whole_body.controller import Stepping
 
 
 class Modes:
@@ -16,12 +20,12 @@ class Modes:
 
     Args:
         entry: from the sway to the first step.
-        steps: of those that walk.
+        steps: how those step that walk.
         omega: natural frequency of the pendulum [rad/s].
         reach: forward distance from the middle within which a robot can come to a stop [m].
     """
 
-    def __init__(self, entry: Entry, steps: Steps, omega: float, reach: float) -> None:
+    def __init__(self, entry: Entry, steps: "Stepping", omega: float, reach: float) -> None:
         self._entry, self._steps = entry, steps
         self._omega, self._reach = omega, reach
 

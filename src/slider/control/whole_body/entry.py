@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from slider.config.control import EntryConfig, StepConfig
-from slider.control.mpc import lip
-from slider.control.mpc.quintic import follow
+from slider.control.whole_body import lip
+from slider.control.whole_body.quintic import follow
 
 
 @dataclass

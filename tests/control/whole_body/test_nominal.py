@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.control.mpc.nominal import NominalModel
+from slider.control.whole_body.nominal import NominalModel
 from slider.robot.mjcf import SimulationOptions, build_model
 from tests.env.synthetic import (
     TORQUE_LIMITS,

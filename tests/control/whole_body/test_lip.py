@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from slider.control.mpc import lip
+from slider.control.whole_body import lip
 
 OMEGA = lip.rate(0.65)
 

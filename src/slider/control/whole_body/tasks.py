@@ -1,41 +1,46 @@
-"""Tasks of the whole-body QP: desired accelerations of the parts of the body, on one or both feet.
+"""Tasks of the whole-body QP: desired accelerations of the parts of the body.
 
 Torques are (n, 12) [N m or N]; with them goes whether the QP has a solution (n,).
 """
 
 import numpy as np
 
-from slider.config.control import MpcConfig, TaskConfig, WholeBodyConfig
+from slider.config.control import TaskConfig, WholeBodyConfig
 from slider.config.robot import RobotConfig
-from slider.control.mpc import lip
-from slider.control.mpc.clock import TickClock
-from slider.control.mpc.memory import FEET, Memory
-from slider.control.mpc.nominal import NUM_DOFS, Dynamics
-from slider.control.mpc.whole_body import Tasks, WholeBody
-from slider.robot.kinematics import about_z, yaw_of
+from slider.control.whole_body.clock import TickClock
+from slider.control.whole_body.memory import FEET, Memory
+from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
+from slider.control.whole_body.problem import Tasks, WholeBody
+from slider.robot.kinematics import about_z
 
 Part = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Jacobian (n, r, 18), desired acceleration less the bias (n, r), weight (r,)."""
 Solved = tuple[np.ndarray, np.ndarray]
 
 
-class TorqueControl:
-    """Turns references of n robots into torques.
+class BodyControl:
+    """Turns references of n robots into torques; on both feet whatever the way of stepping.
 
     Args:
         robot: the nominal robot.
-        config: settings of the baseline.
+        config: gains, weights and limits.
+        search: velocity at which feet without contact sink [m/s].
         height: of the pendulum [m].
         clock: for the parts ``assembly`` and ``solution``.
     """
 
     def __init__(
-        self, robot: RobotConfig, config: MpcConfig, height: float, clock: TickClock
+        self,
+        robot: RobotConfig,
+        config: WholeBodyConfig,
+        search: float,
+        height: float,
+        clock: TickClock,
     ) -> None:
         self._config, self._height, self._clock = config, height, clock
-        self._omega = lip.rate(height)
-        self._tasks = BodyTasks(config.whole_body)
-        self._whole_body = WholeBody(robot, config.whole_body)
+        self._search = search
+        self.tasks = BodyTasks(config)
+        self._whole_body = WholeBody(robot, config)
 
     def on_both_feet(
         self,
@@ -52,38 +57,21 @@ class TorqueControl:
         """
         position = memory.to_heading(dynamics.com[:, :2], robots)
         velocity = memory.to_heading(dynamics.com_velocity[:, :2], robots)
-        task = self._config.whole_body.com
+        task = self._config.com
         error = desired[:, :, 0] - (position - memory.sway.middle[robots])
         flat = desired[:, :, 2] + task.kp * error + task.kd * (desired[:, :, 1] - velocity)
         flat = memory.to_world(flat, robots)
         ground = dynamics.foot_positions[:, :, 2].mean(axis=1)
         weight = np.ones(3) * max(task.weight)
         feet = np.tile(FEET, (len(robots), 1))
-        sinking = np.where(contact, 0.0, self._config.swing.search_velocity)
+        sinking = np.where(contact, 0.0, self._search)
         parts = [
-            *self._body(memory, robots, dynamics, flat, ground, weight),
-            self._tasks.stance(dynamics, feet, sinking),
+            *self.body(memory, robots, dynamics, flat, ground, weight),
+            self.tasks.stance(dynamics, feet, sinking),
         ]
-        return self._solve(dynamics, parts, feet, contact)
+        return self.solve(dynamics, parts, feet, contact)
 
-    def on_one_foot(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
-        """The pendulum falls freely over the stance foot; the other one follows its reference."""
-        config, stance = self._config, memory.stance[robots]
-        support = dynamics.foot_positions[np.arange(len(robots)), stance]
-        flat = self._omega**2 * (dynamics.com - support)[:, :2]
-        weight = np.array(config.whole_body.com.weight)
-        foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
-        heading = memory.heading[robots] + 0.5 * yaw_rate * config.step.time
-        feet = stance[:, None]
-        parts = [
-            *self._body(memory, robots, dynamics, flat, support[:, 2], weight),
-            self._tasks.swing(dynamics, foot, memory.swing[robots]),
-            self._tasks.swing_rotation(dynamics, foot, heading, yaw_rate),
-            self._tasks.stance(dynamics, feet, np.zeros(feet.shape)),
-        ]
-        return self._solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
-
-    def _body(
+    def body(
         self,
         memory: Memory,
         robots: np.ndarray,
@@ -96,19 +84,20 @@ class TorqueControl:
         lift = self._lift(dynamics, ground)
         acceleration = np.concatenate([flat, lift[:, None]], axis=1)
         return [
-            self._tasks.com(dynamics, acceleration, weight),
-            self._tasks.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
+            self.tasks.com(dynamics, acceleration, weight),
+            self.tasks.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
         ]
 
     def _lift(self, dynamics: Dynamics, ground: np.ndarray) -> np.ndarray:
         """Vertical acceleration (n,) that holds the pendulum's height above the ground."""
-        task = self._config.whole_body.com
+        task = self._config.com
         error = self._height - (dynamics.com[:, 2] - ground)
         return task.kp * error - task.kd * dynamics.com_velocity[:, 2]
 
-    def _solve(
+    def solve(
         self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
     ) -> Solved:
+        """Torques for tasks in ``parts`` on ``feet`` (n, k), of which those ``loaded`` carry."""
         with self._clock.part("assembly"):
             problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
         with self._clock.part("solution"):
@@ -133,34 +122,7 @@ class BodyTasks:
         jacobian = np.zeros((n, 3, NUM_DOFS))
         jacobian[:, :, 3:6] = rotation  # base rates are in its own frame
         error = _rotation_error(about_z(heading), rotation)
-        return jacobian, *_feedback(self._config.base, error, rate)
-
-    def swing(self, dynamics: Dynamics, foot: np.ndarray, reference: np.ndarray) -> Part:
-        """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration."""
-        robots = np.arange(len(foot))
-        jacobian = dynamics.foot_jacobians[robots, foot, :3]
-        error = reference[:, :, 0] - dynamics.foot_positions[robots, foot]
-        rate = reference[:, :, 1] - _velocity(jacobian, dynamics.qvel)
-        desired, weight = _feedback(self._config.swing, error, rate)
-        bias = dynamics.foot_bias[robots, foot, :3]
-        return jacobian, desired + reference[:, :, 2] - bias, weight
-
-    def swing_rotation(
-        self, dynamics: Dynamics, foot: np.ndarray, heading: np.ndarray, yaw_rate: np.ndarray
-    ) -> Part:
-        """Swing foot (n,) level, along ``heading`` (n,) [rad]; free about its line."""
-        robots = np.arange(len(foot))
-        rotation = dynamics.foot_rotations[robots, foot]
-        axes = pitch_and_yaw(rotation)
-        jacobian = axes @ dynamics.foot_jacobians[robots, foot, 3:]
-        bias = (axes @ dynamics.foot_bias[robots, foot, 3:, None])[..., 0]
-        error = np.stack(
-            [np.arcsin(rotation[:, 2, 0]), _wrapped(heading - yaw_of(rotation))], axis=1
-        )
-        rate = -_velocity(jacobian, dynamics.qvel)
-        rate[:, 1] += yaw_rate
-        desired, weight = _feedback(self._config.swing_rotation, error, rate)
-        return jacobian, desired - bias, weight[1:]
+        return jacobian, *feedback(self._config.base, error, rate)
 
     def stance(self, dynamics: Dynamics, feet: np.ndarray, sinking: np.ndarray) -> Part:
         """The lines of ``feet`` (n, k) do not move; those in the air sink (n, k) [m/s]."""
@@ -171,7 +133,7 @@ class BodyTasks:
         axes[:, :, 3:, 3:] = pitch_and_yaw(dynamics.foot_rotations[robots, feet])
         jacobian = (axes @ dynamics.foot_jacobians[robots, feet]).reshape(n, -1, NUM_DOFS)
         bias = (axes @ dynamics.foot_bias[robots, feet][..., None]).reshape(n, -1)
-        rate = -_velocity(jacobian, dynamics.qvel).reshape(n, count, 5)
+        rate = -point_velocity(jacobian, dynamics.qvel).reshape(n, count, 5)
         rate[:, :, 2] -= sinking
         task = self._config.stance
         desired = task.kd * rate.reshape(n, -1) - bias
@@ -194,13 +156,15 @@ def pitch_and_yaw(rotation: np.ndarray) -> np.ndarray:
     return axes
 
 
-def _feedback(
+def feedback(
     task: TaskConfig, error: np.ndarray, rate: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
+    """Desired accelerations of errors (n, r) and their rates, and the weights (r,)."""
     return task.kp * error + task.kd * rate, np.array(task.weight)
 
 
-def _velocity(jacobian: np.ndarray, qvel: np.ndarray) -> np.ndarray:
+def point_velocity(jacobian: np.ndarray, qvel: np.ndarray) -> np.ndarray:
+    """Velocities (n, r) of tasks with Jacobians (n, r, 18)."""
     return (jacobian @ qvel[:, :, None])[..., 0]
 
 
@@ -211,5 +175,6 @@ def _rotation_error(desired: np.ndarray, found: np.ndarray) -> np.ndarray:
     return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 
 
-def _wrapped(angle: np.ndarray) -> np.ndarray:
+def wrapped(angle: np.ndarray) -> np.ndarray:
+    """Angles within ±π."""
     return (angle + np.pi) % (2 * np.pi) - np.pi

@@ -8,8 +8,8 @@ import pytest
 from slider.config.control import ObserverConfig
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.types import Interval
-from slider.control.mpc.controller import build_controller
-from slider.control.mpc.observer import Observer, rotation_between, turned
+from slider.control.model_based import build_controller
+from slider.control.whole_body.observer import Observer, rotation_between, turned
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out

@@ -6,13 +6,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.control.mpc import qp
-from slider.control.mpc.nominal import Dynamics, NominalModel
-from slider.control.mpc.tasks import BodyTasks, join
-from slider.control.mpc.whole_body import WholeBody
+from slider.control.whole_body import qp
+from slider.control.whole_body.nominal import Dynamics, NominalModel
+from slider.control.whole_body.problem import WholeBody
+from slider.control.whole_body.tasks import BodyTasks, join
 from slider.env.starts import at_rest
 from slider.robot import names
-from tests.control.mpc.test_qp import conditions
+from tests.control.whole_body.test_qp import conditions
 from tests.env.synthetic import TORQUE_LIMITS, config, motor_torques, robot_config
 
 CONTROL = config().control["mpc_wbc_tuned"].whole_body

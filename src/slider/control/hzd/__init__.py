@@ -1,0 +1,1 @@
+"""Walking by hybrid zero dynamics: the library's virtual constraints, enforced without learning."""

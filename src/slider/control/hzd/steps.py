@@ -1,0 +1,272 @@
+"""Steps by virtual constraints: phase, re-anchoring at touchdown, foot placement and torques."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.config.control import HzdControlConfig
+from slider.config.hzd import VirtualConstraintsConfig
+from slider.control.hzd.gaits import GaitTables, Steps, at_phase
+from slider.control.whole_body.controller import Surroundings
+from slider.control.whole_body.memory import Memory
+from slider.control.whole_body.nominal import Dynamics
+from slider.control.whole_body.tasks import Part, Solved, pitch_and_yaw, point_velocity, wrapped
+from slider.control.whole_body.velocity import ReferenceVelocity
+from slider.hzd.constraints import StepConstraints
+from slider.hzd.outputs import NUM_JOINTS, SWING, YAW, output_matrix, stance_first, stance_selection
+from slider.hzd.phase import phase_of, phase_rate
+from slider.hzd.rows import put, take
+from slider.robot.kinematics import turn_to_heading, yaw_of
+from slider.robot.knee_map import KneeLengths
+from slider.robot.names import ACTUATED
+
+_DRIVEN = np.array(ACTUATED)
+_RATES = (0.5, 1.6)  # of the phase, as a share of the gait's; beyond them a stumble is no phase
+_JUMP = 0.02  # the phase differs from the one expected by no more, per tick
+LEAST = 0.6
+SLIDE = 3  # place of the slide in a leg
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Coordinates of n robots in stance: roll, yaw and driven joints, stance leg first.
+
+    Attributes:
+        x, rate: (n, 12).
+        jacobian: (n, 12, 18), ẍ = jacobian q̈ up to what q̇ adds.
+    """
+
+    x: np.ndarray
+    rate: np.ndarray
+    jacobian: np.ndarray
+
+
+@dataclass
+class Walk:
+    """Steps that N robots are making.
+
+    Attributes:
+        constraints: what they hold.
+        steps: of the gaits.
+        phase, rate: of the steps [1], [1/s].
+        by_hip: whether the hip's place tells the phase.
+    """
+
+    constraints: StepConstraints
+    steps: Steps
+    phase: np.ndarray
+    rate: np.ndarray
+    by_hip: np.ndarray
+
+
+class HzdSteps:
+    """Steps of N robots.
+
+    Args:
+        config: of the controller.
+        constraints: what is enforced.
+        reach: largest displacement of a foothold [m].
+        gaits: of the library.
+        lengths: of the virtual leg.
+        around: the robot.
+    """
+
+    def __init__(
+        self,
+        config: HzdControlConfig,
+        constraints: VirtualConstraintsConfig,
+        reach: float,
+        gaits: GaitTables,
+        lengths: KneeLengths,
+        around: Surroundings,
+    ) -> None:
+        self._config, self._constraints, self._reach = config, constraints, reach
+        self._gaits, self._lengths = gaits, lengths
+        self._body, self._period, self._omega = around.body, around.period, around.omega
+        self._velocity = ReferenceVelocity(config.velocity, around.period)
+        self._matrix = output_matrix(constraints.outputs)
+        w = config.weights
+        self._weights = np.array(
+            [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]
+        )
+
+    def reset(self, count: int) -> None:
+        """Forget the steps of ``count`` robots."""
+        self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))
+
+    def command(self, memory: Memory, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from now on."""
+        self._velocity.change(memory, velocity)
+
+    def begin(
+        self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
+    ) -> None:
+        """A new step on the feet ``stance`` (n,): its gait, and constraints through this state."""
+        if not len(robots):
+            return
+        memory.stance[robots], memory.elapsed[robots] = stance, 0.0
+        memory.steps[robots] += 1
+        self._velocity.correct(memory, robots, dynamics.com[:, :2])
+        yaw_rate = memory.yaw_rate(robots)[:, None]
+        command = np.concatenate([self._reachable(memory, robots), yaw_rate], axis=1)
+        walk = self._new(command, stance)
+        memory.duration[robots] = walk.steps.duration
+        motion = self._motion(memory, robots, dynamics)
+        place, speed = self._hip(memory, robots, dynamics)
+        walk.by_hip &= (
+            phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed)
+            * (walk.steps.duration)
+            >= LEAST
+        )
+        self._synchronise(walk, place, speed)
+        walk.constraints.re_anchor(walk.phase, motion.x, motion.rate / walk.rate[:, None])
+        put(self._walk, robots, walk)
+
+    def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
+        """Whether the steps are over (n,), where ``contact`` (n,) is that of the swing feet."""
+        phase, step = self._walk.phase[robots], self._config.step
+        duration = memory.duration[robots]
+        late = (phase - 1.0) * duration > step.late
+        stuck = memory.elapsed[robots] > duration / _RATES[0]
+        return (contact & (phase > step.early)) | late | stuck
+
+    def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
+        """Torques that enforce the virtual constraints, as far as motors and contact allow."""
+        walk = take(self._walk, robots)
+        motion = self._motion(memory, robots, dynamics)
+        self._place(walk, memory, robots, dynamics)
+        parts = [
+            self._outputs(walk, motion),
+            self._body.tasks.stance(
+                dynamics, memory.stance[robots, None], np.zeros((len(robots), 1))
+            ),
+        ]
+        feet = memory.stance[robots, None]
+        solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
+        memory.elapsed[robots] += self._period
+        memory.walked[robots] += self._period
+        walk.phase += np.where(walk.by_hip, 0.0, self._period * walk.rate)
+        put(self._walk, robots, walk)
+        return solved
+
+    def _new(self, command: np.ndarray, stance: np.ndarray) -> Walk:
+        config, steps = self._constraints, self._gaits.at(command, stance)
+        constraints = StepConstraints(
+            steps.coefficients,
+            steps.roll,
+            steps.placement,
+            self._lengths,
+            config.correction_end,
+            (config.placement.lower, config.placement.upper),
+        )
+        by_hip = (command[:, 0] >= config.slowest_hip) & (config.phase == "hip")
+        return Walk(constraints, steps, np.zeros(len(stance)), 1.0 / steps.duration, by_hip)
+
+    def _reachable(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
+        """Velocity (n, 2) of the next gait: not far from that of the step before."""
+        wanted = self._velocity.of(memory, robots, self._config.ahead)
+        gone = memory.starts[robots, 1] - memory.starts[robots, 0]
+        last = memory.to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
+        first = memory.steps[robots] < 2
+        last[first] = memory.old[robots[first]]
+        change = self._config.change
+        faster = (wanted * last >= 0) & (np.abs(wanted) > np.abs(last))
+        bound = np.where(faster, change.faster, change.slower)
+        return np.clip(wanted, last - bound, last + bound)
+
+    def _hip(
+        self, memory: Memory, robots: np.ndarray, dynamics: Dynamics
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Forward place of the base over the stance foot (n,) [m] and velocity [m/s]."""
+        sole = dynamics.foot_positions[np.arange(len(robots)), memory.stance[robots], :2]
+        place = memory.to_heading(dynamics.base_position[:, :2] - sole, robots)[:, 0]
+        return place, memory.to_heading(dynamics.qvel[:, :2], robots)[:, 0]
+
+    def _synchronise(
+        self, walk: Walk, place: np.ndarray, velocity: np.ndarray, reach: float = 1.0
+    ) -> None:
+        """Phase and its rate of those that go by the hip; it changes by no more than ``reach``."""
+        phase = phase_of(walk.steps.hip, place)
+        phase = np.clip(phase, walk.phase, walk.phase + reach)
+        pace = 1.0 / walk.steps.duration
+        rate = np.clip(phase_rate(walk.steps.hip, phase, velocity), *np.outer(_RATES, pace))
+        walk.phase = np.where(walk.by_hip, phase, walk.phase)
+        walk.rate = np.where(walk.by_hip, rate, pace)
+
+    def _motion(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Motion:
+        rows, stance = np.arange(len(robots)), memory.stance[robots]
+        right, side = stance == 1, _side(stance)
+        rotation = dynamics.foot_rotations[rows, stance]
+        angular = dynamics.foot_jacobians[rows, stance, 3:]
+        axes = np.stack([rotation[:, :, 0], pitch_and_yaw(rotation)[:, 1]], axis=1)
+        jacobian = np.concatenate(
+            [side[:, None, None] * (axes @ angular), _joint_rows(right)], axis=1
+        )
+        roll = side * np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))
+        yaw = side * wrapped(yaw_of(rotation) - memory.heading[robots])
+        joints = stance_first(dynamics.joints[:, _DRIVEN], right)
+        rate = point_velocity(jacobian, dynamics.qvel)
+        rate[:, YAW] -= side * memory.yaw_rate(robots)
+        return Motion(np.concatenate([roll[:, None], yaw[:, None], joints], axis=1), rate, jacobian)
+
+    def _outputs(self, walk: Walk, motion: Motion) -> Part:
+        """ÿ = −kp y − kd ẏ, with the phase on its way to the gait's pace."""
+        config, rate = self._constraints, walk.rate[:, None]
+        value, slope, curve = walk.constraints.desired(walk.phase)
+        late = np.maximum(walk.phase - 1.0, 0.0)
+        sinking = self._config.descent * walk.steps.duration * (late > 0)
+        value[:, SWING + SLIDE] += sinking * late
+        slope[:, SWING + SLIDE] += sinking
+        pace = np.where(walk.by_hip, -config.rate_gain, 0.0) * (
+            walk.rate - 1.0 / walk.steps.duration
+        )
+        wanted = curve * rate**2 + slope * pace[:, None]
+        error, error_rate = value - motion.x, slope * rate - motion.rate
+        desired = wanted + config.kp * error + config.kd * error_rate
+        return self._matrix @ motion.jacobian, desired @ self._matrix.T, self._weights
+
+    def _place(self, walk: Walk, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
+        """Phase now, and the foothold that the state asks for: b = −K(s) (ξ − ξ*(s))."""
+        place, speed = self._hip(memory, robots, dynamics)
+        self._synchronise(walk, place, speed, _JUMP)
+        error = self._section(memory, robots, dynamics) - at_phase(walk.steps.orbit, walk.phase)
+        error[~walk.by_hip, 2] = 0.0  # the gain is that of a phase which it drives
+        wanted = -(at_phase(walk.steps.gains, walk.phase) @ error[:, :, None])[:, :, 0]
+        wanted[:, 0] += self._capture(walk, place, speed)
+        wanted = np.clip(wanted, -self._reach, self._reach)
+        config = self._config
+        share = np.where(walk.phase < config.lock, min(1.0, self._period / config.settling), 0)
+        walk.constraints.displacement += share[:, None] * (wanted - walk.constraints.displacement)
+
+    def _section(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
+        """ξ (n, 3): lateral place, lateral and forward velocity of the centre of mass."""
+        rows, stance = np.arange(len(robots)), memory.stance[robots]
+        yaw = yaw_of(dynamics.foot_rotations[rows, stance])
+        place = dynamics.com[:, :2] - dynamics.foot_positions[rows, stance, :2]
+        place, speed = (turn_to_heading(v, yaw) for v in (place, dynamics.com_velocity[:, :2]))
+        side = _side(stance)
+        return np.stack([side * place[:, 1], side * speed[:, 1], speed[:, 0]], axis=1)
+
+    def _capture(self, walk: Walk, place: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        """Forward displacement (n,) [m] by the pendulum, where the phase is time.
+
+        There the linear map has no forward error: the ankle takes it away at once. The foot's
+        length forbids that for large ones, of a start or a stop. What is left of them at touchdown,
+        δẋ/ω, goes into the foothold.
+        """
+        duration = walk.steps.duration
+        value, slope, _ = walk.steps.hip.at(walk.phase)
+        left = self._omega * np.maximum(1.0 - walk.phase, 0.0) * duration
+        late = np.cosh(left) * (speed - slope[:, 0] / duration) / self._omega
+        share = np.where(walk.by_hip, self._config.capture_hip, self._config.capture)
+        return share * (np.sinh(left) * (place - value[:, 0]) + late)
+
+
+def _side(stance: np.ndarray) -> np.ndarray:
+    """+1 in left stance, −1 in right stance (n,)."""
+    return np.where(stance == 1, -1.0, 1.0)
+
+
+def _joint_rows(right: np.ndarray) -> np.ndarray:
+    """Rows (n, 10, 18) of the driven joints, stance leg first."""
+    return np.concatenate([np.zeros((len(right), NUM_JOINTS, 6)), stance_selection(right)], axis=2)

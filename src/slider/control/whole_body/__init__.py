@@ -1,0 +1,1 @@
+"""What walking controllers share: model, whole-body QP, modes, entry and observer."""

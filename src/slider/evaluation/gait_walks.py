@@ -1,0 +1,95 @@
+"""The stage ``gait_walks``: every gait walked in MuJoCo from its own first sample, by feedback.
+
+Virtual constraints and foot placement alone, at the gait's constant command, without noise.
+"""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from slider.config.control import HzdControlConfig
+from slider.config.convert import from_dict
+from slider.config.env import PlantConfig
+from slider.config.robot import RobotConfig
+from slider.control.hzd.controller import EnforcedGaits, hzd_controller
+from slider.control.whole_body.controller import WalkingController
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.env import terminations
+from slider.env.physics import BatchedPhysics
+from slider.evaluation.baseline import build_plant
+from slider.library.reader import STORE, GaitLibrary
+from slider.robot.names import COMMAND, NUM_JOINTS
+
+CSV, MARKDOWN = "gait_walks.csv", "gait_walks.md"
+_PATIENCE = 1.5  # a walk has this many times the gaits' duration for its steps
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Walk all gaits at once; write how many steps each makes and how fast it is."""
+    robot = from_dict(RobotConfig, section["robot"])
+    plant = from_dict(PlantConfig, section["plant"])
+    config = from_dict(HzdControlConfig, section["control"])
+    library = GaitLibrary.load(inputs["library"][0] / STORE)
+    gaits = EnforcedGaits.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
+    physics = build_plant(robot, plant.physics, config, len(library), threads=job.threads)
+    controller = hzd_controller(robot, config, gaits, physics.period)
+    found = walk(controller, physics, plant, library, section["steps"], job)
+    columns = dict(zip(COMMAND, library.commands.T, strict=True)) | found
+    rows = [{name: float(v[k]) for name, v in columns.items()} for k in range(len(library))]
+    _write(rows, section["steps"], out)
+    job.tracker.log_file(out / CSV)
+    return {"gaits": len(rows), "walked": int((found["walked"] >= section["steps"]).sum())}
+
+
+def walk(
+    controller: WalkingController,
+    physics: BatchedPhysics,
+    plant: PlantConfig,
+    library: GaitLibrary,
+    steps: int,
+    job: Job,
+) -> dict[str, np.ndarray]:
+    """Completed steps (G,), and mean speed along each robot's heading up to the last [m/s] (G,)."""
+    everyone = np.arange(len(library))
+    physics.reset(everyone, *first_samples(library))
+    state = physics.read()
+    controller.start_on_gait(state, library.commands.copy())
+    alive, walked = np.ones(len(library), dtype=bool), np.zeros(len(library), dtype=int)
+    ticks, distance = np.zeros(len(library)), np.zeros(len(library))
+    longest = _PATIENCE * steps * library.step_time.max()
+    for tick in range(round(longest / physics.period)):
+        physics.step(controller.control(state))
+        state = physics.read()
+        alive &= ~terminations.failed(state, plant.termination.terms) & ~state.diverged
+        going = alive & (walked < steps)
+        if not going.any():
+            break
+        controller.give_up(~going)
+        walked = np.where(going, controller.memory.steps - 1, walked)
+        ticks, distance = ticks + going, distance + going * state.heading_velocity[:, 0]
+        if tick % 1000 == 0:
+            job.progress(f"{walked.min()} to {walked.max()} of {steps} steps")
+    return {"walked": walked, "speed": distance / np.maximum(ticks, 1)}
+
+
+def first_samples(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (G, 19) and velocities (G, 18) at the start of each gait."""
+    base, samples = library.base[:, 0], library.samples[:, 0]
+    qpos = np.concatenate([base[:, :7], samples[:, :NUM_JOINTS]], axis=1)
+    qvel = np.concatenate([base[:, 7:], samples[:, NUM_JOINTS : 2 * NUM_JOINTS]], axis=1)
+    return qpos, qvel
+
+
+def _write(rows: list[dict[str, float]], steps: int, out: Path) -> None:
+    """CSV of all gaits, and for people how many walk at each forward speed."""
+    with (out / CSV).open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({name: f"{value:.6g}" for name, value in row.items()} for row in rows)
+    lines = [f"| vx [m/s] | gaits | walk {steps} steps | fewest steps |", "|---|---|---|---|"]
+    for vx in sorted({row["vx"] for row in rows}):
+        walked = [row["walked"] for row in rows if row["vx"] == vx]
+        done = sum(count >= steps for count in walked)
+        lines.append(f"| {vx:g} | {len(walked)} | {done} | {min(walked):g} |")
+    (out / MARKDOWN).write_text("\n".join(lines) + "\n")

@@ -1,0 +1,72 @@
+"""How far stored gaits depend on their mesh, and which solutions are one optimum."""
+
+from dataclasses import dataclass
+from math import gcd
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import simpson
+
+
+@dataclass(frozen=True)
+class MeshGait:
+    """A stored gait on its mesh of n nodes per step.
+
+    Attributes:
+        joints, torques: (2, n, 10) of both steps, virtual knee [rad], [N m].
+        roll: (2, n) of the stance foot [rad].
+        step_time: of the first step [s].
+    """
+
+    joints: np.ndarray
+    torques: np.ndarray
+    roll: np.ndarray
+    step_time: float
+
+    @classmethod
+    def load(cls, folder: Path) -> "MeshGait":
+        """A result of the stage ``gait``."""
+        names = ("knee_positions", "knee_torques", "roll", "step_time")
+        joints, torques, roll, times = (np.load(folder / f"{name}.npy") for name in names)
+        steps = (2, -1, joints.shape[-1])
+        return cls(joints.reshape(steps), torques.reshape(steps), roll[..., 0], float(times[0]))
+
+    @property
+    def intervals(self) -> int:
+        """Between the nodes of a step."""
+        return self.roll.shape[1] - 1
+
+    @property
+    def torque_cost(self) -> float:
+        """Σ over steps of (1/T) ∫ ‖τ‖² dt by Simpson's rule [N² m²]: the cost ``torque``."""
+        squares = (self.torques**2).sum(axis=-1)
+        return float(np.sum(simpson(squares, dx=1.0 / self.intervals, axis=-1)))
+
+    def difference(self, other: "MeshGait") -> dict[str, float]:
+        """Relative difference of cost, and the greatest ones [rad] of joints and roll.
+
+        At the phases that both meshes have, in both steps; ``roll_end``: at their ends alone.
+        """
+        common = gcd(self.intervals, other.intervals)
+        joints, roll = (
+            np.abs(mine[:, :: self.intervals // common] - its[:, :: other.intervals // common])
+            for mine, its in ((self.joints, other.joints), (self.roll, other.roll))
+        )
+        return {
+            "torque_cost_difference": self.torque_cost / other.torque_cost - 1.0,
+            "joints_difference": float(joints.max()),
+            "roll_difference": float(roll.max()),
+            "roll_end_difference": float(roll[:, -1].max()),
+        }
+
+
+def optima(costs: np.ndarray, same: float) -> np.ndarray:
+    """Number of the optimum of each solution (n,), the cheapest 0, from their positive costs.
+
+    A new one begins where a cost exceeds the next smaller one by more than the share ``same``.
+    """
+    order = np.argsort(costs)
+    ascending = costs[order]
+    numbers = np.empty(len(costs), dtype=int)
+    numbers[order] = np.cumsum(np.diff(ascending, prepend=ascending[:1]) > same * ascending)
+    return numbers

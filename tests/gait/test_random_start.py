@@ -1,0 +1,70 @@
+"""Random starts: the same from seed and index, within their spread and bounds, solved alone."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.config.gait import StartSpread
+from slider.config.types import Interval
+from slider.core.job import Job
+from slider.gait import REPORT
+from slider.gait.guess import Start, cold_start
+from slider.gait.random_start import random_start, run
+from slider.gait.solve import GIVEN
+from tests.gait.gaits import problem, section, solved
+
+DURATION = (0.25, 0.42)
+SPREAD = StartSpread(0.5, Interval(0.3, 1.2), Interval(0.5, 1.5))
+
+
+def start(*seed: int, spread: StartSpread = SPREAD, vx: float = 1.2) -> np.ndarray:
+    return random_start(problem(), vx, DURATION, spread, np.random.default_rng(seed))
+
+
+def test_a_start_is_the_same_from_seed_and_index_and_differs_between_them():
+    np.testing.assert_array_equal(start(1, 7), start(1, 7))
+    for other in (start(1, 8), start(2, 7)):
+        assert np.abs(start(1, 7) - other).max() > 0.1
+
+
+@pytest.mark.parametrize("joints", [0.5, 5.0])
+def test_starts_are_within_the_bounds_of_the_variables(joints):
+    lower, upper = problem().variable_bounds(DURATION)
+    for index in range(20):
+        found = start(1, index, spread=replace(SPREAD, joints=joints))
+        assert ((lower <= found) & (found <= upper)).all()
+
+
+def test_starts_fill_their_spread():
+    """Of the ankle, which no bound of a variable touches, the second step's noise by itself."""
+    layout = problem().layout
+    walks = np.array([start(1, index, vx=0.0) for index in range(200)])
+    ankles = [walks[:, layout.joint_slice(step)].reshape(200, 10, -1)[:, 4] for step in range(2)]
+    noise = (ankles[0] - ankles[1]) / 2  # the walk in both steps is the same
+    assert 0.45 < np.abs(noise).max() <= 0.5
+    times = walks[:, layout.time_index(0)]
+    assert DURATION[0] <= times.min() < 0.26
+    assert 0.41 < times.max() <= DURATION[1]
+    np.testing.assert_array_equal(times, walks[:, layout.time_index(1)])
+
+
+def test_without_spread_it_is_the_crouched_walk():
+    tight = StartSpread(1e-13, Interval(0.9, 0.9), Interval(1.0, 1.0))
+    found = random_start(problem(), 1.2, (0.4, 0.4), tight, np.random.default_rng(0))
+    expected = cold_start(problem().layout, 1.2, 8, (0.4, 0.4), Start(crouch=0.9, stride=0.6))
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_the_stage_solves_from_the_random_start_alone(tmp_path):
+    spread = {"joints": 0.05, "crouch": {"lower": 0.8, "upper": 1.0}}
+    given = {"seed": 1, "index": 3, "spread": spread | {"stride": {"lower": 0.9, "upper": 1.1}}}
+    job = Job(tmp_path)
+    summary = run(section(0.4, 0.0) | {"start": given}, {}, tmp_path, job)
+    report = json.loads((tmp_path / REPORT).read_text())
+    assert [attempt["name"] for attempt in report["attempts"]] == [GIVEN]
+    assert summary["converged"]
+    assert summary["cost"] == pytest.approx(solved(0.4, 0.0).cost, rel=1e-4)
+    assert job.volatile["solve_cpu"] > 0
+    assert [path.name for path in tmp_path.iterdir()] == [REPORT]

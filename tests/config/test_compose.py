@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pipeline.entry import open_pipeline
-from pipeline.stages.gaits import velocities
+from pipeline.stages.gaits import commands
 from slider.cli import main
 from slider.config.compose import compose
 from slider.config.convert import to_dict
@@ -250,7 +250,7 @@ def test_a_list_of_velocities_takes_the_place_of_an_axis():
     overrides = ["gait.grid.vx.stop=0.5", "gait.grid.vx=[0.2]", "gait.grid.vx=[0.4,0.33]"]
     last = compose(["experiment=test", *overrides, "gait.grid.vy=[0.0]"], CONF).gait.grid
     assert (last.vx, last.vy) == ([0.4, 0.33], [0.0])
-    assert velocities(last) == [(0.33, 0.0), (0.4, 0.0)]
+    assert commands(last) == [(0.33, 0.0, 0.0), (0.4, 0.0, 0.0)]
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ def test_actions_about_the_gait_get_the_gaits(library):
     assert make(library, "env.action.offset=nominal").reference is None
     reference = make(library, "env.action.offset=gait").reference
     assert reference is not None
-    assert reference.positions.shape == (3, 1, 42, 12)
+    assert reference.positions.shape == (3, 1, 1, 42, 12)
 
 
 def test_only_a_guided_training_gets_a_guide(library):

@@ -56,7 +56,7 @@ def test_arrays_names_and_units(gaits, tmp_path: Path):
     assert list(group.attrs["channels"]) == list(CHANNELS)
     passive = [CHANNELS[i] for i in group.attrs["passive_channels"]]
     assert passive == [name for name in CHANNELS if "upper_foot" in name]
-    np.testing.assert_array_equal(group["velocities"][:], VELOCITIES)
+    np.testing.assert_array_equal(group["commands"][:], [(*v, 0.0) for v in VELOCITIES])
     np.testing.assert_array_equal(group["samples"][1], value("samples", 0.5, 0.1))
     for name in ARRAYS:
         assert group[name].metadata.dimension_names == ("gait", *ARRAYS[name].axes)
@@ -95,8 +95,8 @@ def test_holes_alone_are_no_library(with_a_hole, tmp_path: Path):
 def test_an_allowed_hole_is_left_out(with_a_hole, tmp_path: Path):
     summary = run(section(True), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
     group = zarr.open_group(tmp_path / "out" / "library.zarr", mode="r")
-    assert summary["holes"] == [[0.5, 0.1]]
-    np.testing.assert_array_equal(group["velocities"][:], [VELOCITIES[0], VELOCITIES[2]])
+    assert summary["holes"] == [[0.5, 0.1, 0.0]]
+    np.testing.assert_array_equal(group["commands"][:, :2], [VELOCITIES[0], VELOCITIES[2]])
     np.testing.assert_array_equal(group["samples"][1], value("samples", 1.0, -0.1))
 
 

@@ -138,3 +138,10 @@ def test_a_window_needs_a_display(capsys, monkeypatch):
     monkeypatch.setattr("sys.platform", "linux")
     assert main(["play", "zero", "--conf", str(CONF)]) == 1
     assert "use --web or --headless" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("values", [["0.6"], ["0.6", "0", "0.3", "1"]])
+def test_a_gait_is_two_or_three_numbers(values, capsys):
+    assert main(["play", "--conf", str(CONF), "--headless", "--gait", *values]) == 1
+    expected = f"--gait: expected VX VY [YAW_RATE], found {len(values)} values"
+    assert expected in capsys.readouterr().err

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.ablation import ablation_job
 from pipeline.stages import all_jobs, entries, table1_jobs
-from pipeline.stages.gaits import velocities
+from pipeline.stages.gaits import commands
 from pipeline.stages.page import report
 from pipeline.stages.protocols import protocol_jobs
 from slider.artefacts.plan import JobSpec, build_plan
@@ -165,14 +165,19 @@ def test_a_wider_grid_keeps_its_gaits(before):
     assert len(after["gait"] - before["gait"]) == 1
 
 
-def test_grids_share_their_velocities():
-    paper = velocities(compose(["gait/grid=paper"], CONF).gait.grid)
-    extended = velocities(compose(["gait/grid=extended"], CONF).gait.grid)
+def test_grids_share_their_commands():
+    paper = commands(compose(["gait/grid=paper"], CONF).gait.grid)
+    extended = commands(compose(["gait/grid=extended"], CONF).gait.grid)
     assert len(paper) == len(set(paper)) == 125
     assert paper == sorted(paper)
     assert set(paper) < set(extended)
-    assert (0.15, -0.05) in paper  # exactly, not 0.15000000000000002
-    assert not any(str(value) == "-0.0" for pair in paper for value in pair)
+    assert (0.15, -0.05, 0.0) in paper  # exactly, not 0.15000000000000002
+    assert not any(str(value) == "-0.0" for command in paper for value in command)
+    turning = commands(compose(["gait.grid.yaw_rate=[0.3,-0.3,0.0]"], CONF).gait.grid)
+    assert len(turning) == 3 * 125 + 54
+    omni = commands(compose(["gait/grid=omni"], CONF).gait.grid)
+    assert len(omni) == 210
+    assert {(-0.6, 0.3, -0.3), (1.2, -0.3, 0.3), (0.0, 0.0, 0.0)} < set(omni)
 
 
 def jobs_of(*overrides: str) -> dict[str, JobSpec]:

@@ -19,7 +19,7 @@ from slider.config.schema import Config
 from slider.config.validation.checks import require
 from slider.control.export import FILES as POLICY_FILES
 from slider.reports.figures import FILES as FIGURES
-from slider.reports.figures.stability import FILES as STABILITY_FIGURES
+from slider.reports.figures import STABILITY_FILES
 from slider.reports.sections.registry import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
 
 ABLATION_TARGET = "ablation"
@@ -103,8 +103,8 @@ def _files() -> dict[str, tuple[str, ...]]:
         "figures": _reports(*(f"figures/{name}" for name in FIGURES)),
         "verification": _reports(*(f"verification.{suffix}" for suffix in ("csv", "json", "md"))),
         "stability": _reports("stability.csv", "stability.md"),
+        "stability_figures": _reports(*(f"figures/{name}" for name in STABILITY_FILES)),
         "gait_walks": _reports("gait_walks.csv", "gait_walks.md"),
-        "stability_figures": _reports(*(f"figures/{name}" for name in STABILITY_FIGURES)),
         "verification_maps": _reports(*_drawn("verification_maps"), "figures/verification_maps.md"),
         **{
             name: (*_compared(name), *_reports(f"{name}_curves.csv"))

@@ -40,6 +40,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster
         *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
+        *("hzd.impacts.*", "hzd.basin.*"),  # perturbations to both sides
     ),
     0: (
         *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "speeds.table1[[]*"),  # to stand still
@@ -64,6 +65,8 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.hzd.descent",
         ),  # switched off
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
+        *("hzd.impacts.*", "hzd.basin.*", "hzd.placement.lower", "hzd.feedback.reach"),
+        "gait.decoupling_min",  # none is refused
         *(
             "*.seed",
             "*.seeds[[]*",

@@ -242,8 +242,10 @@ def with_dummies(workspace: Workspace) -> Workspace:
         module = "table1" if name == "reports" else "stage"
         (source / name / f"{module}.py").write_text(text)
     (source / "reports" / "figures").mkdir()
-    (source / "reports" / "figures" / "__init__.py").write_text("FILES = ('size.md',)\n")
-    for name in ("stage", "verification_maps"):
+    (source / "reports" / "figures" / "__init__.py").write_text(
+        "FILES = STABILITY_FILES = ('size.md',)\n"
+    )
+    for name in ("stage", "stability", "verification_maps"):
         (source / "reports" / "figures" / f"{name}.py").write_text(FIGURES)
     (source / "reports" / "protocols").mkdir()
     (source / "reports" / "protocols" / "__init__.py").write_text("")

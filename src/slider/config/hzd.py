@@ -18,6 +18,7 @@ from slider.config.types import (
     Positive,
     Radians,
     RadiansPerSecond,
+    Rule,
     Share,
     Some,
     Tolerance,
@@ -40,7 +41,7 @@ class VirtualConstraintsConfig:
     """gaits with less forward velocity have time for a phase"""
     correction_end: Positive[Share]
     """phase at which the re-anchoring after an impact is over"""
-    placement: Interval[Share]
+    placement: Annotated[Interval[Share], Rule("lower < upper", lambda v: v.lower < v.upper)]
     """phases between which the swing foot is displaced"""
     kp: Positive[PerSecond2]
     """of the outputs"""

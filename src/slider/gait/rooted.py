@@ -7,6 +7,7 @@ stance. The ten joint efforts are the inputs, B = (0, I)ᵀ: no moment acts abou
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.gait.dynamics import SlideTree
@@ -23,7 +24,7 @@ class RootedRobot:
     def __init__(self, robot: Mechanism) -> None:
         knee = build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
         self.tree = SlideTree(knee, robot.geometry.leg_length, build_prismatic_model(robot))
-        self.sole = [0.0, 0.0, -knee.ankle_height]
+        self.sole = np.array([0.0, 0.0, -knee.ankle_height])
         self.q, self.v, self._a = (ca.SX.sym(name, NUM) for name in "qva")
 
     @cached_property

@@ -55,8 +55,8 @@ def steps_until_return(
             break
         step = (count - 1) % 2
         plan = steps[step].of(np.zeros(len(x), int))
-        flow = loop.step(plan, *np.split(x, 2, axis=1), _displaced(placement, step, x))
-        x = np.concatenate([flow.landed.q, flow.landed.v], axis=1)
+        flow = loop.step(plan, x, _displaced(placement, step, x))
+        x = flow.landed.state
         error = np.abs(x - walk.points[count % 2])[:, _PLANE]
         back = flow.alive & (error <= config.returned).all(axis=1)
         taken[going[back]] = count
@@ -88,10 +88,10 @@ def portrait(
 ) -> np.ndarray:
     """Roll and roll rate (steps · S, 2) of a walk from a state (22,), up to a fall."""
     x, seen = start[None], []
-    for step in np.arange(count) % 2:
-        flow = loop.step(steps[step], *np.split(x, 2, axis=1), _displaced(placement, step, x))
+    for step in ([0, 1] * count)[:count]:
+        flow = loop.step(steps[step], x, _displaced(placement, step, x))
         if not flow.alive[0]:
             break
         seen.append(np.stack([flow.q[:, 0, 0], flow.v[:, 0, 0]], axis=1))
-        x = np.concatenate([flow.landed.q, flow.landed.v], axis=1)
+        x = flow.landed.state
     return np.concatenate(seen) if seen else np.zeros((0, 2))

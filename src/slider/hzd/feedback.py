@@ -25,7 +25,7 @@ def periodic_lqr(
     period, r, m = b.shape
     shift = np.roll(np.arange(period), 1)
     around = np.kron(np.eye(period)[shift], np.eye(r))
-    whole, inputs = around @ block_diag(*a), around @ block_diag(*b)
+    whole, inputs = (around @ np.asarray(block_diag(*each)) for each in (a, b))
     weight, effort = np.kron(np.eye(period), state_weight), np.kron(np.eye(period), input_weight)
     try:
         cost = solve_discrete_are(whole, inputs, weight, effort)

@@ -46,12 +46,13 @@ def invariance(
     found = []
     for plan, after, point in zip(steps, steps[::-1], points, strict=True):
         rows, x = perturbed(loop, point, grid)
-        landed = loop.step(plan.of(rows), *np.split(x, 2, axis=1)).landed
+        impact = loop.step(plan.of(rows), x).landed
+        landed = impact.state
         following = after.of(rows)
-        free = loop.step(following, landed.q, landed.v, anchored=False)
-        anchored = loop.step(following, landed.q, landed.v)
-        cycle = loop.step(plan, *np.split(point, 2, axis=1))
-        worst = [free.residuals[0], _end(free), _end(anchored), np.abs(landed.pitch)]
+        free = loop.step(following, landed, anchored=False)
+        anchored = loop.step(following, landed)
+        cycle = loop.step(plan, point)
+        worst = [free.residuals[0], _end(free), _end(anchored), np.abs(impact.pitch)]
         found.append([cycle.residuals.max(axis=0), *(w.reshape(n, -1).max(axis=1) for w in worst)])
     return Invariance(*np.array(found).max(axis=0))
 

@@ -53,6 +53,11 @@ class Landed:
     pitch: np.ndarray
     yaw: np.ndarray
 
+    @property
+    def state(self) -> np.ndarray:
+        """(n, 22)."""
+        return np.concatenate([self.q, self.v], axis=1)
+
 
 class RootedModel:
     """The rooted robot's functions on batches of states."""

@@ -40,7 +40,7 @@ def limit_cycles(
         x = x + np.linalg.solve(np.eye(x.shape[1]) - slopes, missed[..., None])[..., 0]
         points = _orbits(maps, x)
     found = (np.abs(points[-1] - x) <= tolerance).all(axis=1)
-    return np.stack(points[:-1]), found
+    return np.stack(points[:-1]), np.asarray(found)
 
 
 def _orbits(maps: Sequence[Map], start: np.ndarray) -> list[np.ndarray]:

@@ -7,17 +7,19 @@ import numpy as np
 Orders = tuple[np.ndarray, np.ndarray, np.ndarray]
 """A value and its first and second derivatives."""
 
+_BEFORE = -0.25  # a phase that turns back after an impact meets the same polynomials
+
 
 def fade_value(u: np.ndarray) -> Orders:
     """One at u = 0 with slope zero, zero with two derivatives at u = 1: (1 − u)³ (1 + 3u)."""
-    u = np.clip(u, 0.0, 1.0)
+    u = np.clip(u, _BEFORE, 1.0)
     rest = 1.0 - u
     return rest**3 * (1 + 3 * u), -12 * u * rest**2, rest * (36 * u - 12)
 
 
 def fade_slope(u: np.ndarray) -> Orders:
     """Zero at u = 0 with slope one, zero with two derivatives at u = 1: u (1 − u)³."""
-    u = np.clip(u, 0.0, 1.0)
+    u = np.clip(u, _BEFORE, 1.0)
     rest = 1.0 - u
     return u * rest**3, rest**2 * (1 - 4 * u), rest * (12 * u - 6)
 
@@ -60,10 +62,14 @@ class NodeTable:
     slopes: np.ndarray
     curvatures: np.ndarray | None = None
 
+    @property
+    def orders(self) -> list[np.ndarray]:
+        """The arrays that there are."""
+        return [a for a in (self.values, self.slopes, self.curvatures) if a is not None]
+
     def of(self, rows: np.ndarray) -> "NodeTable":
         """The tables of some of the robots, in a given order."""
-        curvatures = None if self.curvatures is None else self.curvatures[rows]
-        return NodeTable(self.values[rows], self.slopes[rows], curvatures)
+        return NodeTable(*(array[rows] for array in self.orders))
 
     def at(self, phase: np.ndarray) -> Orders:
         """Hermite interpolation (n, m) at phases (n,), and its derivatives.

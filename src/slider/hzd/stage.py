@@ -30,8 +30,11 @@ from slider.robot.names import COMMAND
 
 RECORDS = "gaits.json"
 CSV, MARKDOWN = "stability.csv", "stability.md"
-BASIN = "basin.npz"
-_PUSH = 0.3  # a portrait's start: share of the greatest perturbation of the roll rate
+_OF_WALK = (
+    *("spectral_radius", "eigenvalues", "closed_eigenvalues", "closed_spectral_radius"),
+    *("gain_position", "gain_lateral", "gain_forward", "difference"),
+)
+_PUSH = 0.1  # a portrait's start: share of the greatest perturbation of the roll rate
 
 
 def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -105,7 +108,8 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         arrays[name] = steps_until_return(loop, steps, found, basin, placement)
         arrays[f"walk_{name}"] = portrait(loop, steps, found, start, basin.steps, placement)
     arrays["cycle"] = portrait(loop, steps, found, found.points[0], 2, None)
-    np.savez(out / BASIN, **arrays)
+    for name, array in arrays.items():
+        np.save(out / f"{name}.npy", array)
     return {name: int((arrays[name] >= 0).sum()) for name in cases}
 
 
@@ -165,8 +169,7 @@ def _record(
 
 def _stability(found: Walk | None) -> dict[str, Any]:
     if found is None:
-        names = ("spectral_radius", "eigenvalues", "closed_eigenvalues", "closed_spectral_radius")
-        return dict.fromkeys((*names, "difference"))
+        return dict.fromkeys(_OF_WALK)
     gains = found.phase_gains[0, 0]
     open_, closed = (
         per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (found.maps, found.closed)
@@ -195,7 +198,6 @@ def _placement(
     for k, found in enumerate(walks):
         if found is not None:
             gains[k], orbit[k] = found.phase_gains, found.orbit
-    hips = [np.concatenate([p.hip.values, p.hip.slopes, p.hip.curvatures], axis=2) for p in steps]
     return FootPlacement(
         library.commands[gaits],
         steps[0].clock,
@@ -203,5 +205,5 @@ def _placement(
         gains,
         orbit,
         np.stack([p.placement for p in steps], axis=1),
-        np.stack(hips, axis=1),
+        np.stack([np.concatenate(p.hip.orders, axis=2) for p in steps], axis=1),
     )

@@ -14,6 +14,7 @@ s̈ = −k_v (ṡ − 1/T). On the zero dynamics (roll, roll rate, s, ṡ) the p
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -121,8 +122,7 @@ class ClosedLoop:
     def step(
         self,
         plan: StepPlan,
-        q: np.ndarray,
-        v: np.ndarray,
+        x: np.ndarray,
         displacement: np.ndarray | None = None,
         anchored: bool = True,
     ) -> Flow:
@@ -130,7 +130,7 @@ class ClosedLoop:
 
         Args:
             plan: of n steps.
-            q, v: the states (n, 11).
+            x: the states, q and q̇ (n, 22).
             displacement: of the swing foot (n, 2) [m].
             anchored: whether the constraints start where the impact has left the robot.
         """
@@ -139,7 +139,7 @@ class ClosedLoop:
             constraints.displacement = displacement
         run = _Run(self.model, self.config, plan, constraints)
         with np.errstate(invalid="ignore", over="ignore"):
-            return run.flow(np.concatenate([q, v, np.zeros((len(q), 1))], axis=1), anchored)
+            return run.flow(np.pad(x, ((0, 0), (0, 1))), anchored)
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ class _Run:
         phase = self._start(z, anchored)
         start = self._residual(phase, z)
         nodes, heights = [self._advance(phase, z, -phase)], [np.zeros(len(z))]
-        for s, after in zip(_NODES[:-1], _NODES[1:], strict=True):
+        for s, after in pairwise(_NODES):
             nodes.append(self._advance(np.full(len(z), s), nodes[-1], np.full(len(z), after - s)))
             heights.append(self._measure(nodes[-1]).height)
             if after > 1.0 and not (heights[-1] > 0).any():
@@ -231,7 +231,7 @@ class _Run:
         """Phases (n,) and states (n, 23) where the swing foot comes down; whether it does."""
         late = _NODES[: len(nodes) - 1, None] >= _GUARD
         down = (heights[:-1] > 0) & (heights[1:] <= 0) & late
-        alive = down.any(axis=0)
+        alive = np.asarray(down.any(axis=0))
         last, rows = np.where(alive, down.argmax(axis=0), 0), np.arange(nodes.shape[1])
         start, before = _NODES[last], nodes[last, rows]
         high, low = heights[last, rows], heights[last + 1, rows]

@@ -30,9 +30,11 @@ QUANTITIES = {
     "eigenvalues": Quantity("1/step", "moduli of the restricted map's, without foot placement"),
     "closed_eigenvalues": Quantity("1/step", "the same with it"),
     "closed_spectral_radius": Quantity("1/step", "of the full return map with it"),
-    "gain_position": Quantity("-", "left foot's lateral displacement per lateral position"),
-    "gain_lateral": Quantity("s", "per lateral velocity"),
-    "gain_forward": Quantity("s", "its forward displacement per forward velocity"),
+    "gain_position": Quantity(
+        "-", "displacement of the right foot to the left per lateral position"
+    ),
+    "gain_lateral": Quantity("s", "the same per lateral velocity"),
+    "gain_forward": Quantity("s", "its displacement forward per forward velocity"),
     "difference": Quantity("-", "change of the derivatives with half the difference"),
     "invariance_orbit": Quantity("rad, m, 1/s", "‖(y, ẏ)‖ on the limit cycle"),
     "invariance_impact": Quantity("rad, m, 1/s", "after perturbed impacts, not re-anchored"),

@@ -109,12 +109,12 @@ def linearise(
 
 def _observe(loop: ClosedLoop, plan: StepPlan, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """State after the next impact (22), then ξ at all phases, of states and displacements."""
-    flow = loop.step(plan.of(rows), z[:, :NUM], z[:, NUM:_STATE], z[:, _STATE:])
+    flow = loop.step(plan.of(rows), z[:, :_STATE], z[:, _STATE:])
     seen = []
     for q, v in zip(flow.q, flow.v, strict=True):
         at = loop.model.measure(q, v)
         seen += [at.com[:, 1], at.com_rate[:, 1], at.com_rate[:, 0]]
-    return np.concatenate([flow.landed.q, flow.landed.v, np.stack(seen, axis=1)], axis=1)
+    return np.concatenate([flow.landed.state, np.stack(seen, axis=1)], axis=1)
 
 
 def _state_after(observe: Map, x: np.ndarray, rows: np.ndarray) -> np.ndarray:

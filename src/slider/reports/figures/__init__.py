@@ -11,4 +11,6 @@ NAMES = (
     "smoothness",
 )
 FORMATS = ("svg", "png", "md")
+STABILITY = ("spectral_radius", "basins", "phase_portraits")
 FILES = tuple(f"{name}.{suffix}" for name in NAMES for suffix in FORMATS)
+STABILITY_FILES = tuple(f"{name}.{suffix}" for name in STABILITY for suffix in FORMATS)

@@ -9,16 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.stage import BASIN, CSV
+from slider.hzd.stage import CSV
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
-from slider.reports.figures import FORMATS
+from slider.reports.figures import STABILITY
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
 from slider.robot.names import COMMAND
 
-MAPS, BASINS, PORTRAITS = "spectral_radius", "basins", "phase_portraits"
-FILES = tuple(f"{name}.{suffix}" for name in (MAPS, BASINS, PORTRAITS) for suffix in FORMATS)
+MAPS, BASINS, PORTRAITS = STABILITY
 _SHOWN = {
     "spectral_radius": "spectral radius per step, without foot placement",
     "closed_spectral_radius": "spectral radius per step, with it",
@@ -66,16 +65,16 @@ class Basin:
     @classmethod
     def load(cls, folder: Path) -> "Basin":
         """What the stage wrote."""
-        with np.load(folder / BASIN) as found:
-            vx, vy, _ = found["command"]
-            return cls(
-                f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
-                found["roll"],
-                found["roll_rate"],
-                np.stack([found["without"], found["with"]]),
-                (found["walk_without"], found["walk_with"]),
-                found["cycle"],
-            )
+        found = {path.stem: np.load(path) for path in folder.glob("*.npy")}
+        vx, vy, _ = found["command"]
+        return cls(
+            f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
+            found["roll"],
+            found["roll_rate"],
+            np.stack([found["without"], found["with"]]),
+            (found["walk_without"], found["walk_with"]),
+            found["cycle"],
+        )
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -116,14 +115,14 @@ def draw_basins(basins: Sequence[Basin]) -> Figure:
     if not basins:
         return figure
     panels = figure.subplots(2, len(basins), sharex=True, sharey=True, squeeze=False)
-    most = max(1, *(int(basin.steps.max()) for basin in basins))
+    most = max(2, *(int(basin.steps.max()) for basin in basins))
     mesh = None
     for column, basin in zip(panels.T, basins, strict=True):
         for axes, steps, name in zip(column, basin.steps, ("without", "with"), strict=True):
             shown = np.ma.masked_less(steps, 0)
             axes.set_facecolor(EMPTY)
             mesh = axes.pcolormesh(
-                basin.roll, basin.roll_rate, shown.T, cmap=f"{COLOURS}_r", vmin=0, vmax=most
+                basin.roll, basin.roll_rate, shown.T, cmap=f"{COLOURS}_r", vmin=1, vmax=most
             )
             axes.plot(0, 0, "+", color=MIDDLE)
             axes.grid(visible=False)
@@ -155,7 +154,7 @@ def _portrait(axes: Axes, cycle: np.ndarray, walked: np.ndarray) -> None:
     axes.plot(*walked[:1].T, "o", color=MIDDLE, markersize=3)
     closed = np.concatenate([cycle, cycle[:1]])
     axes.plot(*closed.T, color=DARK, linewidth=1.4)
-    wide = 3.0 * np.ptp(cycle, axis=0) / 2
+    wide = 2.5 * np.ptp(cycle, axis=0)
     middle = (cycle.max(axis=0) + cycle.min(axis=0)) / 2
     axes.set_xlim(middle[0] - wide[0], middle[0] + wide[0])
     axes.set_ylim(middle[1] - wide[1], middle[1] + wide[1])

@@ -1,0 +1,66 @@
+"""A library of two real gaits, one with the clock and one with the hip for a phase."""
+
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+import numpy as np
+
+from pipeline.stages.gaits import gait_library
+from slider.config.hzd import HzdConfig
+from slider.core.job import Job
+from slider.gait import stage as gait_stage
+from slider.hzd.model import RootedModel
+from slider.hzd.plans import plans
+from slider.hzd.step import ClosedLoop, StepPlan
+from slider.hzd.walk import Linearisation, Walk, linearise, walk
+from slider.library import stage as library_stage
+from slider.library.reader import STORE, GaitLibrary
+from tests.gait.gaits import config, section
+
+COMMANDS = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
+CLOCK, HIP = range(2)
+
+
+@cache
+def folder() -> Path:
+    """Object folder of the library."""
+    root = Path(mkdtemp(prefix="slider-hzd-"))
+    gaits = []
+    for vx, vy, yaw_rate in COMMANDS:
+        gaits.append(root / f"gait {vx} {vy}")
+        gaits[-1].mkdir()
+        gait_stage.run(section(vx, vy, yaw_rate), {}, gaits[-1], Job(root))
+    out = root / "library"
+    out.mkdir()
+    library_stage.run(gait_library(config(), []).section, {"gaits": gaits}, out, Job(root))
+    return out
+
+
+@cache
+def library() -> GaitLibrary:
+    return GaitLibrary.load(folder() / STORE)
+
+
+def settings() -> HzdConfig:
+    return config().hzd
+
+
+@cache
+def loop() -> ClosedLoop:
+    return ClosedLoop(RootedModel(library().robot), settings())
+
+
+@cache
+def steps() -> tuple[StepPlan, StepPlan]:
+    return plans(library(), np.arange(len(library())), loop().model, settings())
+
+
+@cache
+def linearisation() -> Linearisation:
+    return linearise(loop(), steps(), settings())
+
+
+@cache
+def walks() -> list[Walk]:
+    return [walk(loop(), steps(), linearisation(), k, settings()) for k in range(len(library()))]

@@ -1,0 +1,37 @@
+"""The periodic regulator against closed forms and the Riccati recursion."""
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.hzd.feedback import periodic_lqr
+
+
+def test_a_scalar_system_has_the_gain_of_the_closed_form():
+    """p = q + a² p r / (r + b² p); K = a b p / (r + b² p)."""
+    a, b, q, r = 2.5, 0.8, 3.0, 0.7
+    half = (a**2 - 1) * r + b**2 * q
+    p = (half + np.sqrt(half**2 + 4 * b**2 * q * r)) / (2 * b**2)
+    gain = periodic_lqr(np.full((1, 1, 1), a), np.full((1, 1, 1), b), q * np.eye(1), r * np.eye(1))
+    np.testing.assert_allclose(gain, [[[a * b * p / (r + b**2 * p)]]], rtol=1e-10)
+
+
+def test_a_cycle_of_two_has_the_gains_of_the_recursion():
+    rng = np.random.default_rng(1)
+    a, b = 1.5 * rng.standard_normal((2, 3, 3)), rng.standard_normal((2, 3, 2))
+    q, r = np.diag([2.0, 1.0, 0.5]), np.diag([1.0, 3.0])
+    cost, expected = q, {}
+    for step in [1, 0] * 200:
+        gain = np.linalg.solve(r + b[step].T @ cost @ b[step], b[step].T @ cost @ a[step])
+        cost = q + a[step].T @ cost @ (a[step] - b[step] @ gain)
+        expected[step] = gain
+    found = periodic_lqr(a, b, q, r)
+    np.testing.assert_allclose(found, [expected[0], expected[1]], rtol=1e-8, atol=1e-10)
+    closed = (a[1] - b[1] @ found[1]) @ (a[0] - b[0] @ found[0])
+    assert np.abs(np.linalg.eigvals(closed)).max() < 1.0
+
+
+def test_what_cannot_be_stabilised_is_one_line():
+    a, b = np.diag([2.0, 0.5])[None], np.array([[[0.0], [1.0]]])
+    with pytest.raises(UserError, match="foot placement stabilises"):
+        periodic_lqr(a, b, np.eye(2), np.eye(1))

@@ -1,0 +1,159 @@
+"""The rooted robot against MuJoCo, energy, and the touchdowns of gaits."""
+
+# pyright: reportAttributeAccessIssue=false
+
+from dataclasses import replace
+
+import casadi as ca
+import mujoco
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from slider.hzd.model import RootedModel
+from slider.hzd.outputs import stance_first
+from slider.robot import names
+from slider.robot.mjcf import SimulationOptions, build_model
+from tests.gait.gaits import config
+from tests.hzd.sample import library, loop
+
+MODEL = RootedModel(config().robot)
+DRIVEN = list(names.ACTUATED)
+NUM = 11
+
+
+def state(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return 0.2 * rng.standard_normal(NUM), rng.standard_normal(NUM)
+
+
+class HeldFoot:
+    """MuJoCo's floating robot, its left foot's line flat and held; the left foot is the first."""
+
+    def __init__(self) -> None:
+        self.model = build_model(config().robot, SimulationOptions())
+        off = mujoco.mjtDisableBit
+        self.model.opt.disableflags |= int(off.mjDSBL_CONTACT) | int(off.mjDSBL_LIMIT)
+        self.data = mujoco.MjData(self.model)
+        rooted = MODEL.symbols
+        base = rooted.poses(rooted.q)["base"]
+        self.base = ca.Function("base", [rooted.q, rooted.v], [base.origin, base.rotation])
+
+    def tangent(self, q: np.ndarray) -> np.ndarray:
+        """Velocities of the floating robot by those of the rooted one (18, 11)."""
+        origin, rotation = (part.full() for part in self.base(q, np.zeros(NUM)))
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, rotation.ravel())
+        joints = np.zeros(names.NUM_JOINTS)
+        joints[DRIVEN] = q[1:]
+        self.data.qpos[:] = np.concatenate([origin[:, 0], quaternion, joints])
+        mujoco.mj_forward(self.model, self.data)
+        foot = np.zeros((6, self.model.nv))
+        site = self.data.site(names.sole("left"))
+        mujoco.mj_jacSite(self.model, self.data, foot[:3], foot[3:], site.id)
+        np.testing.assert_allclose(site.xpos, 0.0, atol=1e-9)
+        tangent = np.zeros((self.model.nv, NUM))
+        tangent[6 + np.array(DRIVEN), 1 + np.arange(10)] = 1.0
+        rolling = np.zeros((6, NUM))
+        rolling[3, 0] = 1.0
+        tangent[:6] = np.linalg.solve(foot[:, :6], rolling - foot @ tangent)
+        return tangent
+
+    def dynamics(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """M (11, 11) and h (11,)."""
+        size = 1e-6
+        turning = (self.tangent(q + size * v) - self.tangent(q - size * v)) @ v / (2 * size)
+        tangent, mass = self.tangent(q), np.zeros((self.model.nv, self.model.nv))
+        self.data.qvel[:] = tangent @ v
+        self.data.qacc[:] = turning
+        mujoco.mj_fullM(self.model, self.data, mass)
+        mujoco.mj_inverse(self.model, self.data)
+        return tangent.T @ mass @ tangent, tangent.T @ self.data.qfrc_inverse
+
+
+def test_mass_and_bias_are_mujocos_of_a_held_foot():
+    held = HeldFoot()
+    for seed in range(5):
+        q, v = state(seed)
+        mass, bias = (found[0] for found in MODEL.dynamics(q[None], v[None]))
+        expected = held.dynamics(q, v)
+        np.testing.assert_allclose(mass, expected[0], atol=1e-9)
+        np.testing.assert_allclose(bias, expected[1], atol=1e-5)
+
+
+def test_the_roll_row_is_that_of_the_whole_dynamics():
+    q, v = (np.stack(each) for each in zip(*(state(seed) for seed in range(4)), strict=True))
+    mass, bias = MODEL.dynamics(q, v)
+    row, own, slope, bend = MODEL.constrained(q, v)
+    np.testing.assert_allclose(row, mass[:, 0], atol=1e-12)
+    np.testing.assert_allclose(own, bias[:, 0], atol=1e-10)
+    size = 1e-6
+    ahead, behind = (MODEL.measure(q + sign * size * v, v) for sign in (1, -1))
+    np.testing.assert_allclose(
+        (slope * v).sum(axis=1), (ahead.hip - behind.hip) / 2 / size, atol=1e-7
+    )
+    np.testing.assert_allclose(bend, (ahead.hip_rate - behind.hip_rate) / 2 / size, atol=1e-6)
+
+
+def test_without_efforts_and_damping_energy_is_conserved():
+    robot = config().robot
+    joints = {name: replace(joint, damping=0.0) for name, joint in robot.joints.items()}
+    model = RootedModel(replace(robot, joints=joints))
+    weight = model.symbols.tree.model.mass * names.GRAVITY
+
+    def energy(q, v):
+        mass, _ = model.dynamics(q[None], v[None])
+        return v @ mass[0] @ v / 2 + weight * model.measure(q[None], v[None]).com[0, 2]
+
+    def derivative(_, x):
+        mass, bias = model.dynamics(x[None, :NUM], x[None, NUM:])
+        return np.concatenate([x[NUM:], -np.linalg.solve(mass[0], bias[0])])
+
+    q, v = state(7)
+    found = solve_ivp(derivative, (0, 0.2), np.r_[q, 0.3 * v], "DOP853", rtol=1e-11, atol=1e-12)
+    energies = [energy(x[:NUM], x[NUM:]) for x in found.y.T]
+    assert np.ptp(found.y[:NUM], axis=1).max() > 0.1
+    assert np.ptp(energies) < 1e-8 * weight
+
+
+def test_the_impact_is_that_of_the_gaits():
+    for gait in range(len(library())):
+        samples, roll = library().samples[gait], library().arrays["roll"][gait]
+        right = np.arange(42) >= 21
+        q, v = (
+            np.concatenate(
+                [
+                    roll[:, :, order].reshape(-1, 1),
+                    stance_first(samples[:, 12 * order : 12 * order + 12][:, DRIVEN], right),
+                ],
+                axis=1,
+            )
+            for order in range(2)
+        )
+        landed = loop().model.touch_down(q[[20, 41]], v[[20, 41]])
+        np.testing.assert_allclose(landed.q, q[[21, 0]], atol=1e-8)
+        np.testing.assert_allclose(landed.v, v[[21, 0]], atol=1e-8)
+        assert np.abs([landed.pitch, landed.yaw]).max() < 1e-8
+
+
+def test_a_pitched_foot_is_laid_flat_by_its_ankle():
+    q, v = state(3)
+    landed = MODEL.touch_down(q[None], v[None])
+    assert abs(landed.pitch[0]) > 0.01
+    expected = stance_first(q[None, 1:], np.array([True]))[0]
+    expected[4] += landed.pitch[0]
+    np.testing.assert_allclose(landed.q[0, 1:], expected, atol=1e-12)
+
+
+def test_a_displaced_foot_keeps_its_height_pitch_and_yaw():
+    q = state(5)[0][None]
+    matrix, size = MODEL.placement(q)[0], 1e-5
+    assert not matrix[:5].any()
+    rooted = MODEL.symbols
+    foot = rooted.poses(rooted.q)["swing_foot"]
+    sole = rooted.tree.point(foot, rooted.sole)[0]
+    place = ca.Function("foot", [rooted.q], [ca.vertcat(sole, foot.rotation[1:, 0])])
+    for k in range(2):
+        ahead, behind = (
+            place(q[0] + np.r_[0.0, sign * size * matrix[:, k]]).full()[:, 0] for sign in (1, -1)
+        )
+        np.testing.assert_allclose((ahead - behind) / (2 * size), np.eye(5)[k], atol=1e-7)

@@ -55,7 +55,7 @@ _SEEDS = (
     "cost_of_transport",
 )
 _ROBUST = ("success_rate", "tracking_rate", "mse_steady")
-_SUMMARY = ("policy", "mpc_wbc_tuned", "guided_drl", "mpc_wbc")
+_SUMMARY = ("policy", "hzd", "mpc_wbc_tuned", "guided_drl")
 _SHORT = {"success_rate": "success [%]", "mse_steady": "MSE [m²/s²]", "mse": "MSE [m²/s²]"}
 _VERDICT, _STRONGEST = "Which guesses carry the result", "The strongest"
 
@@ -106,7 +106,7 @@ def table1(report: Path, store: Store) -> str:
 
 @block("table1.csv")
 def summary(report: Path, store: Store) -> str:
-    """A line per command: success and settled error of ours, its best baseline and the paper's."""
+    """A line per command: success and settled error of ours, the best baseline and the paper's."""
     groups = by(read(report), "controller")
     shown = [groups[name] for name in _SUMMARY if name in groups]
     columns = [

@@ -64,3 +64,17 @@ def linearisation() -> Linearisation:
 @cache
 def walks() -> list[Walk]:
     return [walk(loop(), steps(), linearisation(), k, settings()) for k in range(len(library()))]
+
+
+@cache
+def placement_folder() -> Path:
+    """Object folder of the library's foot placement."""
+    from pipeline.stages.gaits import library_job
+    from pipeline.stages.stability import stability_jobs
+    from slider.hzd import stage
+
+    out = Path(mkdtemp(prefix="slider-hzd-"))
+    (spec, *_) = stability_jobs(config(), library_job(config()))["stability"].inputs["gaits"]
+    commands = {"commands": [list(command) for command in COMMANDS]}
+    stage.run_gaits(spec.section | commands, {"library": [folder()]}, out, Job(out))
+    return out

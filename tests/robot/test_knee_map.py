@@ -90,3 +90,21 @@ def test_an_unknown_variant_is_refused():
         knee_map.positions(THETA, THETA, THETA, L1, L2, "printed")
     with pytest.raises(ValueError, match=message):
         knee_map.rates(THETA, L1, L2, "printed")
+
+
+@pytest.mark.parametrize(("l1", "l2"), LENGTHS)
+def test_a_motion_has_the_derivatives_of_its_positions(l1, l2):
+    """Of a motion over time, by central differences; positions are those of the exact map."""
+    lengths, h = knee_map.KneeLengths(l1, l2, 0.64), 1e-5
+    rng = np.random.default_rng(5)
+    q, v, a = rng.uniform(-0.4, 0.4, (3, 20, 10))
+    q[:, [3, 8]] += 0.8
+    now = knee_map.prismatic_motion(q, v, a, lengths)
+    above, below = (
+        knee_map.prismatic_motion(q + d * v + d**2 / 2 * a, v + d * a, a, lengths) for d in (h, -h)
+    )
+    for order in range(2):
+        slope = (above[order] - below[order]) / (2 * h)
+        np.testing.assert_allclose(now[order + 1], slope, atol=1e-8)
+    leg = knee_map.positions(q[:, 2], q[:, 3], q[:, 4], l1, l2)
+    np.testing.assert_allclose(now[0][:, 3], leg.length - 0.64, atol=1e-15)

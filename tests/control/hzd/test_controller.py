@@ -1,0 +1,116 @@
+"""Gaits walk without learning: from rest and from their first sample; not without feedback."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+import numpy as np
+import pytest
+
+from slider.config.env import StartNoise
+from slider.control.hzd.controller import EnforcedGaits, hzd_controller
+from slider.control.hzd.gaits import GaitTables, at_phase
+from slider.control.whole_body.controller import WalkingController
+from slider.control.whole_body.memory import OFF, STAND, WALK
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Recording, roll_out
+from slider.env.starts import at_rest
+from slider.evaluation.gait_walks import walk
+from slider.hzd.gains import FootPlacement
+from tests.env.synthetic import config, robot_config
+from tests.hzd.sample import COMMANDS, library, placement_folder
+
+COUNT = 2
+STILL = StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+@cache
+def gaits() -> EnforcedGaits:
+    whole = config()
+    feedback = FootPlacement.load(placement_folder())
+    return EnforcedGaits(GaitTables(library(), feedback), whole.hzd, whole.hzd.feedback.reach)
+
+
+def controlled(count: int, enforced: EnforcedGaits | None = None):
+    whole = config()
+    control = whole.control["hzd"]
+    settings = replace(whole.env.physics, substeps=control.substeps)
+    physics = BatchedPhysics(robot_config(), settings, count, 1, "torque")
+    return hzd_controller(robot_config(), control, enforced or gaits(), physics.period), physics
+
+
+def go(*segments: tuple[float, tuple[float, float, float]], noise: StartNoise = STILL):
+    controller, physics = controlled(COUNT)
+    start = at_rest(robot_config(), noise, np.random.default_rng(7), COUNT)
+    command = np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
+    seconds = sum(t for t, _ in segments)
+    recording: Recording = roll_out(controller, physics, config().env, start, command, seconds)
+    return recording, controller
+
+
+def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
+    recording, controller = go((5.0, (0.2, 0.0, 0.0)), noise=config().evaluation.start)
+    assert recording.survived.all()
+    assert (controller.memory.mode == WALK).all()
+    np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
+
+
+def test_stands_at_zero_command():
+    recording, controller = go((2.0, (0.0, 0.0, 0.0)))
+    assert recording.survived.all()
+    assert (controller.memory.mode == STAND).all()
+    assert np.abs(recording.velocity[-25:]).max() < 0.02
+
+
+def walked(controller: WalkingController, physics: BatchedPhysics, steps: int) -> np.ndarray:
+    job = Job(Path(mkdtemp()))
+    return walk(controller, physics, config().env, library(), steps, job)["walked"]
+
+
+def test_gaits_walk_from_their_first_sample():
+    assert walked(*controlled(len(COMMANDS)), steps=40).tolist() == [40, 40]
+
+
+def test_without_foot_placement_they_fall():
+    """The roll's return map has an eigenvalue above one."""
+    tables = GaitTables(library(), replace(FootPlacement.load(placement_folder()), **_nothing()))
+    blind = replace(gaits(), gaits=tables)
+    assert walked(*controlled(len(COMMANDS), blind), steps=40).max() < 40
+
+
+def _nothing() -> dict[str, np.ndarray]:
+    gains = FootPlacement.load(placement_folder()).gains
+    return {"gains": np.zeros_like(gains)}
+
+
+def test_a_fallen_robot_is_switched_off():
+    controller, physics = controlled(1)
+    physics.reset(np.zeros(1, int), *at_rest(robot_config(), STILL, np.random.default_rng(0), 1))
+    controller.reset(physics.read(), np.array([[0.4, 0.0, 0.0]]))
+    controller.give_up(np.array([True]))
+    assert (controller.memory.mode == OFF).all()
+    assert not controller.control(physics.read()).any()
+
+
+def test_a_gait_of_the_library_is_that_gait():
+    commands = np.array(COMMANDS)
+    for side in range(2):
+        steps = gaits().gaits.at(commands, np.full(len(commands), side))
+        expected = library().arrays["coefficients"][:, side]
+        np.testing.assert_allclose(steps.coefficients, expected, atol=1e-12)
+        np.testing.assert_allclose(steps.duration, library().step_time[:, side], atol=1e-12)
+
+
+def test_tables_are_linear_between_their_phases_and_hold_at_the_ends():
+    table = np.array([[0.0, 1.0, 4.0]])[:, :, None]
+    for phase, value in ((0.25, 0.5), (0.75, 2.5), (-1.0, 0.0), (1.4, 4.0)):
+        assert at_phase(table, np.array([phase]))[0, 0] == pytest.approx(value)
+
+
+def test_foot_placement_of_other_gaits_is_refused():
+    feedback = FootPlacement.load(placement_folder())
+    with pytest.raises(UserError, match="expected the foot placement of 2 gaits"):
+        GaitTables(library(), replace(feedback, commands=feedback.commands + 0.1))

@@ -1,0 +1,54 @@
+"""Virtual constraints of a step: re-anchored where the impact left the robot, gone by mid-step."""
+
+import numpy as np
+
+from slider.hzd.outputs import JOINTS, SWING
+from tests.hzd.sample import settings, steps
+
+RNG = np.random.default_rng(3)
+
+
+def anchored(phase: float):
+    constraints = steps()[0].constraints(settings())
+    at = np.full(len(constraints.coefficients), phase)
+    value, slope, _ = constraints.desired(at)
+    moved = value + RNG.normal(0, 0.02, value.shape), slope + RNG.normal(0, 0.3, slope.shape)
+    constraints.re_anchor(at, *moved)
+    return constraints, at, moved
+
+
+def test_outputs_are_zero_at_the_start_of_a_step_whatever_the_impact_left():
+    for phase in (0.0, 0.07):
+        constraints, at, moved = anchored(phase)
+        for found, expected in zip(constraints.desired(at), moved, strict=False):
+            np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+def test_the_re_anchoring_is_gone_by_mid_step_with_two_derivatives():
+    constraints, at, _ = anchored(0.05)
+    nominal = steps()[0].constraints(settings())
+    middle = np.full(len(at), settings().correction_end)
+    for found, expected in zip(constraints.desired(middle), nominal.desired(middle), strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-9)
+
+
+def test_derivatives_over_the_phase_are_those_of_the_values():
+    constraints, at, _ = anchored(0.05)
+    constraints.displacement = np.full((len(at), 2), 0.03)
+    h = 1e-5
+    for phase in (0.21, 0.43, 0.61, 0.91, 1.06):
+        above, below = (constraints.desired(np.full(len(at), phase + d)) for d in (h, -h))
+        now = constraints.desired(np.full(len(at), phase))
+        for order in range(2):
+            slope = (above[order] - below[order]) / (2 * h)
+            np.testing.assert_allclose(now[order + 1], slope, atol=2e-5, rtol=1e-6)
+
+
+def test_a_displaced_foothold_moves_the_swing_leg_alone():
+    plain, moved = (steps()[0].constraints(settings()) for _ in range(2))
+    moved.displacement[:] = [0.05, -0.04]
+    end = np.ones(len(plain.coefficients))
+    change = np.abs(moved.desired(end)[0] - plain.desired(end)[0])
+    assert (change[:, :SWING] == 0).all()
+    assert (change[:, SWING:].max(axis=1) > 0.01).all()
+    assert JOINTS < SWING

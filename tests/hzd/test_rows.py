@@ -1,0 +1,40 @@
+"""Rows of nested dataclasses of arrays."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.hzd.rows import put, take
+
+
+@dataclass(frozen=True)
+class Inner:
+    values: np.ndarray
+
+
+@dataclass
+class Outer:
+    name: str
+    numbers: np.ndarray
+    inner: Inner
+
+
+def outer() -> Outer:
+    return Outer("steps", np.arange(4.0), Inner(np.arange(8.0).reshape(4, 2)))
+
+
+def test_rows_are_taken_as_copies():
+    some = take(outer(), np.array([2, 0]))
+    assert some.name == "steps"
+    assert some.numbers.tolist() == [2.0, 0.0]
+    assert some.inner.values.tolist() == [[4.0, 5.0], [0.0, 1.0]]
+
+
+def test_rows_are_put_back_and_the_others_stay():
+    whole, index = outer(), np.array([3, 1])
+    some = take(whole, index)
+    some.numbers += 10
+    some.inner.values[:] = -1
+    put(whole, index, some)
+    assert whole.numbers.tolist() == [0.0, 11.0, 2.0, 13.0]
+    assert whole.inner.values[:, 0].tolist() == [0.0, -1.0, 4.0, -1.0]

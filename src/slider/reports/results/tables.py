@@ -6,11 +6,13 @@ A new one is a function here.
 import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from slider.artefacts.store import Store
+from slider.hzd.summary import QUANTITIES as HZD_QUANTITIES
 from slider.reports.ablation import spread
 from slider.reports.comparison import METRICS
 from slider.reports.controllers import PAPER, speed
@@ -54,6 +56,16 @@ _SEEDS = (
     "robots_cross",
     "cost_of_transport",
 )
+_COMPARED = ("policy", "hzd", "mpc_wbc_tuned")
+_LEARNING = (
+    *("velocity_variance", "reference_velocity_variance", "cost_of_transport", "slip"),
+    *("alternation", "flight", "clearance"),
+)
+_STABILITY = (
+    *("spectral_radius", "closed_spectral_radius", "invariance_orbit", "invariance_impact"),
+    *("invariance_free", "invariance_anchored", "settle_angle", "hip_share", "decoupling"),
+)
+_WALK_EDGES = (1.2, 2.0)  # between the ranges of speeds [m/s]
 _ROBUST = ("success_rate", "tracking_rate", "mse_steady")
 _SUMMARY = ("policy", "hzd", "mpc_wbc_tuned", "guided_drl")
 _SHORT = {"success_rate": "success [%]", "mse_steady": "MSE [m²/s²]", "mse": "MSE [m²/s²]"}
@@ -179,6 +191,44 @@ def seeds(report: Path, store: Store) -> str:
 def ablation(report: Path, store: Store) -> str:
     """All of the report."""
     return _whole(report)
+
+
+@block("gait_quality.csv")
+def learning(report: Path, store: Store) -> str:
+    """The gaits alone, the policy and the tuned baseline side by side, how they walk."""
+    rows = [row for row in read(report) if row["controller"] in _COMPARED]
+    return _across(rows, [line for name in _LEARNING for line in _group(rows, name)])
+
+
+@block("stability.csv")
+def stability(report: Path, store: Store) -> str:
+    """Least, median and greatest over the gaits of what says how stable they are."""
+    rows = read(report)
+    body = []
+    for name in _STABILITY:
+        values = np.array([row[name] for row in rows], dtype=float)
+        known = values[np.isfinite(values)]
+        numbers = [f"{f(known):.3g}" for f in (np.min, np.median, np.max)]
+        body.append([f"`{name}`", HZD_QUANTITIES[name].unit, *numbers])
+    return grid([f"{len(rows)} gaits", "unit", "least", "median", "greatest"], body).markdown
+
+
+@block("gait_walks.csv")
+def gait_walks(report: Path, store: Store) -> str:
+    """How many gaits of each range of speeds make all steps, and those that make the fewest."""
+    rows, body = read(report), []
+    most = max(row["walked"] for row in rows)
+    edges = [-np.inf, *_WALK_EDGES, np.inf]
+    for low, high in pairwise(edges):
+        own = [row for row in rows if low < row["vx"] <= high]
+        if own:
+            done = sum(row["walked"] >= most for row in own)
+            least = min(row["walked"] for row in own)
+            upper = max(row["vx"] for row in own)
+            cells = [f"{min(row['vx'] for row in own):g} … {upper:g}", str(len(own)), str(done)]
+            body.append([*cells, f"{least:g}"])
+    heads = ["vx [m/s]", "gaits", f"walk {most:g} steps", "fewest steps"]
+    return grid(heads, body).markdown
 
 
 @block("gait_convergence.md", "gait_convergence.csv")

@@ -281,7 +281,7 @@ SCALE = 2 * 3.0 * 0.5 * 5.0 + 4.0 * 3.0 * 0.5**2  # 2‖P‖ η_max η̇_max + d
 def off_the_gait(name: str, error: float, rate: float = 0.0) -> View:
     """A robot whose joint is off by [rad or m], with a rate that is off as well."""
     phase, command = np.array([0.3]), np.array([[0.4, 0.0, 0.0, 0.0]])
-    gait = gait_table().at(command[:, 0], command[:, 1], phase)
+    gait = gait_table().at(command[:, :3], phase)
     positions, rates = gait[:, :12] + joint(name, error), gait[:, 12:24] + joint(name, rate)
     state = make_state(1, joint_positions=positions, joint_velocities=rates)
     return make_view(state, command=command, phase=phase)

@@ -97,7 +97,9 @@ def violated(formulation) -> set[str]:
 
 def test_a_finer_mesh_has_the_bounds_of_the_coarse_one_at_its_phases():
     """Otherwise the meshes would solve different problems."""
-    finer = of_node(Node.of(formulate(config().robot, replace(config().gait, nodes=41)), _node()))
+    finer = of_node(
+        Node.of(formulate(config().robot, replace(config().gait, nodes=41)), _node(), ca.SX(2, 1))
+    )
     fine, coarse = np.linspace(0, 1, 41), problem().layout.phase
     for at_nodes in (True, False):
         expected = scaled_bounds(problem().node_constraints, coarse, at_nodes)

@@ -34,9 +34,9 @@ def test_the_torque_cost_is_the_optimisation_s_own(tmp_path):
     variables = solved(0.4, 0.0).variables
     for name, array in gait_arrays(problem(), solved(0.4, 0.0), "exact").items():
         np.save(tmp_path / f"{name}.npy", array)
-    x, p = ca.MX.sym("x", len(variables)), ca.MX.sym("p", 2)
+    x, p = ca.MX.sym("x", len(variables)), ca.MX.sym("p", 3)
     objective = ca.Function("f", [x, p], [assemble(other).objective_and_rows(x, p)[0]])
-    expected = float(objective(variables, [0.4, 0.0])) / 1e-3
+    expected = float(objective(variables, [0.4, 0.0, 0.0])) / 1e-3
     assert MeshGait.load(tmp_path).torque_cost == pytest.approx(expected, rel=1e-9)
 
 

@@ -8,7 +8,7 @@ import pytest
 from slider.cli import main
 from slider.config.compose import compose
 from slider.config.env import PlantConfig
-from slider.play.motion import Simulation, simulate_mpc
+from slider.play.motion import Simulation, simulate_model_based
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -18,7 +18,8 @@ def motion() -> Simulation:
     config = compose(["experiment=test"], CONF)
     plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
     test, control = config.evaluation, config.control["mpc_wbc_tuned"]
-    return simulate_mpc(config.robot, plant, control, test.start, 0, test.disturbance)
+    disturbance = test.disturbance
+    return simulate_model_based(config.robot, plant, control, None, test.start, 0, disturbance)
 
 
 def mean_velocity(motion: Simulation, command, seconds: float) -> np.ndarray:
@@ -47,7 +48,7 @@ def play(*arguments: str) -> int:
 @pytest.mark.parametrize("name", ["mpc_wbc_literal", "mpc_wbc_observer"])
 def test_a_controller_of_the_configuration_can_be_watched(name, capsys):
     assert play(name) == 0
-    assert f"baseline {name}: up after 1.00 s" in capsys.readouterr().out
+    assert f"controller {name}: up after 1.00 s" in capsys.readouterr().out
 
 
 def test_an_unknown_agent_is_answered_by_the_known_ones(capsys):

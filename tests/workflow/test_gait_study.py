@@ -35,10 +35,10 @@ def recipes(job: JobSpec, name: str) -> list[str]:
 def test_every_mesh_and_every_start_is_a_job():
     job = study("gait_study.commands=[0.4,1.2]")
     meshes = [
-        (j.section["velocity"][0], j.section["formulation"]["nodes"]) for j in job.inputs["meshes"]
+        (j.section["command"][0], j.section["formulation"]["nodes"]) for j in job.inputs["meshes"]
     ]
     assert meshes == [(0.4, 5), (0.4, 7), (1.2, 5), (1.2, 7)]
-    starts = [(j.section["velocity"][0], j.section["start"]["index"]) for j in job.inputs["starts"]]
+    starts = [(j.section["command"][0], j.section["start"]["index"]) for j in job.inputs["starts"]]
     assert starts == [(0.4, 0), (0.4, 1), (1.2, 0), (1.2, 1)]
     assert len({*recipes(job, "meshes"), *recipes(job, "starts")}) == 8
 

@@ -105,8 +105,8 @@ def test_a_protocol_has_one_job_per_controller_and_command():
     config = compose([], CONF)
     jobs = protocol_jobs(config, table1_jobs(config))
     evaluations = {name: job.inputs["evaluations"] for name, job in jobs.items()}
-    assert len(evaluations["sweep"]) == 3 * 31
-    assert len(evaluations["joystick"]) == 3
+    assert len(evaluations["sweep"]) == 4 * 31
+    assert len(evaluations["joystick"]) == 4
     commands = [job.section["command"] for job in evaluations["sweep"][:31]]
     assert commands == [round(0.1 * k, 10) for k in range(31)]
     assert {job.section["command"] for job in evaluations["joystick"]} == {None}

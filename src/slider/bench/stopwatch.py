@@ -50,6 +50,7 @@ class Stopwatch:
                 self._book()
                 self._running.pop()
 
+        vars(timed).update(getattr(function, "__dict__", {}))  # what a callable object knows
         return timed
 
     def _book(self) -> None:

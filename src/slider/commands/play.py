@@ -1,4 +1,4 @@
-"""``slider play``: watch a policy, a model-predictive controller, a gait or a smoke agent."""
+"""``slider play``: watch a policy, a controller of ``conf/control``, a gait or a smoke agent."""
 
 import argparse
 import os
@@ -124,6 +124,6 @@ def _gaits(arguments: argparse.Namespace) -> tuple[Path, Path]:
     from slider.artefacts.current import current_folder
     from slider.artefacts.store import Store
 
-    store, command = Store(arguments.artefacts), "snakemake -j2 reports/table1.csv"
+    store, command = Store(arguments.artefacts), "snakemake -j2 reports/gait_walks.csv"
     library, placement = (current_folder(store, s, command) for s in ("library", "foot_placement"))
     return library, placement

@@ -1,4 +1,7 @@
-"""Typed settings of the model-predictive controllers; see ``docs/explanation/baseline.md``."""
+"""Typed settings of the controllers that are not learned.
+
+See ``docs/explanation/baseline.md`` and ``docs/explanation/hzd.md``.
+"""
 
 from typing import Annotated, Literal
 
@@ -248,13 +251,13 @@ class HzdControlConfig(ModelBasedConfig):
     slowest_rate: Share
     """of the phase, as a share of the gait's; a step that begins with less has time for a phase"""
     capture: Factor
-    """share of the pendulum's forward capture where the phase is time"""
+    """share of δẋ/ω at touchdown that moves the foothold forward where the phase is time"""
     lock: Share
     """no change of the foothold from this phase on"""
     settling: Positive[Seconds]
     """time constant with which the foothold follows"""
     descent: NonNegative[MetresPerSecond]
-    """of the swing foot past the end of the step, until there is contact"""
+    """of a foot without contact: past the end of its step, and while standing"""
 
 
 AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]

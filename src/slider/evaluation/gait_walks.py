@@ -1,6 +1,7 @@
 """The stage ``gait_walks``: every gait walked in MuJoCo from its own first sample, by feedback.
 
-Virtual constraints and foot placement alone, at the gait's constant command, without noise.
+The controller ``hzd``, integral action included, at the gait's constant command, without noise. At
+zero command a robot soon stands: then its count of steps is -1.
 """
 
 import csv
@@ -22,6 +23,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import COMMAND, NUM_JOINTS
 
 CSV, MARKDOWN = "gait_walks.csv", "gait_walks.md"
+_IN_PLACE = 1e-9  # forward [m/s]; a command of zero means to stand
 _PATIENCE = 1.5  # a walk has this many times the gaits' duration for its steps
 
 
@@ -54,7 +56,9 @@ def walk(
     everyone = np.arange(len(library))
     physics.reset(everyone, *first_samples(library))
     state = physics.read()
-    controller.start_on_gait(state, library.commands.copy())
+    commands = library.commands.copy()
+    commands[(commands == 0.0).all(axis=1), 0] = _IN_PLACE
+    controller.start_on_gait(state, commands)
     alive, walked = np.ones(len(library), dtype=bool), np.zeros(len(library), dtype=int)
     ticks, distance = np.zeros(len(library)), np.zeros(len(library))
     longest = _PATIENCE * steps * library.step_time.max()

@@ -1,4 +1,4 @@
-"""What the baseline remembers of N robots from one tick to the next; its other parts have no state.
+"""What a controller remembers of N robots between ticks; its other parts have no state.
 
 Feet are numbered left, right; modes are on both feet (STAND, SWAY), stepping (WALK) and OFF.
 """

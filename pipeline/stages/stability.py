@@ -1,4 +1,4 @@
-"""Stability of the gaits and foot placement; nothing on the way to Table 1 needs them."""
+"""Stability of the gaits and foot placement; controllers like hzd need the latter."""
 
 from pipeline.stages.entries import job
 from pipeline.stages.sections import without

@@ -149,6 +149,10 @@ def test_every_option_composes(option):
             "control.mpc_wbc_literal.step: expected lower ≤ upper",
         ),
         ("control.mpc_wbc_tuned.step.switching=luck", "control.mpc_wbc_tuned.step.switching"),
+        ("control.hzd.family=x", 'control.hzd.family: expected one of mpc, hzd, found "x"'),
+        ("~control.hzd.family", "control.hzd.family: expected one of mpc, hzd, found none"),
+        ("control.hzd.family=[]", "control.hzd.family: expected one of mpc, hzd, found []"),
+        ("control.hzd.family=mpc", "control.hzd.step.time_min: expected a number"),
         (
             "evaluation.disturbance.delay.upper=0.012",
             "evaluation.disturbance.delay.upper: expected a multiple of 0.005, found 0.012",

@@ -1,6 +1,7 @@
 """Compose ``conf/`` with overrides into a typed, checked :class:`Config`."""
 
 import difflib
+import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +16,7 @@ from omegaconf import ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
+from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
 from slider.config.schema import Config
 from slider.config.validation import validate
@@ -32,7 +34,9 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     Raises:
         UserError: an unknown key or group, a wrong type or an impossible value.
     """
-    config = from_dict(Config, _compose_untyped(overrides, conf))
+    values = _compose_untyped(overrides, conf)
+    _check_families(values["control"])
+    config = from_dict(Config, values)
     validate(config)
     return config
 
@@ -85,6 +89,16 @@ def _check_control(overrides: Sequence[str]) -> None:
             found = text.partition("=")[2] or text
             chooses = "all; evaluation.controllers chooses controllers"
             raise UserError(f"control: expected {chooses}, found {found}")
+
+
+def _check_families(controllers: Any) -> None:
+    """The family tells which settings a controller has, so that it comes first."""
+    for name, control in controllers.items() if isinstance(controllers, dict) else ():
+        family = control.get("family") if isinstance(control, dict) else next(iter(FAMILIES))
+        if family not in (*FAMILIES,):
+            found = "none" if family is None else json.dumps(family, ensure_ascii=False)
+            expected = f"one of {', '.join(FAMILIES)}"
+            raise UserError(f"control.{name}.family: expected {expected}, found {found}")
 
 
 def _store_controllers(conf: Path) -> None:

@@ -1,7 +1,6 @@
 """The stage ``gait_walks``: every gait walked in MuJoCo from its own first sample, by feedback.
 
-The controller ``hzd``, integral action included, at the gait's constant command, without noise. At
-zero command a robot soon stands: then its count of steps is -1.
+The controller ``hzd``, integral action included, at the gait's constant command, without noise.
 """
 
 import csv

@@ -152,6 +152,7 @@ def test_every_option_composes(option):
         ("control.hzd.family=x", 'control.hzd.family: expected one of mpc, hzd, found "x"'),
         ("~control.hzd.family", "control.hzd.family: expected one of mpc, hzd, found none"),
         ("control.hzd.family=[]", "control.hzd.family: expected one of mpc, hzd, found []"),
+        ("control.hzd=null", "control.hzd: expected the settings of a controller, found null"),
         ("control.hzd.family=mpc", "control.hzd.step.time_min: expected a number"),
         (
             "evaluation.disturbance.delay.upper=0.012",

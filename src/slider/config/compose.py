@@ -94,7 +94,10 @@ def _check_control(overrides: Sequence[str]) -> None:
 def _check_families(controllers: Any) -> None:
     """The family tells which settings a controller has, so that it comes first."""
     for name, control in controllers.items() if isinstance(controllers, dict) else ():
-        family = control.get("family") if isinstance(control, dict) else next(iter(FAMILIES))
+        if not isinstance(control, dict):
+            found = json.dumps(control, ensure_ascii=False)
+            raise UserError(f"control.{name}: expected the settings of a controller, found {found}")
+        family = control.get("family")
         if family not in (*FAMILIES,):
             found = "none" if family is None else json.dumps(family, ensure_ascii=False)
             expected = f"one of {', '.join(FAMILIES)}"

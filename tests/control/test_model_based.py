@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from slider.config.control import MpcConfig
 from slider.control.model_based import build_controller
 from slider.control.mpc.controller import mpc_controller
 from slider.control.whole_body.controller import ObservingController
@@ -20,6 +21,7 @@ def test_one_that_walks_by_gaits_needs_them():
 @pytest.mark.parametrize("name", ["mpc_wbc_literal", "mpc_wbc_tuned", "mpc_wbc_observer"])
 def test_an_observer_stands_before_the_controller_where_there_is_one(name):
     control = config().control[name]
+    assert isinstance(control, MpcConfig)
     built = build_controller(robot_config(), control, config().env.physics, 1)
     assert isinstance(built, ObservingController) == (control.observer is not None)
     bare = build_controller(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from slider.config.env import StartNoise
+from slider.config.hzd import enforced_section
 from slider.control.hzd.controller import EnforcedGaits, hzd_controller
 from slider.control.hzd.gaits import GaitTables, at_phase
 from slider.control.whole_body.controller import WalkingController
@@ -21,7 +22,7 @@ from slider.env.starts import at_rest
 from slider.evaluation.gait_walks import walk
 from slider.hzd.gains import FootPlacement
 from tests.env.synthetic import config, robot_config
-from tests.hzd.sample import COMMANDS, library, placement_folder
+from tests.hzd.sample import COMMANDS, folder, library, placement_folder
 
 COUNT = 2
 STILL = StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -114,3 +115,10 @@ def test_foot_placement_of_other_gaits_is_refused():
     feedback = FootPlacement.load(placement_folder())
     with pytest.raises(UserError, match="expected the foot placement of 2 gaits"):
         GaitTables(library(), replace(feedback, commands=feedback.commands + 0.1))
+
+
+def test_foot_placement_of_another_phase_is_refused():
+    whole = config("hzd.phase=time")
+    section = enforced_section(whole.hzd)
+    with pytest.raises(UserError, match=r"expected foot placement for hzd\.phase=time"):
+        EnforcedGaits.load(folder(), placement_folder(), section)

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from slider.config.control import HzdControlConfig
 from slider.config.convert import from_dict
 from slider.config.hzd import VirtualConstraintsConfig
@@ -12,6 +14,7 @@ from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import GaitTables
 from slider.control.hzd.steps import HzdSteps
 from slider.control.whole_body.controller import Surroundings, WalkingController
+from slider.core.errors import UserError
 from slider.hzd.gains import FootPlacement
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.knee_map import KneeLengths
@@ -38,9 +41,13 @@ class EnforcedGaits:
         Raises:
             UserError: they do not belong together.
         """
-        tables = GaitTables(GaitLibrary.load(library / STORE), FootPlacement.load(placement))
+        gaits, feedback = GaitLibrary.load(library / STORE), FootPlacement.load(placement)
         constraints = from_dict(VirtualConstraintsConfig, section["constraints"])
-        return cls(tables, constraints, section["reach"])
+        slow = gaits.commands[:, 0] < constraints.slowest_hip
+        if not np.array_equal(feedback.clock, slow | (constraints.phase == "time")):
+            expected = f"hzd.phase={constraints.phase}, hzd.slowest_hip={constraints.slowest_hip:g}"
+            raise UserError(f"expected foot placement for {expected}, found that of other phases")
+        return cls(GaitTables(gaits, feedback), constraints, section["reach"])
 
     @classmethod
     def of(

@@ -12,7 +12,13 @@ have the sensitivity, which changes the robot, and the study of the gaits, which
 start.
 """
 
-from pipeline.stages.evaluation import evaluations_of, gait_walks, table1, velocity_tracking
+from pipeline.stages.evaluation import (
+    check_walkable,
+    evaluations_of,
+    gait_walks,
+    table1,
+    velocity_tracking,
+)
 from pipeline.stages.gaits import figure_jobs, library_job
 from pipeline.stages.protocols import protocol_jobs
 from pipeline.stages.stability import stability_jobs
@@ -35,7 +41,12 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
 
 
 def table1_jobs(config: Config) -> dict[str, JobSpec]:
-    """Jobs up to Table 1 by the name of their target."""
+    """Jobs up to Table 1 by the name of their target.
+
+    Raises:
+        UserError: a controller of Table 1 cannot walk these gaits.
+    """
+    check_walkable(config)
     library = library_job(config)
     trainings = training_jobs(config, library)
     made = {"library": library, **stability_jobs(config, library), **trainings}

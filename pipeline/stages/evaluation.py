@@ -11,6 +11,7 @@ from slider.config.convert import to_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
+from slider.core.errors import UserError
 
 
 def evaluations_of(
@@ -70,6 +71,21 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
         "plant": only(to_dict(config.env), "control_period", "physics", "termination"),
         "control": without(to_dict(control), "label"),
     }
+
+
+def check_walkable(config: Config) -> None:
+    """Gaits of the virtual knee are no motions of the plant: no controller enforces them.
+
+    Raises:
+        UserError: Table 1 asks for one that does.
+    """
+    controls = {name: config.control.get(name) for name in config.evaluation.controllers}
+    found = [name for name, control in controls.items() if isinstance(control, HzdControlConfig)]
+    if found and config.gait.dynamics == "knee":
+        raise UserError(
+            "evaluation.controllers: expected none of the family hzd with gait.dynamics=knee, "
+            f"found {', '.join(found)}"
+        )
 
 
 def made_of(

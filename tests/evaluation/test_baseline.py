@@ -93,11 +93,11 @@ def jobs(*overrides: str) -> dict:
 def test_both_settings_are_jobs_of_their_own_that_need_no_training():
     found = jobs()
     names = {controller for controller, _ in found}
-    assert names == {"policy", "mpc_wbc_literal", "mpc_wbc_tuned"}
-    assert len(found) == 3 * len(config().evaluation.commands)
+    assert names == {"policy", "hzd", "mpc_wbc_literal", "mpc_wbc_tuned"}
+    assert len(found) == 4 * len(config().evaluation.commands)
     for (controller, _), job in found.items():
         assert (job.stage == "baseline") == (controller in config().control)
-        assert bool(job.inputs) == (controller == "policy")
+        assert bool(job.inputs) == (controller in ("policy", "hzd"))
     assert "torch" not in found["mpc_wbc_tuned", 0.2].code.versions
 
 

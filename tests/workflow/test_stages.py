@@ -12,6 +12,7 @@ from pipeline.stages.protocols import protocol_jobs
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
+from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
 ALL = {"gait", "library", "standing", "walking", "evaluation", "table1"}
@@ -243,3 +244,11 @@ def test_without_pretraining_the_page_does_without_it():
     assert {"walking", "table1", "library"} <= set(inputs)
     config = compose([*overrides, "train.pretraining=true"], CONF)
     assert "standing" in report(config, all_jobs(config)).inputs
+
+
+def test_gaits_of_the_virtual_knee_have_no_controller_that_enforces_them():
+    with pytest.raises(UserError, match=r"evaluation\.controllers: expected none .* found hzd"):
+        table1_jobs(compose(["gait.dynamics=knee"], CONF))
+    jobs = table1_jobs(compose(["gait.dynamics=knee", "evaluation.controllers=[policy]"], CONF))
+    assert "table1" in jobs
+    assert "table1" in table1_jobs(compose(["experiment=paper"], CONF))

@@ -16,7 +16,6 @@ def check_protocols(config: Config) -> None:
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():
         _protocol(protocol, (POLICY, *config.control), key, config.env.control_period)
-        _walkable(config, protocol, key)
         check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
 
 
@@ -27,15 +26,6 @@ def _protocol(
     for name in protocol.controllers:
         one_of(f"{key}.controllers", name, controllers)
     period(f"{key}.warm_up", protocol.warm_up, protocol.duration, control_period)
-
-
-def _walkable(config: Config, protocol: EvaluationConfig, key: str) -> None:
-    """Gaits of the virtual knee are no motions of the plant: no controller enforces them."""
-    families = {name: control.family for name, control in config.control.items()}
-    enforcing = [name for name in protocol.controllers if families.get(name) == "hzd"]
-    if config.gait.dynamics == "knee":
-        expected = "no controller of the family hzd with gait.dynamics=knee"
-        require(not enforcing, f"{key}.controllers", expected, ", ".join(enforcing))
 
 
 def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> None:

@@ -59,7 +59,7 @@ _SEEDS = (
 _COMPARED = ("policy", "hzd", "mpc_wbc_tuned")
 _LEARNING = (
     *("velocity_variance", "reference_velocity_variance", "cost_of_transport", "slip"),
-    *("alternation", "flight", "clearance"),
+    *("alternation", "flight", "clearance", "robots_cross", "robots_touch"),
 )
 _STABILITY = (
     *("spectral_radius", "closed_spectral_radius", "invariance_orbit", "invariance_impact"),

@@ -30,8 +30,12 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(store)
     if arguments.action == "verify":
         removed = verify(store)
-        _report("dropped", removed)
-        return int(bool(removed.objects or removed.manifests))
+        names = [*removed.damage, *(f"{name}, without its object" for name in removed.manifests)]
+        for name in names:
+            print(f"dropped {name}")
+        manifests = len(removed.manifests) + len(removed.derived)
+        print(f"dropped {len(removed.objects)} objects, {manifests} manifests")
+        return int(bool(names))
     dry_run = arguments.dry_run
     _report("would remove" if dry_run else "removed", collect(store, arguments.keep, dry_run))
     return 0

@@ -122,6 +122,11 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
         print(f"slider: {error}", file=sys.stderr)
         sys.stderr.flush()
         raise SystemExit(1) from None
+    except OSError as error:
+        place = f"{error.filename2 or error.filename}: {error.strerror}"
+        print(f"slider: {place}; `slider store verify` repairs the store", file=sys.stderr)
+        sys.stderr.flush()
+        raise SystemExit(1) from None
 
 
 def _open(overrides: list[str], conf: Path) -> Pipeline:

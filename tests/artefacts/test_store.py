@@ -123,6 +123,11 @@ BROKEN = {
     "other object": {"object": "0" * 64},
     "summary": {"summary": "fine"},
     "inputs": {"inputs": []},
+    "input": {"inputs": {"gaits": 3}},
+    "recipe of an input": {"inputs": {"gaits": [3]}},
+    "input objects": {"input_objects": {"gaits": None}},
+    "resumed": {"resumed": "no"},
+    "no files": {"files": []},
     "stage": {"stage": 3},
 }
 
@@ -139,8 +144,15 @@ def test_what_is_no_manifest_is_one_line_and_counts_as_absent(store, change):
         parse_manifest(path)
     assert store.known(job.recipe) is None
     assert summarise(store) == []
-    assert verify(store).manifests == [f"gait/{job.recipe}.json"]
+    removed = verify(store)
+    assert set(removed.unreadable) == {_name(store, path) for path in (path, entry)}
+    assert (removed.objects, removed.manifests) == ([], [])
     assert not entry.exists()
+    assert verify(store) == Removed([], [])
+
+
+def _name(store: Store, path: Path) -> str:
+    return path.relative_to(store.root).as_posix()
 
 
 def test_infinities_are_written_as_standard_json(tmp_path):
@@ -231,7 +243,7 @@ def test_what_was_made_of_checked_inputs_outlives_a_later_damage(store):
         assert removed.objects == [made[0].result.object]
         assert store.known(made[0].recipe) is None
         assert [path.is_file() for path in manifests] == [False, checked, checked]
-        assert len(removed.damage) == (1 if checked else 3)
+        assert len(removed.damage) == (2 if checked else 4)
         assert drop_damaged(store, manifests) == Removed([], [])
 
 

@@ -2,12 +2,13 @@
 
 import shutil
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from slider.artefacts.locks import nobody_else
 from slider.artefacts.plan import plan_recipes
 from slider.artefacts.recipe import Groups
+from slider.artefacts.repair import drop_unreadable, free_places
 from slider.artefacts.store import Manifest, Store, parse_manifest
 from slider.core import files
 from slider.core.errors import UserError
@@ -25,18 +26,24 @@ class Kind:
 
 @dataclass(frozen=True)
 class Removed:
-    """Names of what was removed, or would be; ``derived`` manifests came from the objects."""
+    """Names of what was removed, or would be.
+
+    ``derived`` are manifests of what came from the objects, ``unreadable`` are other files.
+    """
 
     objects: list[str]
     manifests: list[str]
     derived: list[str] = field(default_factory=list)
+    unreadable: list[str] = field(default_factory=list)
 
     @property
     def damage(self) -> list[str]:
-        """What went because of damaged content, in words."""
+        """What went because of damage or loss, in words."""
         return [
+            *(f"{name}, unreadable" for name in self.unreadable),
             *(f"object {digest}, damaged" for digest in self.objects),
             *(f"{name}, computed from a damaged object" for name in self.derived),
+            *(f"{name}, without its object" for name in self.manifests),
         ]
 
 
@@ -58,12 +65,17 @@ def summarise(store: Store) -> list[Kind]:
 def verify(store: Store) -> Removed:
     """Read every object; drop the corrupt ones, what leads to them and all that came from them.
 
+    Whatever else cannot be read is removed, so that the next run writes it again.
+
     Raises:
         UserError: a job is running.
     """
+    misplaced = free_places(store)
     with nobody_else(store.locks):
+        unreadable = _names(store, [*misplaced, *drop_unreadable(store)])
         corrupt = {d for d in _objects(store) if not store.seals.read(d, store.object_folder(d))}
-        return _drop(store, corrupt, store.manifests(), checked=True)
+        removed = _drop(store, corrupt, store.manifests(), checked=True)
+        return replace(removed, unreadable=unreadable)
 
 
 def drop_damaged(store: Store, manifests: Iterable[Path]) -> Removed:
@@ -178,6 +190,7 @@ def _names(store: Store, paths: Iterable[Path]) -> list[str]:
 
 
 def _objects(store: Store) -> list[str]:
+    """Names of objects, whatever is in them."""
     return sorted(path.name for path in (store.root / "objects").glob("*/*"))
 
 

@@ -217,13 +217,26 @@ def _parse(values: Any) -> Manifest:
     )
     found = values.get("input_objects")
     manifest = Manifest(values["stage"], values["recipe"], values["inputs"], result, found)
-    tables = (manifest.inputs, result.files, result.summary)
-    names = (manifest.stage, manifest.recipe)
-    if {type(table) for table in tables} != {dict} or {type(name) for name in names} != {str}:
+    typed = (
+        (result.files, dict),
+        (result.summary, dict),
+        (result.resumed, bool),
+        (manifest.stage, str),
+        (manifest.recipe, str),
+        *((facts["size"], int) for facts in result.files.values()),
+    )
+    groups = (manifest.inputs, {} if found is None else found)
+    if any(type(value) is not kind for value, kind in typed) or not all(map(_is_groups, groups)):
         raise TypeError("expected tables and names")
     if files.digest_table(result.files) != result.object:
         raise ValueError("expected the files of the object")
     return manifest
+
+
+def _is_groups(values: Any) -> bool:
+    """Tell whether a value is names with lists of digests."""
+    lists = list(values.values()) if isinstance(values, dict) else [None]
+    return all(isinstance(group, list) and all(type(d) is str for d in group) for group in lists)
 
 
 def _write(path: Path, manifest: Manifest) -> None:

@@ -12,6 +12,7 @@ from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
 from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
+from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
@@ -121,6 +122,11 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
         print(f"slider: {error}", file=sys.stderr)
         sys.stderr.flush()
         raise SystemExit(1) from None
+    except OSError as error:
+        place = f"{error.filename2 or error.filename}: {error.strerror}"
+        print(f"slider: {place}; `slider store verify` repairs the store", file=sys.stderr)
+        sys.stderr.flush()
+        raise SystemExit(1) from None
 
 
 def _open(overrides: list[str], conf: Path) -> Pipeline:
@@ -134,7 +140,9 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     """Write a plan and make what is on disk agree with it."""
     path = write_plan(plan, store.root / "plans")
     os.utime(path)  # `slider store gc` keeps the latest plans
-    store.drop_dangling([store.manifest_path(j.stage, j.recipe) for j in plan.jobs.values()])
+    manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
+    for name in drop_damaged(store, manifests).damage:
+        print(f"slider: dropped {name}", file=sys.stderr)
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])

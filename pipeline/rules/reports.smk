@@ -25,7 +25,7 @@ for target, names in PIPELINE.reports.items():
             [captioned(name) for name in names],
         localrule: True
         shell:
-            "{sys.executable:q} -m slider.cli publish {input.manifest} {output}"
+            "{sys.executable:q} -m slider.cli publish {input.manifest:q} {output:q}"
 
 
 rule policy:

@@ -5,12 +5,20 @@ from pipeline.stages.sections import only, robot, without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.config.validation.checks import one_of
+from slider.verification.quantities import QUANTITIES
 
 _COLLECTED = ("on_failure", "reach", "bounds")  # settings of the collection alone
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """Chunks of gaits, their collection, and maps of what it found."""
+    """Chunks of gaits, their collection, and maps of what it found.
+
+    Raises:
+        UserError: there is a bound of something that is not verified.
+    """
+    for name in config.verification.bounds:
+        one_of("verification.bounds", name, QUANTITIES)
     commands = [gait.section["command"] for gait in library.inputs["gaits"]]
     size = config.verification.chunk
     chunks = [commands[start : start + size] for start in range(0, len(commands), size)]

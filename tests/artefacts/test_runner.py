@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -90,6 +91,8 @@ def test_equal_contents_of_inputs_cut_off_what_follows(package, store):
     manifests = [store.read_manifest("second", end.recipe) for end in ends]
     assert manifests[0].result == manifests[1].result
     assert manifests[1].inputs == {"values": [jobs[1].recipe]}
+    (digest,) = {store.read_manifest("first", item.recipe).result.object for item in jobs}
+    assert manifests[0].input_objects == manifests[1].input_objects == {"values": [digest]}
     assert facts(store, ends[1])["computed"] is False
     assert facts(store, ends[1])["reused_from"] == ends[0].recipe
 
@@ -133,11 +136,36 @@ def test_corrupt_object_is_dropped_and_computed_again(package, store):
     assert store.is_whole(digest)
 
 
-def test_damaged_input_is_refused(package, store):
+def test_who_reuses_an_unchecked_result_does_not_call_it_checked(package, store):
+    """An earlier version computed it."""
+    spec = job(package, "first", {"value": 10})
+    Runner(store).run(spec)
+    (entry,) = store.index()
+    values = json.loads(entry.read_text())
+    del values["input_objects"]
+    entry.write_text(json.dumps(values))
+    assert Runner(store).run(spec) == "reused"
+    assert store.read_manifest("first", spec.recipe).input_objects is None
+
+
+def test_a_damaged_result_is_not_reused(package, store):
+    spec = job(package, "first", {"value": 10})
+    Runner(store).run(spec)
+    digest = store.read_manifest("first", spec.recipe).result.object
+    path = store.object_folder(digest) / "value.txt"
+    path.chmod(0o644)
+    path.write_text("7")  # for 1
+    assert Runner(store).run(spec) != "reused"
+    assert store.is_whole(digest)
+
+
+@pytest.mark.parametrize("damage", [Path.unlink, lambda path: path.write_text("7")])
+def test_damaged_input_is_refused(package, store, damage):
     first = job(package, "first", {"value": 10})
     Runner(store).run(first)
     digest = store.read_manifest("first", first.recipe).result.object
-    (store.object_folder(digest) / "value.txt").unlink()
+    (store.object_folder(digest) / "value.txt").chmod(0o644)
+    damage(store.object_folder(digest) / "value.txt")
     message = (
         f"^expected the first result {digest[:12]} whole, "
         "found it damaged: run `slider store verify`$"

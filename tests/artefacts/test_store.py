@@ -3,11 +3,12 @@
 import errno
 import json
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from slider.artefacts.maintenance import collect, summarise, verify
+from slider.artefacts.maintenance import Removed, collect, drop_damaged, summarise, verify
 from slider.artefacts.plan import JobSpec, build_plan, read_plan, write_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Manifest, Store, parse_manifest
@@ -122,6 +123,11 @@ BROKEN = {
     "other object": {"object": "0" * 64},
     "summary": {"summary": "fine"},
     "inputs": {"inputs": []},
+    "input": {"inputs": {"gaits": 3}},
+    "recipe of an input": {"inputs": {"gaits": [3]}},
+    "input objects": {"input_objects": {"gaits": None}},
+    "resumed": {"resumed": "no"},
+    "no files": {"files": []},
     "stage": {"stage": 3},
 }
 
@@ -138,8 +144,15 @@ def test_what_is_no_manifest_is_one_line_and_counts_as_absent(store, change):
         parse_manifest(path)
     assert store.known(job.recipe) is None
     assert summarise(store) == []
-    assert verify(store).manifests == [f"gait/{job.recipe}.json"]
+    removed = verify(store)
+    assert set(removed.unreadable) == {_name(store, path) for path in (path, entry)}
+    assert (removed.objects, removed.manifests) == ([], [])
     assert not entry.exists()
+    assert verify(store) == Removed([], [])
+
+
+def _name(store: Store, path: Path) -> str:
+    return path.relative_to(store.root).as_posix()
 
 
 def test_infinities_are_written_as_standard_json(tmp_path):
@@ -181,6 +194,57 @@ def test_verify_drops_exactly_what_is_corrupt(store):
     assert store.known(good.recipe) is not None
     assert store.is_whole(kept.object)
     assert verify(store).objects == []
+
+
+def chain(store: Store, checked: bool) -> list[Manifest]:
+    """Manifests of three jobs, each made of the one before; the last one's index entry, too."""
+    made: list[Manifest] = []
+    for value, content in enumerate("ABC"):
+        before = made[-1:]
+        inputs = {"made_of": [one.recipe for one in before]}
+        objects = {"made_of": [one.result.object for one in before]} if checked else None
+        result = publish(store, content)
+        made.append(Manifest("gait", spec(value).recipe, inputs, result, objects))
+        store.write_manifest(made[-1])
+        store.remember(made[-1].recipe, made[-1])
+    return made
+
+
+@pytest.mark.parametrize("checked", [False, True])
+def test_verify_drops_all_that_came_from_what_is_corrupt(store, checked):
+    made, other = chain(store, checked), spec(9)
+    add(store, other, "other")
+    damage(store, made[0].result.object)
+    removed = verify(store)
+    assert removed.objects == [made[0].result.object]
+    assert removed.manifests == [f"gait/{made[0].recipe}.json"]
+    assert set(removed.derived) == {f"gait/{one.recipe}.json" for one in made[1:]}
+    assert [path.stem for path in store.manifests()] == [other.recipe]
+    assert [path.stem for path in store.index()] == [other.recipe]
+    assert verify(store) == Removed([], [])
+
+
+def test_a_manifest_remembers_what_it_was_made_of_without_the_way_to_it(store):
+    """The manifest in between is gone: the objects that were read say enough."""
+    made = chain(store, checked=True)
+    store.write_manifest(replace(made[1], inputs={"made_of": ["0" * 64]}))
+    store.manifest_path("gait", made[0].recipe).unlink()
+    store.index_path(made[0].recipe).unlink()
+    damage(store, made[0].result.object)
+    assert len(verify(store).derived) == 2
+
+
+def test_what_was_made_of_checked_inputs_outlives_a_later_damage(store):
+    for checked in (True, False):
+        made = chain(store, checked)
+        damage(store, made[0].result.object)
+        manifests = [store.manifest_path("gait", one.recipe) for one in made]
+        removed = drop_damaged(store, manifests)
+        assert removed.objects == [made[0].result.object]
+        assert store.known(made[0].recipe) is None
+        assert [path.is_file() for path in manifests] == [False, checked, checked]
+        assert len(removed.damage) == (2 if checked else 4)
+        assert drop_damaged(store, manifests) == Removed([], [])
 
 
 def test_collect_keeps_what_the_latest_plans_reach(store):

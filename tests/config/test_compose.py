@@ -36,6 +36,24 @@ def test_every_option_composes(option):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
+        ("hydra.run.dir=x", "hydra: expected keys of conf/, found hydra.run.dir=x, which has no"),
+        ("+hydra.x=1", "hydra: expected keys of conf/, found +hydra.x=1, which has no effect"),
+        (
+            "++protocols={../../x:${protocols.sweep}}",
+            'protocols: expected names of small letters, digits and _ after a letter, found "../',
+        ),
+        (r"++protocols={$\(touch\ pwned\):${protocols.sweep}}", 'letter, found "$(touch pwned)"'),
+        ("+protocols.Ä=${protocols.sweep}", "protocols.Ä=${protocols.sweep}"),
+        ("+control.Mine=${control.hzd}", "control: expected names of small letters, digits and _"),
+        (
+            "++ablation.variants={../../x:{label:a,overrides:[]}}",
+            "ablation.variants: expected names of small letters, digits and _ after a letter",
+        ),
+        ("+robot.provenance.zzz=paper", "robot.provenance: expected keys below robot that hold"),
+        (
+            "robot.links.base.inertia=[1,1,5]",
+            "robot.links.base.inertia: expected none above the sum of the others, found [1, 1, 5]",
+        ),
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
         ("speeds.table1=3", "slider: speeds.table1: expected a list of one or more numbers in"),
         ("speeds.top=-3", "slider: speeds.top: expected a number in (0, 100] m/s, found -3"),

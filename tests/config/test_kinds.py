@@ -23,7 +23,10 @@ from slider.config.verification import VerificationConfig
         ("gait.nodes", "an integer in [5, 201], an odd number"),
         ("gait.grid.extra", "a list of values of vx, vy, yaw_rate"),
         ("gait.grid.vx.step", "a number in (0, 100] m/s"),
-        ("robot.links.base.inertia", "3 numbers in (0, 10000] kg m²"),
+        (
+            "robot.links.base.inertia",
+            "3 numbers in (0, 10000] kg m², none above the sum of the others",
+        ),
         ("robot.joints", "values by name"),
         ("library.allow_holes", "true or false"),
         ("tracking.experiment", "text"),

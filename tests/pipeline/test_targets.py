@@ -47,3 +47,8 @@ def test_another_protocol_is_a_target_with_files_of_its_own():
     files = [file for files in report_files(compose(given, CONF)).values() for file in files]
     assert {"reports/mine.csv", "reports/ablation_curves.csv"} <= {*files}
     assert len(files) == len(set(files))
+
+
+def test_a_bound_is_of_something_that_is_verified():
+    with pytest.raises(UserError, match=r"^verification\.bounds: expected one of kinematics_posit"):
+        targets("+verification.bounds.zzz=1")

@@ -15,8 +15,10 @@ from slider.control import POLICY_FILE
 from slider.control.policy_file import load_policy
 from slider.core.job import Job, NoTracker
 from slider.env.task import Task
+from slider.training import checkpoint
+from slider.training.checkpoint import BEFORE, CHECKPOINT
 from slider.training.selection import Score
-from slider.training.trainer import CHECKPOINT, CURVE, SELECTION, WEIGHTS, Trainer
+from slider.training.trainer import CURVE, SELECTION, WEIGHTS, Trainer
 from tests.env.synthetic import config, gait_table, make_guide
 
 TINY = (
@@ -74,7 +76,7 @@ class Run:
         return [step for step, _ in self.notes.series("episode/falls_per_second")]
 
     def checkpoint(self) -> dict[str, Any]:
-        return torch.load(self.job.work / CHECKPOINT, weights_only=True)
+        return checkpoint.read(self.job.work, self.job.progress)
 
     def rows(self, name: str) -> list[str]:
         """Lines of an exported table, without its header."""
@@ -158,7 +160,34 @@ def test_a_half_written_checkpoint_is_never_read(tmp_path):
     trained(tmp_path, iterations=1)
     (tmp_path / f"{CHECKPOINT}.partial").write_bytes(b"killed while writing")
     assert trained(tmp_path, iterations=2).checkpoint()["iteration"] == 2
-    assert [path.name for path in tmp_path.glob("*.pt*")] == [CHECKPOINT]
+    assert sorted(path.name for path in tmp_path.glob("*.pt*")) == [CHECKPOINT, BEFORE]
+
+
+@pytest.mark.parametrize(
+    ("damaged", "goes_on_from", "start"),
+    [((CHECKPOINT,), 1, "from the one before"), ((CHECKPOINT, BEFORE), 0, "anew")],
+)
+@pytest.mark.parametrize("damage", [lambda data: data[:-9] + b"?" + data[-8:], lambda data: b""])
+def test_a_damaged_checkpoint_is_set_aside(tmp_path, damaged, goes_on_from, start, damage):
+    trained(tmp_path, iterations=2)
+    for name in damaged:
+        (tmp_path / name).write_bytes(damage((tmp_path / name).read_bytes()))
+    said: list[str] = []
+    trainer = Trainer(task(iterations=3), replace(job(tmp_path), progress=said.append))
+    assert len(said) == len(damaged)
+    expected = f"{tmp_path / damaged[-1]} is damaged and set aside: the training starts {start}"
+    assert said[-1] == expected
+    assert {path.name for path in tmp_path.glob("*.damaged")} == {f"{n}.damaged" for n in damaged}
+    trainer.run()
+    assert checkpoint.read(tmp_path, said.append)["iteration"] == 3
+    assert len(trainer._curve) == 3
+    assert trainer._job.volatile.get("resumed", False) is (goes_on_from > 0)
+
+
+def test_a_kill_between_two_checkpoints_leaves_the_one_before(tmp_path):
+    trained(tmp_path, iterations=2)
+    (tmp_path / CHECKPOINT).unlink()
+    assert trained(tmp_path, iterations=2).iterations == [1]
 
 
 def test_the_last_chunk_is_shorter_rather_than_past_the_target(tmp_path):

@@ -7,6 +7,8 @@ starts from a finished pipeline; the recipes of earlier tests stay known to the 
 import csv
 import os
 import signal
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,8 @@ from slider.reports.figures import FILES
 from tests.workflow.workspace import (
     AFTER_STANDING,
     EVERYTHING,
+    HOSTILE,
+    PAGE,
     QUIET,
     TABLE,
     Workspace,
@@ -55,6 +59,18 @@ def test_ends_with_a_table_of_our_controller(finished):
     assert {"controller", "source", "command_velocity"} <= set(rows[0])
     assert list(finished.artefacts.glob("mlflow.db"))
     assert not list((finished.artefacts / "tmp").iterdir())
+
+
+def test_a_hostile_folder_is_only_a_folder(first):
+    """It has a space, quotes, a letter beyond ASCII and a command in its name."""
+    assert first.folder.name == HOSTILE
+    assert not list(first.folder.parent.rglob("pwned"))
+    assert first.slider("store", "verify").returncode == 0
+    assert (first.folder / PAGE).is_file()
+    database = first.artefacts / "mlflow.db"
+    with closing(sqlite3.connect(f"{database.as_uri()}?mode=ro", uri=True)) as connection:
+        (runs,) = connection.execute("SELECT count(*) FROM runs").fetchone()
+    assert runs > len(EVERYTHING) - 2
 
 
 def test_computes_nothing_on_a_second_run(finished):

@@ -1,5 +1,6 @@
 """The real Snakemake with stages in miniature: reports, interruptions, messages, speed."""
 
+import json
 import os
 import resource
 import signal
@@ -85,6 +86,58 @@ def test_a_lost_object_is_computed_again(workspace):
         path.unlink()
     workspace.edit("src/slider/evaluation/stage.py", "policy}", "policy}!")
     assert workspace.computed() == AFTER_STANDING
+    assert workspace.slider("store", "verify").returncode == 0
+
+
+MORE = "evaluation.commands=[0.2,0.4,0.3]"
+ANOTHER_SEED = "train.walking.seed=3"
+
+
+@pytest.mark.parametrize(
+    ("stage", "further"),
+    [("evaluation", MORE), ("standing", ANOTHER_SEED), ("library", ANOTHER_SEED)],
+)
+def test_no_table_is_made_of_a_changed_digit(workspace, once, tmp_path, stage, further):
+    """Whatever is asked for next, with or without ``slider store verify`` before."""
+    whole = once.copy(tmp_path / "whole")
+    whole.computed(further)
+    change_a_digit(workspace, stage)
+    verified = workspace.copy(tmp_path / "verified")
+    assert verified.slider("store", "verify").returncode == 1
+    for copy in (workspace, verified):
+        assert stage in copy.computed(further)
+        assert copy.table.read_text() == whole.table.read_text()
+        copy.computed()
+        assert copy.table.read_text() == once.table.read_text()
+        assert copy.slider("store", "verify").returncode == 0
+
+
+def change_a_digit(workspace: Workspace, stage: str) -> None:
+    """Of a stage's first result, as a failing disk does it: size and times stay."""
+    digest = sorted(workspace.objects(stage))[0]
+    path = next((workspace.artefacts / "objects" / digest[:2] / digest).iterdir())
+    times, text = path.stat(), path.read_text()
+    digit = next(character for character in text if character in "1234")
+    path.chmod(0o644)
+    path.write_text(text.replace(digit, "7", 1))
+    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
+
+
+def test_verify_drops_a_table_that_was_made_of_a_changed_digit(workspace, once):
+    """By an earlier version, which checked no input and noted none."""
+    (table,) = workspace.objects("table1")
+    change_a_digit(workspace, "evaluation")
+    for path in workspace.artefacts.glob("**/*.json"):
+        if path.parent.parent.name == "index" or path.parent.name == "table1":
+            values = json.loads(path.read_text())
+            values.pop("input_objects", None)
+            path.write_text(json.dumps(values))
+    dropped = workspace.slider("store", "verify")
+    assert dropped.returncode == 1
+    assert "computed from a damaged object" in dropped.stdout
+    assert workspace.manifests("table1") == []
+    assert workspace.computed() == ["evaluation", "table1"]
+    assert workspace.objects("table1") == {table}
     assert workspace.slider("store", "verify").returncode == 0
 
 

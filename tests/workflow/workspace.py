@@ -19,6 +19,7 @@ COPIED = ("Snakefile", "pipeline", "conf", "src")
 TABLE = "reports/table1.csv"
 PAGE = "reports/index.html"
 QUIET = "tracking.enabled=false"
+HOSTILE = 'it\'s a "gäit" $(touch pwned)'  # a folder that must be quoted wherever it is named
 # Jobs of experiment=test: two gaits, two commands.
 AFTER_STANDING = ["evaluation", "evaluation", "table1", "walking"]
 EVERYTHING = sorted([*AFTER_STANDING, "gait", "gait", "library", "standing"])
@@ -216,12 +217,12 @@ def copy_repository(folder: Path) -> Workspace:
 
 
 def finished(folder: Path) -> Workspace:
-    """A tracked pipeline that ran from nothing to its table and its page.
+    """A tracked pipeline that ran from nothing to its table and its page, in a hostile folder.
 
     All who ask for it with the same folder share it, in whatever process they are: the first one
     runs it while the others wait. Copy it before you change it.
     """
-    done, workspace = folder / "finished.done", Workspace(folder / "finished")
+    done, workspace = folder / "finished.done", Workspace(folder / HOSTILE)
     with exclusive(folder, "finished"):
         if not done.exists():
             shutil.rmtree(workspace.folder, ignore_errors=True)

@@ -34,9 +34,10 @@ def current_folder(store: Store, target: str, command: str) -> Path:
     """Object folder of a named target of the current plan; see ``current_result``.
 
     Raises:
-        UserError: it has not been computed, or its object is gone.
+        UserError: it has not been computed, or its object is gone or damaged.
     """
-    folder = store.object_folder(current_result(store, target, command)[1].result.object)
-    if not folder.is_dir():
-        raise UserError(f"the {target} is gone from the store; make it again with `{command}`")
-    return folder
+    digest = current_result(store, target, command)[1].result.object
+    if not store.is_whole(digest):
+        found = "damaged" if store.object_folder(digest).is_dir() else "gone from the store"
+        raise UserError(f"the {target} is {found}; make it again with `{command}`")
+    return store.object_folder(digest)

@@ -83,11 +83,11 @@ def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
 
 
 def write_plan(plan: Plan, folder: Path) -> Path:
-    """Write a plan under the digest of its content, if it is not there yet."""
-    values = _to_values(plan)
-    path = folder / f"{files.digest_value(values)}.json"
-    if not path.is_file():
-        files.write_atomic(path, files.canonical(values) + "\n")
+    """Write a plan under the digest of its content, if it is not there whole."""
+    text = files.canonical(_to_values(plan))
+    path = folder / f"{files.digest_text(text)}.json"
+    if not path.is_file() or path.read_bytes() != f"{text}\n".encode():
+        files.write_atomic(path, f"{text}\n")
     return path
 
 

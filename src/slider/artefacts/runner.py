@@ -16,7 +16,7 @@ from slider.artefacts.circumstances import circumstances
 from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
-from slider.artefacts.store import Manifest, Result, Store
+from slider.artefacts.store import Manifest, Result, Store, damaged
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
@@ -39,10 +39,12 @@ class Runner:
             UserError: an input is missing or damaged, or the source changed since the plan.
         """
         with exclusive(self.store.locks, spec.recipe):
-            key, inputs = self._key(spec), _input_recipes(spec)
+            inputs, found = _input_recipes(spec), self._inputs(spec)
+            key = recipe_digest(spec.stage, spec.section, spec.code, found)
             known = self.store.known(key)
             if known is None:
-                known = Manifest(spec.stage, spec.recipe, inputs, self._compute(spec))
+                result = self._compute(spec, found)
+                known = Manifest(spec.stage, spec.recipe, inputs, result, found)
                 self.store.remember(key, known)
                 outcome = f"{self._sidecar(spec)['wall_s']:.1f} s"
             else:
@@ -52,22 +54,17 @@ class Runner:
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
         return outcome
 
-    def _key(self, spec: JobSpec) -> str:
-        contents = {
-            name: [self._input(job).object for job in jobs] for name, jobs in spec.inputs.items()
-        }
-        return recipe_digest(spec.stage, spec.section, spec.code, contents)
+    def _inputs(self, spec: JobSpec) -> dict[str, list[str]]:
+        """Objects of the inputs, whole at this moment."""
+        return {name: [self._input(job) for job in jobs] for name, jobs in spec.inputs.items()}
 
-    def _input(self, job: JobSpec) -> Result:
-        result = self.store.read_manifest(job.stage, job.recipe).result
-        if not self.store.has(result):
-            raise UserError(
-                f"expected the {job.stage} result {result.object[:12]} whole, "
-                "found it damaged: run `slider store verify`"
-            )
-        return result
+    def _input(self, job: JobSpec) -> str:
+        digest = self.store.read_manifest(job.stage, job.recipe).result.object
+        if not self.store.is_whole(digest):
+            raise damaged(job.stage, digest)
+        return digest
 
-    def _compute(self, spec: JobSpec) -> Result:
+    def _compute(self, spec: JobSpec, found: Mapping[str, list[str]]) -> Result:
         watch = _Watch()  # before the imports: they are part of what a job costs
         limit_threads(self.threads)
         function = _load(spec)
@@ -76,8 +73,8 @@ class Runner:
         try:
             with self.store.temporary(f"{spec.stage}-{spec.recipe[:12]}") as out:
                 inputs = {
-                    name: [self.store.object_folder(self._input(job).object) for job in jobs]
-                    for name, jobs in spec.inputs.items()
+                    name: list(map(self.store.object_folder, digests))
+                    for name, digests in found.items()
                 }
                 section = copy.deepcopy(dict(spec.section))
                 summary = function(section, inputs, out, job)

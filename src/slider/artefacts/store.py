@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.seals import Seals
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.files import FileTable
@@ -38,12 +39,17 @@ class Result:
 
 @dataclass(frozen=True)
 class Manifest:
-    """The result of a recipe and the recipes of its inputs. Holds nothing volatile."""
+    """The result of a recipe and the recipes of its inputs. Holds nothing volatile.
+
+    ``input_objects`` are the inputs' objects, whose content was checked before it was computed
+    from them; ``None`` where an earlier version of this package did not check.
+    """
 
     stage: str
     recipe: str
     inputs: Mapping[str, Sequence[str]]
     result: Result
+    input_objects: Mapping[str, Sequence[str]] | None = None
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,11 @@ class Store:
     def work_folder(self, stage: str, recipe: str) -> Path:
         """Folder that survives a killed job, for checkpoints."""
         return self.root / "work" / stage / recipe
+
+    @property
+    def seals(self) -> Seals:
+        """What is known of objects that were read."""
+        return Seals(self.root / "seals")
 
     @property
     def locks(self) -> Path:
@@ -106,14 +117,12 @@ class Store:
         return result
 
     def is_whole(self, digest: str) -> bool:
-        """Rehash an object and tell whether its content still has its name."""
-        try:
-            return files.digest_table(files.file_table(self.object_folder(digest))) == digest
-        except (OSError, ValueError):
-            return False
+        """Tell whether an object's content has its name; read it only if it may have changed."""
+        return self.seals.is_whole(digest, self.object_folder(digest))
 
     def drop_object(self, digest: str) -> None:
         """Remove an object in one visible step."""
+        self.seals.drop(digest)
         self._discard(self.object_folder(digest))
 
     def _discard(self, folder: Path) -> None:
@@ -156,8 +165,9 @@ class Store:
         _write(self.index_path(key), manifest)
 
     def known(self, key: str) -> Manifest | None:
-        """Manifest of the first job with a key, if its object is there."""
-        return self.usable(self.index_path(key))
+        """Manifest of the first job with a key, if its object is whole."""
+        found = self.usable(self.index_path(key))
+        return found if found and self.is_whole(found.result.object) else None
 
     def usable(self, path: Path) -> Manifest | None:
         """A manifest whose object is there with all files in their sizes."""
@@ -179,6 +189,14 @@ class Store:
         return dropped
 
 
+def damaged(stage: str, digest: str) -> UserError:
+    """What is said of a result whose content is not what its name says."""
+    return UserError(
+        f"expected the {stage} result {digest[:12]} whole, "
+        "found it damaged: run `slider store verify`"
+    )
+
+
 def parse_manifest(path: Path) -> Manifest:
     """Read a manifest file.
 
@@ -197,19 +215,33 @@ def _parse(values: Any) -> Manifest:
     result = Result(
         values["object"], values["files"], values["summary"], values.get("resumed", False)
     )
-    manifest = Manifest(values["stage"], values["recipe"], values["inputs"], result)
-    tables = (manifest.inputs, result.files, result.summary)
-    names = (manifest.stage, manifest.recipe)
-    if {type(table) for table in tables} != {dict} or {type(name) for name in names} != {str}:
+    found = values.get("input_objects")
+    manifest = Manifest(values["stage"], values["recipe"], values["inputs"], result, found)
+    typed = (
+        (result.files, dict),
+        (result.summary, dict),
+        (result.resumed, bool),
+        (manifest.stage, str),
+        (manifest.recipe, str),
+        *((facts["size"], int) for facts in result.files.values()),
+    )
+    groups = (manifest.inputs, {} if found is None else found)
+    if any(type(value) is not kind for value, kind in typed) or not all(map(_is_groups, groups)):
         raise TypeError("expected tables and names")
     if files.digest_table(result.files) != result.object:
         raise ValueError("expected the files of the object")
     return manifest
 
 
+def _is_groups(values: Any) -> bool:
+    """Tell whether a value is names with lists of digests."""
+    lists = list(values.values()) if isinstance(values, dict) else [None]
+    return all(isinstance(group, list) and all(type(d) is str for d in group) for group in lists)
+
+
 def _write(path: Path, manifest: Manifest) -> None:
     values = {"schema": SCHEMA, **asdict(manifest)}
     values |= values.pop("result")
-    if not values["resumed"]:  # appears only when it is true
-        del values["resumed"]
+    absent = {"resumed": False, "input_objects": None}
+    values = {k: v for k, v in values.items() if k not in absent or v != absent[k]}
     files.write_json(path, values)

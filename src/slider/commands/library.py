@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.artefacts.current import current_result
+from slider.artefacts.current import current_folder, current_result
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core import files
 from slider.core.errors import UserError
@@ -50,8 +50,8 @@ def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:
     Times differ from run to run, so they stand beside the store's manifests and not in a stage's
     result.
     """
-    job, manifest = current_result(store, "library", MAKE_LIBRARY)
-    library = GaitLibrary.load(store.object_folder(manifest.result.object) / STORE)
+    job, _ = current_result(store, "library", MAKE_LIBRARY)
+    library = GaitLibrary.load(current_folder(store, "library", MAKE_LIBRARY) / STORE)
     known: dict[tuple[float, ...], float] = {}
     for gait in job.inputs["gaits"]:
         path = store.sidecar_path(gait.stage, gait.recipe)

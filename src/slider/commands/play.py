@@ -37,6 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--web", action="store_true", help="show it in a browser")
     parser.add_argument("--port", type=int, default=0, help="of --web (default: from 8080 on)")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        help="address of --web (default: 127.0.0.1, this machine alone; :: is every address, and "
+        "whoever reaches it can steer)",
+    )
     parser.add_argument("--headless", action="store_true", help="show nothing, say how it went")
     parser.add_argument("--film", type=Path, help="write an animated picture (.webp) instead")
     parser.add_argument("--seconds", type=float, help="stop after this time [s]")
@@ -75,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.web:
         from slider.play import web
 
-        web.run(scene, control, arguments.seconds, arguments.port)
+        web.run(scene, control, arguments.seconds, arguments.host, arguments.port)
         return 0
     from slider.play import window
 

@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     actions = parser.add_subparsers(dest="action", required=True)
     actions.add_parser("ls", help="count manifests, objects and bytes of each stage")
-    actions.add_parser("verify", help="rehash objects, drop corrupt ones with their manifests")
+    actions.add_parser("verify", help="rehash objects; drop what is corrupt or unreadable")
     gc = actions.add_parser("gc", help="remove what the latest plans do not reach")
     gc.add_argument("--keep", type=int, default=5, help="number of plans to keep (default: 5)")
     gc.add_argument("--dry-run", action="store_true", help="only say what would be removed")
@@ -30,8 +30,11 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(store)
     if arguments.action == "verify":
         removed = verify(store)
-        _report("dropped", removed)
-        return int(bool(removed.objects or removed.manifests))
+        for name in removed.damage:
+            print(f"dropped {name}")
+        manifests = len(removed.manifests) + len(removed.derived)
+        print(f"dropped {len(removed.objects)} objects, {manifests} manifests")
+        return int(bool(removed.damage))
     dry_run = arguments.dry_run
     _report("would remove" if dry_run else "removed", collect(store, arguments.keep, dry_run))
     return 0

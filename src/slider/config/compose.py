@@ -20,11 +20,12 @@ from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
 from slider.config.schema import Config
 from slider.config.validation import validate
+from slider.config.validation.checks import NAME
 from slider.core.errors import UserError
 
 _MOST_STEPS = 1000  # of a list from start to stop
 _CONTROL = re.compile(r"\W*control(=|$)(?!all$)")
-_CONTROLLER = re.compile(r"[a-z][a-z0-9_]*")
+_HYDRA = re.compile(r"\W*hydra(\W|$)")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
 
 
@@ -44,6 +45,7 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
 def _compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
+    _check_hydra(overrides)
     _check_control(overrides)
     _store_controllers(conf)
     GlobalHydra.instance().clear()
@@ -82,6 +84,13 @@ OmegaConf.register_new_resolver("steps", _steps, replace=True)
 OmegaConf.register_new_resolver("joined", _joined, replace=True)
 
 
+def _check_hydra(overrides: Sequence[str]) -> None:
+    """What Hydra does when it starts programs has no meaning here."""
+    for text in overrides:
+        if _HYDRA.match(text):
+            raise UserError(f"hydra: expected keys of conf/, found {text}, which has no effect")
+
+
 def _check_control(overrides: Sequence[str]) -> None:
     """All controllers are there; protocols say which of them walk."""
     for text in overrides:
@@ -108,7 +117,7 @@ def _store_controllers(conf: Path) -> None:
     """Write the option ``control=all``: each file of ``conf/control`` under its own name."""
     names = sorted(path.stem for path in (conf / "control").glob("*.yaml"))
     for name in names:
-        if not _CONTROLLER.fullmatch(name) or name == "all":
+        if not NAME.fullmatch(name) or name == "all":
             expected = "small letters, digits and _ after a letter, and not all"
             raise UserError(f"{conf / 'control'}/{name}.yaml: expected {expected}, found {name}")
     defaults = [f"{name}@{name}" for name in names if name != "base"]

@@ -19,6 +19,7 @@ from slider.config.types import (
     Number,
     Positive,
     RadiansPerSecond,
+    Rule,
     Share,
     Unit,
     Vector3,
@@ -34,7 +35,10 @@ class Link:
     mass: Positive[Kilograms]
     com: Vector3[Metres]
     """centre of mass, in the frame of the link's joint"""
-    inertia: Vector3[Positive[KilogramMetres2]]
+    inertia: Annotated[
+        Vector3[Positive[KilogramMetres2]],
+        Rule("none above the sum of the others", lambda moments: 2 * max(moments) <= sum(moments)),
+    ]
     """diagonal inertia about the centre of mass"""
 
 

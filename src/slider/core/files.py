@@ -38,8 +38,15 @@ def write_json(path: Path, value: Any) -> None:
 
 
 def read_json(path: Path) -> Any:
-    """Parse a JSON file."""
-    return json.loads(path.read_text(encoding="utf-8"))
+    """Parse a JSON file.
+
+    Raises:
+        ValueError: it is no JSON that this program wrote.
+    """
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except RecursionError:
+        raise ValueError("expected JSON, found thousands of brackets") from None
 
 
 def canonical(value: Any) -> str:
@@ -49,7 +56,12 @@ def canonical(value: Any) -> str:
 
 def digest_value(value: Any) -> str:
     """SHA-256 of the canonical JSON of a plain value."""
-    return hashlib.sha256(canonical(value).encode()).hexdigest()
+    return digest_text(canonical(value))
+
+
+def digest_text(text: str) -> str:
+    """SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def digest_file(path: Path) -> str:

@@ -4,8 +4,9 @@
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 import mujoco
-from mujoco.studio import launch_web, messages, plugin, viewer_protocol
+from mujoco.studio import launch_thread, messages, plugin, viewer_protocol
 from mujoco.studio.dear_imgui import dear_imgui as imgui
+from mujoco.studio.web_viewer import WebViewer
 
 from slider.env.episode import Frame
 from slider.play import loop
@@ -80,13 +81,33 @@ class Panel(plugin.ViewerPlugin):
             control.next_camera()
 
 
-def run(scene: Scene, control: Control, seconds: float | None, port: int) -> None:
+def viewer_at(host: str) -> type[WebViewer]:
+    """MuJoCo's viewer at one address; by itself it listens at all of the machine's addresses."""
+
+    class Viewer(WebViewer):
+        @property
+        def _host(self) -> str:
+            return host
+
+        @_host.setter
+        def _host(self, value: str) -> None:
+            pass
+
+    return Viewer
+
+
+def run(scene: Scene, control: Control, seconds: float | None, host: str, port: int) -> None:
     """Serve the scene until interrupted."""
     model = build_scene(scene.robot)
     data = mujoco.MjData(model)
-    panel = Panel(control)
     config = viewer_protocol.ViewerConfig(title=scene.title, gfx="web", http_port=port)
-    with launch_web.launch(config, plugins=[panel]) as handle:
+    panel = Panel(control)
+    viewer_plugins, sim_plugins = plugin.split_plugins([panel])
+
+    def serve(endpoint) -> None:
+        viewer_protocol.run_viewer_loop(viewer_at(host)(config, endpoint, plugins=viewer_plugins))
+
+    with launch_thread.launch_thread(serve, sim_plugins=sim_plugins) as handle:
         data.qpos[:] = scene.motion.start(control.velocity).qpos
         handle.set_model(model, data=data)
 

@@ -74,6 +74,8 @@ def _connect(artefacts: Path) -> Any:
     # MLflow tries a broken database again for almost two minutes: ask SQLite first.
     with closing(sqlite3.connect(database)) as connection:
         connection.execute("PRAGMA schema_version")
+    # MLflow pastes the path of this folder into SQL; in an address a quote of it is %27.
+    os.environ["_MLFLOW_SERVER_ARTIFACT_ROOT"] = _files(artefacts)
     return MlflowClient(f"sqlite:///{database}")
 
 
@@ -225,10 +227,14 @@ def page(experiment: str) -> str:
 
 def _experiment(client: Any, artefacts: Path, name: str) -> str:
     found = client.get_experiment_by_name(name)
-    location = (artefacts / "mlruns").resolve().as_uri()
-    experiment = found.experiment_id if found else client.create_experiment(name, location)
+    experiment = found.experiment_id if found else client.create_experiment(name, _files(artefacts))
     client.set_experiment_tag(experiment, *_KIND)
     return experiment
+
+
+def _files(artefacts: Path) -> str:
+    """Address of the folder with the runs' files."""
+    return (artefacts / "mlruns").resolve().as_uri()
 
 
 def _read_events(path: Path, offset: int) -> tuple[list[dict[str, Any]], int]:

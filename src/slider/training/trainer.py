@@ -16,12 +16,12 @@ from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
+from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
 from slider.training.ppo import NORMALISER_EPSILON, runner_config, use_bfloat16
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
 
-CHECKPOINT = "checkpoint.pt"
 WEIGHTS = "weights.pt"
 _RESUMED = ("actor", "critic", "optimizer", "average")
 
@@ -46,7 +46,7 @@ class Trainer:
         set_up_torch()
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)
-        self._checkpoint = _read_checkpoint(job.work / CHECKPOINT)
+        self._checkpoint = checkpoint.read(job.work, job.progress)
         seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0))
         torch.manual_seed(seed)
         self.env = WalkingEnv(replace(task, train=replace(train, seed=seed)), job.threads)
@@ -138,9 +138,7 @@ class Trainer:
             "curve": self._curve,
             "command_share": self.env.curriculum.share,
         }
-        partial = self._job.work / f"{CHECKPOINT}.partial"
-        torch.save(content, partial)
-        partial.replace(self._job.work / CHECKPOINT)
+        checkpoint.write(content, self._job.work)
         for leftover in self._job.work.glob("model_*.pt"):  # rsl-rl saves at the end of each chunk
             leftover.unlink()
 
@@ -184,11 +182,6 @@ def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tens
     unvaried = state["obs_normalizer._std"] < UNVARIED
     names = ("obs_normalizer._std", "obs_normalizer._var")
     return {**state, **{name: torch.where(unvaried, 1.0, state[name]) for name in names}}
-
-
-def _read_checkpoint(path: Path) -> dict[str, Any]:
-    """What a killed job left; nothing where there is none."""
-    return torch.load(path, weights_only=True) if path.exists() else {}
 
 
 def _noise_seed(seed: int, iteration: int) -> int:

@@ -1,9 +1,14 @@
 """Common rules: each raises a ``UserError`` with key, expectation and finding."""
 
+import json
+import re
 from collections.abc import Iterable
 from typing import Any
 
 from slider.core.errors import UserError
+
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+"""Of what is a target, a file or a row: it reads the same to a shell, on any disk, in a table."""
 
 
 def require(condition: bool, key: str, expected: str, found: Any) -> None:
@@ -37,3 +42,10 @@ def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
 def distinct(key: str, values: list[Any], expected: str) -> None:
     """No value twice."""
     require(len(set(values)) == len(values), key, expected, values)
+
+
+def named(key: str, names: Iterable[str]) -> None:
+    """Each a name that nobody must quote."""
+    expected = "names of small letters, digits and _ after a letter"
+    for name in names:
+        require(NAME.fullmatch(name) is not None, key, expected, json.dumps(name))

@@ -11,7 +11,7 @@ from slider.config.control import (
     MpcConfig,
 )
 from slider.config.env import EnvConfig, PhysicsConfig
-from slider.config.validation.checks import multiple, ordered, require
+from slider.config.validation.checks import multiple, named, ordered, require
 
 LEAST_RATE = 200  # [Hz]
 _TAKEN = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
@@ -19,6 +19,7 @@ _TAKEN = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their
 
 def check_controls(controls: Mapping[str, AnyControl], env: EnvConfig) -> None:
     """Every controller beside the policy; people tell them apart by their labels."""
+    named("control", controls)
     labels = {POLICY_LABEL: POLICY, **{label: name for name, label in PAPER_LABELS.items()}}
     for name, control in controls.items():
         key = f"control.{name}"

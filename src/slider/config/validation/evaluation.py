@@ -6,12 +6,13 @@ from itertools import pairwise
 from slider.config.control import POLICY
 from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.config.schema import Config
-from slider.config.validation.checks import distinct, one_of, period, require
+from slider.config.validation.checks import distinct, named, one_of, period, require
 from slider.config.validation.env import check_disturbance
 
 
 def check_protocols(config: Config) -> None:
     """All protocols and their disturbances; that of Table 1 has no profile."""
+    named("protocols", config.protocols)
     expected = "none (the commands of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():

@@ -4,11 +4,12 @@ from slider.config.parameters import choose, parameters
 from slider.config.report import ReportConfig
 from slider.config.schema import Config
 from slider.config.studies import AblationConfig
-from slider.config.validation.checks import one_of, period, require
+from slider.config.validation.checks import named, one_of, period, require
 
 
 def check_ablation(ablation: AblationConfig) -> None:
     """Known variants."""
+    named("ablation.variants", ablation.variants)
     for name in ablation.run:
         one_of("ablation.run", name, ablation.variants)
 

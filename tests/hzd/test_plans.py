@@ -7,6 +7,7 @@ import pytest
 
 from slider.core.errors import UserError
 from slider.hzd import plans as module
+from slider.hzd.phase import phase_of
 from slider.hzd.plans import plans
 from tests.hzd.sample import CLOCK, HIP, library, loop, settings, steps
 
@@ -31,3 +32,10 @@ def test_a_hip_that_turns_back_is_named(monkeypatch):
     plans(library(), np.array([CLOCK]), loop().model, config)
     with pytest.raises(UserError, match=r"turns back in the gait \(0\.6, 0\.1\) m/s"):
         plans(library(), np.array([CLOCK, HIP]), loop().model, config)
+
+
+def test_a_robot_that_is_lost_has_no_place_and_does_not_disturb_the_others():
+    table = steps()[0].hip.of(np.array([HIP, HIP]))
+    found = phase_of(table, np.array([np.nan, table.at(np.full(2, 0.3))[0][0, 0]]))
+    assert np.isnan(found[0])
+    assert found[1] == pytest.approx(0.3, abs=1e-9)

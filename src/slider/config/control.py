@@ -250,6 +250,8 @@ class HzdControlConfig(ModelBasedConfig):
     change: ChangeConfig
     slowest_rate: Share
     """of the phase, as a share of the gait's; a step that begins with less has time for a phase"""
+    turning_rate: Share
+    """the same for steps that turn"""
     capture: Factor
     """share of δẋ/ω at touchdown that moves the foothold forward where the phase is time"""
     lock: Share

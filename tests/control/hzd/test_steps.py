@@ -203,3 +203,18 @@ def test_the_foot_is_half_a_turn_ahead_of_the_heading_at_touchdown(side, sign):
     steps.begin(memory, np.zeros(1, int), dynamics, np.full(1, side))
     assert steps._walk.steps.turn[0] == pytest.approx(sign * turn)
     assert steps._walk.line[0] == pytest.approx(0.7 + turn / 2)
+
+
+def test_the_yaw_rate_of_a_walk_grows_to_another_command():
+    steps, memory, dynamics = walking((0.0, 0.0, 0.3))
+    most = control().yaw_acceleration * TICK
+    commands = np.array([(0.0, 0.0, -0.3), (0.0, 0.0, 0.0)])
+    steps.command(memory, commands)
+    np.testing.assert_allclose(memory.command[:, 2], [0.3 - most, 0.0])  # to stand: at once
+    rates = []
+    for _ in range(round(0.6 / most) + 5):
+        steps.torques(memory, ROBOTS, dynamics)
+        rates.append(memory.command[0, 2])
+    assert commands[0, 2] == rates[-1] == -0.3
+    assert np.abs(np.diff(rates)).max() <= most * (1 + 1e-9)
+    assert all(rates)

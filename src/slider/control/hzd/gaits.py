@@ -78,9 +78,7 @@ class GaitTables:
         split = np.split(values, self._ends[:-1], axis=1)
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
         coefficients, roll, hip, gains, orbit, placement = parts
-        return Steps(
-            times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement
-        )
+        return Steps(times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement)
 
 
 def _table(orders: np.ndarray) -> NodeTable:

@@ -8,10 +8,11 @@ from slider.config.control import HzdControlConfig
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.gaits import GaitTables, Steps, at_phase
 from slider.control.whole_body.controller import Surroundings
-from slider.control.whole_body.memory import Memory
+from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
 from slider.control.whole_body.tasks import Part, Solved, pitch_and_yaw, point_velocity, wrapped
 from slider.control.whole_body.velocity import ReferenceVelocity
+from slider.env.phase import standing
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.outputs import NUM_JOINTS, SWING, YAW, output_matrix, stance_first, stance_selection
 from slider.hzd.phase import phase_of, phase_rate
@@ -94,10 +95,20 @@ class HzdSteps:
     def reset(self, count: int) -> None:
         """Forget the steps of ``count`` robots."""
         self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))
+        self._yaw_rate: np.ndarray | None = None
 
     def command(self, memory: Memory, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on."""
-        self._velocity.change(memory, velocity)
+        """Go with ``velocity`` (N, 3) from now on; the yaw rate of a walk grows to it."""
+        self._yaw_rate, reference = velocity[:, 2].copy(), velocity.copy()
+        walks = np.flatnonzero((memory.mode == WALK) & ~standing(velocity))
+        reference[walks, 2] = self._grown(memory.command[walks, 2], self._yaw_rate[walks])
+        self._velocity.change(memory, reference)
+
+    def _grown(self, rate: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+        """Yaw rates (n,) a tick later; on the way they are not zero, which could mean to stand."""
+        most = self._config.yaw_acceleration * self._period
+        grown = rate + np.clip(wanted - rate, -most, most)
+        return np.where((grown == 0.0) & (wanted != 0.0), 1e-9 * wanted, grown)
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
@@ -144,6 +155,9 @@ class HzdSteps:
         ]
         feet = memory.stance[robots, None]
         solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
+        if self._yaw_rate is not None:
+            rate = memory.command[robots, 2]
+            memory.command[robots, 2] = self._grown(rate, self._yaw_rate[robots])
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
         walk.phase += np.where(walk.by_hip, 0.0, self._period * walk.rate)

@@ -62,6 +62,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.hzd.ahead",
             "*.hzd.capture",
             "*.hzd.slowest_rate",
+            "*.hzd.turning_rate",
             "*.hzd.lock",
             "*.hzd.descent",
         ),  # switched off

@@ -2,12 +2,13 @@
 
 import json
 
+import casadi as ca
 import numpy as np
 
 from slider.core.job import Job
 from slider.gait.decoupling import NAME, decoupling, shortfall
-from slider.gait.outputs import YAW, output_matrix
-from slider.gait.rooted import RootedRobot
+from slider.gait.outputs import ANKLE, YAW, output_matrix
+from slider.gait.rooted import NUM, RootedRobot
 from slider.gait.stage import REPORT, run
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, section
@@ -45,3 +46,23 @@ def test_a_gait_below_the_bound_names_it(tmp_path):
 def test_a_regular_gait_misses_nothing():
     assert shortfall(np.array([[2.0, 9.0], [3.0, 8.0]]), 1.5) == 0.0
     assert shortfall(np.array([[0.0, np.inf], [3.0, 8.0]]), 1.5) == 1.5
+
+
+def test_the_hip_takes_the_place_of_the_stance_ankle():
+    """Its row is the change of the hip's place, here by differences."""
+    rng = np.random.default_rng(1)
+    robot, q = config().robot, 0.2 * rng.standard_normal((2, NUM))
+    rooted = RootedRobot(robot)
+    hip = ca.Function("hip", [rooted.q], [rooted.poses(rooted.q)["base"].origin[0]])
+    limits = Transmission.of(robot).torque
+    rows = np.delete(output_matrix("absolute"), YAW, axis=1)
+    for place, (least, condition) in zip(q, decoupling(robot, q, by_hip=True), strict=True):
+        moved = place + 1e-6 * np.eye(NUM)
+        rows[ANKLE] = [(float(hip(each)) - float(hip(place))) / 1e-6 for each in moved]
+        joints = Transmission.of(robot).efforts(np.diag(limits))
+        driven = np.delete(joints, [5, 11], axis=1).T
+        mass = rooted.dynamics(place, np.zeros(NUM))[0].full()
+        gained = rows @ np.linalg.solve(mass, np.r_[np.zeros((1, driven.shape[1])), driven])
+        values = np.linalg.svd(gained, compute_uv=False)
+        np.testing.assert_allclose([least, condition], [values[-1], values[0] / values[-1]], 1e-4)
+        assert least > 1.0

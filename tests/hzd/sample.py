@@ -23,11 +23,11 @@ CLOCK, HIP = range(2)
 
 
 @cache
-def folder() -> Path:
-    """Object folder of the library."""
+def folder(commands: tuple[tuple[float, float, float], ...] = tuple(COMMANDS)) -> Path:
+    """Object folder of a library."""
     root = Path(mkdtemp(prefix="slider-hzd-"))
     gaits = []
-    for vx, vy, yaw_rate in COMMANDS:
+    for vx, vy, yaw_rate in commands:
         gaits.append(root / f"gait {vx} {vy}")
         gaits[-1].mkdir()
         gait_stage.run(section(vx, vy, yaw_rate), {}, gaits[-1], Job(root))

@@ -250,6 +250,10 @@ class HzdControlConfig(ModelBasedConfig):
     change: ChangeConfig
     slowest_rate: Share
     """of the phase, as a share of the gait's; a step that begins with less has time for a phase"""
+    turning_rate: Share
+    """the same for steps that turn"""
+    yaw_acceleration: Annotated[Positive[Number], Unit("rad/s²")]
+    """with which the yaw rate of a walk grows to another command"""
     capture: Factor
     """share of δẋ/ω at touchdown that moves the foothold forward where the phase is time"""
     lock: Share

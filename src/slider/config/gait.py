@@ -184,6 +184,12 @@ class FormulationConfig:
     """of the Bézier polynomials"""
     dynamics: Literal["prismatic", "knee"]
     """whose bodies move: the real leg's and its rotors', or the virtual knee's"""
+    phase: Literal["time", "hip"]
+    """hip: a gait's hip moves forward at every node, so that its place can tell the phase"""
+    hip_share: Positive[Share]
+    """least forward velocity of the hip where it is the phase, as a share of the commanded one"""
+    slowest_hip: Positive[MetresPerSecond]
+    """gaits with less forward velocity have time for a phase"""
     cost: Literal["paper", "torque", "transport"]
     """paper: eq. 2 as printed; torque: (1/T) ∫ ‖τ‖² dt; transport: mean |power| / (m g)"""
     voltage: Positive[Share]

@@ -57,7 +57,8 @@ def walk(
     state = physics.read()
     commands = library.commands.copy()
     commands[(commands == 0.0).all(axis=1), 0] = _IN_PLACE
-    controller.start_on_gait(state, commands)
+    turn = commands[:, 2] * library.step_time[:, 0]
+    controller.start_on_gait(state, commands, -turn / 2)
     alive, walked = np.ones(len(library), dtype=bool), np.zeros(len(library), dtype=int)
     ticks, distance = np.zeros(len(library)), np.zeros(len(library))
     longest = _PATIENCE * steps * library.step_time.max()

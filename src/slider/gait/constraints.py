@@ -24,7 +24,7 @@ _BOUNDED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variab
 
 def of_node(node: Node) -> list[Constraint]:
     """What holds at every node of both steps."""
-    return [*_loads(node), *_legs(node), *_torso(node)]
+    return [*_loads(node), *_legs(node), *_torso(node), *_phase(node)]
 
 
 def _loads(node: Node) -> list[Constraint]:
@@ -94,6 +94,14 @@ def _torso(node: Node) -> list[Constraint]:
         ),
         within("torso_rate", "rad/s", "gait.posture.torso_rate", rate, posture.torso_rate),
     ]
+
+
+def _phase(node: Node) -> list[Constraint]:
+    """A hip that is the phase passes each place once; slow gaits have the row without a bound."""
+    if node.form.config.phase == "time":
+        return []
+    source = "gait.phase, gait.hip_share, gait.slowest_hip"
+    return [at_least("hip_rate", "m/s", source, node.base.linear[0], node.form.hip_rate)]
 
 
 def of_touchdown(

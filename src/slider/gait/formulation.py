@@ -26,12 +26,19 @@ class Formulation:
         tree: kinematics and dynamics of the robot on its left foot.
         config, robot: settings, and the limits of the robot.
         turning: whether the commands have a yaw rate; else it is zero in all expressions.
+        hip_rate: least forward velocity of the hip [m/s], where it is the phase.
     """
 
     tree: StanceTree
     config: FormulationConfig
     robot: Mechanism
     turning: bool = False
+    hip_rate: float = -np.inf
+
+    @property
+    def by_hip(self) -> bool:
+        """Whether the hip is the phase, and drives it."""
+        return self.config.phase == "hip" and self.hip_rate > 0
 
     @property
     def weight(self) -> float:
@@ -50,11 +57,18 @@ class Formulation:
         return self.sole + [model.toe, 0.0, 0.0], self.sole - [model.heel, 0.0, 0.0]
 
 
-def formulate(robot: Mechanism, config: FormulationConfig, turning: bool = False) -> Formulation:
+def least_hip_rate(config: FormulationConfig, vx: float) -> float:
+    """Bound of the hip's forward velocity [m/s] in gaits with ``vx`` [m/s]; slow ones have none."""
+    return config.hip_share * vx if vx >= config.slowest_hip else -np.inf
+
+
+def formulate(
+    robot: Mechanism, config: FormulationConfig, turning: bool = False, hip_rate: float = -np.inf
+) -> Formulation:
     """The formulation with the configured dynamics: the prismatic leg's or the virtual knee's."""
     knee = build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
     length = robot.geometry.leg_length
     if config.dynamics == "knee":
-        return Formulation(StanceTree(knee, length), config, robot, turning)
+        return Formulation(StanceTree(knee, length), config, robot, turning, hip_rate)
     tree = PrismaticTree(knee, length, build_prismatic_model(robot))
-    return Formulation(tree, config, robot, turning)
+    return Formulation(tree, config, robot, turning, hip_rate)

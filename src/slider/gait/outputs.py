@@ -18,7 +18,7 @@ STANCE, SWING = JOINTS, JOINTS + LEG  # first joint of each leg in the coordinat
 OUTPUTS = ("absolute", "joints")
 
 _HIP = 3  # yaw, roll and pitch of a hip turn in this order
-_PITCH, _ANKLE = 2, 4
+_PITCH, ANKLE = 2, 4
 
 
 def output_matrix(kind: str) -> np.ndarray:
@@ -36,8 +36,8 @@ def output_matrix(kind: str) -> np.ndarray:
     torso = np.zeros((_HIP, NUM_COORDINATES))
     torso[0, YAW] = torso[1, ROLL] = 1.0
     torso[np.arange(_HIP), STANCE + np.arange(_HIP)] = -1.0
-    torso[_PITCH, STANCE + _ANKLE] = -1.0
+    torso[_PITCH, STANCE + ANKLE] = -1.0
     matrix[:_HIP] = torso
     matrix[LEG : LEG + _HIP] += torso
-    matrix[LEG + _ANKLE] += matrix[LEG + _PITCH]
+    matrix[LEG + ANKLE] += matrix[LEG + _PITCH]
     return matrix

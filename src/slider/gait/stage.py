@@ -16,7 +16,7 @@ from slider.gait.costs import COSTS
 from slider.gait.decoupling import NAME as DECOUPLING
 from slider.gait.decoupling import decoupling, shortfall
 from slider.gait.dense import dense_violations
-from slider.gait.formulation import formulate
+from slider.gait.formulation import formulate, least_hip_rate
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import (
     base_motion,
@@ -46,7 +46,8 @@ def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float,
     command = _command(section)
     robot = from_dict(Mechanism, section["robot"])
     formulation = from_dict(FormulationConfig, section["formulation"])
-    problem = build(formulate(robot, formulation, turning=command[2] != 0.0))
+    hip_rate = least_hip_rate(formulation, command[0])
+    problem = build(formulate(robot, formulation, command[2] != 0.0, hip_rate))
     job.progress(f"gait {command_text(command)}: built")
     return GaitSolver(problem, config.solver, config.step_time), command
 
@@ -100,7 +101,7 @@ def gait_arrays(
         "ground_wrench": trajectory.wrench,
         "swing_foot": trajectory.swing_foot,
         "roll": roll,
-        DECOUPLING: decoupling(robot, _rooted(position, roll)),
+        DECOUPLING: decoupling(robot, _rooted(position, roll), problem.form.by_hip),
     }
 
 
@@ -115,6 +116,7 @@ def _rooted(position: np.ndarray, roll: np.ndarray) -> np.ndarray:
 def _report(
     problem: GaitProblem, solve: Solve, command: tuple[float, ...], missed: float
 ) -> dict[str, Any]:
+    forward = knee_trajectory(problem, solve.variables).base_velocity[:, 0]
     return {
         **dict(zip(COMMAND, command, strict=True)),
         "status": solve.status,
@@ -123,6 +125,7 @@ def _report(
         "attempts": [asdict(attempt) for attempt in solve.attempts],
         "cost": solve.cost,
         "cost_unit": COSTS[problem.config.cost].unit,
+        "hip_share": float(forward.min()) / command[0] if command[0] > 0 else None,
         "max_violation": max(solve.max_violation, missed),
         "residuals": solve.residuals | {DECOUPLING: missed},
         "between_nodes": dense_violations(problem, solve.variables, command[2]),

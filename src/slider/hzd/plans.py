@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from slider.config.hzd import VirtualConstraintsConfig
+from slider.core.errors import UserError
 from slider.gait.rooted import NUM
 from slider.hzd.model import RootedModel
 from slider.hzd.outputs import JOINTS, ROLL
@@ -12,6 +13,7 @@ from slider.hzd.polynomials import NodeTable
 from slider.hzd.step import StepPlan
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
+from slider.robot.names import command_text
 
 _HIP_NODES = 41
 
@@ -19,8 +21,17 @@ _HIP_NODES = 41
 def plans(
     library: GaitLibrary, gaits: np.ndarray, model: RootedModel, config: VirtualConstraintsConfig
 ) -> tuple[StepPlan, StepPlan]:
-    """Both steps of some gaits by index (n,), the second reflected."""
+    """Both steps of some gaits by index (n,), the second reflected.
+
+    Raises:
+        UserError: a gait whose phase is the hip has one that turns back.
+    """
     first, second = (_plan(library, gaits, step, model, config) for step in range(2))
+    for plan in (first, second):
+        for gait in gaits[~plan.clock & (plan.hip_share <= 0.0)]:
+            expected = "expected a hip that moves forward at every phase (gait.phase=hip)"
+            command = command_text(library.commands[gait])
+            raise UserError(f"{expected}, found one that turns back in the gait {command}")
     return first, second
 
 

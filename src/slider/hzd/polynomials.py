@@ -82,7 +82,8 @@ class NodeTable:
     def _within(self, phase: np.ndarray) -> Orders:
         pieces = self.values.shape[1] - 1
         place = phase * pieces
-        left = np.minimum(place.astype(int), pieces - 1)
+        known = np.nan_to_num(place)  # a robot that is lost has no phase, and gets no value
+        left = np.minimum(known.astype(int), pieces - 1)
         u, rows = (place - left)[:, None], np.arange(len(phase))
         ends = [rows, left], [rows, left + 1]
         a, b = (self.values[tuple(end)] for end in ends)

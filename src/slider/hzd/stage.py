@@ -150,7 +150,7 @@ def _record(
     kept: Invariance,
 ) -> dict[str, Any]:
     """Values of ``slider.hzd.summary.QUANTITIES``; None where there is no limit cycle."""
-    share = [np.min(p.hip.slopes[place]) / np.ptp(p.hip.values[place, [0, -1]]) for p in steps]
+    share = [p.hip_share[place] for p in steps]
     values = library.arrays["decoupling"][gait]
     record = {
         **dict(zip(COMMAND, map(float, library.commands[gait]), strict=True)),

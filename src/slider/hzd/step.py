@@ -64,6 +64,12 @@ class StepPlan:
     clock: np.ndarray
     lengths: KneeLengths
 
+    @property
+    def hip_share(self) -> np.ndarray:
+        """Least forward velocity of the hip (n,), as a share of its mean's magnitude."""
+        way = np.ptp(self.hip.values[:, [0, -1], 0], axis=1)
+        return self.hip.slopes[..., 0].min(axis=1) / way
+
     def of(self, rows: np.ndarray) -> "StepPlan":
         """The steps of some of the gaits, in a given order."""
         return StepPlan(

@@ -12,6 +12,7 @@ from slider.config.env import StartNoise
 from slider.config.hzd import enforced_section
 from slider.control.hzd.controller import EnforcedGaits, hzd_controller
 from slider.control.hzd.gaits import GaitTables, at_phase
+from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.memory import OFF, STAND, WALK
 from slider.core.errors import UserError
@@ -122,3 +123,18 @@ def test_foot_placement_of_another_phase_is_refused():
     section = enforced_section(whole.hzd)
     with pytest.raises(UserError, match=r"expected foot placement for hzd\.phase=time"):
         EnforcedGaits.load(folder(), placement_folder(), section)
+
+
+def test_walks_behind_the_observer():
+    """What the observer estimates drifts a little from what is measured."""
+    whole = config()
+    observer = replace(whole.control["mpc_wbc_observer"].observer, delay=0.0)
+    settings = replace(whole.control["hzd"], observer=observer)
+    plant = replace(whole.env.physics, substeps=settings.substeps)
+    physics = BatchedPhysics(robot_config(), plant, COUNT, 1, "torque")
+    controller = build_controller(robot_config(), settings, whole.env.physics, COUNT, gaits())
+    start = at_rest(robot_config(), STILL, np.random.default_rng(7), COUNT)
+    command = np.tile((0.4, 0.05, 0.0), (COUNT, 1))
+    recording = roll_out(controller, physics, whole.env, start, command, 5.0)
+    assert recording.survived.all()
+    np.testing.assert_allclose(recording.velocity[-84:, :, 0].mean(), 0.4, atol=0.06)

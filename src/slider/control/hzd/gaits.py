@@ -24,6 +24,7 @@ class Steps:
 
     Attributes:
         duration: (n,) [s].
+        turn: of the course over the step (n,) [rad].
         coefficients: (n, 10, degree + 1) Bézier coefficients of the virtual legs [rad].
         roll: of the stance foot's line (m = 1) [rad].
         hip: forward place of the hip over the stance foot (m = 1) [m].
@@ -32,6 +33,7 @@ class Steps:
     """
 
     duration: np.ndarray
+    turn: np.ndarray
     coefficients: np.ndarray
     roll: NodeTable
     hip: NodeTable
@@ -55,6 +57,7 @@ class GaitTables:
         self._times = library.step_time
         time = self._times[:, :, None, None]
         roll = library.arrays["roll"] * np.concatenate([time**k for k in range(3)], axis=3)
+        self._turns = library.commands[:, 2:] * self._times * [1.0, -1.0]  # the second is reflected
         parts = [library.arrays["coefficients"], roll, feedback.hip]
         parts += [feedback.gains, feedback.orbit, feedback.placement]
         self._shapes = [part.shape[2:] for part in parts]
@@ -65,15 +68,17 @@ class GaitTables:
     def at(self, command: np.ndarray, stance: np.ndarray) -> Steps:
         """Steps on the feet ``stance`` (n,) at commands (n, 3)."""
         weights = self.mesh.weights(command)
-        values, times = np.zeros((len(stance), self._table.shape[2])), np.zeros(len(stance))
+        values = np.zeros((len(stance), self._table.shape[2]))
+        times, turns = np.zeros((2, len(stance)))
         for side in range(_STEPS):
             own = stance == side
             values[own] = weights[own] @ self._table[side]
             times[own] = weights[own] @ self._times[:, side]
+            turns[own] = weights[own] @ self._turns[:, side]
         split = np.split(values, self._ends[:-1], axis=1)
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
         coefficients, roll, hip, gains, orbit, placement = parts
-        return Steps(times, coefficients, _table(roll), _table(hip), gains, orbit, placement)
+        return Steps(times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement)
 
 
 def _table(orders: np.ndarray) -> NodeTable:

@@ -8,10 +8,11 @@ from slider.config.control import HzdControlConfig
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.gaits import GaitTables, Steps, at_phase
 from slider.control.whole_body.controller import Surroundings
-from slider.control.whole_body.memory import Memory
+from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
 from slider.control.whole_body.tasks import Part, Solved, pitch_and_yaw, point_velocity, wrapped
 from slider.control.whole_body.velocity import ReferenceVelocity
+from slider.env.phase import standing
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.outputs import NUM_JOINTS, SWING, YAW, output_matrix, stance_first, stance_selection
 from slider.hzd.phase import phase_of, phase_rate
@@ -49,6 +50,7 @@ class Walk:
         steps: of the gaits.
         phase, rate: of the steps [1], [1/s].
         by_hip: whether the hip's place tells the phase.
+        line: yaw at which the gait has the stance foot's line (N,) [rad].
     """
 
     constraints: StepConstraints
@@ -56,6 +58,7 @@ class Walk:
     phase: np.ndarray
     rate: np.ndarray
     by_hip: np.ndarray
+    line: np.ndarray
 
 
 class HzdSteps:
@@ -92,10 +95,20 @@ class HzdSteps:
     def reset(self, count: int) -> None:
         """Forget the steps of ``count`` robots."""
         self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))
+        self._yaw_rate: np.ndarray | None = None
 
     def command(self, memory: Memory, velocity: np.ndarray) -> None:
-        """Go with ``velocity`` (N, 3) from now on."""
-        self._velocity.change(memory, velocity)
+        """Go with ``velocity`` (N, 3) from now on; the yaw rate of a walk grows to it."""
+        self._yaw_rate, reference = velocity[:, 2].copy(), velocity.copy()
+        walks = np.flatnonzero((memory.mode == WALK) & ~standing(velocity))
+        reference[walks, 2] = self._grown(memory.command[walks, 2], self._yaw_rate[walks])
+        self._velocity.change(memory, reference)
+
+    def _grown(self, rate: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+        """Yaw rates (n,) a tick later; on the way they are not zero, which could mean to stand."""
+        most = self._config.yaw_acceleration * self._period
+        grown = rate + np.clip(wanted - rate, -most, most)
+        return np.where((grown == 0.0) & (wanted != 0.0), 1e-9 * wanted, grown)
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
@@ -110,11 +123,14 @@ class HzdSteps:
         command = np.concatenate([self._reachable(memory, robots), yaw_rate], axis=1)
         walk = self._new(command, stance)
         memory.duration[robots] = walk.steps.duration
-        motion = self._motion(memory, robots, dynamics)
-        place, speed = self._hip(memory, robots, dynamics)
+        walk.line = memory.heading[robots] + _side(stance) * walk.steps.turn / 2
+        place, speed = self._hip(walk, stance, dynamics)
         rate = phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed)
-        walk.by_hip &= rate * walk.steps.duration >= self._config.slowest_rate
+        config = self._config
+        least = np.where(walk.steps.turn == 0.0, config.slowest_rate, config.turning_rate)
+        walk.by_hip &= rate * walk.steps.duration >= least
         self._synchronise(walk, place, speed)
+        motion = self._motion(walk, memory, robots, dynamics)
         walk.constraints.re_anchor(walk.phase, motion.x, motion.rate / walk.rate[:, None])
         put(self._walk, robots, walk)
 
@@ -129,8 +145,8 @@ class HzdSteps:
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
         """Torques that enforce the virtual constraints, as far as motors and contact allow."""
         walk = take(self._walk, robots)
-        motion = self._motion(memory, robots, dynamics)
         self._place(walk, memory, robots, dynamics)
+        motion = self._motion(walk, memory, robots, dynamics)
         parts = [
             self._outputs(walk, motion),
             self._body.tasks.stance(
@@ -139,6 +155,9 @@ class HzdSteps:
         ]
         feet = memory.stance[robots, None]
         solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
+        if self._yaw_rate is not None:
+            rate = memory.command[robots, 2]
+            memory.command[robots, 2] = self._grown(rate, self._yaw_rate[robots])
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
         walk.phase += np.where(walk.by_hip, 0.0, self._period * walk.rate)
@@ -156,13 +175,15 @@ class HzdSteps:
             (config.placement.lower, config.placement.upper),
         )
         by_hip = (command[:, 0] >= config.slowest_hip) & (config.phase == "hip")
-        return Walk(constraints, steps, np.zeros(len(stance)), 1.0 / steps.duration, by_hip)
+        phase, line = np.zeros((2, len(stance)))
+        return Walk(constraints, steps, phase, 1.0 / steps.duration, by_hip, line)
 
     def _reachable(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
         """Velocity (n, 2) of the next gait: not far from that of the step before."""
         wanted = self._velocity.of(memory, robots, self._config.ahead)
         gone = memory.starts[robots, 1] - memory.starts[robots, 0]
-        last = memory.to_heading(gone[:, :2], robots) / np.maximum(gone[:, 2:], self._period)
+        halfway = memory.heading[robots] - 0.5 * memory.yaw_rate(robots) * gone[:, 2]
+        last = turn_to_heading(gone[:, :2], halfway) / np.maximum(gone[:, 2:], self._period)
         first = memory.steps[robots] < 2
         last[first] = memory.old[robots[first]]
         change = self._config.change
@@ -171,12 +192,12 @@ class HzdSteps:
         return np.clip(wanted, last - bound, last + bound)
 
     def _hip(
-        self, memory: Memory, robots: np.ndarray, dynamics: Dynamics
+        self, walk: Walk, stance: np.ndarray, dynamics: Dynamics
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Forward place of the base over the stance foot (n,) [m] and velocity [m/s]."""
-        sole = dynamics.foot_positions[np.arange(len(robots)), memory.stance[robots], :2]
-        place = memory.to_heading(dynamics.base_position[:, :2] - sole, robots)[:, 0]
-        return place, memory.to_heading(dynamics.qvel[:, :2], robots)[:, 0]
+        """Place of the base along the stance foot's line (n,) [m] and velocity [m/s]."""
+        sole = dynamics.foot_positions[np.arange(len(stance)), stance, :2]
+        place = turn_to_heading(dynamics.base_position[:, :2] - sole, walk.line)[:, 0]
+        return place, turn_to_heading(dynamics.qvel[:, :2], walk.line)[:, 0]
 
     def _synchronise(
         self, walk: Walk, place: np.ndarray, velocity: np.ndarray, reach: float = 1.0
@@ -189,7 +210,8 @@ class HzdSteps:
         walk.phase = np.where(walk.by_hip, phase, walk.phase)
         walk.rate = np.where(walk.by_hip, rate, pace)
 
-    def _motion(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Motion:
+    def _motion(self, walk: Walk, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Motion:
+        """Yaw of the line counts from where the course of the gait has it at this phase."""
         rows, stance = np.arange(len(robots)), memory.stance[robots]
         right, side = stance == 1, _side(stance)
         rotation = dynamics.foot_rotations[rows, stance]
@@ -200,9 +222,10 @@ class HzdSteps:
         )
         roll = side * np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))
         yaw = side * wrapped(yaw_of(rotation) - memory.heading[robots])
+        yaw += walk.steps.turn * (walk.phase - 0.5)
         joints = stance_first(dynamics.joints[:, _DRIVEN], right)
         rate = point_velocity(jacobian, dynamics.qvel)
-        rate[:, YAW] -= side * memory.yaw_rate(robots)
+        rate[:, YAW] += walk.steps.turn * walk.rate - side * memory.yaw_rate(robots)
         return Motion(np.concatenate([roll[:, None], yaw[:, None], joints], axis=1), rate, jacobian)
 
     def _outputs(self, walk: Walk, motion: Motion) -> Part:
@@ -223,7 +246,7 @@ class HzdSteps:
 
     def _place(self, walk: Walk, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
         """Phase now, and the foothold that the state asks for: b = −K(s) (ξ − ξ*(s))."""
-        place, speed = self._hip(memory, robots, dynamics)
+        place, speed = self._hip(walk, memory.stance[robots], dynamics)
         self._synchronise(walk, place, speed, _JUMP)
         error = self._section(memory, robots, dynamics) - at_phase(walk.steps.orbit, walk.phase)
         error[:, 2] = 0.0  # the ankle's; at a start or stop it is beyond the linear map

@@ -95,9 +95,12 @@ class WalkingController:
         dynamics = self._model.evaluate(state.qpos, state.qvel)
         self._modes.sway(self.memory, np.arange(state.num_robots), dynamics)
 
-    def start_on_gait(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew in the first step of a walk on the left foot, along x, at ``velocity``."""
-        memory = Memory.on_both_feet(velocity, np.zeros(state.num_robots))
+    def start_on_gait(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> None:
+        """Start anew in the first step of a walk on the left foot, at ``velocity``.
+
+        The foot is along x; a walk that turns has another ``heading`` (N,) [rad] there.
+        """
+        memory = Memory.on_both_feet(velocity, heading)
         self.memory, memory.mode[:] = memory, WALK
         memory.old[:] = velocity[:, :2]
         self._stepping.reset(state.num_robots)

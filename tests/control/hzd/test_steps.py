@@ -1,0 +1,220 @@
+"""Parts of a step by itself: its gait, its foothold and its end."""
+
+from dataclasses import fields, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from slider.config.control import HzdControlConfig
+from slider.control.hzd.gaits import GaitTables
+from slider.control.hzd.steps import HzdSteps
+from slider.control.whole_body.memory import LEFT, RIGHT, WALK, Memory
+from slider.control.whole_body.nominal import Dynamics
+from slider.env.starts import at_rest
+from slider.hzd.gains import FootPlacement
+from slider.library.reader import STORE, GaitLibrary
+from tests.control.hzd.test_controller import STILL, controlled, gaits
+from tests.env.synthetic import config, robot_config
+from tests.hzd.sample import folder, placement_folder
+
+COUNT = 2
+ROBOTS = np.arange(COUNT)
+TICK = 0.005  # [s]
+
+
+def control() -> HzdControlConfig:
+    found = config().control["hzd"]
+    assert isinstance(found, HzdControlConfig)
+    return found
+
+
+def walking(command: tuple[float, float, float]) -> tuple[HzdSteps, Memory, Dynamics]:
+    """In the first step, at rest on the left foot, long after the change of the command."""
+    controller, physics = controlled(COUNT)
+    start = at_rest(robot_config(), STILL, np.random.default_rng(0), COUNT)
+    physics.reset(ROBOTS, *start)
+    state = physics.read()
+    memory = Memory.on_both_feet(np.tile(command, (COUNT, 1)), state.yaw)
+    memory.mode[:], memory.walked[:] = WALK, 10.0
+    memory.old[:] = command[:2]
+    steps = controller._stepping
+    assert isinstance(steps, HzdSteps)
+    steps.reset(COUNT)
+    dynamics = controller._model.evaluate(state.qpos, state.qvel)
+    steps.begin(memory, ROBOTS, dynamics, np.full(COUNT, LEFT))
+    return steps, memory, dynamics
+
+
+def test_a_contact_ends_a_step_that_is_not_too_early_for_it():
+    steps, memory, _ = walking((0.2, 0.0, 0.0))
+    early, none, both = control().step.early, np.zeros(COUNT, bool), np.ones(COUNT, bool)
+    steps._walk.phase[:] = early - 0.01, early + 0.01
+    assert steps.end(memory, ROBOTS, both).tolist() == [False, True]
+    assert not steps.end(memory, ROBOTS, none).any()
+
+
+def test_a_step_without_a_contact_ends_late_or_where_its_phase_is_stuck():
+    steps, memory, _ = walking((0.2, 0.0, 0.0))
+    none, duration = np.zeros(COUNT, bool), memory.duration[0]
+    late = 1.0 + control().step.late / duration
+    steps._walk.phase[:] = late - 0.01, late + 0.01
+    assert steps.end(memory, ROBOTS, none).tolist() == [False, True]
+    steps._walk.phase[:] = 0.3
+    memory.elapsed[:] = 1.99 * duration, 2.01 * duration
+    assert steps.end(memory, ROBOTS, none).tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("last", "wanted", "bound"),
+    [(0.4, 1.2, "faster"), (0.8, 0.0, "slower"), (-0.2, 0.6, "slower"), (0.4, 0.5, None)],
+)
+def test_the_next_gait_is_not_far_from_the_last_step(last, wanted, bound):
+    steps, memory, _ = walking((wanted, 0.0, 0.0))
+    memory.steps[:] = 5
+    memory.starts[:] = [[0.0, 0.0, 1.0], [0.4 * last, 0.0, 1.4]]
+    change = control().change
+    most = {None: 1.0, "faster": change.faster, "slower": change.slower}[bound]
+    expected = last + np.clip(wanted - last, -most, most)
+    np.testing.assert_allclose(steps._reachable(memory, ROBOTS), [[expected, 0.0]] * COUNT)
+
+
+def test_the_last_step_of_a_turn_counts_along_its_middle():
+    steps, memory, _ = walking((0.6, 0.0, 0.3))
+    memory.steps[:], memory.heading[:] = 5, 0.3 * 0.4
+    middle = 0.3 * 0.2
+    way = 0.4 * 0.6 * np.array([np.cos(middle), np.sin(middle)])
+    memory.starts[:] = [[0.0, 0.0, 1.0], [*way, 1.4]]
+    memory.old[:], bound = 0.0, replace(control().change, faster=1e-9, slower=1e-9)
+    steps._config = replace(control(), change=bound)
+    np.testing.assert_allclose(steps._reachable(memory, ROBOTS), [[0.6, 0.0]] * COUNT, atol=1e-8)
+
+
+def placed(phase: float, error: float, gain: float = -1.0) -> np.ndarray:
+    """Leftward displacement [m] after a tick; K(s) is a gain of the lateral place alone."""
+    steps, memory, dynamics = walking((0.2, 0.0, 0.0))
+    walk = steps._walk
+    gains = np.zeros_like(walk.steps.gains)
+    gains[:, :, 1, 0] = gain
+    orbit = np.tile(steps._section(memory, ROBOTS, dynamics)[:, None], (1, gains.shape[1], 1))
+    orbit[:, :, 0] -= error
+    walk.steps = replace(walk.steps, gains=gains, orbit=orbit)
+    walk.phase[:] = phase
+    steps._place(walk, memory, ROBOTS, dynamics)
+    return walk.constraints.displacement[:, 1]
+
+
+def test_the_foothold_follows_with_its_time_constant_up_to_the_lock():
+    share = TICK / control().settling
+    np.testing.assert_allclose(placed(0.5, 0.01), share * 0.01)
+    np.testing.assert_allclose(placed(control().lock - 1e-3, 0.01), share * 0.01)
+    assert not placed(control().lock, 0.01).any()
+
+
+def test_the_foothold_stays_within_reach():
+    reach = config().hzd.feedback.reach
+    np.testing.assert_allclose(placed(0.5, 3.0), TICK / control().settling * reach)
+    np.testing.assert_allclose(placed(0.5, -3.0), -TICK / control().settling * reach)
+
+
+def test_what_is_left_of_a_forward_error_at_touchdown_moves_the_foot():
+    """δẋ/ω of a pendulum, here integrated."""
+    steps, _, _ = walking((0.2, 0.0, 0.0))
+    walk, omega = steps._walk, steps._omega
+    walk.phase[:] = 0.4
+    place, slope, _ = walk.steps.hip.at(walk.phase)
+    error = np.array([0.03, -0.1])  # [m], [m/s]
+    left = 0.6 * walk.steps.duration[0]
+    state, small = error.copy(), 1e-5
+    for _ in range(round(left / small)):
+        state = state + small * np.array([state[1], omega**2 * state[0]])
+    speed = slope[:, 0] / walk.steps.duration + error[1]
+    found = steps._capture(walk, place[:, 0] + error[0], speed)
+    np.testing.assert_allclose(found, control().capture * state[1] / omega, rtol=1e-3)
+    walk.by_hip[:] = True
+    assert not steps._capture(walk, place[:, 0] + error[0], speed).any()
+
+
+TURN = (0.6, 0.0, 0.3)
+
+
+@cache
+def turning() -> GaitLibrary:
+    return GaitLibrary.load(folder((TURN,)) / STORE)
+
+
+def feedback(commands: np.ndarray) -> FootPlacement:
+    """That of other gaits, for a test without a step."""
+    whole = FootPlacement.load(placement_folder())
+    rows = {f.name: getattr(whole, f.name)[:1] for f in fields(FootPlacement) if f.name != "phases"}
+    return replace(whole, **rows | {"commands": commands})
+
+
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
+def test_a_gait_that_turns_is_on_its_own_constraints(side):
+    """Samples of the gait, whose course has the commanded heading, have outputs of zero."""
+    library = turning()
+    half = library.samples.shape[1] // 2
+    rows = slice(side * half, (side + 1) * half)
+    enforced = replace(gaits(), gaits=GaitTables(library, feedback(library.commands)))
+    controller, _ = controlled(half, enforced)
+    steps, everyone = controller._stepping, np.arange(half)
+    assert isinstance(steps, HzdSteps)
+    base, joints = library.base[0, rows], library.samples[0, rows]
+    qpos = np.concatenate([base[:, :7], joints[:, :12]], axis=1)
+    qvel = np.concatenate([base[:, 7:], joints[:, 12:24]], axis=1)
+    time, duration = library.arrays["time"][0, rows], library.step_time[0, side]
+    memory = Memory.on_both_feet(np.tile(TURN, (half, 1)), TURN[2] * (time - duration / 2))
+    memory.mode[:], memory.stance[:] = WALK, side
+    dynamics = controller._model.evaluate(qpos, qvel)
+    walk = steps._new(memory.command, memory.stance)
+    walk.phase = (time - side * duration) / duration
+    motion = steps._motion(walk, memory, everyone, dynamics)
+    value, slope, _ = walk.constraints.desired(walk.phase)
+    np.testing.assert_allclose(motion.x, value, atol=1e-6)
+    np.testing.assert_allclose(motion.rate, slope / duration, atol=1e-4)
+
+
+def test_the_hip_is_measured_along_the_line_on_which_the_gait_has_the_foot():
+    steps, memory, dynamics = walking((0.2, 0.0, 0.0))
+    np.testing.assert_array_equal(steps._walk.line, memory.heading)
+    walk = steps._walk
+    walk.line[:] = 0.0, np.pi / 2
+    place, speed = steps._hip(walk, np.full(COUNT, RIGHT), dynamics)
+    sole = dynamics.foot_positions[:, RIGHT, :2]
+    along = (dynamics.base_position[:, :2] - sole)[ROBOTS, ROBOTS]
+    np.testing.assert_allclose(place, along)
+    np.testing.assert_allclose(speed, dynamics.qvel[ROBOTS, ROBOTS])
+
+
+@pytest.mark.parametrize(("side", "sign"), [(LEFT, 1.0), (RIGHT, -1.0)])
+def test_the_foot_is_half_a_turn_ahead_of_the_heading_at_touchdown(side, sign):
+    library = turning()
+    enforced = replace(gaits(), gaits=GaitTables(library, feedback(library.commands)))
+    controller, physics = controlled(1, enforced)
+    steps, turn = controller._stepping, TURN[2] * library.step_time[0, side]
+    assert isinstance(steps, HzdSteps)
+    physics.reset(np.zeros(1, int), *at_rest(robot_config(), STILL, np.random.default_rng(0), 1))
+    state = physics.read()
+    memory = Memory.on_both_feet(np.array([TURN]), np.array([0.7]))
+    memory.mode[:] = WALK
+    steps.reset(1)
+    dynamics = controller._model.evaluate(state.qpos, state.qvel)
+    steps.begin(memory, np.zeros(1, int), dynamics, np.full(1, side))
+    assert steps._walk.steps.turn[0] == pytest.approx(sign * turn)
+    assert steps._walk.line[0] == pytest.approx(0.7 + turn / 2)
+
+
+def test_the_yaw_rate_of_a_walk_grows_to_another_command():
+    steps, memory, dynamics = walking((0.0, 0.0, 0.3))
+    most = control().yaw_acceleration * TICK
+    commands = np.array([(0.0, 0.0, -0.3), (0.0, 0.0, 0.0)])
+    steps.command(memory, commands)
+    np.testing.assert_allclose(memory.command[:, 2], [0.3 - most, 0.0])  # to stand: at once
+    rates = []
+    for _ in range(round(0.6 / most) + 5):
+        steps.torques(memory, ROBOTS, dynamics)
+        rates.append(memory.command[0, 2])
+    assert commands[0, 2] == rates[-1] == -0.3
+    assert np.abs(np.diff(rates)).max() <= most * (1 + 1e-9)
+    assert all(rates)

@@ -1,0 +1,75 @@
+"""The hip as the phase: its velocity is bounded where the gait is fast enough, by name."""
+
+import json
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from slider.core.job import Job
+from slider.gait.dense import dense_violations
+from slider.gait.formulation import formulate, least_hip_rate
+from slider.gait.problem import build
+from slider.gait.solution import knee_trajectory
+from slider.gait.solve import GaitSolver, Solve
+from slider.gait.stage import REPORT, run
+from tests.gait.gaits import config, problem, section, solved
+
+COMMAND = (0.6, 0.0)
+SHARE = 0.97
+
+
+@cache
+def solver(share: float, vx: float) -> GaitSolver:
+    gait = replace(config().gait, phase="hip", hip_share=share)
+    form = formulate(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
+    return GaitSolver(build(form), gait.solver, gait.step_time)
+
+
+def least(found: GaitSolver, solve: Solve) -> float:
+    """Forward velocity of the hip [m/s]."""
+    return float(knee_trajectory(found.problem, solve.variables).base_velocity[:, 0].min())
+
+
+def test_a_bound_that_bites_is_kept_and_so_are_the_others():
+    found = solver(SHARE, COMMAND[0])
+    solve = found.solve(*COMMAND)
+    assert solve.success, solve.status
+    assert set(solve.residuals) == set(solved(*COMMAND).residuals) | {"hip_rate"}
+    assert solve.max_violation <= config().library.max_violation
+    free = knee_trajectory(problem(), solved(*COMMAND).variables).base_velocity[:, 0].min()
+    assert free < 0.95 * COMMAND[0]
+    assert least(found, solve) == pytest.approx(SHARE * COMMAND[0], abs=1e-6)
+    assert solve.cost > solved(*COMMAND).cost
+    assert dense_violations(found.problem, solve.variables)["hip_rate"] < 5e-3
+
+
+def test_a_bound_that_does_not_bite_changes_no_gait():
+    found = solver(config().gait.hip_share, COMMAND[0])
+    solve = found.solve(*COMMAND)
+    assert solve.success, solve.status
+    np.testing.assert_allclose(solve.variables, solved(*COMMAND).variables, atol=1e-4)
+
+
+def test_slow_gaits_have_no_bound():
+    found = solver(1.0, 0.2)
+    solve = found.solve(0.2, 0.0)
+    assert solve.success, solve.status
+    assert not found.problem.form.by_hip
+    assert least(found, solve) < 0.2
+    assert solve.residuals["hip_rate"] == 0.0
+
+
+def test_the_programme_with_time_for_a_phase_has_no_such_row():
+    assert "hip_rate" not in {c.name for c in problem().node_constraints}
+
+
+def test_a_gait_that_misses_the_bound_names_it(tmp_path):
+    given = section(0.6, 0.0, max_iterations=3, guesses=["cold"])
+    given["formulation"] |= {"phase": "hip", "hip_share": 1.0}
+    run(given, {}, tmp_path, Job(tmp_path))
+    report = json.loads((tmp_path / REPORT).read_text())
+    missed = (1.0 - report["hip_share"]) * 0.6
+    assert missed > 1e-3
+    assert report["residuals"]["hip_rate"] == pytest.approx(missed, rel=1e-6)

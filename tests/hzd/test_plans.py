@@ -1,0 +1,41 @@
+"""Gaits whose phase is the hip pass each place once."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.hzd import plans as module
+from slider.hzd.phase import phase_of
+from slider.hzd.plans import plans
+from tests.hzd.sample import CLOCK, HIP, library, loop, settings, steps
+
+
+def test_the_least_velocity_is_a_share_of_the_mean():
+    for plan in steps():
+        velocity = plan.hip.slopes[HIP, :, 0] / plan.duration[HIP]
+        mean = np.trapezoid(velocity, dx=1 / (len(velocity) - 1))
+        assert plan.hip_share[HIP] == pytest.approx(velocity.min() / mean, rel=1e-3)
+
+
+def test_a_hip_that_turns_back_is_named(monkeypatch):
+    hip, config = module._hip, settings()
+
+    def turned_back(*arguments):
+        table = hip(*arguments)
+        slopes = table.slopes.copy()
+        slopes[:, 7] = -0.01
+        return replace(table, slopes=slopes)
+
+    monkeypatch.setattr(module, "_hip", turned_back)
+    plans(library(), np.array([CLOCK]), loop().model, config)
+    with pytest.raises(UserError, match=r"turns back in the gait \(0\.6, 0\.1\) m/s"):
+        plans(library(), np.array([CLOCK, HIP]), loop().model, config)
+
+
+def test_a_robot_that_is_lost_has_no_place_and_does_not_disturb_the_others():
+    table = steps()[0].hip.of(np.array([HIP, HIP]))
+    found = phase_of(table, np.array([np.nan, table.at(np.full(2, 0.3))[0][0, 0]]))
+    assert np.isnan(found[0])
+    assert found[1] == pytest.approx(0.3, abs=1e-9)

@@ -75,9 +75,14 @@ class AgentInterface:
         self._lower, self._upper = joint_range(robot)
         self._motors = Transmission.of(robot)
         self._stiffness = np.array([gain.kp for gain in by_motor(robot.gains) * len(SIDES)])
-        self.ticks, self.controller = 1, self._build(underlying, robot)
+        self.ticks = 1
+        self.controller: UnderlyingController | None = None
         self.clock: Clock | StepClock | None = None
-        if self.controller is not None:
+        if underlying is not None:
+            physics = config.physics
+            self.ticks = physics.substeps // underlying.substeps
+            self.controller = underlying.controller(robot, underlying.substeps * physics.timestep)
+            self.controller.allocate(num_robots)
             self.clock = StepClock(self.controller)
         elif config.phase.enabled and times is not None:
             self.clock = Clock(times, config.control_period, num_robots, config.phase.halt)
@@ -88,17 +93,6 @@ class AgentInterface:
         self.reference_velocity = np.zeros((num_robots, 2))
         self.expected_velocity = np.zeros((num_robots, 2))
         self.heading_target = np.zeros(num_robots)
-
-    def _build(
-        self, underlying: Underlying | None, robot: RobotConfig
-    ) -> UnderlyingController | None:
-        if underlying is None:
-            return None
-        physics = self._config.physics
-        self.ticks = physics.substeps // underlying.substeps
-        controller = underlying.controller(robot, underlying.substeps * physics.timestep)
-        controller.allocate(self.num_robots)
-        return controller
 
     def reset(
         self,

@@ -58,13 +58,13 @@ class AgentInterface:
         reference: JointTable | None = None,
         underlying: Underlying | None = None,
     ) -> None:
+        if config.action.offset == "hzd" and underlying is None:
+            raise UserError("env.action.offset=hzd: expected that controller, found none")
         if config.phase.enabled and times is None and underlying is None:
             raise UserError("env.phase.enabled: expected the step times of a gait library")
         about_gait = config.action.offset == "gait"
         if about_gait and reference is None:
             raise UserError("env.action.offset=gait: expected the gaits of a library, found none")
-        if config.action.offset == "hzd" and underlying is None:
-            raise UserError("env.action.offset=hzd: expected that controller, found none")
         self._reference = reference if about_gait else None
         self.observer = Observer(config.observation)
         self.num_robots = num_robots

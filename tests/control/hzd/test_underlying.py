@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 import torch
 
+from slider.commands.policy import summary_lines
 from slider.config.convert import to_dict
 from slider.config.hzd import enforced_section
 from slider.control.export.folder import write_files
+from slider.control.export.layout import describe
 from slider.control.hzd.controller import HzdController
 from slider.control.hzd.underlying import UnderlyingHzd, underlying_of
 from slider.control.network import PolicyNetwork
@@ -254,7 +256,9 @@ def test_it_is_evaluated_from_its_file_alone_and_only_where_it_can_be(policy, tm
     inputs = {"walking": [tmp_path / "walking"]}
     summary = residual.run(section, inputs, tmp_path / "out", Job(tmp_path))
     assert summary["success_rate"] == 1.0
-    with pytest.raises(UserError, match="env.action.offset=hzd: expected that controller"):
+    with pytest.raises(UserError, match=r"env\.action\.offset=hzd: expected that controller"):
         stage.run(section, inputs, tmp_path / "refused", Job(tmp_path))
+    layout = describe(load_policy(tmp_path / "walking" / "policy.pt"), {})
+    assert any("the controller hzd" in line for line in summary_lines(layout))
     with pytest.raises(UserError, match="found one on top of the controller hzd"):
         write_files(tmp_path / "walking" / "policy.pt", {}, tmp_path / "exported")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.stages.entries import ENTRIES
+from pipeline.stages.entries import ENTRIES, RESIDUAL
 from slider.artefacts.source import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -67,6 +67,14 @@ def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
     name = path.relative_to(SOURCE / "slider").as_posix()
     allowed = name.startswith("config/") or name == "commands/config.py"
     assert allowed or not packages & {"hydra", "omegaconf"}
+
+
+def test_no_other_job_depends_on_the_controller_under_the_actions():
+    """A change of it trains and evaluates no other policy anew."""
+    for stage, entry in RESIDUAL.items():
+        own, plain = (closure(e.partition(":")[0], SOURCE).modules for e in (entry, ENTRIES[stage]))
+        assert "slider.control.hzd.steps" in own
+        assert not any(module.startswith("slider.control.hzd") for module in plain), stage
 
 
 @pytest.mark.parametrize("stage", ENTRIES)

@@ -39,6 +39,13 @@ ENTRIES = {
 }
 """Stage → entry point ``module:function``."""
 
+RESIDUAL = {
+    "standing": "slider.training.residual:run_standing",
+    "walking": "slider.training.residual:run_walking",
+    "evaluation": "slider.evaluation.residual:run",
+}
+"""The same where the actions are on top of a controller, whose source no other job depends on."""
+
 
 def job(
     stage: str,
@@ -46,6 +53,7 @@ def job(
     section: Mapping[str, Any],
     inputs: Mapping[str, Sequence[JobSpec]] | None = None,
     tracked: bool = True,
+    entries: Mapping[str, str] = ENTRIES,
 ) -> JobSpec:
     """A job of a stage; the arguments are those of :class:`JobSpec`."""
-    return JobSpec(stage, label, code_of(ENTRIES[stage]), section, inputs or {}, tracked)
+    return JobSpec(stage, label, code_of(entries[stage]), section, inputs or {}, tracked)

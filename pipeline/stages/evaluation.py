@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pipeline.stages.entries import job
+from pipeline.stages.entries import ENTRIES, RESIDUAL, job
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
@@ -50,7 +50,9 @@ def evaluation(
         section |= controlled(config, controller, asked)
         label = f"evaluation of {controller} at {asked:.1f} m/s{note}"
     stage = "evaluation" if controller == POLICY else "baseline"
-    return job(stage, label, section, made_of(config, controller, made))
+    residual = controller == POLICY and config.env.action.offset == "hzd"
+    entries = RESIDUAL if residual else ENTRIES
+    return job(stage, label, section, made_of(config, controller, made), entries=entries)
 
 
 def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
@@ -73,17 +75,33 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
     }
 
 
-def check_walkable(config: Config) -> None:
+def first_hzd(config: Config) -> str:
+    """The first controller that walks by gaits; the actions may be on top of it.
+
+    Raises:
+        UserError: there is none, or it has an observer, which knows no actions.
+    """
+    for name, control in config.control.items():
+        if isinstance(control, HzdControlConfig):
+            if control.observer is not None:
+                raise UserError(f"control.{name}.observer: expected null below actions, found one")
+            return name
+    raise UserError("env.action.offset=hzd: expected a controller of the family hzd, found none")
+
+
+def check_walkable(
+    config: Config, key: str = "evaluation.controllers", controllers: Iterable[str] = ()
+) -> None:
     """Gaits of the virtual knee are no motions of the plant: no controller enforces them.
 
     Raises:
-        UserError: Table 1 asks for one that does.
+        UserError: ``key`` asks for one of ``controllers``, by default Table 1's, that does.
     """
-    controls = {name: config.control.get(name) for name in config.evaluation.controllers}
-    found = [name for name, control in controls.items() if isinstance(control, HzdControlConfig)]
+    names = controllers or config.evaluation.controllers
+    found = [name for name in names if isinstance(config.control.get(name), HzdControlConfig)]
     if found and config.gait.dynamics == "knee":
         raise UserError(
-            "evaluation.controllers: expected none of the family hzd with gait.dynamics=knee, "
+            f"{key}: expected none of the family hzd with gait.dynamics=knee, "
             f"found {', '.join(found)}"
         )
 

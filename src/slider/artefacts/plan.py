@@ -123,9 +123,10 @@ def _to_values(plan: Plan) -> dict[str, Any]:
     jobs = {}
     for recipe, job in plan.jobs.items():
         section = {name: part_of(value) for name, value in job.section.items()}
-        codes[job.stage] = asdict(job.code)
+        codes[job.code.entry] = asdict(job.code)
         jobs[recipe] = {
             "stage": job.stage,
+            "entry": job.code.entry,
             "label": job.label,
             "section": section,
             "inputs": {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()},
@@ -162,7 +163,7 @@ def _from_values(values: Mapping[str, Any]) -> Plan:
         jobs[recipe] = JobSpec(
             stage=job["stage"],
             label=job["label"],
-            code=Code(**values["codes"][job["stage"]]),
+            code=Code(**values["codes"][job["entry"]]),
             section={name: values["parts"][part] for name, part in job["section"].items()},
             inputs={name: [jobs[item] for item in items] for name, items in job["inputs"].items()},
             tracked=job["tracked"],

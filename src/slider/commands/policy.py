@@ -11,6 +11,10 @@ from slider.artefacts.store import ARTEFACTS
 from slider.core.errors import UserError
 
 _MAKE = "snakemake -j2 policy"
+_ORIGINS = {
+    "nominal": "the nominal pose",
+    "hzd": "the torques of the controller hzd, which the file carries with its gaits",
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -87,7 +91,7 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
         f"control period  {layout['control_period']:g} s",
         f"network         {' × '.join(map(str, widths))}, {network['activation']}",
         "training        " + ", ".join(f"{k} {v:g}" for k, v in layout["training"].items()),
-        "clock           " + ("none" if clock is None else _clock_line(clock)),
+        "clock           " + _clock_line(clock, layout["action"]["offset"]),
         f"actions about   {_origin(layout)}",
         "",
         f"{'observation':<26}{'at':>4}{'width':>7}{'scale':>7}  frame    unit",
@@ -114,13 +118,16 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
 
 
 def _origin(layout: dict[str, Any]) -> str:
-    if layout["action"]["offset"] == "nominal":
-        return "the nominal pose"
+    offset = layout["action"]["offset"]
+    if offset in _ORIGINS:
+        return _ORIGINS[offset]
     acceleration = layout["reference"]["acceleration"]
     return f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"
 
 
-def _clock_line(clock: dict[str, Any]) -> str:
+def _clock_line(clock: dict[str, Any] | None, offset: str) -> str:
+    if clock is None:
+        return "that of the steps of hzd" if offset == "hzd" else "none"
     times = np.ravel(clock["step_time"])
     mirror = "mirrored in right stance" if clock["mirror"] else "not mirrored"
     return f"steps of {times.min():.2f} to {times.max():.2f} s, {mirror}"

@@ -9,15 +9,23 @@ from slider.control.policy_file import Policy
 from slider.core.dotted import flatten
 from slider.core.errors import UserError
 from slider.env.interface import AgentInterface
+from slider.env.underlying import Underlying
 
 
-def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> AgentInterface:
+def agent_of(
+    policy: Policy,
+    robot: RobotConfig,
+    env: EnvConfig,
+    count: int,
+    underlying: Underlying | None = None,
+) -> AgentInterface:
     """Observations and actions of ``count`` robots under a policy.
 
     Args:
         policy: read from a file.
         robot, env: machine, observations and actions.
         count: number of robots.
+        underlying: the controller under the actions, if the policy has one.
 
     Raises:
         UserError: the policy is for other observations, actions, clock or control rate.
@@ -29,7 +37,7 @@ def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> 
             raise UserError(
                 f"policy: expected env.{key}={expected}, as in its training, found {value}"
             )
-    agent = AgentInterface(robot, env, count, policy.times, policy.reference)
+    agent = AgentInterface(robot, env, count, policy.times, policy.reference, underlying)
     if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts
         raise UserError(
             f"policy: expected the observations {agent.observer.layout}, "

@@ -14,7 +14,8 @@ class PolicyController:
 
     Args:
         network: observations (N, size) → actions (N, 12), deterministic.
-        agent: observations, actions and clock of N robots; stays at hand as an attribute.
+        agent: observations, actions and clock of N robots; stays at hand as an attribute. With a
+            controller under the actions the plant has several ticks per observation.
     """
 
     def __init__(
@@ -22,7 +23,8 @@ class PolicyController:
     ) -> None:
         self._network = network
         self.agent = agent
-        self._started = False
+        self._tick = 0
+        self._acted = np.zeros(0)
         self._everyone = np.arange(agent.num_robots)
         self._velocity = agent.command[:, :3].copy()
 
@@ -32,18 +34,23 @@ class PolicyController:
         self.agent.set_velocity_command(self._everyone, velocity)
         self.agent.reset(self._everyone, state)
         self.agent.refresh_heading(state)
-        self._started = False
+        self._tick = 0
 
     def command(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from the next observation on, as in training."""
         self._velocity = velocity
 
     def control(self, state: RobotState) -> np.ndarray:
-        """Desired joint positions (N, 12) [rad or m]."""
-        if self._started:
+        """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
+        if self._tick % self.agent.ticks == 0:
+            self._acted = self._act(state)
+        self._tick += 1
+        return self.agent.inputs(self._acted, state)
+
+    def _act(self, state: RobotState) -> np.ndarray:
+        if self._tick:
             self.agent.advance(state)  # with the command of the period that is over
             self.agent.set_velocity_command(self._everyone, self._velocity)
-        self._started = True
         with torch.inference_mode():
             actions = self._network(torch.from_numpy(self.agent.observe(state)))
         return self.agent.act(actions.numpy().astype(np.float64))

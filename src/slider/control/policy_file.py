@@ -33,6 +33,8 @@ class Policy:
         env: where it was trained; control period, scales, clips, phase clock.
         facts: where the weights come from: seed, iteration and the score that they were kept for.
         reference: joint positions of the gaits, where actions are about the gait.
+        underlying: plain content of the controller under the actions, where there is one
+            (``UnderlyingHzd.from_plain``): the policy is nothing without it.
     """
 
     network: PolicyNetwork
@@ -44,6 +46,7 @@ class Policy:
     env: EnvConfig
     facts: Mapping[str, float]
     reference: JointTable | None = None
+    underlying: Mapping[str, Any] | None = None
 
 
 def save_policy(policy: Policy, path: Path) -> None:
@@ -62,6 +65,8 @@ def save_policy(policy: Policy, path: Path) -> None:
         "facts": dict(policy.facts),
         "reference": None if policy.reference is None else _reference_tensors(policy.reference),
     }
+    if policy.underlying is not None:
+        content["underlying"] = dict(policy.underlying)
     torch.save(content, path)
 
 
@@ -86,6 +91,7 @@ def load_policy(path: Path) -> Policy:
         env=from_dict(EnvConfig, content["env"]),
         facts=content["facts"],
         reference=_reference(content["reference"]),
+        underlying=content.get("underlying"),
     )
 
 

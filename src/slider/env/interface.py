@@ -1,4 +1,4 @@
-"""The agent's side of the robot: from state to observation, from action to joint targets.
+"""The agent's side of the robot: from state to observation, from action to the plant's inputs.
 
 Training and evaluation use this same object, so that observations agree.
 """
@@ -9,9 +9,10 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.env.observations import Observer
-from slider.env.phase import Clock
+from slider.env.phase import Clock, StepClock
 from slider.env.starts import joint_range
 from slider.env.state import RobotState
+from slider.env.underlying import NOBODY, Underlying, UnderlyingController
 from slider.env.view import View
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
@@ -21,9 +22,10 @@ from slider.robot.names import (
     MIRROR_PERMUTATION,
     MIRROR_SIGN,
     NUM_JOINTS,
+    SIDES,
     leg_joint,
 )
-from slider.robot.transmission import Transmission
+from slider.robot.transmission import Transmission, by_motor
 
 _PERMUTATION = np.array(MIRROR_PERMUTATION)
 _SIGN = np.array(MIRROR_SIGN)
@@ -37,9 +39,14 @@ class AgentInterface:
         num_robots: N.
         times: step times for the clock, if there is one.
         reference: joint positions of the gaits, if actions are about the gait.
+        underlying: the controller under the actions, if there is one.
 
     Raises:
-        UserError: the configuration needs step times or gaits that are not given.
+        UserError: the configuration needs step times, gaits or a controller that are not given.
+
+    Attributes:
+        controller: under the actions, or None.
+        ticks: of the plant per control period.
     """
 
     def __init__(
@@ -49,8 +56,11 @@ class AgentInterface:
         num_robots: int,
         times: StepTimes | None,
         reference: JointTable | None = None,
+        underlying: Underlying | None = None,
     ) -> None:
-        if config.phase.enabled and times is None:
+        if config.action.offset == "hzd" and underlying is None:
+            raise UserError("env.action.offset=hzd: expected that controller, found none")
+        if config.phase.enabled and times is None and underlying is None:
             raise UserError("env.phase.enabled: expected the step times of a gait library")
         about_gait = config.action.offset == "gait"
         if about_gait and reference is None:
@@ -63,9 +73,18 @@ class AgentInterface:
         self.nominal, self.nominal_height = nominal[7:], float(nominal[2])
         self._scale = np.array([config.action.scale[leg_joint(name)] for name in JOINTS])
         self._lower, self._upper = joint_range(robot)
-        self._torque_limits = Transmission.of(robot).torque
-        self.clock: Clock | None = None
-        if config.phase.enabled and times is not None:
+        self._motors = Transmission.of(robot)
+        self._stiffness = np.array([gain.kp for gain in by_motor(robot.gains) * len(SIDES)])
+        self.ticks = 1
+        self.controller: UnderlyingController | None = None
+        self.clock: Clock | StepClock | None = None
+        if underlying is not None:
+            physics = config.physics
+            self.ticks = physics.substeps // underlying.substeps
+            self.controller = underlying.controller(robot, underlying.substeps * physics.timestep)
+            self.controller.allocate(num_robots)
+            self.clock = StepClock(self.controller)
+        elif config.phase.enabled and times is not None:
             self.clock = Clock(times, config.control_period, num_robots, config.phase.halt)
         self.command = np.zeros((num_robots, 4))
         self.action = np.zeros((num_robots, NUM_JOINTS))
@@ -82,6 +101,7 @@ class AgentInterface:
         phase: np.ndarray | float = 0.0,
         velocity: np.ndarray | float = 0.0,
         heading: np.ndarray | None = None,
+        walking: np.ndarray | bool = False,
     ) -> None:
         """Forget the past of robots ``index``.
 
@@ -91,6 +111,8 @@ class AgentInterface:
             phase: start of the clock, (n,) or one for all.
             velocity: start of reference and filters (n, 2) [m/s], or one value for all.
             heading: target (n,) [rad]; the present yaw if not given.
+            walking: whether a controller under the actions begins at once with the step that
+                ``phase`` is in (n,); else it starts at rest.
         """
         self.action[index] = 0.0
         self.previous_action[index] = 0.0
@@ -100,21 +122,39 @@ class AgentInterface:
         if self.clock is not None:
             speed = np.hypot(*self.filtered_velocity[index].T)
             self.clock.reset(index, phase, self.command[index], speed)
+        if self.controller is not None:
+            foot = np.broadcast_to(phase, index.shape) >= 0.5
+            stance = np.where(walking, foot, NOBODY)
+            velocity, target = self.command[index, :3], self.heading_target[index]
+            self.controller.restart(index, state, velocity, target, stance)
 
     def set_velocity_command(self, index: np.ndarray, velocity: np.ndarray) -> None:
         """Command vx, vy [m/s] and yaw rate [rad/s], (n, 3), to robots ``index``."""
         self.command[index, :3] = velocity
         if self._at_once:
             self.reference_velocity[index] = velocity[:, :2]
+        if self.controller is not None:
+            self.controller.command(self.command[:, :3].copy())
 
     def act(self, action: np.ndarray) -> np.ndarray:
-        """Joint targets (N, 12) [rad or m] of the agent's actions (N, 12)."""
+        """Joint targets (N, 12) [rad or m] of the agent's actions (N, 12).
+
+        With a controller under the actions joint efforts [N m or N] that add to its own: those by
+        which the motors' position loops would change if their targets moved as far.
+        """
         action = np.clip(action, -self._config.action.clip, self._config.action.clip)
         mirrored = self._mirrored()
         action[mirrored] = action[mirrored][:, _PERMUTATION] * _SIGN
         self.previous_action = self.action
         self.action = np.where(self._scale > 0, action, 0.0)
-        return np.clip(self._origin() + self._scale * self.action, self._lower, self._upper)
+        moved = self._scale * self.action
+        if self.controller is not None:
+            return self._motors.efforts(self._stiffness * self._motors.angles(moved))
+        return np.clip(self._origin() + moved, self._lower, self._upper)
+
+    def inputs(self, acted: np.ndarray, state: RobotState) -> np.ndarray:
+        """The plant's inputs (N, 12) at a tick, from those of :meth:`act` and the state."""
+        return acted if self.controller is None else acted + self.controller.control(state)
 
     def _origin(self) -> np.ndarray:
         """Joint positions of a zero action: (12,), or (N, 12) on gaits or standing."""
@@ -166,7 +206,7 @@ class AgentInterface:
             halted=self._halted(),
             nominal=self.nominal,
             nominal_height=self.nominal_height,
-            torque_limits=self._torque_limits,
+            torque_limits=self._motors.torque,
             period=self._config.control_period,
             scan_points=(scan.points_x, scan.points_y),
             scan_spacing=scan.spacing,

@@ -7,6 +7,7 @@ import numpy as np
 from slider.config.env import HaltConfig
 
 if TYPE_CHECKING:
+    from slider.env.underlying import UnderlyingController
     from slider.library.step_times import StepTimes
 
 
@@ -85,6 +86,36 @@ class Clock:
     def left_stance(self) -> np.ndarray:
         """Whether the left foot should carry the robot (N,)."""
         return self.phase < 0.5
+
+
+class StepClock:
+    """The phase of the steps that a controller makes; halted while it makes none."""
+
+    halts = False
+
+    def __init__(self, controller: "UnderlyingController") -> None:
+        self._controller = controller
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Phase (N,) in [0, 1), as that of :class:`Clock`, at the controller's last tick."""
+        return self._controller.phase
+
+    @property
+    def halted(self) -> np.ndarray:
+        """Whether it stands or sways on both feet (N,)."""
+        return self._controller.halted
+
+    @property
+    def left_stance(self) -> np.ndarray:
+        """Whether the left foot carries the robot, or is about to (N,)."""
+        return self.phase < 0.5
+
+    def reset(self, *_: object) -> None:
+        """The controller is reset."""
+
+    def advance(self, *_: object) -> None:
+        """The controller moves on, tick by tick."""
 
 
 def standing(command: np.ndarray) -> np.ndarray:

@@ -59,7 +59,7 @@ def uses_library(env: EnvConfig, train: TrainConfig) -> bool:
     """Step times of the clock, gaits under the action, starts on a gait, or terms that need it."""
     return (
         (env.phase.enabled and env.phase.step_time == 0)
-        or env.action.offset == "gait"
+        or env.action.offset != "nominal"
         or train.reset.reference_fraction > 0
         or any(Needs.LIBRARY in rewards.TERMS[name].needs for name in train.reward.active)
     )

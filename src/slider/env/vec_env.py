@@ -1,6 +1,6 @@
 """The training environment: batched physics behind rsl-rl's ``VecEnv`` contract."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -13,11 +13,11 @@ from slider.env.declaration import Needs
 from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.phase import standing
-from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import about, at_rest
 from slider.env.state import RobotState
 from slider.env.task import Task
+from slider.env.underlying import build_physics
 from slider.robot.names import ACTUATED, NUM_JOINTS
 
 
@@ -57,15 +57,18 @@ class WalkingEnv(VecEnv):
         self._robot, self._config, self._train = robot, config, train
         self._rng = np.random.default_rng(train.seed)
         self._guide = task.guide
-        self.physics = BatchedPhysics(
+        self.physics = build_physics(
             robot,
             config.physics,
             self.num_envs,
             threads,
             disturbance=Disturbance(train.disturbance, (train.seed,)),
+            underlying=task.underlying,
             instruments=False,
         )
-        self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference)
+        self.agent = AgentInterface(
+            robot, config, self.num_envs, task.times, task.reference, task.underlying
+        )
         self._commands = CommandSampler(train.commands, config.control_period)
         self.curriculum = Curriculum(train.commands.curriculum, self.num_envs)
         self._reward = Reward(train.reward)
@@ -90,10 +93,7 @@ class WalkingEnv(VecEnv):
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict]:
         """One control period for all robots."""
-        targets = self.agent.act(actions.numpy().astype(np.float64))
-        self.physics.step(targets)
-        state = self.physics.read()
-        self._measured = self.physics.measure(state)
+        state = self._simulate(self.agent.act(actions.numpy().astype(np.float64)))
         self.agent.advance(self._measured)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self.agent.view(state)
@@ -111,6 +111,17 @@ class WalkingEnv(VecEnv):
         }
         done = torch.from_numpy((episodes.fell | episodes.timed_out).astype(np.int64))
         return self._observations, torch.from_numpy(reward.astype(np.float32)), done, extras
+
+    def _simulate(self, acted: np.ndarray) -> RobotState:
+        """The state after a control period, in which a simulation may have diverged at any tick."""
+        states = [self._tick(acted) for _ in range(self.agent.ticks)]
+        return replace(states[-1], diverged=np.any([s.diverged for s in states], axis=0))
+
+    def _tick(self, acted: np.ndarray) -> RobotState:
+        self.physics.step(self.agent.inputs(acted, self._measured))
+        state = self.physics.read()
+        self._measured = self.physics.measure(state)
+        return state
 
     def _end_episodes(self, fell: np.ndarray, diverged: int) -> Episodes:
         self.total_diverged += diverged
@@ -139,6 +150,8 @@ class WalkingEnv(VecEnv):
         count, rng = len(index), self._rng
         self.agent.set_velocity_command(index, self._draw_commands(count))
         phase = rng.uniform(size=count) if self.agent.clock is not None else np.zeros(count)
+        if self.agent.controller is not None:
+            phase = np.floor(2.0 * phase) / 2.0  # its walks begin with a step
         on_gait = self._choose_reference_starts(count)
         qpos, qvel = at_rest(self._robot, self._config.start, rng, count)
         velocity, course = np.zeros((count, 2)), np.zeros(count)
@@ -154,7 +167,7 @@ class WalkingEnv(VecEnv):
         self.physics.reset(index, qpos, qvel)
         state = self.physics.measure(self.physics.read())
         heading = np.where(on_gait, course, state.yaw[index])
-        self.agent.reset(index, state, phase, velocity, heading)
+        self.agent.reset(index, state, phase, velocity, heading, on_gait)
         self.agent.refresh_heading(state)
         return state
 

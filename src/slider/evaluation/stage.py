@@ -5,7 +5,9 @@ are those of the changed robot. What the policy believes stays that of its train
 ranges of its joint targets, scales, reference gaits and clock.
 """
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import torch
 
@@ -18,15 +20,22 @@ from slider.control.policy import PolicyController
 from slider.control.policy_file import load_policy
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
-from slider.env.physics import BatchedPhysics
+from slider.env.underlying import Underlying, build_physics
 from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 
+ReadUnderlying = Callable[[Mapping[str, Any] | None], Underlying | None]
+"""The controller under the actions from what a policy file has of it, if anything."""
 
-def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+
+def run(
+    section: Section, inputs: Inputs, out: Path, job: Job, read: ReadUnderlying | None = None
+) -> Summary:
     """Roll the policy out on position drives, once per control period."""
     torch.set_num_threads(job.threads)
     protocol = read_protocol(section)
-    simulated = simulate(section, inputs, protocol.count, protocol.disturbance, job.threads)
+    simulated = simulate(
+        section, inputs, protocol.count, protocol.disturbance, job.threads, read=read
+    )
     return evaluate(protocol, simulated, out, job)
 
 
@@ -56,17 +65,20 @@ def simulate(
     disturbance: Disturbance,
     threads: int = 1,
     changed: bool = False,
+    read: ReadUnderlying | None = None,
 ) -> Simulated:
     """The policy of the walking stage on ``count`` robots.
 
-    On a ``changed`` one it keeps the model of its own.
+    On a ``changed`` one it keeps the model of its own. ``read`` makes the controller under the
+    actions of a policy that has one.
 
     Raises:
         UserError: the policy is for other observations or actions.
     """
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbance)
     policy = load_policy(inputs["walking"][0] / POLICY_FILE)
-    agent = agent_of(policy, policy.robot if changed else robot, env, count)
+    underlying = read(policy.underlying) if read else None
+    physics = build_physics(robot, env.physics, count, threads, disturbance, underlying)
+    agent = agent_of(policy, policy.robot if changed else robot, env, count, underlying)
     controller = PolicyController(policy.network, agent)
     return Simulated(controller, physics, env)

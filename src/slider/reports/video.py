@@ -29,6 +29,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
     import torch
 
+    from slider.control.hzd.underlying import underlying_of
     from slider.env.disturbance.draws import Disturbance
     from slider.env.episode import Episode
     from slider.env.starts import at_rest
@@ -42,7 +43,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     disturbance = Disturbance(config, (video.seed,))
     learned = "walking" in inputs
     one = (
-        stage.simulate(section, inputs, 1, disturbance)
+        stage.simulate(section, inputs, 1, disturbance, read=underlying_of)
         if learned
         else baseline.simulate(section, inputs, 1, disturbance)
     )

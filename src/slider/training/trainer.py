@@ -158,6 +158,7 @@ class Trainer:
         weights = self._best["weights"]
         network = self._task.train.network
         facts = {"iteration": self._best["iteration"], **self._best["score"]}
+        underlying = self._task.underlying
         policy = Policy(
             network=self._network(weights["actor_state_dict"]),
             hidden=tuple(network.hidden),
@@ -168,6 +169,7 @@ class Trainer:
             env=self._task.env,
             facts={"seed": self._task.train.seed, **facts},
             reference=self._task.reference,
+            underlying=None if underlying is None else underlying.plain(),
         )
         save_policy(policy, out / POLICY_FILE)
         torch.save(weights, out / WEIGHTS)

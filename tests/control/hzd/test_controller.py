@@ -33,7 +33,7 @@ STILL = StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 def gaits() -> EnforcedGaits:
     whole = config()
     feedback = FootPlacement.load(placement_folder())
-    return EnforcedGaits(GaitTables(library(), feedback), whole.hzd, whole.hzd.feedback.reach)
+    return EnforcedGaits(GaitTables.of(library(), feedback), whole.hzd, whole.hzd.feedback.reach)
 
 
 def controlled(count: int, enforced: EnforcedGaits | None = None):
@@ -78,7 +78,7 @@ def test_gaits_walk_from_their_first_sample():
 
 def test_without_foot_placement_they_fall():
     """The roll's return map has an eigenvalue above one."""
-    tables = GaitTables(library(), replace(FootPlacement.load(placement_folder()), **_nothing()))
+    tables = GaitTables.of(library(), replace(FootPlacement.load(placement_folder()), **_nothing()))
     blind = replace(gaits(), gaits=tables)
     assert walked(*controlled(len(COMMANDS), blind), steps=40).max() < 40
 
@@ -115,7 +115,7 @@ def test_tables_are_linear_between_their_phases_and_hold_at_the_ends():
 def test_foot_placement_of_other_gaits_is_refused():
     feedback = FootPlacement.load(placement_folder())
     with pytest.raises(UserError, match="expected the foot placement of 2 gaits"):
-        GaitTables(library(), replace(feedback, commands=feedback.commands + 0.1))
+        GaitTables.of(library(), replace(feedback, commands=feedback.commands + 0.1))
 
 
 def test_foot_placement_of_another_phase_is_refused():

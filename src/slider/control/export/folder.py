@@ -18,6 +18,7 @@ from slider.control.export.agreement import Agreement, compare, record_observati
 from slider.control.export.graph import save_onnx, save_torch, trace
 from slider.control.export.layout import describe, reference_table
 from slider.control.policy_file import Policy, load_policy
+from slider.core.errors import UserError
 from slider.core.files import digest_file
 from slider.robot.mjcf import SimulationOptions, build_spec
 from slider.robot.names import JOINTS, MOTORS
@@ -36,7 +37,8 @@ def export(policy_file: Path, origin: dict[str, Any], out: Path, threads: int = 
         threads: of the roll-out.
 
     Raises:
-        UserError: no policy file, or an exported network acts differently.
+        UserError: no policy file, a policy on top of a controller, or an exported network acts
+            differently.
     """
     policy = write_files(policy_file, origin, out)
     observations = record_observations(policy, _DURATION, threads)
@@ -46,8 +48,13 @@ def export(policy_file: Path, origin: dict[str, Any], out: Path, threads: int = 
 
 
 def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
-    """Write the files, unchecked; return the policy. Arguments as in ``export``."""
+    """Write the files, unchecked; return the policy. Arguments and errors as in ``export``."""
     policy = load_policy(policy_file)
+    if policy.underlying is not None:
+        raise UserError(
+            f"{policy_file}: expected a policy that acts alone, found one on top of the controller "
+            "hzd; only this package runs both, from the policy file"
+        )
     layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin})
     program = trace(policy.network)
     save_onnx(program, layout, out / ONNX)

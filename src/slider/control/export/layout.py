@@ -10,6 +10,7 @@ import numpy as np
 
 from slider.config.convert import to_dict
 from slider.control.export import REFERENCE
+from slider.control.hzd.underlying import underlying_of
 from slider.control.policy_file import Policy
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
@@ -50,6 +51,10 @@ _PROCEDURE = [
     "kp * (angle - own angle) - kd * own speed, at most torque_limit in size and within the line "
     "from stall_torque at rest to 0 at no_load_speed",
 ]
+_RESIDUAL = (
+    "motor[m] gives the torque of the controller under the actions, computed at its own rate, plus "
+    "kp * sum of joints[name] * scale * a, within its limits; that controller is in the policy file"
+)
 
 
 def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
@@ -59,18 +64,19 @@ def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
         policy: with the robot and the environment of its training.
         provenance: where it comes from, copied as it is.
     """
-    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
+    under = underlying_of(policy.underlying)
+    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference, under)
     return {
         "format": FORMAT,
         "version": VERSION,
         "robot": policy.robot.name,
         "control_period": policy.env.control_period,
-        "procedure": _PROCEDURE,
+        "procedure": _PROCEDURE if under is None else [*_PROCEDURE[:-1], _RESIDUAL],
         "network": _network(policy),
         "observation": _observation(policy, agent),
         "action": _action(policy, agent),
         "clock": _clock(policy),
-        "reference": _reference(policy),
+        "reference": _reference(policy) if under is None else None,
         "simulation": {
             "timestep": policy.env.physics.timestep,
             "substeps": policy.env.physics.substeps,

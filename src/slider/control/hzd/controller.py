@@ -14,6 +14,7 @@ from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import GaitTables
 from slider.control.hzd.steps import HzdSteps
 from slider.control.whole_body.controller import Surroundings, WalkingController
+from slider.control.whole_body.memory import RIGHT, WALK
 from slider.core.errors import UserError
 from slider.hzd.gains import FootPlacement
 from slider.library.reader import STORE, GaitLibrary
@@ -47,7 +48,7 @@ class EnforcedGaits:
         if not np.array_equal(feedback.clock, slow | (constraints.phase == "time")):
             expected = f"hzd.phase={constraints.phase}, hzd.slowest_hip={constraints.slowest_hip:g}"
             raise UserError(f"expected foot placement for {expected}, found that of other phases")
-        return cls(GaitTables(gaits, feedback), constraints, section["reach"])
+        return cls(GaitTables.of(gaits, feedback), constraints, section["reach"])
 
     @classmethod
     def of(
@@ -59,11 +60,39 @@ class EnforcedGaits:
         return cls.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
 
 
+_LAST = 1.0 - 1e-9  # phase of a step that is late: it is not the next one yet
+
+
+class HzdController(WalkingController):
+    """Torques of N robots by virtual constraints.
+
+    Args:
+        around: the robot, its entry and its body.
+        steps: by the gaits.
+    """
+
+    def __init__(self, around: Surroundings, steps: HzdSteps) -> None:
+        super().__init__(around, steps)
+        self._steps = steps
+
+    @property
+    def halted(self) -> np.ndarray:
+        """Whether a robot makes no steps (N,): it sways, stands or is switched off."""
+        return self.memory.mode != WALK
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Of the walk (N,) in [0, 1): left stance below 0.5; halted, of the next foot."""
+        memory, halted = self.memory, self.halted
+        right = np.where(halted, memory.sway.side < 0, memory.stance == RIGHT)
+        return 0.5 * (right + np.where(halted, 0.0, np.clip(self._steps.phase, 0.0, _LAST)))
+
+
 def hzd_controller(
     robot: RobotConfig, config: HzdControlConfig, enforced: EnforcedGaits, period: float
-) -> WalkingController:
+) -> HzdController:
     """Virtual constraints on a nominal robot, with ticks of ``period`` [s]."""
     around = Surroundings(robot, config, config.descent, period)
     lengths = KneeLengths.of(robot)
     steps = HzdSteps(config, enforced.constraints, enforced.reach, enforced.gaits, lengths, around)
-    return WalkingController(around, steps)
+    return HzdController(around, steps)

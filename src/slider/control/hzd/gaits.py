@@ -4,6 +4,7 @@ Everything is in the frame of the stance foot, reflected in right stance, so tha
 steps have the same form.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,32 +43,49 @@ class Steps:
     placement: np.ndarray
 
 
+_PARTS = ("coefficients", "roll", "hip", "gains", "orbit", "placement")
+
+
 class GaitTables:
     """All gaits of a library with their foot placement.
 
-    Raises:
-        UserError: the two are not of the same gaits.
+    Attributes:
+        arrays: ``commands`` (G, 3), ``step_time`` (G, 2), and what :class:`Steps` has of each of
+            the two steps (G, 2, …).
     """
 
-    def __init__(self, library: GaitLibrary, feedback: FootPlacement) -> None:
-        if not np.array_equal(library.commands, feedback.commands):
-            found = f"found one of {len(feedback.commands)} others"
-            raise UserError(f"expected the foot placement of {len(library)} gaits, {found}")
-        self.mesh: CommandMesh = library.mesh
-        self._times = library.step_time
-        time = self._times[:, :, None, None]
-        roll = library.arrays["roll"] * np.concatenate([time**k for k in range(3)], axis=3)
-        self._turns = library.commands[:, 2:] * self._times * [1.0, -1.0]  # the second is reflected
-        parts = [library.arrays["coefficients"], roll, feedback.hip]
-        parts += [feedback.gains, feedback.orbit, feedback.placement]
+    def __init__(self, arrays: Mapping[str, np.ndarray]) -> None:
+        self.arrays = arrays
+        self._mesh = CommandMesh.of(arrays["commands"])
+        self._times = arrays["step_time"]
+        turning = arrays["commands"][:, 2:] * self._times
+        self._turns = turning * [1.0, -1.0]  # the second is reflected
+        parts = [arrays[name] for name in _PARTS]
         self._shapes = [part.shape[2:] for part in parts]
-        flat = [part.reshape(len(library), _STEPS, -1) for part in parts]
+        flat = [part.reshape(len(part), _STEPS, -1) for part in parts]
         self._ends = np.cumsum([part.shape[2] for part in flat])
         self._table = np.concatenate(flat, axis=2).swapaxes(0, 1)  # (2, G, values)
 
+    @classmethod
+    def of(cls, library: GaitLibrary, feedback: FootPlacement) -> "GaitTables":
+        """Of a library and its foot placement.
+
+        Raises:
+            UserError: the two are not of the same gaits.
+        """
+        if not np.array_equal(library.commands, feedback.commands):
+            found = f"found one of {len(feedback.commands)} others"
+            raise UserError(f"expected the foot placement of {len(library)} gaits, {found}")
+        time = library.step_time[:, :, None, None]
+        arrays = {name: getattr(feedback, name) for name in ("hip", "gains", "orbit", "placement")}
+        arrays["coefficients"] = library.arrays["coefficients"]
+        orders = [time**k for k in range(3)]
+        arrays["roll"] = library.arrays["roll"] * np.concatenate(orders, axis=3)
+        return cls({"commands": library.commands, "step_time": library.step_time, **arrays})
+
     def at(self, command: np.ndarray, stance: np.ndarray) -> Steps:
         """Steps on the feet ``stance`` (n,) at commands (n, 3)."""
-        weights = self.mesh.weights(command)
+        weights = self._mesh.weights(command)
         values = np.zeros((len(stance), self._table.shape[2]))
         times, turns = np.zeros((2, len(stance)))
         for side in range(_STEPS):

@@ -92,6 +92,11 @@ class HzdSteps:
             [*w.torso, w.stance_slide, w.stance_ankle, *w.swing_leg, w.swing_slide, w.swing_foot]
         )
 
+    @property
+    def phase(self) -> np.ndarray:
+        """Of the present steps (N,); a foot that is late goes beyond 1."""
+        return self._walk.phase
+
     def reset(self, count: int) -> None:
         """Forget the steps of ``count`` robots."""
         self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))

@@ -23,6 +23,8 @@ from slider.control.whole_body.observer import Observer
 from slider.control.whole_body.tasks import BodyControl, Solved
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
+from slider.env.underlying import NOBODY
+from slider.hzd.rows import put
 from slider.robot import names
 
 _GIVE_UP_TILT = 1.2  # [rad]; beyond it, or without a solution, the drives are switched off
@@ -90,23 +92,44 @@ class WalkingController:
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
-        self.memory = Memory.on_both_feet(velocity, state.yaw)
-        self._stepping.reset(state.num_robots)
-        dynamics = self._model.evaluate(state.qpos, state.qvel)
-        self._modes.sway(self.memory, np.arange(state.num_robots), dynamics)
+        self._start(state, velocity, state.yaw, NOBODY)
 
     def start_on_gait(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> None:
         """Start anew in the first step of a walk on the left foot, at ``velocity``.
 
         The foot is along x; a walk that turns has another ``heading`` (N,) [rad] there.
         """
-        memory = Memory.on_both_feet(velocity, heading)
-        self.memory, memory.mode[:] = memory, WALK
-        memory.old[:] = velocity[:, :2]
-        self._stepping.reset(state.num_robots)
-        dynamics = self._model.evaluate(state.qpos, state.qvel)
-        everyone = np.arange(state.num_robots)
-        self._stepping.begin(memory, everyone, dynamics, np.full(state.num_robots, LEFT))
+        self._start(state, velocity, heading, LEFT)
+
+    def _start(
+        self, state: RobotState, velocity: np.ndarray, heading: np.ndarray, stance: int
+    ) -> None:
+        count = state.num_robots
+        self.allocate(count)
+        self.restart(np.arange(count), state, velocity, heading, np.full(count, stance))
+
+    def allocate(self, count: int) -> None:
+        """Memory of ``count`` robots, none of which has started."""
+        self.memory = Memory.on_both_feet(np.zeros((count, 3)), np.zeros(count))
+        self._stepping.reset(count)
+
+    def restart(
+        self,
+        robots: np.ndarray,
+        state: RobotState,
+        velocity: np.ndarray,
+        heading: np.ndarray,
+        stance: np.ndarray,
+    ) -> None:
+        """Start ``robots`` (n,) of N anew; see :class:`UnderlyingController`."""
+        memory = self.memory
+        put(memory, robots, Memory.on_both_feet(velocity, heading))
+        dynamics = self._model.evaluate(state.qpos[robots], state.qvel[robots])
+        walks = stance != NOBODY
+        self._modes.sway(memory, robots[~walks], dynamics.of(~walks))
+        memory.mode[robots[walks]] = WALK
+        memory.old[robots[walks]] = velocity[walks, :2]
+        self._stepping.begin(memory, robots[walks], dynamics.of(walks), stance[walks])
 
     def give_up(self, robots: np.ndarray) -> None:
         """Switch the drives of ``robots`` (N,) off."""

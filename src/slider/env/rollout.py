@@ -9,7 +9,7 @@ the legs at every simulation step.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -33,6 +33,14 @@ class Controller(Protocol):
     def control(self, state: RobotState) -> np.ndarray:
         """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
         ...
+
+
+@runtime_checkable
+class GivesUp(Controller, Protocol):
+    """A controller that takes time, so that robots that have failed are not simulated further."""
+
+    def give_up(self, robots: np.ndarray) -> None:
+        """Control ``robots`` (N,) no longer; their inputs are zero."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +104,7 @@ def roll_out(
     """Simulate N robots for ``duration`` [s].
 
     Args:
-        controller: for N robots.
+        controller: for N robots; where it can give some up, those that failed are not simulated.
         physics: of N robots; its state is overwritten. Its period divides the control period. The
             controller receives the measured state; everything else is the true one.
         config: control period and terminations.
@@ -126,6 +134,13 @@ def roll_out(
         rows.append(_row(alive, state) | passed.loads._asdict())
         contacts.append(passed.contacts)
         progress((step + 1) / steps)
+        if isinstance(controller, GivesUp):
+            controller.give_up(~alive)
+            physics.retire(~alive)
+            if not alive.any():
+                break
+    missing = steps - len(rows)
+    rows, contacts = rows + rows[-1:] * missing, contacts + contacts[-1:] * missing
     return Recording(
         config.control_period,
         commands,

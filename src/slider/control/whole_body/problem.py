@@ -151,17 +151,17 @@ class WholeBody:
 
     def solve(self, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
         """Torques (n, 12) [N m or N] of all joints, and which robots (n,) have a solution."""
-        n = len(problem.hessian)
-        torques, solved = np.zeros((n, names.NUM_JOINTS)), np.zeros(n, dtype=bool)
-        for i in range(n):
-            y = qp.solve(
-                problem.hessian[i],
-                problem.gradient[i],
-                problem.rows[i],
-                problem.lower[i],
-                problem.upper[i],
-            )
-            if y is not None:
-                solved[i] = True
-                torques[i, _JOINTS] = problem.torque_map[i] @ y + problem.torque_offset[i]
+        n, size = problem.gradient.shape
+        found, solved = np.zeros((n, size)), np.ones(n, dtype=bool)
+        parts = problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper
+        for i, single in enumerate(zip(*parts, strict=True)):
+            y = qp.solve(*single)
+            if y is None:
+                solved[i] = False
+            else:
+                found[i] = y
+        torques = np.zeros((n, names.NUM_JOINTS))
+        torques[:, _JOINTS] = (problem.torque_map @ found[:, :, None])[..., 0]
+        torques[:, _JOINTS] += problem.torque_offset
+        torques[~solved] = 0.0
         return torques, solved

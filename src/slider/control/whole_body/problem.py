@@ -73,8 +73,13 @@ class WholeBody:
         robots = np.arange(n)[:, None]
         jacobian = dynamics.foot_jacobians[robots, feet]  # (n, k, 6, 18)
         along = dynamics.foot_rotations[robots, feet][..., 0]  # (n, k, 3)
-        turned = np.cross(jacobian[:, :, 3:], along[:, :, :, None], axis=2)  # ω × r per unit length
-        points = jacobian[:, :, None, :3] + self._half_line[:, None, None] * turned[:, :, None]
+        points = np.empty((n, count, 2, 3, NUM_DOFS))
+        for axis in range(3):
+            one, other = (axis + 1) % 3, (axis + 2) % 3
+            turned = jacobian[:, :, 3 + one] * along[:, :, other, None]  # ω × r per unit length
+            turned -= jacobian[:, :, 3 + other] * along[:, :, one, None]
+            for end, length in enumerate(self._half_line):
+                points[:, :, end, axis] = jacobian[:, :, axis] + length * turned
         return points.reshape(n, 6 * count, NUM_DOFS)
 
     def build(

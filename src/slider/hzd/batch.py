@@ -25,8 +25,8 @@ class Batch:
         buffer, evaluate = self._mapped(n)
         rows = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
         for place, values in enumerate(rows):  # rows in NumPy's order are CasADi's columns
-            buffer.set_arg(place, memoryview(values))
-        buffer.set_res(0, memoryview(found))
+            buffer.set_arg(place, values.data)  # pyright: ignore[reportCallIssue]
+        buffer.set_res(0, found.data)  # pyright: ignore[reportCallIssue]
         evaluate()
         parts = np.split(np.asfortranarray(found), self._ends, axis=1)  # by columns: fast to use
         return [

@@ -3,7 +3,6 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,7 +132,7 @@ def _axis_rates(terms: Terms) -> tuple[np.ndarray, np.ndarray]:
     return rates[:3], rates[3:]
 
 
-def _cross(a: Sequence[np.ndarray], b: Sequence[np.ndarray], k: int) -> np.ndarray:
+def _cross(a: np.ndarray, b: np.ndarray | list[np.ndarray], k: int) -> np.ndarray:
     """Component ``k`` of a × b, of components first."""
     i, j = (k + 1) % 3, (k + 2) % 3
     return a[i] * b[j] - a[j] * b[i]

@@ -52,10 +52,9 @@ class GaitTables:
             found = f"found one of {len(feedback.commands)} others"
             raise UserError(f"expected the foot placement of {len(library)} gaits, {found}")
         self.mesh: CommandMesh = library.mesh
-        self._times = library.step_time
-        time = self._times[:, :, None, None]
+        time = library.step_time[:, :, None, None]
         roll = library.arrays["roll"] * np.concatenate([time**k for k in range(3)], axis=3)
-        parts = [library.arrays["coefficients"], roll, feedback.hip]
+        parts = [library.step_time, library.arrays["coefficients"], roll, feedback.hip]
         parts += [feedback.gains, feedback.orbit, feedback.placement]
         self._shapes = [part.shape[2:] for part in parts]
         flat = [part.reshape(len(library), _STEPS, -1) for part in parts]
@@ -63,16 +62,14 @@ class GaitTables:
         self._table = np.concatenate(flat, axis=2).swapaxes(0, 1)  # (2, G, values)
 
     def at(self, command: np.ndarray, stance: np.ndarray) -> Steps:
-        """Steps on the feet ``stance`` (n,) at commands (n, 3)."""
-        weights = self.mesh.weights(command)
-        values, times = np.zeros((len(stance), self._table.shape[2])), np.zeros(len(stance))
-        for side in range(_STEPS):
-            own = stance == side
-            values[own] = weights[own] @ self._table[side]
-            times[own] = weights[own] @ self._times[:, side]
+        """Steps on the feet ``stance`` (n,) at commands (n, 3); each as if it were alone."""
+        values = np.empty((len(stance), self._table.shape[2]))
+        for row, weights in enumerate(self.mesh.weights(command)):
+            near = np.flatnonzero(weights)
+            values[row] = weights[near] @ self._table[stance[row], near]
         split = np.split(values, self._ends[:-1], axis=1)
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
-        coefficients, roll, hip, gains, orbit, placement = parts
+        times, coefficients, roll, hip, gains, orbit, placement = parts
         return Steps(times, coefficients, _table(roll), _table(hip), gains, orbit, placement)
 
 

@@ -57,7 +57,7 @@ class Recording:
         foot_positions: (S, N, 2, 3) [m], z above the ground below.
         contacts: of the feet and between the legs at each of the T simulation steps.
         power, effort_share, speed_share: (S, N) see :class:`DriveLoads`, over each control step.
-        diverged: (N,) the simulation blew up.
+        diverged: (N,) the simulation blew up; of robots given up, before that.
         weight: (N,) m g [N].
     """
 

@@ -12,6 +12,7 @@ from tests.env.synthetic import (
     SPEED_LIMITS,
     TORQUE_LIMITS,
     config,
+    disturbed_physics,
     make_physics,
     motor_angles,
     random_pose,
@@ -125,6 +126,33 @@ def test_a_blow_up_is_found_and_stays_alone(spoil, substeps):
         spoiled.step(np.zeros((4, NUM_JOINTS)))
     assert np.isfinite(spoiled.qpos).all()
     assert not spoiled.read().diverged.any()
+
+
+@pytest.mark.parametrize("differ", [False, True])
+def test_retired_robots_stay_and_the_others_go_on(differ):
+    """Also where every robot has a model of its own."""
+    start = random_pose(np.random.default_rng(2), 4)
+    both = [disturbed_physics(4, "mass.upper=1.3") if differ else make_physics(4) for _ in range(2)]
+    for physics in both:
+        physics.reset(np.arange(4), *start)
+        physics.step(np.zeros((4, NUM_JOINTS)))
+    whole, some = both
+    some.retire(np.array([False, True, False, True]))
+    before = some.state.copy()
+    for physics in both:
+        for _ in range(3):
+            physics.step(np.zeros((4, NUM_JOINTS)))
+    np.testing.assert_array_equal(some.qpos[[0, 2]], whole.qpos[[0, 2]])
+    np.testing.assert_array_equal(some.read().foot_forces[[0, 2]], whole.read().foot_forces[[0, 2]])
+    np.testing.assert_array_equal(some.state[[1, 3], 1:], before[[1, 3], 1:])
+    assert not some.read().diverged.any()
+    some.reset(np.arange(4), *start)
+    whole.reset(np.arange(4), *start)
+    for physics in both:
+        physics.step(np.zeros((4, NUM_JOINTS)))
+    if not differ:  # else they are drawn anew
+        np.testing.assert_array_equal(some.qpos, whole.qpos)
+    assert (some.qpos[1] != start[0][1]).any()
 
 
 def test_a_huge_target_is_bounded_by_the_motors():

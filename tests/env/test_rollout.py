@@ -43,6 +43,17 @@ class Stiff:
         return np.zeros((state.num_robots, NUM_JOINTS))
 
 
+class Tiring(Stiff):
+    """Gives robots up when it is asked to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.given_up = np.zeros(0, dtype=bool)
+
+    def give_up(self, robots: np.ndarray) -> None:
+        self.given_up = robots
+
+
 def environment(**terms: float) -> EnvConfig:
     env = config("experiment=test").env
     return replace(env, termination=replace(env.termination, terms={"base_height": 0.4, **terms}))
@@ -276,3 +287,35 @@ def test_a_robot_that_blew_up_within_a_control_step_is_lost():
     assert recording.diverged.tolist() == [True, False]
     np.testing.assert_array_equal(recording.alive[:, 0], np.arange(20) < 5)
     assert recording.alive[:, 1].all()
+
+
+def test_a_controller_that_gives_up_leaves_the_others_as_they_are():
+    """Robot 2 lies from the start and is not simulated further."""
+    command = np.zeros((COUNT, 3))
+    controller = Tiring()
+    found, whole = (
+        roll_out(each, make_physics(COUNT), environment(), starts(), command, 0.4)
+        for each in (controller, Stiff())
+    )
+    assert controller.given_up.tolist() == [False, False, True, False]
+    np.testing.assert_array_equal(found.alive, whole.alive)
+    np.testing.assert_array_equal(found.diverged, whole.diverged)
+    others = [0, 1, 3]
+    for name in ("velocity", "yaw", "position", "foot_positions", "power", "effort_share"):
+        mine, theirs = (getattr(each, name)[:, others] for each in (found, whole))
+        np.testing.assert_array_equal(mine, theirs)
+    for mine, theirs in zip(found.contacts, whole.contacts, strict=True):
+        np.testing.assert_array_equal(mine[:, others], theirs[:, others])
+    assert np.ptp(found.position[1:, 2], axis=0).max() == 0.0
+    assert np.ptp(whole.velocity[1:, 2], axis=0).max() > 0.0
+
+
+def test_ends_when_nobody_is_left_and_has_all_rows():
+    start = tuple(values[[2, 2]] for values in starts())
+    controller = Tiring()
+    recording = roll_out(controller, make_physics(2), environment(), start, np.zeros((2, 3)), 0.4)
+    assert len(controller.seen) == 1
+    assert recording.alive.shape == (20, 2)
+    assert not recording.alive.any()
+    assert len(recording.contacts.forces) == 80
+    assert recording.foot_forces.shape == (20, 2, 2)

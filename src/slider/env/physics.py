@@ -37,7 +37,8 @@ class BatchedPhysics:
     Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
     torques of them. See :class:`SimulationOptions`.
     A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
-    :meth:`measure`. Without ``instruments`` it is faster but has no :meth:`contacts`.
+    :meth:`measure`. Without ``instruments`` it is faster but has no :meth:`contacts`. Robots that
+    :meth:`retire` stay where they are until they are placed anew.
     """
 
     def __init__(
@@ -76,6 +77,7 @@ class BatchedPhysics:
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
         self._series = self._state[:, None], self._sensors[:, None]
         self._diverged = np.zeros(num_robots, dtype=bool)
+        self._retired = np.zeros(num_robots, dtype=bool)
         self._index = _SensorIndex(self.model)
         self._instruments = _Instruments(self.model) if instruments else None
         self._motors = Transmission.of(robot)
@@ -113,7 +115,11 @@ class BatchedPhysics:
         self.qpos[index] = qpos
         self.qvel[index] = qvel
         self._sensors[index] = 0.0
-        self._diverged[index] = False
+        self._diverged[index] = self._retired[index] = False
+
+    def retire(self, robots: np.ndarray) -> None:
+        """Simulate ``robots`` (N,) no longer."""
+        self._retired |= robots
 
     def step(self, inputs: np.ndarray) -> None:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
@@ -122,9 +128,9 @@ class BatchedPhysics:
         if self._disturber is not None:
             self._disturber.push(self.qvel)
             control = self._disturber.drive(control)
-        series = self._pool.rollout(self.models, self._data, self._state, control)
-        states, sensors = (np.asarray(values) for values in series)
+        states, sensors = self._simulate(control)
         self._diverged = self._find_diverged(states[:, -1]) | ~np.isfinite(inputs).all(axis=1)
+        self._diverged &= ~self._retired
         if self._diverged.any():
             states[self._diverged] = self._rest
             sensors[self._diverged] = 0.0
@@ -132,6 +138,22 @@ class BatchedPhysics:
         self._series = states, sensors
         if self._disturber is not None:
             self._disturber.wrap(self.qpos)
+
+    def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
+        if not self._retired.any():
+            series = self._pool.rollout(self.models, self._data, self._state, control)
+            return np.asarray(series[0]), np.asarray(series[1])
+        states = np.repeat(self._state[:, None], self._substeps, axis=1)
+        sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
+        going = np.flatnonzero(~self._retired)
+        if len(going):
+            models = self.models
+            if isinstance(models, list):
+                models = [models[i] for i in going]
+            series = self._pool.rollout(models, self._data, self._state[going], control[going])
+            states[going], sensors[going] = series
+        return states, sensors
 
     def _find_diverged(self, state: np.ndarray) -> np.ndarray:
         """MuJoCo resets a blown-up state silently: its clock then starts from zero."""

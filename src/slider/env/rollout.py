@@ -9,7 +9,7 @@ the legs at every simulation step.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -35,6 +35,14 @@ class Controller(Protocol):
         ...
 
 
+@runtime_checkable
+class GivesUp(Controller, Protocol):
+    """A controller that takes time, so that robots that have failed are not simulated further."""
+
+    def give_up(self, robots: np.ndarray) -> None:
+        """Control ``robots`` (N,) no longer; their inputs are zero."""
+
+
 @dataclass(frozen=True)
 class Recording:
     """Time series of N robots over S control steps; after a failure the values are meaningless.
@@ -49,7 +57,7 @@ class Recording:
         foot_positions: (S, N, 2, 3) [m], z above the ground below.
         contacts: of the feet and between the legs at each of the T simulation steps.
         power, effort_share, speed_share: (S, N) see :class:`DriveLoads`, over each control step.
-        diverged: (N,) the simulation blew up.
+        diverged: (N,) the simulation blew up; of robots given up, before that.
         weight: (N,) m g [N].
     """
 
@@ -96,7 +104,7 @@ def roll_out(
     """Simulate N robots for ``duration`` [s].
 
     Args:
-        controller: for N robots.
+        controller: for N robots; where it can give some up, those that failed are not simulated.
         physics: of N robots; its state is overwritten. Its period divides the control period. The
             controller receives the measured state; everything else is the true one.
         config: control period and terminations.
@@ -126,6 +134,13 @@ def roll_out(
         rows.append(_row(alive, state) | passed.loads._asdict())
         contacts.append(passed.contacts)
         progress((step + 1) / steps)
+        if isinstance(controller, GivesUp):
+            controller.give_up(~alive)
+            physics.retire(~alive)
+            if not alive.any():
+                break
+    missing = steps - len(rows)
+    rows, contacts = rows + rows[-1:] * missing, contacts + contacts[-1:] * missing
     return Recording(
         config.control_period,
         commands,

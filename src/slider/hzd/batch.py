@@ -13,14 +13,22 @@ class Batch:
     def __init__(self, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> None:
         self._shapes = [result.shape for result in results]
         stacked = ca.vertcat(*(ca.vec(ca.densify(result)) for result in results))
-        self._mapped = cache(ca.Function("batch", list(arguments), [stacked]).map)
-        self._ends = np.cumsum([rows * columns for rows, columns in self._shapes])[:-1]
+        one = ca.Function("batch", list(arguments), [stacked])
+        self._mapped = cache(lambda n: one.map(n).buffer())
+        sizes = np.cumsum([rows * columns for rows, columns in self._shapes])
+        self._ends, self._size = sizes[:-1], int(sizes[-1])
 
     def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
         """Results (n, rows, columns), a single column as (n, rows), of arguments (n, width)."""
         n = len(arguments[0])
-        found = self._mapped(n)(*(argument.T for argument in arguments)).full().T
-        parts = np.split(found, self._ends, axis=1)
+        found = np.empty((n, self._size))
+        buffer, evaluate = self._mapped(n)
+        rows = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
+        for place, values in enumerate(rows):  # rows in NumPy's order are CasADi's columns
+            buffer.set_arg(place, values.data)  # pyright: ignore[reportCallIssue]
+        buffer.set_res(0, found.data)  # pyright: ignore[reportCallIssue]
+        evaluate()
+        parts = np.split(np.asfortranarray(found), self._ends, axis=1)  # by columns: fast to use
         return [
             part if columns == 1 else part.reshape(n, columns, rows).transpose(0, 2, 1)
             for part, (rows, columns) in zip(parts, self._shapes, strict=True)

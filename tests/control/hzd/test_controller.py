@@ -118,6 +118,18 @@ def test_foot_placement_of_other_gaits_is_refused():
         GaitTables.of(library(), replace(feedback, commands=feedback.commands + 0.1))
 
 
+def test_a_step_depends_on_no_other_robot():
+    """To the bit: robots that have failed leave, and change no others."""
+    commands = np.random.default_rng(0).uniform((0.1, 0.0, 0.0), (0.7, 0.2, 0.0), (5, 3))
+    stance = np.array([0, 1, 1, 0, 1])
+    together = gaits().gaits.at(commands, stance)
+    for row in range(5):
+        alone = gaits().gaits.at(commands[[row]], stance[[row]])
+        for name in ("duration", "coefficients", "gains", "orbit", "placement"):
+            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[row])
+        np.testing.assert_array_equal(alone.hip.values[0], together.hip.values[row])
+
+
 def test_foot_placement_of_another_phase_is_refused():
     whole = config("hzd.phase=time")
     section = enforced_section(whole.hzd)

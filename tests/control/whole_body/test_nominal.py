@@ -35,6 +35,36 @@ def moved(nominal: NominalModel, qpos: np.ndarray, qvel: np.ndarray, time: float
     return result
 
 
+@pytest.mark.parametrize("count", [1, 32, 45])
+def test_terms_of_many_robots_are_mujocos_of_each(nominal, count):
+    """Also where the robots are not a multiple of the model's copies."""
+    qpos, qvel = random_pose(np.random.default_rng(5), count)
+    found = nominal.evaluate(qpos, qvel)
+    model, data = nominal.model, mujoco.MjData(nominal.model)
+    feet = [(model.body(f"{s}_foot").id, model.site(f"{s}_sole").id) for s in ("left", "right")]
+    mass, jacobian, rate = np.zeros((18, 18)), np.zeros((6, 18)), np.zeros((6, 18))
+    for i in range(count):
+        data.qpos[:], data.qvel[:] = qpos[i], qvel[i]
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        np.testing.assert_allclose(found.mass_matrix[i], mass, rtol=1e-12, atol=1e-14)
+        bias = data.qfrc_bias - data.qfrc_passive  # of the joints' damping
+        np.testing.assert_allclose(found.bias[i], bias, rtol=1e-12, atol=1e-11)
+        np.testing.assert_allclose(found.com[i], data.subtree_com[1], rtol=1e-12, atol=1e-14)
+        np.testing.assert_array_equal(found.base_rotation[i].ravel(), data.xmat[1])
+        for leg, (body, sole) in enumerate(feet):
+            place = data.site_xpos[sole]
+            np.testing.assert_array_equal(found.foot_positions[i, leg], place)
+            np.testing.assert_array_equal(
+                found.foot_rotations[i, leg].ravel(), data.site_xmat[sole]
+            )
+            mujoco.mj_jac(model, data, jacobian[:3], jacobian[3:], place, body)
+            mujoco.mj_jacDot(model, data, rate[:3], rate[3:], place, body)
+            np.testing.assert_allclose(found.foot_jacobians[i, leg], jacobian, rtol=0, atol=1e-14)
+            np.testing.assert_allclose(found.foot_bias[i, leg], rate @ qvel[i], rtol=0, atol=1e-11)
+
+
 def test_mass_matrix_rows_are_the_jacobian_of_the_centre_of_mass(nominal, poses):
     dynamics = nominal.evaluate(*poses)
     data, jacobian = mujoco.MjData(nominal.model), np.zeros((3, 18))

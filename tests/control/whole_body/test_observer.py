@@ -88,6 +88,26 @@ def test_is_less_noisy_than_the_sensors():
     assert error(estimated) < 0.7 * error(measured)
 
 
+def test_robots_given_up_leave_the_others_as_they_are():
+    physics = plant(disturbance())
+    start = at_rest(robot_config(), config().evaluation.start, np.random.default_rng(5), COUNT)
+    physics.reset(np.arange(COUNT), *start)
+    model, measured = replace(config().env.physics, substeps=1), physics.read()
+    gains = ObserverConfig(DELAY, 0.3, 0.2)
+    both = [Observer(robot_config(), model, gains, COUNT) for _ in range(2)]
+    for observer in both:
+        observer.reset(measured)
+    both[0].give_up(np.arange(COUNT) == 1)
+    torques = np.full((COUNT, names.NUM_JOINTS), 3.0)
+    for _ in range(8):
+        some, whole = (observer.estimate(measured) for observer in both)
+        for observer in both:
+            observer.send(torques)
+    others = [0, 2, 3]
+    np.testing.assert_array_equal(some.qpos[others], whole.qpos[others])
+    assert np.abs(some.qvel[1] - whole.qvel[1]).max() > 1e-3
+
+
 def test_turns_between_orientations():
     generator = np.random.default_rng(2)
     old, new = generator.normal(size=(2, 5, 4))

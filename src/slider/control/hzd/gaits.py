@@ -57,10 +57,9 @@ class GaitTables:
     def __init__(self, arrays: Mapping[str, np.ndarray]) -> None:
         self.arrays = arrays
         self._mesh = CommandMesh.of(arrays["commands"])
-        self._times = arrays["step_time"]
-        turning = arrays["commands"][:, 2:] * self._times
-        self._turns = turning * [1.0, -1.0]  # the second is reflected
-        parts = [arrays[name] for name in _PARTS]
+        times = arrays["step_time"]
+        turns = arrays["commands"][:, 2:] * times * [1.0, -1.0]  # the second step is reflected
+        parts = [times, turns, *(arrays[name] for name in _PARTS)]
         self._shapes = [part.shape[2:] for part in parts]
         flat = [part.reshape(len(part), _STEPS, -1) for part in parts]
         self._ends = np.cumsum([part.shape[2] for part in flat])
@@ -84,18 +83,14 @@ class GaitTables:
         return cls({"commands": library.commands, "step_time": library.step_time, **arrays})
 
     def at(self, command: np.ndarray, stance: np.ndarray) -> Steps:
-        """Steps on the feet ``stance`` (n,) at commands (n, 3)."""
-        weights = self._mesh.weights(command)
-        values = np.zeros((len(stance), self._table.shape[2]))
-        times, turns = np.zeros((2, len(stance)))
-        for side in range(_STEPS):
-            own = stance == side
-            values[own] = weights[own] @ self._table[side]
-            times[own] = weights[own] @ self._times[:, side]
-            turns[own] = weights[own] @ self._turns[:, side]
+        """Steps on the feet ``stance`` (n,) at commands (n, 3); each as if it were alone."""
+        values = np.empty((len(stance), self._table.shape[2]))
+        for row, weights in enumerate(self._mesh.weights(command)):
+            near = np.flatnonzero(weights)
+            values[row] = weights[near] @ self._table[stance[row], near]
         split = np.split(values, self._ends[:-1], axis=1)
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
-        coefficients, roll, hip, gains, orbit, placement = parts
+        times, turns, coefficients, roll, hip, gains, orbit, placement = parts
         return Steps(times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement)
 
 

@@ -199,6 +199,11 @@ class ObservingController:
         self._observer.reset(state)
         self._controller.reset(state, velocity)
 
+    def give_up(self, robots: np.ndarray) -> None:
+        """Switch the drives of ``robots`` (N,) off and observe them no longer."""
+        self._observer.give_up(robots)
+        self._controller.give_up(robots)
+
     def command(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
         self._controller.command(velocity)

@@ -5,15 +5,17 @@
 
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 
 from slider.config.robot import RobotConfig
+from slider.control.whole_body.copies import Copies, Terms
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 
 NUM_DOFS = 6 + names.NUM_JOINTS
 _BASE_BODY = 1
+_FLOATING, _BASE_TURN = slice(0, 6), slice(3, 6)
+_LEGS = slice(6, 11), slice(12, 17)  # without the upper feet, which move no sole
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,9 @@ class Dynamics:
     foot_bias: np.ndarray
 
     def of(self, index: np.ndarray) -> "Dynamics":
-        """The terms of some of the robots."""
+        """The terms of some of the robots, in their order."""
+        if len(index) == len(self.qvel) and index.dtype != bool:
+            return self  # all of them
         return Dynamics(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
 
 
@@ -63,10 +67,8 @@ class NominalModel:
     def __init__(self, robot: RobotConfig) -> None:
         self.model = build_model(robot, SimulationOptions(actuation="torque"))
         self.mass = float(self.model.body_subtreemass[_BASE_BODY])
-        self._data = mujoco.MjData(self.model)
+        self._copies = Copies(robot)
         self._damping = self.model.dof_damping.reshape(NUM_DOFS, -1)[:, 0].copy()
-        self._feet = [self.model.body(names.foot(side)).id for side in names.SIDES]
-        self._soles = [self.model.site(names.sole(side)).id for side in names.SIDES]
         self.nominal_height = self._standing_com_height(robot)
 
     def _standing_com_height(self, robot: RobotConfig) -> float:
@@ -76,53 +78,61 @@ class NominalModel:
 
     def evaluate(self, qpos: np.ndarray, qvel: np.ndarray) -> Dynamics:
         """Terms at positions (n, 19) and velocities (n, 18)."""
-        n = len(qpos)
-        mass, bias = np.zeros((n, NUM_DOFS, NUM_DOFS)), np.empty((n, NUM_DOFS))
-        com, rotation = np.empty((n, 3)), np.empty((n, 9))
-        feet, turns = np.empty((n, 2, 3)), np.empty((n, 2, 9))
-        jacobians, rates = np.empty((n, 2, 6, NUM_DOFS)), np.empty((n, 2, 6, NUM_DOFS))
-        data = self._data
-        for i in range(n):
-            self._move(qpos[i], qvel[i])
-            mujoco.mj_fullM(self.model, data, mass[i])
-            bias[i] = data.qfrc_bias
-            com[i], rotation[i] = data.subtree_com[_BASE_BODY], data.xmat[_BASE_BODY]
-            feet[i], turns[i] = data.site_xpos[self._soles], data.site_xmat[self._soles]
-            self._differentiate(jacobians[i], rates[i], feet[i])
+        terms = self._copies.evaluate(qpos, qvel)
+        mass, bias = terms.mass_matrix, terms.bias
         com_jacobian = mass[:, :3] / self.mass  # momentum = mass × velocity of the centre of mass
         com_bias = bias[:, :3] / self.mass - [0.0, 0.0, names.GRAVITY]
+        jacobians, rates = _foot_jacobians(terms)
         return Dynamics(
             base_position=qpos[:, :3],
             joints=qpos[:, 7:],
             qvel=qvel,
             mass_matrix=mass,
             bias=bias + self._damping * qvel,
-            com=com,
+            com=terms.com,
             com_velocity=np.einsum("nij,nj->ni", com_jacobian, qvel),
             com_jacobian=com_jacobian,
             com_bias=com_bias,
-            base_rotation=rotation.reshape(n, 3, 3),
+            base_rotation=terms.base_rotation,
             base_quaternion=qpos[:, 3:7],
-            foot_positions=feet,
-            foot_rotations=turns.reshape(n, 2, 3, 3),
+            foot_positions=terms.soles,
+            foot_rotations=terms.sole_rotations,
             foot_jacobians=jacobians,
             foot_bias=(rates @ qvel[:, None, :, None])[..., 0],
         )
 
-    def _move(self, qpos: np.ndarray, qvel: np.ndarray) -> None:
-        model, data = self.model, self._data
-        data.qpos[:] = qpos
-        data.qvel[:] = qvel
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_tendon(model, data)
-        mujoco.mj_makeM(model, data)  # with the capstan rotors' inertia
-        mujoco.mj_comVel(model, data)
-        mujoco.mj_rne(model, data, 0, data.qfrc_bias)
 
-    def _differentiate(self, jacobian: np.ndarray, rate: np.ndarray, points: np.ndarray) -> None:
-        for leg, body in enumerate(self._feet):
-            upper, lower = jacobian[leg, :3], jacobian[leg, 3:]
-            mujoco.mj_jac(self.model, self._data, upper, lower, points[leg], body)
-            upper, lower = rate[leg, :3], rate[leg, 3:]
-            mujoco.mj_jacDot(self.model, self._data, upper, lower, points[leg], body)
+def _foot_jacobians(terms: Terms) -> tuple[np.ndarray, np.ndarray]:
+    """Of the soles, linear above angular, and their derivatives (n, 2, 6, 18); as ``mj_jac``."""
+    n = len(terms.com)
+    jacobians, rates = np.zeros((2, n, 2, 6, NUM_DOFS))
+    turn, move = terms.axes[:3], terms.axes[3:]
+    turn_rate, move_rate = _axis_rates(terms)
+    offsets = (terms.soles - terms.com[:, None]).T  # (3, 2, n)
+    for leg, own in enumerate(_LEGS):
+        offset, twist = offsets[:, leg], terms.twists[:, 1 + leg]
+        speed = [twist[3 + k] - _cross(offset, twist[:3], k) for k in range(3)]
+        for dofs in (_FLOATING, own):
+            axis, rate = turn[:, dofs], turn_rate[:, dofs]
+            for k in range(3):
+                linear = move[k, dofs] + _cross(axis, offset, k)
+                jacobians[:, leg, k, dofs], jacobians[:, leg, 3 + k, dofs] = linear.T, axis[k].T
+                linear = move_rate[k, dofs] + _cross(rate, offset, k) + _cross(axis, speed, k)
+                rates[:, leg, k, dofs], rates[:, leg, 3 + k, dofs] = linear.T, rate[k].T
+    return jacobians, rates
+
+
+def _axis_rates(terms: Terms) -> tuple[np.ndarray, np.ndarray]:
+    """Angular and linear part (3, 18, n); those of the base's rotation turn with the base."""
+    axes, rates, twist = terms.axes[:, _BASE_TURN], terms.axis_rates.copy(), terms.twists[:, 0]
+    for k in range(3):
+        rates[k, _BASE_TURN] = _cross(twist[:3], axes[:3], k)
+        moved = _cross(twist[:3], axes[3:], k) + _cross(twist[3:], axes[:3], k)
+        rates[3 + k, _BASE_TURN] = moved
+    return rates[:3], rates[3:]
+
+
+def _cross(a: np.ndarray, b: np.ndarray | list[np.ndarray], k: int) -> np.ndarray:
+    """Component ``k`` of a × b, of components first."""
+    i, j = (k + 1) % 3, (k + 2) % 3
+    return a[i] * b[j] - a[j] * b[i]

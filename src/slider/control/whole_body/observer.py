@@ -47,9 +47,14 @@ class Observer:
     def reset(self, measured: RobotState) -> None:
         """Begin with a measured state; until the first torques arrive the drives give none."""
         self._qpos, self._qvel = measured.qpos, measured.qvel
+        self._given_up = np.zeros(measured.num_robots, dtype=bool)
         none = np.zeros((len(self._everyone), names.NUM_JOINTS))
         self._under_way = deque([none] * self._ticks)
         self._acting: np.ndarray | None = None
+
+    def give_up(self, robots: np.ndarray) -> None:
+        """Let the estimates of ``robots`` (N,) be."""
+        self._given_up |= robots
 
     def estimate(self, measured: RobotState) -> RobotState:
         """The state at which the next torques will act, from the one that is measured now."""
@@ -71,6 +76,7 @@ class Observer:
     def _simulate(self, inputs: "list[np.ndarray] | deque[np.ndarray]") -> None:
         """Let the estimate go on, one tick for each of the torques (N, 12)."""
         self._model.reset(self._everyone, self._qpos, self._qvel)
+        self._model.retire(self._given_up)
         for torques in inputs:
             self._model.step(torques)
         self._qpos, self._qvel = self._model.qpos.copy(), self._model.qvel.copy()

@@ -73,8 +73,13 @@ class WholeBody:
         robots = np.arange(n)[:, None]
         jacobian = dynamics.foot_jacobians[robots, feet]  # (n, k, 6, 18)
         along = dynamics.foot_rotations[robots, feet][..., 0]  # (n, k, 3)
-        turned = np.cross(jacobian[:, :, 3:], along[:, :, :, None], axis=2)  # ω × r per unit length
-        points = jacobian[:, :, None, :3] + self._half_line[:, None, None] * turned[:, :, None]
+        points = np.empty((n, count, 2, 3, NUM_DOFS))
+        for axis in range(3):
+            one, other = (axis + 1) % 3, (axis + 2) % 3
+            turned = jacobian[:, :, 3 + one] * along[:, :, other, None]  # ω × r per unit length
+            turned -= jacobian[:, :, 3 + other] * along[:, :, one, None]
+            for end, length in enumerate(self._half_line):
+                points[:, :, end, axis] = jacobian[:, :, axis] + length * turned
         return points.reshape(n, 6 * count, NUM_DOFS)
 
     def build(
@@ -151,17 +156,17 @@ class WholeBody:
 
     def solve(self, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
         """Torques (n, 12) [N m or N] of all joints, and which robots (n,) have a solution."""
-        n = len(problem.hessian)
-        torques, solved = np.zeros((n, names.NUM_JOINTS)), np.zeros(n, dtype=bool)
-        for i in range(n):
-            y = qp.solve(
-                problem.hessian[i],
-                problem.gradient[i],
-                problem.rows[i],
-                problem.lower[i],
-                problem.upper[i],
-            )
-            if y is not None:
-                solved[i] = True
-                torques[i, _JOINTS] = problem.torque_map[i] @ y + problem.torque_offset[i]
+        n, size = problem.gradient.shape
+        found, solved = np.zeros((n, size)), np.ones(n, dtype=bool)
+        parts = problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper
+        for i, single in enumerate(zip(*parts, strict=True)):
+            y = qp.solve(*single)
+            if y is None:
+                solved[i] = False
+            else:
+                found[i] = y
+        torques = np.zeros((n, names.NUM_JOINTS))
+        torques[:, _JOINTS] = (problem.torque_map @ found[:, :, None])[..., 0]
+        torques[:, _JOINTS] += problem.torque_offset
+        torques[~solved] = 0.0
         return torques, solved

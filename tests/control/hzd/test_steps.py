@@ -156,7 +156,7 @@ def test_a_gait_that_turns_is_on_its_own_constraints(side):
     library = turning()
     half = library.samples.shape[1] // 2
     rows = slice(side * half, (side + 1) * half)
-    enforced = replace(gaits(), gaits=GaitTables(library, feedback(library.commands)))
+    enforced = replace(gaits(), gaits=GaitTables.of(library, feedback(library.commands)))
     controller, _ = controlled(half, enforced)
     steps, everyone = controller._stepping, np.arange(half)
     assert isinstance(steps, HzdSteps)
@@ -190,7 +190,7 @@ def test_the_hip_is_measured_along_the_line_on_which_the_gait_has_the_foot():
 @pytest.mark.parametrize(("side", "sign"), [(LEFT, 1.0), (RIGHT, -1.0)])
 def test_the_foot_is_half_a_turn_ahead_of_the_heading_at_touchdown(side, sign):
     library = turning()
-    enforced = replace(gaits(), gaits=GaitTables(library, feedback(library.commands)))
+    enforced = replace(gaits(), gaits=GaitTables.of(library, feedback(library.commands)))
     controller, physics = controlled(1, enforced)
     steps, turn = controller._stepping, TURN[2] * library.step_time[0, side]
     assert isinstance(steps, HzdSteps)

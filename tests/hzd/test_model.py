@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from slider.hzd.model import RootedModel
-from slider.hzd.outputs import stance_first
+from slider.hzd.outputs import ANKLE, stance_first
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from tests.gait.gaits import config
@@ -80,12 +80,13 @@ def test_mass_and_bias_are_mujocos_of_a_held_foot():
         np.testing.assert_allclose(bias, expected[1], atol=1e-5)
 
 
-def test_the_roll_row_is_that_of_the_whole_dynamics():
+def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
     q, v = (np.stack(each) for each in zip(*(state(seed) for seed in range(4)), strict=True))
     mass, bias = MODEL.dynamics(q, v)
-    row, own, slope, bend = MODEL.constrained(q, v)
-    np.testing.assert_allclose(row, mass[:, 0], atol=1e-12)
-    np.testing.assert_allclose(own, bias[:, 0], atol=1e-10)
+    rows, own, slope, bend = MODEL.constrained(q, v)
+    kept = [0, 1 + ANKLE]
+    np.testing.assert_allclose(rows, mass[:, kept], atol=1e-12)
+    np.testing.assert_allclose(own, bias[:, kept], atol=1e-10)
     size = 1e-6
     ahead, behind = (MODEL.measure(q + sign * size * v, v) for sign in (1, -1))
     np.testing.assert_allclose(

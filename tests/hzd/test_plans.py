@@ -20,15 +20,15 @@ def test_the_least_velocity_is_a_share_of_the_mean():
 
 
 def test_a_hip_that_turns_back_is_named(monkeypatch):
-    hip, config = module._hip, settings()
+    along, config = module._along, settings()
 
     def turned_back(*arguments):
-        table = hip(*arguments)
+        table, ankle = along(*arguments)
         slopes = table.slopes.copy()
         slopes[:, 7] = -0.01
-        return replace(table, slopes=slopes)
+        return replace(table, slopes=slopes), ankle
 
-    monkeypatch.setattr(module, "_hip", turned_back)
+    monkeypatch.setattr(module, "_along", turned_back)
     plans(library(), np.array([CLOCK]), loop().model, config)
     with pytest.raises(UserError, match=r"turns back in the gait \(0\.6, 0\.1\) m/s"):
         plans(library(), np.array([CLOCK, HIP]), loop().model, config)

@@ -28,7 +28,7 @@ from slider.hzd.stage import (
 from slider.hzd.summary import QUANTITIES
 from slider.robot.names import COMMAND
 from tests.gait.gaits import config
-from tests.hzd.sample import COMMANDS, HIP, folder, library, steps
+from tests.hzd.sample import CLOCK, COMMANDS, HIP, folder, library, steps
 
 HOLE = (0.9, 0.0, 0.0)
 
@@ -73,10 +73,13 @@ def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
     found = FootPlacement.load(tmp_path)
     np.testing.assert_array_equal(found.commands, library().commands)
     assert found.clock.tolist() == [True, False]
-    assert found.gains.shape == (2, 2, 21, 2, 3)
-    assert not found.gains[0, ..., 2].any()
+    assert found.gains.shape == (2, 2, 2, 21, 2, 4)
+    by_time, by_hip = 0, 1
+    assert not found.gains[HIP, by_hip, ..., 3].any()
+    assert found.gains[HIP, by_time, ..., 0, 3].all()
+    np.testing.assert_array_equal(found.gains[CLOCK, by_time], found.gains[CLOCK, by_hip])
     np.testing.assert_array_equal(found.gains[::-1], FootPlacement.load(chunk).gains)
-    np.testing.assert_allclose(found.gains[HIP, :, 0, 1, 0], -2.1, atol=0.3)
+    np.testing.assert_allclose(found.gains[HIP, by_hip, :, 0, 1, 0], -2.1, atol=0.3)
     np.testing.assert_array_equal(found.placement[:, 1], steps()[1].placement)
     np.testing.assert_array_equal(found.hip[:, 0, :, 1:2], steps()[0].hip.slopes)
 
@@ -85,7 +88,7 @@ def test_the_table_has_a_line_per_gait(chunk, tmp_path):
     assert run({}, {"gaits": [chunk]}, tmp_path, Job(tmp_path)) == {"gaits": 2, "stable": 2}
     rows = list(csv.DictReader((tmp_path / CSV).read_text().splitlines()))
     assert [tuple(float(row[name]) for name in COMMAND) for row in rows] == COMMANDS
-    assert [len(row["eigenvalues"].split()) for row in rows] == [2, 3]
+    assert [len(row["eigenvalues"].split()) for row in rows] == [4, 3]
     assert rows[0]["hip_share"] == ""
     assert "| `spectral_radius` | 1/step |" in (tmp_path / MARKDOWN).read_text()
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.hzd import ImpactGrid
-from slider.gait.outputs import YAW, output_matrix
+from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.hzd.basin import Placement, portrait, steps_until_return
 from slider.hzd.invariance import invariance
 from slider.hzd.plans import motion, start
@@ -30,6 +30,11 @@ BOTH = [CLOCK, HIP]
 def one(gait: int):
     """Both steps of a gait alone."""
     return [plan.of(np.array([gait])) for plan in steps()]
+
+
+def coordinates(at) -> np.ndarray:
+    """ξ (4,) of a single state."""
+    return np.r_[at.com[0, 1], at.com_rate[0, 1], at.com_rate[0, 0], at.com[0, 0]]
 
 
 def test_the_phase_is_the_clock_for_slow_gaits():
@@ -59,10 +64,11 @@ def test_a_step_from_the_collocated_gait_ends_where_the_gait_does():
     np.testing.assert_allclose(flow.landed.state, start(steps()[1], settings()), atol=1e-2)
 
 
+@pytest.mark.parametrize("ankle", ["free", "driven"])
 @pytest.mark.parametrize("gait", BOTH)
-def test_accelerations_are_those_of_efforts_through_the_decoupling_matrix(gait):
-    """u = (L_g L_f y)⁻¹ (ÿ − L_f² y) in M q̈ + h = B u, and what it does to outputs and phase."""
-    plan, config = one(gait)[0], settings()
+def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait, ankle):
+    """M q̈ + h = B u; ÿ = −k_p y − k_d ẏ with the s̈ that q̈ gives; what the ankle does."""
+    plan, config = one(gait)[0], replace(settings(), ankle=ankle)
     rng = np.random.default_rng(gait)
     phase = np.array([0.6])
     q, rate, _ = motion(plan, phase, config)
@@ -71,28 +77,34 @@ def test_accelerations_are_those_of_efforts_through_the_decoupling_matrix(gait):
     model = loop().model
     _, _, slope, bend = model.constrained(q, v)
     _, hip_slope, hip_bend = (float(order[0, 0]) for order in plan.hip.at(phase))
-    speed = 1 / plan.duration[0] if gait == CLOCK else float(slope[0] @ v[0]) / hip_slope
-    turn = 0.0 if gait == CLOCK else -config.rate_gain * (speed - 1 / plan.duration[0])
+    nominal = 1 / plan.duration[0]
+    speed = nominal if gait == CLOCK else float(slope[0] @ v[0]) / hip_slope
+
+    size = 1e-5
+    moved = _advanced(plan, phase, q, v, size, config) - _advanced(plan, phase, q, v, -size, config)
+    found = moved[NUM : 2 * NUM] / (2 * size) * speed
+    turn = 0.0
+    if gait == HIP:
+        turn = (float(slope[0] @ found + bend[0]) - hip_bend * speed**2) / hip_slope
     desired, first, second = (order[0] for order in motion(plan, phase, config))
     rows = np.delete(output_matrix(config.outputs), YAW, axis=1)
     y, y_rate = rows @ (q[0] - desired), rows @ (v[0] - first * speed)
-    wanted = rows @ (second * speed**2 + first * turn) - config.kp * y - config.kd * y_rate
-    if gait == HIP:  # the stance ankle's output gives way to the phase's rate
-        rows[4], wanted[4] = slope[0], hip_slope * turn + hip_bend * speed**2 - bend[0]
+    missed = rows @ (found - second * speed**2 - first * turn) + config.kp * y + config.kd * y_rate
     mass, bias = (part[0] for part in model.dynamics(q, v))
-    drift = -np.linalg.solve(mass, bias)
-    decoupling = rows @ np.linalg.inv(mass)[:, 1:]
-    efforts = np.linalg.solve(decoupling, wanted - rows @ drift)
-    acceleration = drift + np.linalg.solve(mass, np.r_[0.0, efforts])
+    efforts = mass @ found + bias
+    kept = np.ones(10, bool)
+    kept[ANKLE] = ankle == "driven" and gait == CLOCK
+    np.testing.assert_allclose(missed[kept], 0.0, atol=1e-4)
+    np.testing.assert_allclose(efforts[0], 0.0, atol=1e-4)
+    if ankle == "free":
+        own = plan.ankle.at(phase)[0][0, 0]
+        np.testing.assert_allclose(efforts[1 + ANKLE], own, atol=1e-4)
+    elif gait == HIP:
+        np.testing.assert_allclose(turn, -config.rate_gain * (speed - nominal), atol=1e-4)
 
-    size = 1e-5
-    moved = _advanced(plan, phase, q, v, size) - _advanced(plan, phase, q, v, -size)
-    found = moved[NUM : 2 * NUM] / (2 * size) * speed
-    np.testing.assert_allclose(found, acceleration, rtol=1e-5, atol=1e-5)
 
-
-def _advanced(plan, phase, q, v, width):
-    run = _Run(loop().model, settings(), plan, plan.constraints(settings()))
+def _advanced(plan, phase, q, v, width, config):
+    run = _Run(loop().model, config, plan, plan.constraints(config))
     return run._advance(phase, np.c_[q, v, 0.0], np.array([width]))[0]
 
 
@@ -124,14 +136,14 @@ def test_the_walk_returns_to_its_points(gait):
         flow = loop().step(one(gait)[step], found.points[step][None])
         np.testing.assert_allclose(flow.landed.state[0], found.points[1 - step], atol=1e-8)
         middle = loop().model.measure(flow.q[10], flow.v[10])
-        seen = [middle.com[0, 1], middle.com_rate[0, 1], middle.com_rate[0, 0]]
+        seen = coordinates(middle)
         np.testing.assert_allclose(found.orbit[step, 10], seen, atol=1e-8)
 
 
 @pytest.mark.parametrize("gait", BOTH)
 def test_the_return_map_has_the_rank_of_the_zero_dynamics(gait):
     found = walks()[gait]
-    rank = 2 if gait == CLOCK else 3
+    rank = 4 if gait == CLOCK else 3
     for derivative in found.derivatives:
         values = np.linalg.svd(derivative, compute_uv=False)
         assert values[rank] < 1e-3 * values[0]
@@ -160,7 +172,7 @@ def test_foot_placement_stabilises_the_executed_walk(gait):
 
         executed.append(differences(walked, found.points[step][None], 1e-5)[0])
     expected = np.abs(np.linalg.eigvals(chain(found.closed))).max()
-    assert expected < 0.3
+    assert expected < 0.6
     np.testing.assert_allclose(np.abs(multipliers(executed)[0]), expected, atol=2e-3)
     np.testing.assert_allclose(
         np.abs(multipliers(found.closed_derivatives)[0]), expected, atol=1e-4
@@ -179,10 +191,10 @@ def test_gains_over_the_phase_ask_for_the_same_step(gait):
     flow = loop().step(plan, x[None], b)
     for k in (0, 10, 14, 20):
         at = loop().model.measure(flow.q[k], flow.v[k])
-        seen = np.array([at.com[0, 1], at.com_rate[0, 1], at.com_rate[0, 0]])
+        seen = coordinates(at)
         wanted = -found.phase_gains[0, k] @ (seen - found.orbit[0, k])
-        np.testing.assert_allclose(wanted, b[0], rtol=0.02, atol=2e-3 * np.abs(b).max())
-    assert not found.phase_gains[..., 2].any() or gait == HIP
+        np.testing.assert_allclose(wanted, b[0], rtol=0.02, atol=1e-2 * np.abs(b).max())
+    assert not found.phase_gains[..., 3].any() or gait == CLOCK
 
 
 def test_perturbed_walks_come_back_with_foot_placement_and_fall_without():

@@ -56,13 +56,11 @@ class FootPlacementConfig:
     """Event-based feedback: the linear-quadratic regulator of the step-to-step dynamics."""
 
     position: Positive[Number]
-    """weight of the lateral position of the centre of mass [1/m²]"""
-    lateral: Positive[Number]
-    """weight of its lateral velocity [s²/m²]"""
-    forward: Positive[Number]
-    """weight of its forward velocity [s²/m²]"""
-    displacement: tuple[Positive[Number], Positive[Number]]
-    """weights of the foot's displacement, forward and leftward [1/m²]"""
+    """weight of the position of the centre of mass [1/m²]"""
+    velocity: Positive[Number]
+    """weight of its velocity [s²/m²]"""
+    displacement: Positive[Number]
+    """weight of the foot's displacement [1/m²]"""
     reach: NonNegative[Metres]
     """greatest displacement in each direction"""
 
@@ -105,6 +103,9 @@ class BasinConfig:
 class StabilityConfig(VirtualConstraintsConfig):
     """Virtual constraints, and what their stability is measured and made with."""
 
+    ankle: Literal["free", "driven"]
+    """free: the stance ankle gives what the gait asks for, however the robot moves, since the
+    foot's length leaves it little more; driven: it holds its output or the phase's rate"""
     feedback: FootPlacementConfig
     linearisation: LinearisationConfig
     impacts: ImpactGrid

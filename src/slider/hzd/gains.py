@@ -12,17 +12,18 @@ from slider.core.errors import UserError
 class FootPlacement:
     """Foot placement of G gaits of two steps, the second one reflected; S phases.
 
-    At phase s of a step the swing foot is displaced by b = −K(s) (ξ − ξ*(s)), ξ = (c_y, ċ_y, ċ_x)
-    the lateral position and the horizontal velocity of the centre of mass, in the frame of the
+    At phase s of a step the swing foot is displaced by b = −K(s) (ξ − ξ*(s)),
+    ξ = (c_y, ċ_y, ċ_x, c_x) the place and the velocity of the centre of mass in the frame of the
     stance sole: x along its line, reflected in right stance.
 
     Attributes:
         commands: of the gaits (G, 3) [m/s], [m/s], [rad/s].
         clock: whether the phase is time (G,), else where the hip is.
         phases: (S,) in [0, 1].
-        gains: K(s) (G, 2, S, 2, 3): forward and leftward displacement [-], [s], [s]. Those for ċ_x
-            are zero where the phase is time.
-        orbit: ξ*(s) (G, 2, S, 3) on the limit cycle [m], [m/s], [m/s].
+        gains: K(s) (G, 2, 2, S, 2, 4) of steps by time and by the hip: forward and leftward
+            displacement [-], [s], [s], [-]. By the hip those for c_x are zero; gaits with the clock
+            have those by time twice.
+        orbit: ξ*(s) (G, 2, S, 4) on the limit cycle [m], [m/s], [m/s], [m].
         placement: D (G, 2, 10, 2): joints, stance leg first, that displace the swing sole
             [rad/m, m/m].
         hip: forward position of the base's origin from the stance sole and two derivatives over

@@ -14,10 +14,9 @@ from slider.config.robot import Mechanism
 from slider.gait.rooted import NUM, RootedRobot
 from slider.gait.symbols import mirrored
 from slider.hzd.batch import Batch
-from slider.hzd.outputs import LEG, NUM_JOINTS
+from slider.hzd.outputs import ANKLE, LEG, NUM_JOINTS
 
 _POLAR, _AXIAL = ca.DM([1.0, -1.0, 1.0]), ca.DM([-1.0, 1.0, -1.0])  # sagittal reflection
-_ANKLE = 4  # of a leg
 
 
 @dataclass(frozen=True)
@@ -73,14 +72,14 @@ class RootedModel:
     def constrained(
         self, q: np.ndarray, v: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """What the two coordinates without an output need: the roll and the hip.
+        """What coordinates without an output need: roll, stance ankle and hip.
 
         Returns:
-            The roll's row of M (n, 11) and of h (n,); ∇p (n, 11) of the hip's forward position p,
-            and p̈ at q̈ = 0 (n,) [m/s²].
+            The rows of roll and stance ankle of M (n, 2, 11) and of h (n, 2); ∇p (n, 11) of the
+            hip's forward position p, and p̈ at q̈ = 0 (n,) [m/s²].
         """
-        row, bias, slope, bend = self._constrained(q, v)
-        return row, bias[:, 0], slope, bend[:, 0]
+        rows, bias, slope, bend = self._constrained(q, v)
+        return rows, bias, slope, bend[:, 0]
 
     def measure(self, q: np.ndarray, v: np.ndarray) -> Measured:
         """What guard, phase and section see."""
@@ -119,7 +118,10 @@ class RootedModel:
         hip = s.poses(s.q)["base"].origin[0]
         slope = ca.gradient(hip, s.q)
         bend = ca.jtimes(ca.jtimes(hip, s.q, s.v), s.q, s.v)
-        return Batch([s.q, s.v], [*s.roll_equation, slope, bend])
+        mass, bias = s.roll_equation
+        ankle = 1 + ANKLE
+        rows = [ca.vertcat(mass.T, s.mass[ankle, :]), ca.vertcat(bias, s.bias[ankle])]
+        return Batch([s.q, s.v], [*rows, slope, bend])
 
     @cached_property
     def _measure(self) -> Batch:
@@ -135,7 +137,7 @@ class RootedModel:
         s = self.symbols
         landing = s.poses(s.q)["swing_foot"].rotation
         pitch = ca.atan2(landing[2, 0], landing[2, 2])
-        flat = s.q + pitch * ca.DM(np.eye(NUM)[1 + LEG + _ANKLE])
+        flat = s.q + pitch * ca.DM(np.eye(NUM)[1 + LEG + ANKLE])
         foot = s.poses(flat)["swing_foot"]
         roll = -ca.atan2(foot.rotation[2, 1], foot.rotation[2, 2])
         place = ca.vertcat(roll, mirrored(flat[1:]))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from slider.gait.outputs import (
+    ANKLE,
     JOINTS,
     LEG,
     NUM_COORDINATES,
@@ -17,6 +18,7 @@ from slider.gait.outputs import (
 from slider.robot.names import ACTUATED, LEG_MIRROR_SIGN, SIDES
 
 __all__ = [
+    "ANKLE",
     "JOINTS",
     "LEG",
     "NUM_COORDINATES",

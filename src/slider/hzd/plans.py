@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.errors import UserError
@@ -15,7 +16,7 @@ from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
 from slider.robot.names import command_text
 
-_HIP_NODES = 41
+_NODES = 41
 
 
 def plans(
@@ -46,21 +47,27 @@ def _plan(
     per_phase = duration[:, None] ** np.arange(3)
     rolls = library.arrays["roll"][gaits, step] * per_phase[:, None]
     clock = library.velocities[gaits, 0] < config.slowest_hip
+    empty = NodeTable(*np.zeros((2, n, 2, 1)))
     plan = StepPlan(
         library.arrays["coefficients"][gaits, step],
         NodeTable(rolls[..., :1], rolls[..., 1:2], rolls[..., 2:]),
-        NodeTable(*np.zeros((2, n, 2, 1))),
+        empty,
+        empty,
         np.zeros((n, NUM - 1, 2)),
         duration,
         clock | (config.phase == "time"),
         KneeLengths.of(library.robot),
     )
-    return replace(plan, hip=_hip(plan, model, config), placement=_placement(plan, model, config))
+    hip, ankle = _along(plan, model, config)
+    return replace(plan, hip=hip, ankle=ankle, placement=_placement(plan, model, config))
 
 
-def _hip(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> NodeTable:
-    n = len(plan.duration)
-    rows, phase = np.repeat(np.arange(n), _HIP_NODES), np.linspace(0.0, 1.0, _HIP_NODES)
+def _along(
+    plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig
+) -> tuple[NodeTable, NodeTable]:
+    """Place of the hip, and effort of the stance ankle."""
+    n, phase = len(plan.duration), np.linspace(0.0, 1.0, _NODES)
+    rows = np.repeat(np.arange(n), _NODES)
     q, rate, turn = motion(plan.of(rows), np.tile(phase, n), config)
     _, _, slope, bend = model.constrained(q, rate)
     orders = (
@@ -68,7 +75,12 @@ def _hip(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -
         (slope * rate).sum(axis=1),
         bend + (slope * turn).sum(axis=1),
     )
-    return NodeTable(*(order.reshape(n, _HIP_NODES, 1) for order in orders))
+    hip = NodeTable(*(order.reshape(n, _NODES, 1) for order in orders))
+    duration = plan.duration[rows, None]
+    mass, bias, _, _ = model.constrained(q, rate / duration)
+    effort = (mass[:, 1] * turn / duration**2).sum(axis=1) + bias[:, 1]
+    effort = effort.reshape(n, _NODES, 1)
+    return hip, NodeTable(effort, CubicSpline(phase, effort, axis=1)(phase, 1))
 
 
 def _placement(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> np.ndarray:

@@ -24,7 +24,7 @@ def differences(function: Map, points: np.ndarray, size: float) -> np.ndarray:
 
 
 def limit_cycles(
-    maps: Sequence[Map], start: np.ndarray, size: float, tolerance: float, rounds: int = 10
+    maps: Sequence[Map], start: np.ndarray, size: float, tolerance: float, rounds: int = 40
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points (k, G, d) of the cycles of ``maps`` near ``start`` (G, d), and which were found (G,).
 

@@ -6,7 +6,7 @@ controllers take, ``stability`` the numbers that people read. ``basin`` is about
 
 import json
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -48,14 +48,35 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     gaits = _indices(library, section["commands"])
     loop = ClosedLoop(RootedModel(library.robot), config)
     steps = plans(library, gaits, loop.model, config)
-    found = linearise(loop, steps, config)
+    found, walks = _walks(loop, steps, np.arange(len(gaits)))
     job.progress(f"{found.found.sum()} of {len(gaits)} limit cycles")
-    walks = [_walk(loop, steps, found, k, config) for k in range(len(gaits))]
     kept = invariance(loop, steps, found.points, config.impacts)
     records = [_record(library, gait, steps, k, walks[k], kept) for k, gait in enumerate(gaits)]
     (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
-    _placement(library, gaits, steps, walks).save(out)
+    by_time = _by_time(loop, steps, walks)
+    _placement(library, gaits, steps, [by_time, walks]).save(out)
     return {"gaits": len(gaits), "limit_cycles": int(found.found.sum())}
+
+
+def _by_time(
+    loop: ClosedLoop, steps: Sequence[StepPlan], walks: Sequence[Walk | None]
+) -> list[Walk | None]:
+    """The same walks where all steps go by time."""
+    by_hip = np.flatnonzero(~steps[0].clock)
+    timed = [replace(plan, clock=np.ones_like(plan.clock)) for plan in steps]
+    found = list(walks)
+    for k, other in zip(by_hip, _walks(loop, timed, by_hip)[1], strict=True):
+        found[k] = other
+    return found
+
+
+def _walks(
+    loop: ClosedLoop, steps: Sequence[StepPlan], gaits: np.ndarray
+) -> tuple[Linearisation, list[Walk | None]]:
+    """Of some of the gaits."""
+    own = [plan.of(gaits) for plan in steps]
+    found = linearise(loop, own, loop.config)
+    return found, [_walk(loop, own, found, k, loop.config) for k in range(len(gaits))]
 
 
 def collect_placement(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -170,7 +191,7 @@ def _record(
 def _stability(found: Walk | None) -> dict[str, Any]:
     if found is None:
         return dict.fromkeys(_OF_WALK)
-    gains = found.phase_gains[0, 0]
+    gains = -found.phase_gains[0, 0]
     open_, closed = (
         per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (found.maps, found.closed)
     )
@@ -190,14 +211,19 @@ def _placement(
     library: GaitLibrary,
     gaits: np.ndarray,
     steps: Sequence[StepPlan],
-    walks: Sequence[Walk | None],
+    kinds: Sequence[Sequence[Walk | None]],
 ) -> FootPlacement:
-    """Without a limit cycle gains and orbit are zero: the foot is placed where the gait has it."""
-    shape = (len(gaits), 2, len(PHASES))
-    gains, orbit = np.zeros((*shape, 2, len(COORDINATES))), np.zeros((*shape, len(COORDINATES)))
-    for k, found in enumerate(walks):
-        if found is not None:
-            gains[k], orbit[k] = found.phase_gains, found.orbit
+    """Without a limit cycle gains and orbit are zero: the foot is placed where the gait has it.
+
+    ``kinds`` are the walks by time and by the hip; the orbit is that of the latter.
+    """
+    shape, width = (len(gaits), 2, len(PHASES)), len(COORDINATES)
+    gains = np.zeros((len(gaits), len(kinds), *shape[1:], 2, width))
+    orbit = np.zeros((*shape, width))
+    for kind, walks in enumerate(kinds):
+        for k, found in enumerate(walks):
+            if found is not None:
+                gains[k, kind], orbit[k] = found.phase_gains, found.orbit
     return FootPlacement(
         library.commands[gaits],
         steps[0].clock,

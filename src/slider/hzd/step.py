@@ -8,8 +8,12 @@ without an input, are eleven equations for q̈, regular where that matrix is.
 **Phase.** With the clock, s = t/T, all ten outputs have relative degree two and the zero dynamics
 are the roll's. With the hip, s = σ(p(q)), outputs and phase are not independent: p(q) = p*(s) holds
 by definition of s, and the gait has its hip there, p(X(s)) = p*(s). Where nine outputs are zero the
-tenth, the stance ankle's, is too. Its effort drives ṡ T, an output of relative degree one:
-s̈ = −k_v (ṡ − 1/T). On the zero dynamics (roll, roll rate, s, ṡ) the phase is then autonomous.
+tenth, the stance ankle's, is too.
+
+**Ankle.** ``driven`` holds its output or, with the hip, drives ṡ T, an output of relative degree
+one: s̈ = −k_v (ṡ − 1/T). ``free`` gives the gait's own effort: nine outputs are left, and their
+zero dynamics are those of the roll and of the forward motion. With the hip s̈ is then what the
+motion makes of it, s̈ = (∇p q̈ + p̈|₀ − p″ ṡ²)/p′, in ÿ as well.
 """
 
 from dataclasses import dataclass
@@ -19,11 +23,11 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import DOP853
 
-from slider.config.hzd import VirtualConstraintsConfig
+from slider.config.hzd import StabilityConfig, VirtualConstraintsConfig
 from slider.gait.rooted import NUM
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.model import Landed, Measured, RootedModel
-from slider.hzd.outputs import JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
+from slider.hzd.outputs import ANKLE, JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
 from slider.hzd.phase import phase_of, phase_rate
 from slider.hzd.polynomials import NodeTable
 from slider.robot.knee_map import KneeLengths
@@ -31,7 +35,6 @@ from slider.robot.knee_map import KneeLengths
 PHASES = np.linspace(0.0, 1.0, 21)
 """At which a step is sampled."""
 
-_ANKLE = 4  # the stance ankle's output
 _NODES = np.arange(53) / 40  # of the integration, as polynomials are joined at some of them
 _WITHIN = 41  # nodes of the step itself; a swing foot that is not down by the last has missed it
 _GUARD = 0.5  # phase from which a swing foot can land
@@ -50,6 +53,7 @@ class StepPlan:
         coefficients: of the virtual legs (n, 10, degree + 1) [rad].
         roll: of the stance foot (n, K, 1) [rad].
         hip: forward position of the base's origin from the stance sole (n, K, 1) [m].
+        ankle: effort of the stance ankle (n, K, 1) [N m].
         placement: D (n, 10, 2).
         duration: T (n,) [s].
         clock: whether the phase is time (n,).
@@ -59,6 +63,7 @@ class StepPlan:
     coefficients: np.ndarray
     roll: NodeTable
     hip: NodeTable
+    ankle: NodeTable
     placement: np.ndarray
     duration: np.ndarray
     clock: np.ndarray
@@ -76,6 +81,7 @@ class StepPlan:
             self.coefficients[rows],
             self.roll.of(rows),
             self.hip.of(rows),
+            self.ankle.of(rows),
             self.placement[rows],
             self.duration[rows],
             self.clock[rows],
@@ -123,7 +129,7 @@ class ClosedLoop:
     """The robot under virtual constraints."""
 
     model: RootedModel
-    config: VirtualConstraintsConfig
+    config: StabilityConfig
 
     def step(
         self,
@@ -153,7 +159,7 @@ class _Run:
     """n robots during one step; states z are q, v and the time (n, 23), over the phase."""
 
     model: RootedModel
-    config: VirtualConstraintsConfig
+    config: StabilityConfig
     plan: StepPlan
     constraints: StepConstraints
 
@@ -200,12 +206,16 @@ class _Run:
     def _derivative(self, phase: np.ndarray, z: np.ndarray) -> np.ndarray:
         """dz/ds (n, 23)."""
         q, v = z[:, :NUM], z[:, NUM:-1]
-        row, bias, slope, bend = self.model.constrained(q, v)
+        rows, bias, slope, bend = self.model.constrained(q, v)
         nominal, hip = 1.0 / self.plan.duration, ~self.plan.clock
         _, hip_slope, hip_bend = (order[:, 0] for order in self.plan.hip.at(phase))
         rate = np.where(hip, (slope * v).sum(axis=1) / hip_slope, nominal)
         rate = np.where(rate > _SLOWEST * nominal, rate, np.nan)
+        free = self.config.ankle == "free"
+        # s̈ as the ankle drives it, or what (∇p q̈ + p̈|₀ − p″ ṡ²)/p′ has without q̈
         turn = -self.config.rate_gain * (rate - nominal)
+        if free:
+            turn = np.where(hip, (bend - hip_bend * rate**2) / hip_slope, 0.0)
         desired, first, second = self.constraints.desired(phase)
         x, x_rate = _coordinates(z)
         error, error_rate = x - desired, x_rate - first * rate[:, None]
@@ -214,9 +224,15 @@ class _Run:
         matrix = np.empty((len(z), NUM, NUM))
         right = np.empty((len(z), NUM))
         matrix[:, :-1], right[:, :-1] = self._columns, wanted @ self._outputs.T
-        matrix[hip, _ANKLE] = slope[hip]
-        right[hip, _ANKLE] = (hip_slope * turn + hip_bend * rate**2 - bend)[hip]
-        matrix[:, -1], right[:, -1] = row, -bias
+        if free:
+            share = (first @ self._outputs.T)[:, :, None] * slope[:, None]
+            matrix[:, :-1] -= np.where(hip[:, None, None], share / hip_slope[:, None, None], 0.0)
+            matrix[:, ANKLE] = rows[:, 1]
+            right[:, ANKLE] = self.plan.ankle.at(phase)[0][:, 0] - bias[:, 1]
+        else:
+            matrix[hip, ANKLE] = slope[hip]
+            right[hip, ANKLE] = (hip_slope * turn + hip_bend * rate**2 - bend)[hip]
+        matrix[:, -1], right[:, -1] = rows[:, 0], -bias[:, 0]
         lost = ~(np.abs(matrix).max(axis=(1, 2)) < _LOST)
         matrix[lost], right[lost] = np.eye(NUM), np.nan
         acceleration = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
@@ -256,7 +272,7 @@ class _Run:
         x, rate = _coordinates(z)
         errors = [x - desired, rate - first * self._rate(phase, z)[:, None]]
         found = np.abs(np.stack([error @ self._outputs.T for error in errors]))
-        found[:, ~self.plan.clock, _ANKLE] = 0.0
+        found[:, ~self.plan.clock | (self.config.ankle == "free"), ANKLE] = 0.0
         return found.max(axis=(0, 2))
 
     @cached_property

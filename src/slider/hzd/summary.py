@@ -31,7 +31,7 @@ QUANTITIES = {
     "closed_eigenvalues": Quantity("1/step", "the same with it"),
     "closed_spectral_radius": Quantity("1/step", "of the full return map with it"),
     "gain_position": Quantity(
-        "-", "displacement of the right foot to the left per lateral position"
+        "-", "displacement of the right foot to the left per lateral position, at the start"
     ),
     "gain_lateral": Quantity("s", "the same per lateral velocity"),
     "gain_forward": Quantity("s", "its displacement forward per forward velocity"),

@@ -12,6 +12,7 @@ from slider.config.types import (
     STRICT,
     Count,
     Factor,
+    Interval,
     Metres,
     MetresPerSecond,
     MetresPerSecond2,
@@ -248,14 +249,14 @@ class HzdControlConfig(ModelBasedConfig):
     ahead: Seconds
     """a step's gait is for the reference velocity this much later"""
     change: ChangeConfig
-    slowest_rate: Share
-    """of the phase, as a share of the gait's; a step that begins with less has time for a phase"""
-    turning_rate: Share
-    """the same for steps that turn"""
+    fastest: Positive[MetresPerSecond]
+    """forward velocity of a gait: faster ones do not walk (reports/gait_walks.csv)"""
+    hip_start: Interval[Number]
+    """phases at which a step can begin by the hip"""
+    hip_rate: Interval[Positive[Number]]
+    """of the phase by the hip, as a share of the gait's; a step beyond them begins by time"""
     yaw_acceleration: Annotated[Positive[Number], Unit("rad/s²")]
     """with which the yaw rate of a walk grows to another command"""
-    capture: Factor
-    """share of δẋ/ω at touchdown that moves the foothold forward where the phase is time"""
     lock: Share
     """no change of the foothold from this phase on"""
     settling: Positive[Seconds]

@@ -13,6 +13,7 @@ from slider.control.whole_body.memory import LEFT, RIGHT, WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
 from slider.env.starts import at_rest
 from slider.hzd.gains import FootPlacement
+from slider.hzd.outputs import ANKLE
 from slider.library.reader import STORE, GaitLibrary
 from tests.control.hzd.test_controller import STILL, controlled, gaits
 from tests.env.synthetic import config, robot_config
@@ -21,6 +22,7 @@ from tests.hzd.sample import folder, placement_folder
 COUNT = 2
 ROBOTS = np.arange(COUNT)
 TICK = 0.005  # [s]
+TIME = 0  # kind of gains
 
 
 def control() -> HzdControlConfig:
@@ -49,9 +51,12 @@ def walking(command: tuple[float, float, float]) -> tuple[HzdSteps, Memory, Dyna
 def test_a_contact_ends_a_step_that_is_not_too_early_for_it():
     steps, memory, _ = walking((0.2, 0.0, 0.0))
     early, none, both = control().step.early, np.zeros(COUNT, bool), np.ones(COUNT, bool)
+    memory.elapsed[:] = early * memory.duration
     steps._walk.phase[:] = early - 0.01, early + 0.01
     assert steps.end(memory, ROBOTS, both).tolist() == [False, True]
     assert not steps.end(memory, ROBOTS, none).any()
+    memory.elapsed[:] = 0.0  # the contact of the step before
+    assert not steps.end(memory, ROBOTS, both).any()
 
 
 def test_a_step_without_a_contact_ends_late_or_where_its_phase_is_stuck():
@@ -76,7 +81,9 @@ def test_the_next_gait_is_not_far_from_the_last_step(last, wanted, bound):
     change = control().change
     most = {None: 1.0, "faster": change.faster, "slower": change.slower}[bound]
     expected = last + np.clip(wanted - last, -most, most)
-    np.testing.assert_allclose(steps._reachable(memory, ROBOTS), [[expected, 0.0]] * COUNT)
+    wanted = np.array([[wanted, 0.0]] * COUNT)
+    found = steps._reachable(memory, ROBOTS, wanted)
+    np.testing.assert_allclose(found, [[expected, 0.0]] * COUNT)
 
 
 def test_the_last_step_of_a_turn_counts_along_its_middle():
@@ -87,7 +94,8 @@ def test_the_last_step_of_a_turn_counts_along_its_middle():
     memory.starts[:] = [[0.0, 0.0, 1.0], [*way, 1.4]]
     memory.old[:], bound = 0.0, replace(control().change, faster=1e-9, slower=1e-9)
     steps._config = replace(control(), change=bound)
-    np.testing.assert_allclose(steps._reachable(memory, ROBOTS), [[0.6, 0.0]] * COUNT, atol=1e-8)
+    wanted = np.array([[0.6, 0.0]] * COUNT)
+    np.testing.assert_allclose(steps._reachable(memory, ROBOTS, wanted), wanted, atol=1e-8)
 
 
 def placed(phase: float, error: float, gain: float = -1.0) -> np.ndarray:
@@ -95,8 +103,8 @@ def placed(phase: float, error: float, gain: float = -1.0) -> np.ndarray:
     steps, memory, dynamics = walking((0.2, 0.0, 0.0))
     walk = steps._walk
     gains = np.zeros_like(walk.steps.gains)
-    gains[:, :, 1, 0] = gain
-    orbit = np.tile(steps._section(memory, ROBOTS, dynamics)[:, None], (1, gains.shape[1], 1))
+    gains[:, TIME, :, 1, 0] = gain
+    orbit = np.tile(steps._section(memory, ROBOTS, dynamics)[:, None], (1, gains.shape[2], 1))
     orbit[:, :, 0] -= error
     walk.steps = replace(walk.steps, gains=gains, orbit=orbit)
     walk.phase[:] = phase
@@ -117,22 +125,53 @@ def test_the_foothold_stays_within_reach():
     np.testing.assert_allclose(placed(0.5, -3.0), -TICK / control().settling * reach)
 
 
-def test_what_is_left_of_a_forward_error_at_touchdown_moves_the_foot():
-    """δẋ/ω of a pendulum, here integrated."""
-    steps, _, _ = walking((0.2, 0.0, 0.0))
-    walk, omega = steps._walk, steps._omega
-    walk.phase[:] = 0.4
-    place, slope, _ = walk.steps.hip.at(walk.phase)
-    error = np.array([0.03, -0.1])  # [m], [m/s]
-    left = 0.6 * walk.steps.duration[0]
-    state, small = error.copy(), 1e-5
-    for _ in range(round(left / small)):
-        state = state + small * np.array([state[1], omega**2 * state[0]])
-    speed = slope[:, 0] / walk.steps.duration + error[1]
-    found = steps._capture(walk, place[:, 0] + error[0], speed)
-    np.testing.assert_allclose(found, control().capture * state[1] / omega, rtol=1e-3)
-    walk.by_hip[:] = True
-    assert not steps._capture(walk, place[:, 0] + error[0], speed).any()
+def test_no_gait_is_faster_than_the_fastest():
+    steps, memory, _ = walking((3.0, 0.0, 0.0))
+    fastest = control().fastest
+    found = steps._reachable(memory, ROBOTS, np.array([[3.0, 0.0]] * COUNT))
+    np.testing.assert_allclose(found[:, 0], fastest)
+
+
+def test_the_integral_action_waits_while_the_gait_is_bounded():
+    for reachable, moved in ((0.9, True), (0.1, False)):
+        steps, memory, dynamics = walking((0.4, 0.0, 0.0))
+        memory.steps[:], memory.walked[:] = 5, 20.0
+        memory.starts[:] = [[-0.2, 0.0, 19.2], [0.0, 0.0, 19.6]]
+        change = replace(control().change, faster=reachable, slower=reachable)
+        steps._config = replace(control(), change=change)
+        steps._next_velocity(memory, ROBOTS, dynamics)
+        assert memory.correction[:, 0].astype(bool).all() == moved
+
+
+@pytest.mark.parametrize(
+    ("phase", "rate", "expected"),
+    [(0.0, 1.0, True), (0.5, 1.0, False), (-0.4, 1.0, False), (0.0, 0.4, False), (0.0, 1.7, False)],
+)
+def test_a_step_goes_by_the_hip_where_it_begins_as_the_gait_does(phase, rate, expected):
+    steps, _, _ = walking((0.6, 0.0, 0.0))
+    walk = steps._walk
+    place, slope, _ = walk.steps.hip.at(np.full(COUNT, phase))
+    speed = rate * slope[:, 0] / walk.steps.duration
+    assert steps._tells_phase(walk, place[:, 0], speed).tolist() == [expected] * COUNT
+
+
+def test_by_the_hip_nine_outputs_are_met_whatever_the_ankle_does():
+    """Accelerations that fulfil nine rows have ÿ + kd ẏ + kp y = 0 with the s̈ that they give."""
+    steps, memory, dynamics = walking((0.6, 0.0, 0.0))
+    walk = steps._walk
+    walk.by_hip[:], walk.phase[:], walk.rate[:] = True, 0.4, 2.0
+    motion = steps._motion(walk, memory, ROBOTS, dynamics)
+    rows, wanted, _ = steps._outputs(walk, motion)
+    kept = [k for k in range(10) if k != ANKLE]
+    for robot in range(COUNT):
+        solution = np.linalg.lstsq(rows[robot, kept], wanted[robot, kept], rcond=None)[0]
+        advance, bend = (order[robot, 0] for order in walk.steps.hip.at(walk.phase)[1:])
+        turn = (motion.ahead[robot] @ solution[:2] - bend * 4.0) / advance
+        value, slope, curve = (order[robot] for order in walk.constraints.desired(walk.phase))
+        y, y_rate = motion.x[robot] - value, motion.rate[robot] - 2.0 * slope
+        bending = motion.jacobian[robot] @ solution - curve * 4.0 - slope * turn
+        error = bending + steps._constraints.kd * y_rate + steps._constraints.kp * y
+        np.testing.assert_allclose((steps._matrix @ error)[kept], 0.0, atol=1e-6)
 
 
 TURN = (0.6, 0.0, 0.3)
@@ -210,7 +249,7 @@ def test_the_yaw_rate_of_a_walk_grows_to_another_command():
     most = control().yaw_acceleration * TICK
     commands = np.array([(0.0, 0.0, -0.3), (0.0, 0.0, 0.0)])
     steps.command(memory, commands)
-    np.testing.assert_allclose(memory.command[:, 2], [0.3 - most, 0.0])  # to stand: at once
+    np.testing.assert_allclose(memory.command[:, 2], [0.3, 0.0])  # to stand: at once
     rates = []
     for _ in range(round(0.6 / most) + 5):
         steps.torques(memory, ROBOTS, dynamics)

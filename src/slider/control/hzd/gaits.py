@@ -29,7 +29,8 @@ class Steps:
         coefficients: (n, 10, degree + 1) Bézier coefficients of the virtual legs [rad].
         roll: of the stance foot's line (m = 1) [rad].
         hip: forward place of the hip over the stance foot (m = 1) [m].
-        gains, orbit: K (n, S, 2, 3) and ξ* (n, S, 3) of :class:`FootPlacement`.
+        gains: K (n, 2, S, 2, 4) of :class:`FootPlacement`, by time and by the hip.
+        orbit: ξ* (n, S, 4).
         placement: joints (n, 10, 2) that displace the swing foot.
     """
 
@@ -77,6 +78,7 @@ class GaitTables:
             raise UserError(f"expected the foot placement of {len(library)} gaits, {found}")
         time = library.step_time[:, :, None, None]
         arrays = {name: getattr(feedback, name) for name in ("hip", "gains", "orbit", "placement")}
+        arrays["gains"] = feedback.gains.swapaxes(1, 2)  # steps come first
         arrays["coefficients"] = library.arrays["coefficients"]
         orders = [time**k for k in range(3)]
         arrays["roll"] = library.arrays["roll"] * np.concatenate(orders, axis=3)

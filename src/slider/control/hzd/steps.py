@@ -14,7 +14,15 @@ from slider.control.whole_body.tasks import Part, Solved, pitch_and_yaw, point_v
 from slider.control.whole_body.velocity import ReferenceVelocity
 from slider.env.phase import standing
 from slider.hzd.constraints import StepConstraints
-from slider.hzd.outputs import NUM_JOINTS, SWING, YAW, output_matrix, stance_first, stance_selection
+from slider.hzd.outputs import (
+    ANKLE,
+    NUM_JOINTS,
+    SWING,
+    YAW,
+    output_matrix,
+    stance_first,
+    stance_selection,
+)
 from slider.hzd.phase import phase_of, phase_rate
 from slider.hzd.rows import put, take
 from slider.robot.kinematics import turn_to_heading, yaw_of
@@ -22,8 +30,7 @@ from slider.robot.knee_map import KneeLengths
 from slider.robot.names import ACTUATED
 
 _DRIVEN = np.array(ACTUATED)
-_RATES = (0.5, 1.6)  # of the phase, as a share of the gait's; beyond them a stumble is no phase
-_JUMP = 0.02  # the phase differs from the one expected by no more, per tick
+_NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 SLIDE = 3  # place of the slide in a leg
 
 
@@ -34,11 +41,13 @@ class Motion:
     Attributes:
         x, rate: (n, 12).
         jacobian: (n, 12, 18), ẍ = jacobian q̈ up to what q̇ adds.
+        ahead: direction of the stance foot's line (n, 2).
     """
 
     x: np.ndarray
     rate: np.ndarray
     jacobian: np.ndarray
+    ahead: np.ndarray
 
 
 @dataclass
@@ -84,7 +93,7 @@ class HzdSteps:
     ) -> None:
         self._config, self._constraints, self._reach = config, constraints, reach
         self._gaits, self._lengths = gaits, lengths
-        self._body, self._period, self._omega = around.body, around.period, around.omega
+        self._body, self._period = around.body, around.period
         self._velocity = ReferenceVelocity(config.velocity, around.period)
         self._matrix = output_matrix(constraints.outputs)
         w = config.weights
@@ -100,20 +109,21 @@ class HzdSteps:
     def reset(self, count: int) -> None:
         """Forget the steps of ``count`` robots."""
         self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))
-        self._yaw_rate: np.ndarray | None = None
 
     def command(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on; the yaw rate of a walk grows to it."""
-        self._yaw_rate, reference = velocity[:, 2].copy(), velocity.copy()
-        walks = np.flatnonzero((memory.mode == WALK) & ~standing(velocity))
-        reference[walks, 2] = self._grown(memory.command[walks, 2], self._yaw_rate[walks])
+        reference, wanted, rate = velocity.copy(), velocity[:, 2], memory.command[:, 2]
+        walks = (memory.mode == WALK) & ~standing(velocity)
+        reference[walks, 2] = np.where(rate == 0.0, _NOT_ZERO * wanted, rate)[walks]
+        memory.yaw_command = wanted.copy()
         self._velocity.change(memory, reference)
 
-    def _grown(self, rate: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-        """Yaw rates (n,) a tick later; on the way they are not zero, which could mean to stand."""
+    def _turn(self, memory: Memory, robots: np.ndarray) -> None:
+        """Let yaw rates grow for a tick; on the way none is zero, which could mean to stand."""
+        rate, wanted = memory.command[robots, 2], memory.yaw_command[robots]
         most = self._config.yaw_acceleration * self._period
         grown = rate + np.clip(wanted - rate, -most, most)
-        return np.where((grown == 0.0) & (wanted != 0.0), 1e-9 * wanted, grown)
+        memory.command[robots, 2] = np.where(grown == 0.0, _NOT_ZERO * wanted, grown)
 
     def begin(
         self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
@@ -123,29 +133,26 @@ class HzdSteps:
             return
         memory.stance[robots], memory.elapsed[robots] = stance, 0.0
         memory.steps[robots] += 1
-        self._velocity.correct(memory, robots, dynamics.com[:, :2])
+        velocity = self._next_velocity(memory, robots, dynamics)
         yaw_rate = memory.yaw_rate(robots)[:, None]
-        command = np.concatenate([self._reachable(memory, robots), yaw_rate], axis=1)
-        walk = self._new(command, stance)
+        walk = self._new(np.concatenate([velocity, yaw_rate], axis=1), stance)
         memory.duration[robots] = walk.steps.duration
         walk.line = memory.heading[robots] + _side(stance) * walk.steps.turn / 2
         place, speed = self._hip(walk, stance, dynamics)
-        rate = phase_rate(walk.steps.hip, phase_of(walk.steps.hip, place), speed)
-        config = self._config
-        least = np.where(walk.steps.turn == 0.0, config.slowest_rate, config.turning_rate)
-        walk.by_hip &= rate * walk.steps.duration >= least
-        self._synchronise(walk, place, speed)
+        walk.by_hip &= self._tells_phase(walk, place, speed)
+        self._synchronise(walk, place, speed, np.ones(len(robots)))
         motion = self._motion(walk, memory, robots, dynamics)
         walk.constraints.re_anchor(walk.phase, motion.x, motion.rate / walk.rate[:, None])
         put(self._walk, robots, walk)
 
     def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
         """Whether the steps are over (n,), where ``contact`` (n,) is that of the swing feet."""
-        phase, step = self._walk.phase[robots], self._config.step
-        duration = memory.duration[robots]
+        phase, step, rates = self._walk.phase[robots], self._config.step, self._config.hip_rate
+        elapsed, duration = memory.elapsed[robots], memory.duration[robots]
         late = (phase - 1.0) * duration > step.late
-        stuck = memory.elapsed[robots] > duration / _RATES[0]
-        return (contact & (phase > step.early)) | late | stuck
+        stuck = elapsed > duration / rates.lower
+        down = contact & (phase > step.early) & (elapsed > step.early * duration / rates.upper)
+        return down | late | stuck
 
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
         """Torques that enforce the virtual constraints, as far as motors and contact allow."""
@@ -160,9 +167,7 @@ class HzdSteps:
         ]
         feet = memory.stance[robots, None]
         solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
-        if self._yaw_rate is not None:
-            rate = memory.command[robots, 2]
-            memory.command[robots, 2] = self._grown(rate, self._yaw_rate[robots])
+        self._turn(memory, robots)
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
         walk.phase += np.where(walk.by_hip, 0.0, self._period * walk.rate)
@@ -183,9 +188,18 @@ class HzdSteps:
         phase, line = np.zeros((2, len(stance)))
         return Walk(constraints, steps, phase, 1.0 / steps.duration, by_hip, line)
 
-    def _reachable(self, memory: Memory, robots: np.ndarray) -> np.ndarray:
-        """Velocity (n, 2) of the next gait: not far from that of the step before."""
+    def _next_velocity(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
+        """Velocity (n, 2) of the next gait. Where that is bounded the integral action waits."""
+        before = memory.correction[robots]
+        self._velocity.correct(memory, robots, dynamics.com[:, :2])
         wanted = self._velocity.of(memory, robots, self._config.ahead)
+        found = self._reachable(memory, robots, wanted)
+        bounded = (found != wanted).any(axis=1)
+        memory.correction[robots[bounded]] = before[bounded]
+        return found
+
+    def _reachable(self, memory: Memory, robots: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+        """Nearest velocity (n, 2) that is not far from that of the step before, nor too fast."""
         gone = memory.starts[robots, 1] - memory.starts[robots, 0]
         halfway = memory.heading[robots] - 0.5 * memory.yaw_rate(robots) * gone[:, 2]
         last = turn_to_heading(gone[:, :2], halfway) / np.maximum(gone[:, 2:], self._period)
@@ -194,7 +208,17 @@ class HzdSteps:
         change = self._config.change
         faster = (wanted * last >= 0) & (np.abs(wanted) > np.abs(last))
         bound = np.where(faster, change.faster, change.slower)
-        return np.clip(wanted, last - bound, last + bound)
+        found = np.clip(wanted, last - bound, last + bound)
+        found[:, 0] = np.minimum(found[:, 0], self._config.fastest)
+        return found
+
+    def _tells_phase(self, walk: Walk, place: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        """Whether the hip's place (n,) and velocity (n,) are such as the gait has at a start."""
+        start, pace = self._config.hip_start, self._config.hip_rate
+        phase = phase_of(walk.steps.hip, place)
+        rate = phase_rate(walk.steps.hip, phase, speed) * walk.steps.duration
+        at_start = (phase >= start.lower) & (phase <= start.upper)
+        return at_start & (rate >= pace.lower) & (rate <= pace.upper)
 
     def _hip(
         self, walk: Walk, stance: np.ndarray, dynamics: Dynamics
@@ -205,13 +229,14 @@ class HzdSteps:
         return place, turn_to_heading(dynamics.qvel[:, :2], walk.line)[:, 0]
 
     def _synchronise(
-        self, walk: Walk, place: np.ndarray, velocity: np.ndarray, reach: float = 1.0
+        self, walk: Walk, place: np.ndarray, velocity: np.ndarray, growth: np.ndarray
     ) -> None:
-        """Phase and its rate of those that go by the hip; it changes by no more than ``reach``."""
+        """Phase and its rate of those that go by the hip; it grows by ``growth`` (n,) at most."""
         phase = phase_of(walk.steps.hip, place)
-        phase = np.clip(phase, walk.phase, walk.phase + reach)
-        pace = 1.0 / walk.steps.duration
-        rate = np.clip(phase_rate(walk.steps.hip, phase, velocity), *np.outer(_RATES, pace))
+        phase = np.clip(phase, walk.phase, walk.phase + growth)
+        pace, bounds = 1.0 / walk.steps.duration, self._config.hip_rate
+        rate = phase_rate(walk.steps.hip, phase, velocity)
+        rate = np.clip(rate, bounds.lower * pace, bounds.upper * pace)
         walk.phase = np.where(walk.by_hip, phase, walk.phase)
         walk.rate = np.where(walk.by_hip, rate, pace)
 
@@ -231,60 +256,60 @@ class HzdSteps:
         joints = stance_first(dynamics.joints[:, _DRIVEN], right)
         rate = point_velocity(jacobian, dynamics.qvel)
         rate[:, YAW] += walk.steps.turn * walk.rate - side * memory.yaw_rate(robots)
-        return Motion(np.concatenate([roll[:, None], yaw[:, None], joints], axis=1), rate, jacobian)
+        ahead = np.stack([np.cos(walk.line), np.sin(walk.line)], axis=1)
+        x = np.concatenate([roll[:, None], yaw[:, None], joints], axis=1)
+        return Motion(x, rate, jacobian, ahead)
 
     def _outputs(self, walk: Walk, motion: Motion) -> Part:
-        """ÿ = −kp y − kd ẏ, with the phase on its way to the gait's pace."""
-        config, rate = self._constraints, walk.rate[:, None]
+        """ÿ = −kp y − kd ẏ; by the hip nine of them, and the ankle drives the phase's rate.
+
+        There s̈ = (∇p q̈ − p″ ṡ²)/p′ is what the robot makes of it: the nine do not depend on what
+        the foot's length leaves of the ankle.
+        """
+        config, rate, hip = self._constraints, walk.rate[:, None], walk.by_hip
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
         sinking = self._config.descent * walk.steps.duration * (late > 0)
         value[:, SWING + SLIDE] += sinking * late
         slope[:, SWING + SLIDE] += sinking
-        pace = np.where(walk.by_hip, -config.rate_gain, 0.0) * (
-            walk.rate - 1.0 / walk.steps.duration
-        )
-        wanted = curve * rate**2 + slope * pace[:, None]
         error, error_rate = value - motion.x, slope * rate - motion.rate
-        desired = wanted + config.kp * error + config.kd * error_rate
-        return self._matrix @ motion.jacobian, desired @ self._matrix.T, self._weights
+        desired = curve * rate**2 + config.kp * error + config.kd * error_rate
+        _, advance, bend = (order[:, 0] for order in walk.steps.hip.at(walk.phase))
+        bend *= walk.rate**2
+        slope[:, YAW] -= walk.steps.turn
+        slope *= np.where(hip, 1.0 / np.where(hip, advance, 1.0), 0.0)[:, None]
+        jacobian = motion.jacobian.copy()
+        jacobian[:, :, :2] -= slope[:, :, None] * motion.ahead[:, None]
+        jacobian = self._matrix @ jacobian
+        desired = (desired - slope * bend[:, None]) @ self._matrix.T
+        turn = -config.rate_gain * (walk.rate - 1.0 / walk.steps.duration)
+        jacobian[hip, ANKLE] = 0.0
+        jacobian[hip, ANKLE, :2] = motion.ahead[hip]
+        desired[hip, ANKLE] = (advance * turn + bend)[hip]
+        return jacobian, desired, self._weights
 
     def _place(self, walk: Walk, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
         """Phase now, and the foothold that the state asks for: b = −K(s) (ξ − ξ*(s))."""
         place, speed = self._hip(walk, memory.stance[robots], dynamics)
-        self._synchronise(walk, place, speed, _JUMP)
+        growth = self._period * self._config.hip_rate.upper / walk.steps.duration
+        self._synchronise(walk, place, speed, growth)
         error = self._section(memory, robots, dynamics) - at_phase(walk.steps.orbit, walk.phase)
-        error[:, 2] = 0.0  # the ankle's; at a start or stop it is beyond the linear map
-        wanted = -(at_phase(walk.steps.gains, walk.phase) @ error[:, :, None])[:, :, 0]
-        wanted[:, 0] += self._capture(walk, place, speed)
+        gains = walk.steps.gains[np.arange(len(robots)), walk.by_hip.astype(int)]
+        wanted = -(at_phase(gains, walk.phase) @ error[:, :, None])[:, :, 0]
         wanted = np.clip(wanted, -self._reach, self._reach)
         config = self._config
         share = np.where(walk.phase < config.lock, min(1.0, self._period / config.settling), 0)
         walk.constraints.displacement += share[:, None] * (wanted - walk.constraints.displacement)
 
     def _section(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
-        """ξ (n, 3): lateral place, lateral and forward velocity of the centre of mass."""
+        """ξ (n, 4) of the centre of mass: lateral place, horizontal velocity, forward place."""
         rows, stance = np.arange(len(robots)), memory.stance[robots]
         yaw = yaw_of(dynamics.foot_rotations[rows, stance])
         place = dynamics.com[:, :2] - dynamics.foot_positions[rows, stance, :2]
         place, speed = (turn_to_heading(v, yaw) for v in (place, dynamics.com_velocity[:, :2]))
         side = _side(stance)
-        return np.stack([side * place[:, 1], side * speed[:, 1], speed[:, 0]], axis=1)
-
-    def _capture(self, walk: Walk, place: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Forward displacement (n,) [m] by the pendulum, where the phase is time.
-
-        There the linear map has no forward error: the ankle takes it away at once. The foot's
-        length forbids that for large ones, of a start or a stop. What is left of them at touchdown,
-        δẋ/ω, goes into the foothold.
-        """
-        duration = walk.steps.duration
-        value, slope, _ = walk.steps.hip.at(walk.phase)
-        left = self._omega * np.maximum(1.0 - walk.phase, 0.0) * duration
-        late = np.cosh(left) * (speed - slope[:, 0] / duration) / self._omega
-        return np.where(walk.by_hip, 0.0, self._config.capture) * (
-            np.sinh(left) * (place - value[:, 0]) + late
-        )
+        lateral = [side * place[:, 1], side * speed[:, 1]]
+        return np.stack([*lateral, speed[:, 0], place[:, 0]], axis=1)
 
 
 def _side(stance: np.ndarray) -> np.ndarray:

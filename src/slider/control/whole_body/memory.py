@@ -37,6 +37,7 @@ class Memory:
         correction: (N, 2) added to the commanded velocity [m/s].
         old: (N, 2) reference velocity when the command last changed [m/s].
         changed: ``walked`` at that time (N,) [s].
+        yaw_command: (N,) commanded yaw rate, to which a walk's grows [rad/s].
     """
 
     command: np.ndarray
@@ -55,6 +56,7 @@ class Memory:
     correction: np.ndarray
     old: np.ndarray
     changed: np.ndarray
+    yaw_command: np.ndarray
 
     @classmethod
     def on_both_feet(cls, command: np.ndarray, heading: np.ndarray) -> "Memory":
@@ -77,6 +79,7 @@ class Memory:
             correction=np.zeros((n, 2)),
             old=np.zeros((n, 2)),
             changed=np.zeros(n),
+            yaw_command=command[:, 2].copy(),
         )
 
     def forget_walk(self, robots: np.ndarray) -> None:

@@ -9,15 +9,16 @@ import pytest
 from slider.config.control import HzdControlConfig
 from slider.control.hzd.gaits import GaitTables
 from slider.control.hzd.steps import HzdSteps
-from slider.control.whole_body.memory import LEFT, RIGHT, WALK, Memory
+from slider.control.whole_body.memory import LEFT, OFF, RIGHT, WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
 from slider.env.starts import at_rest
+from slider.evaluation.gait_walks import first_samples
 from slider.hzd.gains import FootPlacement
 from slider.hzd.outputs import ANKLE
 from slider.library.reader import STORE, GaitLibrary
 from tests.control.hzd.test_controller import STILL, controlled, gaits
 from tests.env.synthetic import config, robot_config
-from tests.hzd.sample import folder, placement_folder
+from tests.hzd.sample import CLOCK, COMMANDS, HIP, folder, library, placement_folder, walks
 
 COUNT = 2
 ROBOTS = np.arange(COUNT)
@@ -257,3 +258,31 @@ def test_the_yaw_rate_of_a_walk_grows_to_another_command():
     assert commands[0, 2] == rates[-1] == -0.3
     assert np.abs(np.diff(rates)).max() <= most * (1 + 1e-9)
     assert all(rates)
+
+
+@pytest.mark.parametrize("gait", [CLOCK, HIP])
+def test_a_perturbed_step_ends_where_the_return_map_says(gait):
+    """MuJoCo's robot, feedback and motors against A − B K of the rooted model."""
+    push = np.array([0.05, -0.05])  # lateral velocity at the start of a step [m/s]
+    controller, physics = controlled(COUNT)
+    start = [np.repeat(each[gait : gait + 1], COUNT, 0) for each in first_samples(library())]
+    start[1][:, 1] += push
+    physics.reset(ROBOTS, *start)
+    state = physics.read()
+    controller.start_on_gait(state, np.tile(COMMANDS[gait], (COUNT, 1)), np.zeros(COUNT))
+    steps, memory = controller._stepping, controller.memory
+    assert isinstance(steps, HzdSteps)
+    seen = np.zeros((COUNT, 4))
+    for _ in range(120):
+        before = memory.steps.copy()
+        physics.step(controller.control(state))
+        state = physics.read()
+        landed = memory.steps > before
+        dynamics = controller._model.evaluate(state.qpos, state.qvel)
+        seen[landed] = steps._section(memory, ROBOTS, dynamics)[landed]
+        if (memory.steps == 2).all():
+            break
+        controller.memory.mode[memory.steps == 2] = OFF
+    found = (seen[0] - seen[1]) / (push[0] - push[1])
+    expected = walks()[gait].closed[0][:2, 1]
+    np.testing.assert_allclose(found[:2], expected, rtol=0.15)

@@ -93,6 +93,12 @@ def test_the_table_has_a_line_per_gait(chunk, tmp_path):
     assert "| `spectral_radius` | 1/step |" in (tmp_path / MARKDOWN).read_text()
 
 
+def test_gaits_that_all_go_by_time(tmp_path):
+    (spec,) = jobs()["stability"].inputs["gaits"]
+    section = spec.section | {"commands": [list(COMMANDS[CLOCK])]}
+    assert run_gaits(section, {"library": [folder()]}, tmp_path, Job(tmp_path))["gaits"] == 1
+
+
 def test_a_basin_and_its_walks(tmp_path):
     (spec,) = jobs()["stability"].inputs["gaits"]
     basin = {"roll": {"lower": -0.02, "upper": 0.02}, "roll_rate": {"lower": -0.2, "upper": 0.2}}

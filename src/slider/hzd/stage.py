@@ -65,7 +65,8 @@ def _by_time(
     by_hip = np.flatnonzero(~steps[0].clock)
     timed = [replace(plan, clock=np.ones_like(plan.clock)) for plan in steps]
     found = list(walks)
-    for k, other in zip(by_hip, _walks(loop, timed, by_hip)[1], strict=True):
+    others = _walks(loop, timed, by_hip)[1] if len(by_hip) else []
+    for k, other in zip(by_hip, others, strict=True):
         found[k] = other
     return found
 

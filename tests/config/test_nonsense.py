@@ -60,9 +60,6 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *(
             "*.hzd.weights.*",
             "*.hzd.ahead",
-            "*.hzd.capture",
-            "*.hzd.slowest_rate",
-            "*.hzd.turning_rate",
             "*.hzd.lock",
             "*.hzd.descent",
         ),  # switched off

@@ -6,7 +6,7 @@
 # make docs                             the documentation as a site
 # make test                              lint, type check and tests
 PYTHON ?= python3
-CORES ?= 2
+CORES ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 HYDRA ?=
 VENV := .venv
 BIN := $(VENV)/bin

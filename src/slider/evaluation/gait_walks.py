@@ -1,9 +1,11 @@
 """The stage ``gait_walks``: every gait walked in MuJoCo from its own first sample, by feedback.
 
-The controller ``hzd``, integral action included, at the gait's constant command, without noise.
+The controller ``hzd``, integral action included, at the gait's constant command, without noise and
+without the bound of its fastest gait.
 """
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +34,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(HzdControlConfig, section["control"])
     library = GaitLibrary.load(inputs["library"][0] / STORE)
+    config = replace(config, fastest=float(library.commands[:, 0].max()))  # each at its own speed
     gaits = EnforcedGaits.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
     physics = build_plant(robot, plant.physics, config, len(library), threads=job.threads)
     controller = hzd_controller(robot, config, gaits, physics.period)

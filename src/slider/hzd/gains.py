@@ -21,8 +21,8 @@ class FootPlacement:
         clock: whether the phase is time (G,), else where the hip is.
         phases: (S,) in [0, 1].
         gains: K(s) (G, 2, 2, S, 2, 4) of steps by time and by the hip: forward and leftward
-            displacement [-], [s], [s], [-]. By the hip those for c_x are zero; gaits with the clock
-            have those by time twice.
+            displacement [-], [s], [s], [-]. By the hip those for c_x are zero. Slow gaits have
+            those by time twice but for that, fast ones those by the hip.
         orbit: ξ*(s) (G, 2, S, 4) on the limit cycle [m], [m/s], [m/s], [m].
         placement: D (G, 2, 10, 2): joints, stance leg first, that displace the swing sole
             [rad/m, m/m].

@@ -29,6 +29,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import COMMAND
 
 RECORDS = "gaits.json"
+BY_HIP = 1  # the second kind of gains
 CSV, MARKDOWN = "stability.csv", "stability.md"
 _OF_WALK = (
     *("spectral_radius", "eigenvalues", "closed_eigenvalues", "closed_spectral_radius"),
@@ -53,16 +54,19 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     kept = invariance(loop, steps, found.points, config.impacts)
     records = [_record(library, gait, steps, k, walks[k], kept) for k, gait in enumerate(gaits)]
     (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
-    by_time = _by_time(loop, steps, walks)
+    slow = library.velocities[gaits, 0] <= config.fastest_clock
+    by_time = _by_time(loop, steps, walks, np.flatnonzero(~steps[0].clock & slow))
     _placement(library, gaits, steps, [by_time, walks]).save(out)
     return {"gaits": len(gaits), "limit_cycles": int(found.found.sum())}
 
 
 def _by_time(
-    loop: ClosedLoop, steps: Sequence[StepPlan], walks: Sequence[Walk | None]
+    loop: ClosedLoop,
+    steps: Sequence[StepPlan],
+    walks: Sequence[Walk | None],
+    by_hip: np.ndarray,
 ) -> list[Walk | None]:
-    """The same walks where all steps go by time."""
-    by_hip = np.flatnonzero(~steps[0].clock)
+    """The same walks where the steps of some of them, ``by_hip`` (n,), go by time."""
     timed = [replace(plan, clock=np.ones_like(plan.clock)) for plan in steps]
     found = list(walks)
     others = _walks(loop, timed, by_hip)[1] if len(by_hip) else []
@@ -159,7 +163,7 @@ def _walk(
     """None where there is no limit cycle, or none that foot placement stabilises."""
     try:
         return walk(loop, steps, found, gait, config) if found.found[gait] else None
-    except UserError:
+    except (UserError, np.linalg.LinAlgError):
         return None
 
 
@@ -225,6 +229,7 @@ def _placement(
         for k, found in enumerate(walks):
             if found is not None:
                 gains[k, kind], orbit[k] = found.phase_gains, found.orbit
+    gains[:, BY_HIP, ..., COORDINATES.index("com_x")] = 0.0
     return FootPlacement(
         library.commands[gaits],
         steps[0].clock,

@@ -194,8 +194,7 @@ class HzdSteps:
         self._velocity.correct(memory, robots, dynamics.com[:, :2])
         wanted = self._velocity.of(memory, robots, self._config.ahead)
         found = self._reachable(memory, robots, wanted)
-        bounded = (found != wanted).any(axis=1)
-        memory.correction[robots[bounded]] = before[bounded]
+        memory.correction[robots] = np.where(found == wanted, memory.correction[robots], before)
         return found
 
     def _reachable(self, memory: Memory, robots: np.ndarray, wanted: np.ndarray) -> np.ndarray:

@@ -61,6 +61,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.hzd.weights.*",
             "*.hzd.ahead",
             "*.hzd.lock",
+            "*.hzd.hip_start.*",
             "*.hzd.descent",
         ),  # switched off
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit

@@ -250,7 +250,7 @@ class HzdControlConfig(ModelBasedConfig):
     """a step's gait is for the reference velocity this much later"""
     change: ChangeConfig
     fastest: Positive[MetresPerSecond]
-    """forward velocity of a gait: faster ones do not walk (reports/gait_walks.csv)"""
+    """forward velocity of a gait: few faster ones walk (reports/gait_walks.csv)"""
     hip_start: Interval[Number]
     """phases at which a step can begin by the hip"""
     hip_rate: Interval[Positive[Number]]

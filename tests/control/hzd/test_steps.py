@@ -8,6 +8,7 @@ import pytest
 
 from slider.config.control import HzdControlConfig
 from slider.control.hzd.gaits import GaitTables
+from slider.control.hzd.motion import hip, section
 from slider.control.hzd.steps import HzdSteps
 from slider.control.whole_body.memory import LEFT, OFF, RIGHT, WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
@@ -105,7 +106,7 @@ def placed(phase: float, error: float, gain: float = -1.0) -> np.ndarray:
     walk = steps._walk
     gains = np.zeros_like(walk.steps.gains)
     gains[:, TIME, :, 1, 0] = gain
-    orbit = np.tile(steps._section(memory, ROBOTS, dynamics)[:, None], (1, gains.shape[2], 1))
+    orbit = np.tile(section(dynamics, memory.stance)[:, None], (1, gains.shape[2], 1))
     orbit[:, :, 0] -= error
     walk.steps = replace(walk.steps, gains=gains, orbit=orbit)
     walk.phase[:] = phase
@@ -167,7 +168,8 @@ def test_by_the_hip_nine_outputs_are_met_whatever_the_ankle_does():
     for robot in range(COUNT):
         solution = np.linalg.lstsq(rows[robot, kept], wanted[robot, kept], rcond=None)[0]
         advance, bend = (order[robot, 0] for order in walk.steps.hip.at(walk.phase)[1:])
-        turn = (motion.ahead[robot] @ solution[:2] - bend * 4.0) / advance
+        ahead = np.array([np.cos(walk.line[robot]), np.sin(walk.line[robot])])
+        turn = (ahead @ solution[:2] - bend * 4.0) / advance
         value, slope, curve = (order[robot] for order in walk.constraints.desired(walk.phase))
         y, y_rate = motion.x[robot] - value, motion.rate[robot] - 2.0 * slope
         bending = motion.jacobian[robot] @ solution - curve * 4.0 - slope * turn
@@ -220,7 +222,7 @@ def test_the_hip_is_measured_along_the_line_on_which_the_gait_has_the_foot():
     np.testing.assert_array_equal(steps._walk.line, memory.heading)
     walk = steps._walk
     walk.line[:] = 0.0, np.pi / 2
-    place, speed = steps._hip(walk, np.full(COUNT, RIGHT), dynamics)
+    place, speed = hip(dynamics, np.full(COUNT, RIGHT), walk.line)
     sole = dynamics.foot_positions[:, RIGHT, :2]
     along = (dynamics.base_position[:, :2] - sole)[ROBOTS, ROBOTS]
     np.testing.assert_allclose(place, along)
@@ -279,7 +281,7 @@ def test_a_perturbed_step_ends_where_the_return_map_says(gait):
         state = physics.read()
         landed = memory.steps > before
         dynamics = controller._model.evaluate(state.qpos, state.qvel)
-        seen[landed] = steps._section(memory, ROBOTS, dynamics)[landed]
+        seen[landed] = section(dynamics, memory.stance)[landed]
         if (memory.steps == 2).all():
             break
         controller.memory.mode[memory.steps == 2] = OFF

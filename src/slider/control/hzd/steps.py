@@ -7,47 +7,22 @@ import numpy as np
 from slider.config.control import HzdControlConfig
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.gaits import GaitTables, Steps, at_phase
+from slider.control.hzd.motion import Motion, hip, motion, section, side_of
 from slider.control.whole_body.controller import Surroundings
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
-from slider.control.whole_body.tasks import Part, Solved, pitch_and_yaw, point_velocity, wrapped
+from slider.control.whole_body.tasks import Part, Solved
 from slider.control.whole_body.velocity import ReferenceVelocity
 from slider.env.phase import standing
 from slider.hzd.constraints import StepConstraints
-from slider.hzd.outputs import (
-    ANKLE,
-    NUM_JOINTS,
-    SWING,
-    YAW,
-    output_matrix,
-    stance_first,
-    stance_selection,
-)
+from slider.hzd.outputs import ANKLE, SWING, YAW, output_matrix
 from slider.hzd.phase import phase_of, phase_rate
 from slider.hzd.rows import put, take
-from slider.robot.kinematics import turn_to_heading, yaw_of
+from slider.robot.kinematics import turn_to_heading
 from slider.robot.knee_map import KneeLengths
-from slider.robot.names import ACTUATED
 
-_DRIVEN = np.array(ACTUATED)
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 SLIDE = 3  # place of the slide in a leg
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Coordinates of n robots in stance: roll, yaw and driven joints, stance leg first.
-
-    Attributes:
-        x, rate: (n, 12).
-        jacobian: (n, 12, 18), ẍ = jacobian q̈ up to what q̇ adds.
-        ahead: direction of the stance foot's line (n, 2).
-    """
-
-    x: np.ndarray
-    rate: np.ndarray
-    jacobian: np.ndarray
-    ahead: np.ndarray
 
 
 @dataclass
@@ -137,12 +112,12 @@ class HzdSteps:
         yaw_rate = memory.yaw_rate(robots)[:, None]
         walk = self._new(np.concatenate([velocity, yaw_rate], axis=1), stance)
         memory.duration[robots] = walk.steps.duration
-        walk.line = memory.heading[robots] + _side(stance) * walk.steps.turn / 2
-        place, speed = self._hip(walk, stance, dynamics)
+        walk.line = memory.heading[robots] + side_of(stance) * walk.steps.turn / 2
+        place, speed = hip(dynamics, stance, walk.line)
         walk.by_hip &= self._tells_phase(walk, place, speed)
         self._synchronise(walk, place, speed, np.ones(len(robots)))
-        motion = self._motion(walk, memory, robots, dynamics)
-        walk.constraints.re_anchor(walk.phase, motion.x, motion.rate / walk.rate[:, None])
+        seen = self._motion(walk, memory, robots, dynamics)
+        walk.constraints.re_anchor(walk.phase, seen.x, seen.rate / walk.rate[:, None])
         put(self._walk, robots, walk)
 
     def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
@@ -158,9 +133,9 @@ class HzdSteps:
         """Torques that enforce the virtual constraints, as far as motors and contact allow."""
         walk = take(self._walk, robots)
         self._place(walk, memory, robots, dynamics)
-        motion = self._motion(walk, memory, robots, dynamics)
+        seen = self._motion(walk, memory, robots, dynamics)
         parts = [
-            self._outputs(walk, motion),
+            self._outputs(walk, seen),
             self._body.tasks.stance(
                 dynamics, memory.stance[robots, None], np.zeros((len(robots), 1))
             ),
@@ -219,14 +194,6 @@ class HzdSteps:
         at_start = (phase >= start.lower) & (phase <= start.upper)
         return at_start & (rate >= pace.lower) & (rate <= pace.upper)
 
-    def _hip(
-        self, walk: Walk, stance: np.ndarray, dynamics: Dynamics
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Place of the base along the stance foot's line (n,) [m] and velocity [m/s]."""
-        sole = dynamics.foot_positions[np.arange(len(stance)), stance, :2]
-        place = turn_to_heading(dynamics.base_position[:, :2] - sole, walk.line)[:, 0]
-        return place, turn_to_heading(dynamics.qvel[:, :2], walk.line)[:, 0]
-
     def _synchronise(
         self, walk: Walk, place: np.ndarray, velocity: np.ndarray, growth: np.ndarray
     ) -> None:
@@ -241,81 +208,50 @@ class HzdSteps:
 
     def _motion(self, walk: Walk, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Motion:
         """Yaw of the line counts from where the course of the gait has it at this phase."""
-        rows, stance = np.arange(len(robots)), memory.stance[robots]
-        right, side = stance == 1, _side(stance)
-        rotation = dynamics.foot_rotations[rows, stance]
-        angular = dynamics.foot_jacobians[rows, stance, 3:]
-        axes = np.stack([rotation[:, :, 0], pitch_and_yaw(rotation)[:, 1]], axis=1)
-        jacobian = np.concatenate(
-            [side[:, None, None] * (axes @ angular), _joint_rows(right)], axis=1
-        )
-        roll = side * np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))
-        yaw = side * wrapped(yaw_of(rotation) - memory.heading[robots])
-        yaw += walk.steps.turn * (walk.phase - 0.5)
-        joints = stance_first(dynamics.joints[:, _DRIVEN], right)
-        rate = point_velocity(jacobian, dynamics.qvel)
-        rate[:, YAW] += walk.steps.turn * walk.rate - side * memory.yaw_rate(robots)
-        ahead = np.stack([np.cos(walk.line), np.sin(walk.line)], axis=1)
-        x = np.concatenate([roll[:, None], yaw[:, None], joints], axis=1)
-        return Motion(x, rate, jacobian, ahead)
+        stance, heading = memory.stance[robots], memory.heading[robots]
+        found = motion(dynamics, stance, heading, memory.yaw_rate(robots))
+        found.x[:, YAW] += walk.steps.turn * (walk.phase - 0.5)
+        found.rate[:, YAW] += walk.steps.turn * walk.rate
+        return found
 
-    def _outputs(self, walk: Walk, motion: Motion) -> Part:
+    def _outputs(self, walk: Walk, seen: Motion) -> Part:
         """ÿ = −kp y − kd ẏ; by the hip nine of them, and the ankle drives the phase's rate.
 
         There s̈ = (∇p q̈ − p″ ṡ²)/p′ is what the robot makes of it: the nine do not depend on what
         the foot's length leaves of the ankle.
         """
-        config, rate, hip = self._constraints, walk.rate[:, None], walk.by_hip
+        config, rate, by_hip = self._constraints, walk.rate[:, None], walk.by_hip
         value, slope, curve = walk.constraints.desired(walk.phase)
         late = np.maximum(walk.phase - 1.0, 0.0)
         sinking = self._config.descent * walk.steps.duration * (late > 0)
         value[:, SWING + SLIDE] += sinking * late
         slope[:, SWING + SLIDE] += sinking
-        error, error_rate = value - motion.x, slope * rate - motion.rate
+        error, error_rate = value - seen.x, slope * rate - seen.rate
         desired = curve * rate**2 + config.kp * error + config.kd * error_rate
         _, advance, bend = (order[:, 0] for order in walk.steps.hip.at(walk.phase))
         bend *= walk.rate**2
         slope[:, YAW] -= walk.steps.turn
-        slope *= np.where(hip, 1.0 / np.where(hip, advance, 1.0), 0.0)[:, None]
-        jacobian = motion.jacobian.copy()
-        jacobian[:, :, :2] -= slope[:, :, None] * motion.ahead[:, None]
+        slope *= np.where(by_hip, 1.0 / np.where(by_hip, advance, 1.0), 0.0)[:, None]
+        ahead = np.stack([np.cos(walk.line), np.sin(walk.line)], axis=1)
+        jacobian = seen.jacobian.copy()
+        jacobian[:, :, :2] -= slope[:, :, None] * ahead[:, None]
         jacobian = self._matrix @ jacobian
         desired = (desired - slope * bend[:, None]) @ self._matrix.T
         turn = -config.rate_gain * (walk.rate - 1.0 / walk.steps.duration)
-        jacobian[hip, ANKLE] = 0.0
-        jacobian[hip, ANKLE, :2] = motion.ahead[hip]
-        desired[hip, ANKLE] = (advance * turn + bend)[hip]
+        jacobian[by_hip, ANKLE] = 0.0
+        jacobian[by_hip, ANKLE, :2] = ahead[by_hip]
+        desired[by_hip, ANKLE] = (advance * turn + bend)[by_hip]
         return jacobian, desired, self._weights
 
     def _place(self, walk: Walk, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
         """Phase now, and the foothold that the state asks for: b = −K(s) (ξ − ξ*(s))."""
-        place, speed = self._hip(walk, memory.stance[robots], dynamics)
+        place, speed = hip(dynamics, memory.stance[robots], walk.line)
         growth = self._period * self._config.hip_rate.upper / walk.steps.duration
         self._synchronise(walk, place, speed, growth)
-        error = self._section(memory, robots, dynamics) - at_phase(walk.steps.orbit, walk.phase)
+        error = section(dynamics, memory.stance[robots]) - at_phase(walk.steps.orbit, walk.phase)
         gains = walk.steps.gains[np.arange(len(robots)), walk.by_hip.astype(int)]
         wanted = -(at_phase(gains, walk.phase) @ error[:, :, None])[:, :, 0]
         wanted = np.clip(wanted, -self._reach, self._reach)
         config = self._config
         share = np.where(walk.phase < config.lock, min(1.0, self._period / config.settling), 0)
         walk.constraints.displacement += share[:, None] * (wanted - walk.constraints.displacement)
-
-    def _section(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
-        """ξ (n, 4) of the centre of mass: lateral place, horizontal velocity, forward place."""
-        rows, stance = np.arange(len(robots)), memory.stance[robots]
-        yaw = yaw_of(dynamics.foot_rotations[rows, stance])
-        place = dynamics.com[:, :2] - dynamics.foot_positions[rows, stance, :2]
-        place, speed = (turn_to_heading(v, yaw) for v in (place, dynamics.com_velocity[:, :2]))
-        side = _side(stance)
-        lateral = [side * place[:, 1], side * speed[:, 1]]
-        return np.stack([*lateral, speed[:, 0], place[:, 0]], axis=1)
-
-
-def _side(stance: np.ndarray) -> np.ndarray:
-    """+1 in left stance, −1 in right stance (n,)."""
-    return np.where(stance == 1, -1.0, 1.0)
-
-
-def _joint_rows(right: np.ndarray) -> np.ndarray:
-    """Rows (n, 10, 18) of the driven joints, stance leg first."""
-    return np.concatenate([np.zeros((len(right), NUM_JOINTS, 6)), stance_selection(right)], axis=2)

@@ -105,7 +105,8 @@ class StabilityConfig(VirtualConstraintsConfig):
 
     ankle: Literal["free", "driven"]
     """free: the stance ankle gives what the gait asks for, however the robot moves, since the
-    foot's length leaves it little more; driven: it holds its output or the phase's rate"""
+    foot's length leaves it little more; driven: it holds its output or the phase's rate, which
+    leaves a foothold nothing to correct forwards"""
     fastest_clock: Positive[MetresPerSecond]
     """gaits with more forward velocity are not linearised by time as well: no foot placement
     stabilises them there"""

@@ -247,6 +247,14 @@ def test_the_foot_is_half_a_turn_ahead_of_the_heading_at_touchdown(side, sign):
     assert steps._walk.line[0] == pytest.approx(0.7 + turn / 2)
 
 
+def test_a_straight_gait_turns_about_the_middle_of_its_step():
+    steps, memory, _ = walking((0.4, 0.0, 0.2))
+    assert not library().commands[:, 2].any()
+    turn = 0.2 * memory.duration
+    np.testing.assert_allclose(steps._walk.steps.turn, turn)
+    np.testing.assert_allclose(steps._walk.line, memory.heading + turn / 2)
+
+
 def test_the_yaw_rate_of_a_walk_grows_to_another_command():
     steps, memory, dynamics = walking((0.0, 0.0, 0.3))
     most = control().yaw_acceleration * TICK

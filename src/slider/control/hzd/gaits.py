@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.control.hzd.motion import side_of
 from slider.core.errors import UserError
 from slider.hzd.gains import FootPlacement
 from slider.hzd.polynomials import NodeTable
@@ -58,9 +59,7 @@ class GaitTables:
     def __init__(self, arrays: Mapping[str, np.ndarray]) -> None:
         self.arrays = arrays
         self._mesh = CommandMesh.of(arrays["commands"])
-        times = arrays["step_time"]
-        turns = arrays["commands"][:, 2:] * times * [1.0, -1.0]  # the second step is reflected
-        parts = [times, turns, *(arrays[name] for name in _PARTS)]
+        parts = [arrays["step_time"], *(arrays[name] for name in _PARTS)]
         self._shapes = [part.shape[2:] for part in parts]
         flat = [part.reshape(len(part), _STEPS, -1) for part in parts]
         self._ends = np.cumsum([part.shape[2] for part in flat])
@@ -92,7 +91,9 @@ class GaitTables:
             values[row] = weights[near] @ self._table[stance[row], near]
         split = np.split(values, self._ends[:-1], axis=1)
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
-        times, turns, coefficients, roll, hip, gains, orbit, placement = parts
+        times, coefficients, roll, hip, gains, orbit, placement = parts
+        # Also where no gait turns so fast: the foot's line is the course in the middle of the step.
+        turns = command[:, 2] * times * side_of(stance)
         return Steps(times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement)
 
 

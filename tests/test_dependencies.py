@@ -47,7 +47,7 @@ def providers(package: str) -> set[str]:
 
 
 def test_what_is_imported_is_declared():
-    declared = names(REQUIRED) | names(EXTRAS["verify"])
+    declared = names(REQUIRED) | names(EXTRAS["verify"]) | names(EXTRAS["bundle"])
     missing = {name for name in imported("src", "pipeline") if not providers(name) & declared}
     assert missing == set()
 

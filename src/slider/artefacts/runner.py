@@ -111,15 +111,7 @@ class Runner:
         return Job(work, self.threads, tracker, self.progress, facts, known)
 
     def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
-        return self._facts(spec.stage, spec.recipe)
-
-    def _facts(self, stage: str, recipe: str) -> dict[str, Any]:
-        """What is noted beside a manifest; nothing where that is missing or damaged."""
-        try:
-            facts = files.read_json(self.store.sidecar_path(stage, recipe))
-        except (OSError, ValueError):
-            return {}
-        return facts if isinstance(facts, dict) else {}
+        return self.store.facts(spec.stage, spec.recipe)
 
     def _note_computed(self, spec: JobSpec, job: Job, watch: "_Watch") -> None:
         facts = {**job.volatile, **watch.facts(), "computed": True, "threads": self.threads}
@@ -129,7 +121,7 @@ class Runner:
         """Keep the facts of the job that computed the result beside the recipe that reuses it."""
         if known.recipe == spec.recipe:
             return
-        origin = self._facts(known.stage, known.recipe)
+        origin = self.store.facts(known.stage, known.recipe)
         facts = origin | {"computed": False, "reused_from": known.recipe, "started": _now()}
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 

@@ -70,6 +70,14 @@ class Store:
         """File with what differs from run to run: times, load, whether it was resumed."""
         return self.root / stage / f"{recipe}.run.json"
 
+    def facts(self, stage: str, recipe: str) -> dict[str, Any]:
+        """What is noted beside a manifest; nothing where that is missing or damaged."""
+        try:
+            facts = files.read_json(self.sidecar_path(stage, recipe))
+        except (OSError, ValueError):
+            return {}
+        return facts if isinstance(facts, dict) else {}
+
     def log_path(self, stage: str, recipe: str) -> Path:
         """Log of the latest job of a recipe."""
         return self.root / "logs" / stage / f"{recipe}.log"

@@ -1,0 +1,193 @@
+"""A bundle holds what a result came from, and other software can read what it says of it."""
+
+import json
+import subprocess
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rocrate import data
+from rocrate_validator import models, services
+from rocrate_validator.utils.http import HttpRequester
+
+from slider.artefacts.bundle import PROFILE_VERSION, RESULTS
+from slider.artefacts.maintenance import Removed, verify
+from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.recipe import Code, code_of
+from slider.artefacts.store import Manifest, Store
+from slider.cli import main
+from slider.core import files
+
+CODE = code_of("slider.library.stage:run")
+GAITS = [JobSpec("gait", f"gait {value}", CODE, {"value": value}) for value in (1, 2)]
+POLICY = JobSpec("walking", "training", CODE, {}, {"library": GAITS})
+TABLE = JobSpec("table1", "Table 1", CODE, {}, {"policy": [POLICY]})
+PLAN = build_plan({"table1": TABLE, "walking": POLICY})
+NAME = "table1.csv"
+START, MIDDLE, END = (f"2026-01-01T00:0{minute}:00.000+00:00" for minute in range(3))
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch) -> Path:
+    """A working copy with a store of three jobs; the two gaits have the same content."""
+    root = tmp_path / "a project"
+    (root / "pipeline" / "profiles").mkdir(parents=True)
+    (root / "pipeline" / "profiles" / "config.yaml").write_text("jobs: 1\n")
+    (root / "profiles").symlink_to("pipeline/profiles")
+    (root / "Snakefile").write_text("rule all:\n    input: []\n")
+    (root / "CITATION.cff").write_text(
+        "title: A title\nabstract: Text.\nversion: 0.1.0\nauthors:\n"
+        "  - {given-names: Ada, family-names: Example}\n  - name: A group\n"
+    )
+    for command in (["init", "-q"], ["add", "-A"]):
+        subprocess.run(["git", "-C", root, *command], check=True)
+    (root / "untracked.txt").write_text("private")
+    lay_out(Store(root / "artefacts"), PLAN)
+    monkeypatch.chdir(root)
+    return root
+
+
+def lay_out(store: Store, plan: Plan) -> None:
+    for spec in plan.jobs.values():
+        with store.temporary("test") as out:
+            (out / "deep").mkdir()
+            (out / "deep" / "data.txt").write_text(spec.stage)
+            (out / NAME).write_text("a,b\n")
+            result = store.publish(out, {"number": 1.0})
+        recipes = {name: [job.recipe for job in jobs] for name, jobs in spec.inputs.items()}
+        store.write_manifest(Manifest(spec.stage, spec.recipe, recipes, result, {}))
+        facts = {"started": MIDDLE, "ended": END if spec is TABLE else MIDDLE}
+        facts |= {"started": START} if spec is GAITS[0] else {}
+        files.write_json(store.sidecar_path(spec.stage, spec.recipe), facts)
+    write_plan(plan, store.root / "plans")
+
+
+def unpacked(project: Path) -> Path:
+    folder = project.parent / "elsewhere"
+    with zipfile.ZipFile(project / "reports" / "table1.crate.zip") as archive:
+        archive.extractall(folder)
+    return folder
+
+
+def entities(folder: Path) -> dict[str, Any]:
+    graph = json.loads((folder / "ro-crate-metadata.json").read_text())["@graph"]
+    return {entity["@id"]: entity for entity in graph}
+
+
+def test_every_file_is_there_with_size_and_digest(project):
+    assert main(["bundle", "table1"]) == 0
+    folder = unpacked(project)
+    found = entities(folder)
+    listed = {name for name, entity in found.items() if "sha256" in entity}
+    unlisted = {"ro-crate-metadata.json", "Snakefile"}
+    present = {name for name in files.list_files(folder) if not name.endswith(".json")}
+    assert present - unlisted <= listed
+    for name in listed:
+        assert files.digest_file(folder / name) == found[name]["sha256"]
+        assert (folder / name).stat().st_size == found[name]["contentSize"]
+    assert not (folder / "untracked.txt").exists()
+    assert (folder / "profiles" / "config.yaml").read_text() == "jobs: 1\n"
+    assert (folder / RESULTS / "table1" / NAME).read_text() == "a,b\n"
+    assert (folder / RESULTS / "policy" / "deep" / "data.txt").read_text() == "walking"
+
+
+def test_actions_say_what_came_from_what(project):
+    assert main(["bundle", "table1"]) == 0
+    found = entities(unpacked(project))
+    whole, table = found["#run"], found[f"#{TABLE.recipe}"]
+    assert (whole["startTime"], whole["endTime"]) == (START, END)
+    assert {"@id": f"{RESULTS}/table1/{NAME}"} in whole["result"]
+    assert table["object"] == [found[f"#{POLICY.recipe}"]["result"]]
+    assert found[f"#{GAITS[0].recipe}"]["result"] == found[f"#{GAITS[1].recipe}"]["result"]
+    versions = {e["name"]: e["softwareVersion"] for e in found.values() if "softwareVersion" in e}
+    assert CODE.versions.items() <= versions.items()
+
+
+def test_the_unpacked_store_is_whole(project):
+    assert main(["bundle", "table1"]) == 0
+    store = Store(unpacked(project) / "artefacts")
+    assert verify(store) == Removed([], [])
+    assert all(store.read_manifest(job.stage, job.recipe) for job in PLAN.jobs.values())
+
+
+class Answer:
+    """What a request for a context gets, without a network."""
+
+    status_code, ok, headers = 200, True, {"Content-Type": "application/ld+json"}
+
+    def __init__(self, url: str) -> None:
+        if url == "https://w3id.org/ro/terms/workflow-run/context":
+            terms = {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}
+        else:
+            assert url == "https://w3id.org/ro/crate/1.1/context"
+            path = Path(data.__path__[0]) / "ro-crate.jsonld"
+            terms = json.loads(path.read_text())["@context"]
+            # The library has those of RO-Crate 1.3, where these places changed.
+            terms |= {name: f"https://bioschemas.org/{name}" for name in CHANGED}
+        self._values = {"@context": terms}
+
+    @property
+    def text(self) -> str:
+        return json.dumps(self._values)
+
+    def json(self) -> Any:
+        return self._values
+
+    def raise_for_status(self) -> None:
+        pass
+
+
+CHANGED = ("ComputationalWorkflow", "FormalParameter")
+
+
+def test_the_validator_of_the_profile_finds_nothing_required_missing(project, monkeypatch):
+    monkeypatch.setattr(HttpRequester, "get", lambda self, url, **_: Answer(url), raising=False)
+    assert main(["bundle", "table1"]) == 0
+    folder = unpacked(project)
+    assert issues(folder) == []
+    path = folder / "ro-crate-metadata.json"
+    path.write_text(path.read_text().replace('"license"', '"licence"'))
+    assert any("license" in issue for issue in issues(folder))
+
+
+def issues(folder: Path) -> list[str]:
+    settings = services.ValidationSettings(
+        rocrate_uri=str(folder),
+        profile_identifier=f"workflow-run-crate-{PROFILE_VERSION}",
+        requirement_severity=models.Severity.REQUIRED,
+    )
+    return [str(issue.message) for issue in services.validate(settings).get_issues()]
+
+
+def said(capsys, *arguments: str) -> str:
+    assert main(["bundle", *arguments]) == 1
+    assert not list(Path().glob("reports/*"))
+    (line,) = capsys.readouterr().err.splitlines()
+    return line
+
+
+def test_a_damaged_result_is_not_packed(project, capsys):
+    found = project.glob("artefacts/objects/*/*/deep/data.txt")
+    path = next(path for path in found if path.read_text() == "gait")
+    path.chmod(0o644)
+    path.write_text("tiag")
+    assert "expected the gait result" in said(capsys, "table1")
+
+
+def test_what_cannot_be_packed_is_one_line(project, capsys):
+    assert "found 'table2'" in said(capsys, "table2")
+    Store(project / "artefacts").manifest_path("gait", GAITS[0].recipe).unlink()
+    assert "expected a manifest, found none" in said(capsys, "table1")
+
+
+def test_a_plan_of_other_source_is_refused(project, capsys):
+    code = Code(CODE.entry, "0" * 64, CODE.versions)
+    plan = build_plan({"table1": JobSpec("table1", "Table 1", code, {})})
+    lay_out(Store(project / "artefacts"), plan)
+    assert "expected the source with which slider.library.stage:run ran" in said(capsys, "table1")
+
+
+def test_without_git_it_says_so(project, capsys):
+    (project / ".git").rename(project / "no git")
+    assert "expected a git working copy at ., found none" in said(capsys, "table1")

@@ -86,7 +86,7 @@ def collocation_piece(layout: Layout) -> Piece:
     """Hermite-Simpson defects, separated form, of roll, roll rate and collocated joints."""
     z = ca.SX.sym("z", layout.size)
     rolls = [row for step in range(2) for row in _roll_defects(layout, z, step)]
-    defects = ca.vertcat(*rolls, ca.mtimes(ca.DM(layout.joint_defects), z))
+    defects = ca.vertcat(*rolls, ca.mtimes(layout.joint_defects, z))
     multiplier = ca.SX.sym("lam", defects.numel())
     hessian, _ = ca.hessian(ca.dot(multiplier, defects), z)
     return Piece(

@@ -17,7 +17,6 @@ STRICT = ConfigDict(
     extra="forbid",
     strict=True,
     allow_inf_nan=False,
-    use_attribute_docstrings=True,
     defer_build=True,  # of a hundred classes a job needs the validators of a few
 )
 """Settings of all configuration classes; infinity and NaN are refused everywhere."""

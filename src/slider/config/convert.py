@@ -2,11 +2,10 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, to_jsonable_python
 
 from slider.config.kinds import kind_at
 from slider.core.errors import UserError
@@ -16,8 +15,8 @@ Place = list[str | int]
 
 
 def to_dict(config: Any) -> dict[str, Any]:
-    """Plain nested dictionaries of a configuration dataclass."""
-    return asdict(config)
+    """Plain nested dictionaries and lists of a configuration dataclass."""
+    return to_jsonable_python(config)
 
 
 def from_dict(cls: type[T], values: Any, key: str = "") -> T:

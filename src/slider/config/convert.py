@@ -2,10 +2,11 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
-from pydantic_core import ErrorDetails, to_jsonable_python
+from pydantic_core import ErrorDetails
 
 from slider.config.kinds import kind_at
 from slider.core.errors import UserError
@@ -15,8 +16,8 @@ Place = list[str | int]
 
 
 def to_dict(config: Any) -> dict[str, Any]:
-    """Plain nested dictionaries and lists of a configuration dataclass."""
-    return to_jsonable_python(config)
+    """Plain nested dictionaries of a configuration dataclass."""
+    return asdict(config)
 
 
 def from_dict(cls: type[T], values: Any, key: str = "") -> T:

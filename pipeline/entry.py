@@ -1,5 +1,6 @@
 """What the Snakefile is made of: the current plan, the files of its jobs, tracking."""
 
+import gc
 import os
 import shlex
 import sys
@@ -116,6 +117,7 @@ class Pipeline:
 
 def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1."""
+    gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
         return _open(_overrides(settings), conf)
     except UserError as error:
@@ -127,6 +129,8 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
         print(f"slider: {place}; `slider store verify` repairs the store", file=sys.stderr)
         sys.stderr.flush()
         raise SystemExit(1) from None
+    finally:
+        gc.enable()
 
 
 def _open(overrides: list[str], conf: Path) -> Pipeline:

@@ -10,7 +10,7 @@ import slider.artefacts
 from slider.artefacts.maintenance import Removed
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "troubleshooting.md"
-ABOUT_SOURCES = ("recipe.py", "source.py")  # for who changes them
+ABOUT_SOURCES = ("recipe.py", "source.py", "syntax.py")  # for who changes them
 DROPPED = [f"dropped {text}" for text in Removed(["…"], ["…"], ["…"], ["…"]).damage]
 
 

@@ -1,6 +1,7 @@
 """The stage ``gait``: same input, same bytes; a failure is a result; a light process."""
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from slider.core.job import Job
+from slider.gait.compiled import WORTH
 from slider.gait.solution import coefficients
 from slider.gait.stage import REPORT, run
 from tests.gait.gaits import problem, section, solved
@@ -38,6 +40,15 @@ def test_same_input_gives_the_same_bytes(gait, tmp_path: Path):
     assert summary == gait[1]
 
 
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_compiled_functions_give_the_same_bytes(gait, tmp_path: Path):
+    out = tmp_path / "compiled"
+    out.mkdir()
+    run(section(0.6, 0.1), {}, out, Job(tmp_path, cache=tmp_path / "cache", waiting=WORTH))
+    assert list((tmp_path / "cache").glob("*.so"))
+    assert contents(out) == contents(gait[0])
+
+
 def test_a_reused_solver_gives_the_same_gait(gait):
     solved(0.0, 0.0)  # another velocity in between leaves nothing behind
     expected = coefficients(problem(), solved(0.6, 0.1).variables)[0]
@@ -63,7 +74,7 @@ def test_a_gait_that_does_not_converge_is_a_result(tmp_path: Path):
     assert np.isfinite(np.load(tmp_path / "short" / "samples.npy")).all()
 
 
-def test_gait_jobs_import_neither_torch_nor_mlflow_nor_hydra():
+def test_gait_jobs_import_what_they_need():
     code = "import sys, slider.gait.stage; print(*{m.partition('.')[0] for m in sys.modules})"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not {"torch", "mlflow", "hydra", "mujoco"} & set(found.stdout.split())
+    assert not {"torch", "mlflow", "hydra", "mujoco", "scipy"} & set(found.stdout.split())

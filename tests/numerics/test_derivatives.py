@@ -46,7 +46,7 @@ def assert_close(found: np.ndarray, expected: np.ndarray) -> None:
 
 
 def node_vector() -> np.ndarray:
-    return (problem().layout.select_nodes @ near_a_gait())[5 * NODE : 6 * NODE]
+    return flat(problem().layout.select_nodes @ near_a_gait())[5 * NODE : 6 * NODE]
 
 
 @both
@@ -81,7 +81,7 @@ def test_node_hessian(turning):
 @both
 def test_impact_and_step_ends(turning):
     rng = np.random.default_rng(1)
-    y, command = problem().layout.select_ends @ near_a_gait(), np.array([0.5, 0.05, 0.3])
+    y, command = flat(problem().layout.select_ends @ near_a_gait()), np.array([0.5, 0.05, 0.3])
     piece = problem(turning).ends
     assert y.shape == (2 * STEP,)
     jacobian = dense(piece.jacobian(y, command)[1])

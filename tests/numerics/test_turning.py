@@ -59,7 +59,8 @@ def test_without_a_yaw_rate_the_rows_of_a_turning_walk_are_those_of_a_straight_o
 
 
 def test_rows_are_those_of_the_reflected_command_with_the_steps_swapped():
-    ends, y = problem(turning=True).ends.value, problem().layout.select_ends @ near_a_gait()
+    ends = problem(turning=True).ends.value
+    y = flat(problem().layout.select_ends @ near_a_gait())
     swapped = np.roll(y, len(y) // 2)
     own, image = flat(ends(y, COMMAND)), flat(ends(swapped, IMAGE))
     for name, places in sliced(problem(turning=True).end_constraints).items():

@@ -167,8 +167,9 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
 
 
 def _drop_litter(store: Store, recipes: set[str]) -> None:
-    """Unfinished results, half-written files, and work, logs and facts of forgotten recipes."""
-    shutil.rmtree(store.root / "tmp", ignore_errors=True)
+    """Unfinished results, caches, half-written files; work, logs, facts of forgotten recipes."""
+    for name in ("tmp", "cache"):
+        shutil.rmtree(store.root / name, ignore_errors=True)
     for path in store.root.rglob(files.TEMPORARY_PATTERN):
         path.unlink(missing_ok=True)
     for path in store.root.glob("work/*/*"):

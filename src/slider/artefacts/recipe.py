@@ -63,6 +63,7 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
     return {"python": python} | {name: _version(name) for name in sorted(packages)}
 
 
+@cache
 def _version(package: str) -> str:
     found = distribution(package)
     return found.version if found else ABSENT

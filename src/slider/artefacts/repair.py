@@ -13,7 +13,7 @@ from slider.core.errors import UserError
 
 _FOLDERS = (
     *("objects", "index", "seals", "plans", "current", "locks", "work", "logs", "tmp", "tracking"),
-    *("objects/*", "index/*", "work/*", "work/*/*"),
+    *("objects/*", "index/*", "work/*", "work/*/*", "cache", "cache/*"),
 )
 
 

@@ -26,11 +26,15 @@ from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_se
 
 @dataclass(frozen=True)
 class Runner:
-    """Runs jobs against a store, with a number of threads and a place for progress lines."""
+    """Runs jobs against a store, with a number of threads and a place for progress lines.
+
+    ``waiting``: see :class:`Job`.
+    """
 
     store: Store
     threads: int = 1
     progress: Callable[[str], None] = field(default=lambda message: None)
+    waiting: int = 1
 
     def run(self, spec: JobSpec) -> str:
         """Bring the manifest of a job into being; tell in a word or two what was done.
@@ -108,7 +112,10 @@ class Runner:
         known = {name: [self._sidecar(job) for job in jobs] for name, jobs in spec.inputs.items()}
         tracker = _open_tracker(self.store.root, spec)
         facts = circumstances(self.store.root)
-        return Job(work, self.threads, tracker, self.progress, facts, known)
+        code = files.digest_value([spec.code.entry, spec.code.source, spec.code.versions])
+        cache = self.store.cache_folder(code)
+        waiting = self.waiting
+        return Job(work, self.threads, tracker, self.progress, facts, cache, waiting, known)
 
     def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
         return self.store.facts(spec.stage, spec.recipe)

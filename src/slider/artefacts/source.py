@@ -3,17 +3,15 @@
 Found statically, on the syntax tree, so that no stage has to be imported to learn its recipe.
 """
 
-import ast
 import hashlib
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from os.path import isfile
 from pathlib import Path
 
+from slider.artefacts.analyses import analyses_of
 from slider.core.errors import UserError
-
-_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
 
 
 @dataclass(frozen=True)
@@ -23,12 +21,6 @@ class Closure:
     modules: tuple[str, ...]
     third_party: tuple[str, ...]
     digest: str
-
-
-@dataclass(frozen=True)
-class _Module:
-    digest: str
-    imports: tuple[str, ...]
 
 
 def closure(entry: str, root: Path) -> Closure:
@@ -43,6 +35,7 @@ def closure(entry: str, root: Path) -> Closure:
     package = entry.partition(".")[0]
     if _find(root, entry) is None:
         raise UserError(f"expected the stage's module {entry} below {root}, found none")
+    analyses = analyses_of(root / package)
     found: dict[str, str] = {}
     third_party: set[str] = set()
     waiting, seen = [entry], set[str]()
@@ -54,7 +47,7 @@ def closure(entry: str, root: Path) -> Closure:
         path = _find(root, name)
         if path is None:  # a function or class, not a module
             continue
-        module = _read(path, name)
+        module = analyses.read(path, name)
         found[name] = module.digest
         waiting += _parents(name)
         for target in module.imports:
@@ -62,6 +55,7 @@ def closure(entry: str, root: Path) -> Closure:
                 waiting.append(target)
             else:
                 third_party.add(target.partition(".")[0])
+    analyses.keep()
     return _summarise(found, third_party, root)
 
 
@@ -78,11 +72,9 @@ def _summarise(found: dict[str, str], third_party: set[str], root: Path) -> Clos
 
 
 def _find(root: Path, name: str) -> Path | None:
-    stem = root.joinpath(*name.split("."))
-    for path in (stem.with_name(stem.name + ".py"), stem / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
+    stem = f"{root}/{name.replace('.', '/')}"
+    found = next((path for path in (f"{stem}.py", f"{stem}/__init__.py") if isfile(path)), None)
+    return None if found is None else Path(found)
 
 
 def _parents(name: str) -> list[str]:
@@ -110,61 +102,3 @@ def _is_no_data(name: str) -> bool:
     """Python, its marker of types, and what editors leave beside a file while it is open."""
     endings = (".py", ".pyc", ".typed", "~", ".bak", ".orig", ".rej", ".tmp")
     return name.endswith(endings) or name.startswith((".", "#"))
-
-
-def _read(path: Path, name: str) -> _Module:
-    return _analyse(path.read_bytes(), name, path.name == "__init__.py")
-
-
-@lru_cache(maxsize=4096)
-def _analyse(content: bytes, name: str, is_package: bool) -> _Module:
-    try:
-        tree = ast.parse(content)
-    except SyntaxError as error:
-        raise UserError(f"module {name}, line {error.lineno}: {error.msg}") from None
-    imports = tuple(sorted(set(_imports(tree, name, is_package))))
-    _strip_docstrings(tree)
-    return _Module(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports)
-
-
-def _statements(tree: ast.Module) -> Iterator[ast.AST]:
-    """The module and all its statements. Expressions, most of a tree, hold none."""
-    waiting: list[ast.AST] = [tree]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        for field in _BLOCKS:
-            waiting += getattr(node, field, ())
-
-
-def _imports(tree: ast.Module, name: str, is_package: bool) -> Iterator[str]:
-    for node in _statements(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = _base(node, name, is_package)
-            yield base
-            # An imported name may be a submodule; _find tells.
-            yield from (f"{base}.{alias.name}" for alias in node.names)
-
-
-def _base(node: ast.ImportFrom, name: str, is_package: bool) -> str:
-    if node.level == 0:
-        return node.module or ""
-    parts = name.split(".")
-    here = parts if is_package else parts[:-1]
-    anchor = here[: len(here) - (node.level - 1)]
-    return ".".join([*anchor, *([node.module] if node.module else [])])
-
-
-def _strip_docstrings(tree: ast.Module) -> None:
-    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-    for node in _statements(tree):
-        if isinstance(node, documented):
-            node.body = [item for item in node.body if not _is_text(item)]
-
-
-def _is_text(node: ast.stmt) -> bool:
-    """A string by itself: a docstring, or what a class says under a field."""
-    value = node.value if isinstance(node, ast.Expr) else None
-    return isinstance(value, ast.Constant) and isinstance(value.value, str)

@@ -86,6 +86,10 @@ class Store:
         """Folder that survives a killed job, for checkpoints."""
         return self.root / "work" / stage / recipe
 
+    def cache_folder(self, code: str) -> Path:
+        """Folder of what jobs of the same source and versions share and can make again."""
+        return self.root / "cache" / code
+
     @property
     def seals(self) -> Seals:
         """What is known of objects that were read."""

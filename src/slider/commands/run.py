@@ -43,7 +43,8 @@ def run(arguments: argparse.Namespace) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):  # end tidily and without a trace
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     with _output_to(log) as terminal:
-        runner = Runner(store, arguments.threads, progress_lines(spec.label, terminal))
+        show = progress_lines(spec.label, terminal)
+        runner = Runner(store, arguments.threads, show, _waiting(store, plan, spec.stage))
         try:
             outcome = runner.run(spec)
             print(f"{_progress_count(store, plan, spec)} {spec.label}: {outcome}", file=terminal)
@@ -86,6 +87,12 @@ def _progress_count(store: Store, plan: Plan, spec: JobSpec) -> str:
     jobs = jobs_towards(plan, spec.recipe).values()
     done = sum(store.manifest_path(job.stage, job.recipe).is_file() for job in jobs)
     return f"[{done}/{len(jobs)}]"
+
+
+def _waiting(store: Store, plan: Plan, stage: str) -> int:
+    """Number of a stage's results that are not there yet."""
+    jobs = (job for job in plan.jobs.values() if job.stage == stage)
+    return sum(not store.manifest_path(stage, job.recipe).is_file() for job in jobs)
 
 
 def progress_lines(label: str, terminal: TextIO) -> Callable[[str], None]:

@@ -1,8 +1,12 @@
 """What the types of the schema say of a key: what its value may be, its unit, its meaning."""
 
+import ast
+import inspect
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
+from textwrap import dedent
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -69,11 +73,24 @@ def child(hint: Any, part: str | int) -> Any:
 
 def meaning(cls: Any, name: str) -> str:
     """What the schema says under a field, its own class or the one that it inherits from."""
-    for base in cls.__mro__:
-        found = getattr(base, "__pydantic_fields__", {}).get(name)
-        if found is not None and found.description:
-            return " ".join(found.description.split())
-    return ""
+    found = (_meanings(base).get(name) for base in cls.__mro__ if is_dataclass(base))
+    return next(filter(None, found), "")
+
+
+@lru_cache
+def _meanings(cls: type) -> dict[str, str]:
+    """Docstrings of a class's own fields; here, since jobs that read no meaning need no source."""
+    (tree,) = ast.parse(dedent(inspect.getsource(cls))).body
+    assert isinstance(tree, ast.ClassDef)
+    return {
+        field.target.id: " ".join(text.value.value.split())
+        for field, text in pairwise(tree.body)
+        if isinstance(field, ast.AnnAssign)
+        and isinstance(field.target, ast.Name)
+        and isinstance(text, ast.Expr)
+        and isinstance(text.value, ast.Constant)
+        and isinstance(text.value.value, str)
+    }
 
 
 def kind(hint: Any) -> Kind:

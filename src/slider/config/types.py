@@ -13,7 +13,12 @@ from pydantic import ConfigDict, Field, GetCoreSchemaHandler, model_validator
 from pydantic.dataclasses import dataclass
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-STRICT = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
+STRICT = ConfigDict(
+    extra="forbid",
+    strict=True,
+    allow_inf_nan=False,
+    defer_build=True,  # of a hundred classes a job needs the validators of a few
+)
 """Settings of all configuration classes; infinity and NaN are refused everywhere."""
 
 SAME = 1e-6

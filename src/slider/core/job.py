@@ -66,6 +66,8 @@ class Job:
         progress: shows one line to the person who waits.
         volatile: facts that differ between runs, such as times; kept outside the manifest, but for
             ``resumed``: true marks the result as continued from a checkpoint.
+        cache: folder that jobs of the same source share, of what may be deleted at any time.
+        waiting: jobs of the stage whose results the plan still lacks, this one among them.
         input_volatile: for each name in ``inputs``, the volatile facts of those stages in the same
             order, with ``wall_s`` and ``cpu_s`` (an empty dictionary where none are known). For
             display and tracking only.
@@ -76,6 +78,8 @@ class Job:
     tracker: Tracker = field(default_factory=NoTracker)
     progress: Callable[[str], None] = _silent
     volatile: dict[str, Any] = field(default_factory=dict)
+    cache: Path | None = None
+    waiting: int = 1
     input_volatile: Mapping[str, Sequence[Mapping[str, Any]]] = field(default_factory=dict)
 
 

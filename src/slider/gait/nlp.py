@@ -56,7 +56,7 @@ def assemble(problem: GaitProblem) -> Nlp:
 def _symbols(problem: GaitProblem) -> _Symbols:
     layout, count = problem.layout, 2 * problem.nodes
     x, p = ca.MX.sym("x", layout.size), ca.MX.sym("p", len(COMMAND))
-    select, select_ends = ca.DM(layout.select_nodes), ca.DM(layout.select_ends)
+    select, select_ends = layout.select_nodes, layout.select_ends
     nodes = ca.reshape(select @ x, NODE, count)
     weights, turns = ca.DM(layout.weights).T, ca.DM(layout.turns)
     turns = ca.vertcat(p[2] * turns[0, :], turns[1, :])

@@ -24,49 +24,70 @@ class Piece:
     hessian: ca.Function
 
 
-def node_piece(form: Formulation) -> tuple[Piece, ca.Function, list[Constraint]]:
-    """Cost and constraints of a node, the cost's gradient, and the constraints.
+@dataclass(frozen=True)
+class NodeTerms:
+    """A node as a function of its vector x (34,) and of ``turn`` (2,), see ``Node.of``."""
 
-    ``value``: (x, weight, turn) → cost, rows; ``jacobian``: (x, turn) → rows, their Jacobian;
-    ``hessian``: (x, weight, turn, factor, multipliers) → symmetric (34, 34). ``turn`` (2,) is what
-    ``Node.of`` says.
-    """
-    x, weight, turn = ca.SX.sym("x", NODE), ca.SX.sym("w"), ca.SX.sym("turn", 2)
-    node = Node.of(form, x, turn)
-    rows_of, cost = constraints.of_node(node), COSTS[form.config.cost]
-    rows, cost = scaled_rows(rows_of), cost.scale * cost.node(node, weight)
-    multiplier, factor = ca.SX.sym("lam", rows.numel()), ca.SX.sym("f")
-    hessian, _ = ca.hessian(factor * cost + ca.dot(multiplier, rows), x)
-    full = ca.triu2symm(ca.triu(hessian))
-    gradient = ca.Function("cost", [x, weight], [cost, ca.gradient(cost, x)])
-    piece = Piece(
-        ca.Function("node", [x, weight, turn], [cost, rows]),
-        ca.Function("node_jacobian", [x, turn], [rows, ca.jacobian(rows, x)]),
-        ca.Function("node_hessian", [x, weight, turn, factor, multiplier], [full]),
-    )
-    return piece, gradient, rows_of
+    form: Formulation
+    x: ca.SX
+    turn: ca.SX
+    node: Node
+    constraints: list[Constraint]
+
+    @classmethod
+    def of(cls, form: Formulation) -> "NodeTerms":
+        """Of a formulation."""
+        x, turn = ca.SX.sym("x", NODE), ca.SX.sym("turn", 2)
+        node = Node.of(form, x, turn)
+        return cls(form, x, turn, node, constraints.of_node(node))
+
+    def functions(self) -> list[ca.Function]:
+        """Cost and constraints, their derivatives and what a gait stores.
+
+        ``node``: (x, weight, turn) → cost, rows; ``node_jacobian``: (x, turn) → rows, their
+        Jacobian; ``node_hessian``: (x, weight, turn, factor, multipliers) → symmetric (34, 34);
+        ``cost``: (x, weight) → cost, gradient; ``quantities``: x → see ``Node.stored``.
+        """
+        x, turn, weight = self.x, self.turn, ca.SX.sym("w")
+        cost = COSTS[self.form.config.cost]
+        rows, cost = scaled_rows(self.constraints), cost.scale * cost.node(self.node, weight)
+        multiplier, factor = ca.SX.sym("lam", rows.numel()), ca.SX.sym("f")
+        hessian, _ = ca.hessian(factor * cost + ca.dot(multiplier, rows), x)
+        full = ca.triu2symm(ca.triu(hessian))
+        return [
+            ca.Function("node", [x, weight, turn], [cost, rows]),
+            ca.Function("node_jacobian", [x, turn], [rows, ca.jacobian(rows, x)]),
+            ca.Function("node_hessian", [x, weight, turn, factor, multiplier], [full]),
+            ca.Function("cost", [x, weight], [cost, ca.gradient(cost, x)]),
+            ca.Function("quantities", [x], Node.of(self.form, x, ca.SX(2, 1)).stored()),
+        ]
 
 
-def quantities(form: Formulation) -> ca.Function:
-    """What a gait stores of a node; see ``Node.stored``."""
-    x = ca.SX.sym("x", NODE)
-    return ca.Function("quantities", [x], Node.of(form, x, ca.SX(2, 1)).stored())
+@dataclass(frozen=True)
+class WalkTerms:
+    """Touchdowns and periodicity: functions of the step ends y (90,) and the command (3,)."""
 
+    y: ca.SX
+    command: ca.SX
+    constraints: list[Constraint]
 
-def ends_piece(form: Formulation) -> tuple[Piece, list[Constraint]]:
-    """Touchdowns and periodicity as functions of the step ends (90,) and the command (3,)."""
-    y, command = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", len(COMMAND))
-    rows_of = _walk(form, y, command)
-    rows = scaled_rows(rows_of)
-    multiplier = ca.SX.sym("lam", rows.numel())
-    hessian, _ = ca.hessian(ca.dot(multiplier, rows), y)
-    full = ca.triu2symm(ca.triu(hessian))
-    piece = Piece(
-        ca.Function("ends", [y, command], [rows]),
-        ca.Function("ends_jacobian", [y, command], [rows, ca.jacobian(rows, y)]),
-        ca.Function("ends_hessian", [y, command, multiplier], [full]),
-    )
-    return piece, rows_of
+    @classmethod
+    def of(cls, form: Formulation) -> "WalkTerms":
+        """Of a formulation."""
+        y, command = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", len(COMMAND))
+        return cls(y, command, _walk(form, y, command))
+
+    def functions(self) -> list[ca.Function]:
+        """``ends``: rows, ``ends_jacobian``: rows, their Jacobian, ``ends_hessian``: symmetric."""
+        y, command, rows = self.y, self.command, scaled_rows(self.constraints)
+        multiplier = ca.SX.sym("lam", rows.numel())
+        hessian, _ = ca.hessian(ca.dot(multiplier, rows), y)
+        full = ca.triu2symm(ca.triu(hessian))
+        return [
+            ca.Function("ends", [y, command], [rows]),
+            ca.Function("ends_jacobian", [y, command], [rows, ca.jacobian(rows, y)]),
+            ca.Function("ends_hessian", [y, command, multiplier], [full]),
+        ]
 
 
 def _walk(form: Formulation, y: ca.SX, command: ca.SX) -> list[Constraint]:
@@ -82,18 +103,18 @@ def _step_end(part: ca.SX, step_time: ca.SX) -> StepEnd:
     return StepEnd(part[0], part[1], part[2 : 2 + n], part[2 + n :] / step_time)
 
 
-def collocation_piece(layout: Layout) -> Piece:
+def collocation(layout: Layout) -> list[ca.Function]:
     """Hermite-Simpson defects, separated form, of roll, roll rate and collocated joints."""
     z = ca.SX.sym("z", layout.size)
     rolls = [row for step in range(2) for row in _roll_defects(layout, z, step)]
-    defects = ca.vertcat(*rolls, ca.mtimes(ca.DM(layout.joint_defects), z))
+    defects = ca.vertcat(*rolls, ca.mtimes(layout.joint_defects, z))
     multiplier = ca.SX.sym("lam", defects.numel())
     hessian, _ = ca.hessian(ca.dot(multiplier, defects), z)
-    return Piece(
+    return [
         ca.Function("collocation", [z], [defects]),
         ca.Function("collocation_jacobian", [z], [defects, ca.jacobian(defects, z)]),
         ca.Function("collocation_hessian", [z, multiplier], [hessian]),
-    )
+    ]
 
 
 def _roll_defects(layout: Layout, z: ca.SX, step: int) -> list[ca.SX]:

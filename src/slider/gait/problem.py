@@ -3,6 +3,7 @@
 Built once (``build``), solved for many velocities (``slider.gait.solve``).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +15,7 @@ from slider.gait.constraint import Constraint, scaled_bounds
 from slider.gait.constraints import ROLL_BOUNDS, joint_bounds
 from slider.gait.formulation import Formulation
 from slider.gait.layout import Layout
-from slider.gait.pieces import Piece, collocation_piece, ends_piece, node_piece, quantities
+from slider.gait.pieces import NodeTerms, Piece, WalkTerms, collocation
 
 
 @dataclass(frozen=True)
@@ -123,19 +124,34 @@ def node_blocks(constraints: list[Constraint], count: int) -> list[Block]:
     return blocks
 
 
-def build(form: Formulation) -> GaitProblem:
-    """Derive all functions of a formulation."""
-    layout = Layout.of(form.config)
-    node, gradient, node_constraints = node_piece(form)
-    ends, end_constraints = ends_piece(form)
+Functions = dict[str, ca.Function]
+"""By name."""
+
+
+def derived(form: Formulation, derive: Callable[[], Functions]) -> Functions:
+    """Functions of a formulation, evaluated by CasADi; ``Compiled`` has faster ones."""
+    return derive()
+
+
+def build(form: Formulation, functions: Callable[..., Functions] = derived) -> GaitProblem:
+    """Derive all functions of a formulation, or take those that ``functions`` has of it."""
+    layout, node, walk = Layout.of(form.config), NodeTerms.of(form), WalkTerms.of(form)
+
+    def derive() -> Functions:
+        made = [*node.functions(), *walk.functions(), *collocation(layout)]
+        return {function.name(): function for function in made}
+
+    found = functions(form, derive)
+    pieces = {
+        name: Piece(found[name], found[f"{name}_jacobian"], found[f"{name}_hessian"])
+        for name in ("node", "ends", "collocation")
+    }
     return GaitProblem(
         form=form,
         layout=layout,
-        node=node,
-        ends=ends,
-        collocation=collocation_piece(layout),
-        gradient=gradient,
-        quantities=quantities(form),
-        node_constraints=node_constraints,
-        end_constraints=end_constraints,
+        **pieces,
+        gradient=found["cost"],
+        quantities=found["quantities"],
+        node_constraints=node.constraints,
+        end_constraints=walk.constraints,
     )

@@ -12,6 +12,7 @@ from slider.config.gait import FormulationConfig, SolveConfig
 from slider.config.robot import Mechanism
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
+from slider.gait.compiled import Compiled
 from slider.gait.costs import COSTS
 from slider.gait.decoupling import NAME as DECOUPLING
 from slider.gait.decoupling import decoupling, shortfall
@@ -47,7 +48,8 @@ def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float,
     robot = from_dict(Mechanism, section["robot"])
     formulation = from_dict(FormulationConfig, section["formulation"])
     hip_rate = least_hip_rate(formulation, command[0])
-    problem = build(formulate(robot, formulation, command[2] != 0.0, hip_rate))
+    form = formulate(robot, formulation, command[2] != 0.0, hip_rate)
+    problem = build(form, Compiled(job))
     job.progress(f"gait {command_text(command)}: built")
     return GaitSolver(problem, config.solver, config.step_time), command
 

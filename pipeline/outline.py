@@ -1,6 +1,6 @@
 """Lay out configurations without a store of results, for ``slider lineage``.
 
-``python -m pipeline.outline TARGET FOLDER=OVERRIDES ...`` writes the plan of each configuration,
+``python -m pipeline.outline TARGET FOLDER OVERRIDES ...`` writes the plan of each configuration,
 with its sources, below its folder, as Snakemake does below ``artefacts/``.
 """
 
@@ -17,9 +17,14 @@ _CONF = Path(__file__).parents[1] / "conf"
 
 
 def main(target: str, *outlines: str) -> int:
-    """Write the plans; bad input is one line and status 1."""
+    """Write the plans; bad input is one line and status 1.
+
+    Args:
+        target: laid out also where only somebody who asks for it gets it.
+        outlines: folder and overrides, by turns.
+    """
     try:
-        for folder, _, text in (outline.partition("=") for outline in outlines):
+        for folder, text in zip(outlines[::2], outlines[1::2], strict=True):
             store = Store(Path(folder))
             _, plan = planned(parse_overrides({OPTION: text}), _CONF, target)
             write_plan(plan, store.root / "plans")

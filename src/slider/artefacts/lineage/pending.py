@@ -1,0 +1,137 @@
+"""What a target would compute, and because of which change since its last result."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from slider.artefacts.lineage.causes import Cause, Comparison, pairs
+from slider.artefacts.lineage.compare import parts_in
+from slider.artefacts.lineage.facts import was_computed
+from slider.artefacts.lineage.targets import Found, layouts, manifest_of
+from slider.artefacts.plan import JobSpec, Plan
+from slider.artefacts.recipe import recipe_digest
+from slider.artefacts.store import Store
+
+NEVER = "never computed"
+LOST = "object damaged or missing"
+
+
+@dataclass(frozen=True)
+class Pending:
+    """A job without a whole result.
+
+    Attributes:
+        job: the job.
+        causes: what changed in it since the last result.
+        inputs: stages of inputs that changed, are new or are gone.
+        state: why there is no result, where nothing changed.
+        reused: whether the store has a result of the same section, source and input contents.
+    """
+
+    job: JobSpec
+    causes: tuple[Cause, ...] = ()
+    inputs: tuple[str, ...] = ()
+    state: str = ""
+    reused: bool = False
+
+
+def pending(wanted: Found, store: Store, last: Found | None) -> list[Pending]:
+    """Jobs that lead to a wanted one and have no whole result in a store, inputs first.
+
+    Args:
+        wanted: the job; its store has the modules of its source.
+        store: results.
+        last: the job of the last result, to say what changed.
+    """
+    partners = dict(_partners(last.job, wanted.job)) if last else {}
+    own = None
+    if last:
+        own = Comparison(last.plan, wanted.plan, parts_in(store, wanted.store)).own
+    return [_explain(job, partners.get(job.recipe), own, store) for job in _todo(wanted.job, store)]
+
+
+def last_result(wanted: Found, store: Store) -> Found | None:
+    """The latest job of a wanted one's name that was computed, or else that was planned."""
+    if was_computed(store, wanted.job):
+        return Found(store, wanted.plan, wanted.job)
+    planned = None
+    for layout in layouts(store):
+        job = namesake(wanted, layout.plan)
+        if job and was_computed(store, job):
+            return Found(store, layout.plan, job)
+        if job and planned is None:
+            planned = Found(store, layout.plan, job)
+    return planned
+
+
+def namesake(wanted: Found, plan: Plan) -> JobSpec | None:
+    """The job of a plan that has the target, or else stage and label, of a job."""
+    if wanted.name in wanted.plan.targets:
+        recipe = plan.targets.get(wanted.name)
+        return plan.jobs[recipe] if recipe else None
+    named = wanted.job.stage, wanted.job.label
+    return next((job for job in plan.jobs.values() if (job.stage, job.label) == named), None)
+
+
+def _partners(old: JobSpec, new: JobSpec) -> Iterator[tuple[str, JobSpec]]:
+    """Recipe of each job towards the new one → the job in its place towards the old one."""
+    waiting, seen = [(old, new)], set[str]()
+    while waiting:
+        before, after = waiting.pop()
+        if after.recipe in seen:
+            continue
+        seen.add(after.recipe)
+        yield after.recipe, before
+        waiting += [(a, b) for a, b in pairs(before, after) if a and b]
+
+
+def _todo(wanted: JobSpec, store: Store) -> list[JobSpec]:
+    found: list[JobSpec] = []
+    seen: set[str] = set()
+
+    def visit(job: JobSpec) -> None:
+        if job.recipe in seen:
+            return
+        seen.add(job.recipe)
+        if _object(store, job):
+            return
+        for group in job.inputs.values():
+            for item in group:
+                visit(item)
+        found.append(job)
+
+    visit(wanted)
+    return found
+
+
+def _object(store: Store, job: JobSpec) -> str | None:
+    """Object of a job, if it is whole."""
+    manifest = manifest_of(store, job)
+    whole = manifest and store.is_whole(manifest.result.object)
+    return manifest.result.object if manifest and whole else None
+
+
+def _explain(
+    job: JobSpec,
+    before: JobSpec | None,
+    own: Callable[[JobSpec, JobSpec], list[Cause]] | None,
+    store: Store,
+) -> Pending:
+    reused = _is_known(job, store)
+    if own is None or before is None or not was_computed(store, before):
+        return Pending(job, state=NEVER, reused=reused)
+    if before.recipe == job.recipe:
+        return Pending(job, state=LOST, reused=reused)
+    differing = [(a or b, a, b) for a, b in pairs(before, job)]
+    stages = [
+        one.stage for one, a, b in differing if one and not (a and b and a.recipe == b.recipe)
+    ]
+    return Pending(job, tuple(own(before, job)), tuple(dict.fromkeys(stages)), reused=reused)
+
+
+def _is_known(job: JobSpec, store: Store) -> bool:
+    """Tell whether the early cut-off would find a result; unknown inputs say no."""
+    found = {name: [_object(store, item) for item in jobs] for name, jobs in job.inputs.items()}
+    objects = {name: [digest for digest in group if digest] for name, group in found.items()}
+    if objects != found:
+        return False
+    return store.known(recipe_digest(job.stage, job.section, job.code, objects)) is not None

@@ -6,15 +6,16 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from slider.artefacts.lineage import text
 from slider.artefacts.lineage.ancestry import everything
 from slider.artefacts.lineage.compare import Difference, compare
-from slider.artefacts.lineage.pending import last_result, namesake, pending
+from slider.artefacts.lineage.pending import Pending, last_result, namesake, pending
 from slider.artefacts.lineage.targets import SHORT, Found, find, place
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT
@@ -48,8 +49,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run one action; only ``diff`` has a status other than 0 for an answer."""
     if arguments.action == "show":
-        found = find(*reversed(place(arguments.target, arguments.artefacts)))
-        _print(arguments.json, everything(found), text.shown(found))
+        found = _find(arguments.target, arguments)
+        _print(arguments.json, lambda: everything(found), text.shown(found))
         return 0
     if arguments.action == "why":
         _why(arguments)
@@ -61,8 +62,13 @@ def run(arguments: argparse.Namespace) -> int:
         return 2
 
 
-def _print(as_json: bool, values: object, lines: Iterator[str]) -> None:
-    print(json.dumps(values, indent=1, ensure_ascii=False) if as_json else "\n".join(lines))
+def _find(name: str, arguments: argparse.Namespace) -> Found:
+    store, inner = place(name, arguments.artefacts)
+    return find(inner, store)
+
+
+def _print(as_json: bool, values: Callable[[], object], lines: Iterable[str]) -> None:
+    print(json.dumps(values(), indent=1, ensure_ascii=False) if as_json else "\n".join(lines))
 
 
 def _why(arguments: argparse.Namespace) -> None:
@@ -72,16 +78,15 @@ def _why(arguments: argparse.Namespace) -> None:
         wanted = _wanted(target, outline, store)
         last = last_result(wanted, store)
         jobs = pending(wanted, store, last)
-        values = {
-            "target": wanted.name,
-            **_plain(wanted.job),
-            "last": last.job.recipe if last else None,
-            "jobs": [_plain(p.job) | asdict(p) | {"job": p.job.recipe} for p in jobs],
-        }
-        _print(arguments.json, values, _reasons(wanted, jobs))
+
+    def values() -> dict[str, Any]:
+        known = {"name": wanted.name, "last": last.job.recipe if last else None}
+        return known | _plain(wanted.job) | {"jobs": [_waiting(one) for one in jobs]}
+
+    _print(arguments.json, values, _reasons(wanted, jobs))
 
 
-def _reasons(wanted: Found, jobs: Sequence) -> Iterator[str]:
+def _reasons(wanted: Found, jobs: Sequence[Pending]) -> Iterator[str]:
     if not jobs:
         yield f"{wanted.name}: nothing to compute"
         return
@@ -114,7 +119,7 @@ def _same(there: Found, outline: Store) -> Found:
 def _diff(arguments: argparse.Namespace) -> int:
     names = [arguments.a, arguments.b]
     asked = [name for name in names if _is_overrides(name)]
-    stored = [find(*reversed(place(n, arguments.artefacts))) for n in names if n not in asked]
+    stored = [_find(name, arguments) for name in names if name not in asked]
     target = arguments.target or (stored[0].name if stored else _DEFAULT)
     with _outlines(asked, target) as outlines:
         laid = [
@@ -128,12 +133,12 @@ def _diff(arguments: argparse.Namespace) -> int:
     objects = [one.manifest and one.manifest.result.object for one in (old, new)]
     alike = None if None in objects else objects[0] == objects[1]
     same = old.job.recipe == new.job.recipe and not differences if alike is None else alike
-    values = {
-        "same": same,
-        "recipes": [one.job.recipe for one in (old, new)],
-        "objects": objects,
-        "differences": [_difference(one) for one in differences],
-    }
+
+    def values() -> dict[str, Any]:
+        recipes = [one.job.recipe for one in (old, new)]
+        known = {"same": same, "recipes": recipes, "objects": objects}
+        return known | {"differences": [_difference(one) for one in differences]}
+
     _print(arguments.json, values, _verdict(old, new, alike, differences))
     return 0 if same else 1
 
@@ -148,8 +153,14 @@ def _verdict(
     yield from text.differing(differences)
 
 
-def _difference(one: Difference) -> dict[str, object]:
+def _difference(one: Difference) -> dict[str, Any]:
     return asdict(one.cause) | {"jobs": [_plain(job) for job in one.jobs]}
+
+
+def _waiting(one: Pending) -> dict[str, Any]:
+    causes = [asdict(cause) for cause in one.causes]
+    reasons = {"causes": causes, "inputs": one.inputs, "state": one.state, "reused": one.reused}
+    return _plain(one.job) | reasons
 
 
 def _plain(job: JobSpec) -> dict[str, str]:

@@ -67,8 +67,8 @@ class Comparison:
 
     def __init__(self, old: Plan, new: Plan, parts: PartsOf) -> None:
         self._parts = parts
-        settings = [_configuration(plan) for plan in (old, new)]
-        self._keys = list(_leaves(*settings)) if all(settings) else []
+        before, after = _configuration(old), _configuration(new)
+        self._keys = list(_leaves(before, after)) if before and after else []
 
     def own(self, old: JobSpec, new: JobSpec) -> list[Cause]:
         """Differences of two jobs but for their inputs: first keys, then modules and packages."""
@@ -99,8 +99,8 @@ class Comparison:
             return [Cause("source", new.code.entry, old.code.entry, new.code.entry)]
         if old.code.source == new.code.source:
             return []
-        parts = [self._parts(job.code.source) for job in (old, new)]
-        known = list(_changes("source", *map(dict, parts))) if all(parts) else []
+        before, after = self._parts(old.code.source), self._parts(new.code.source)
+        known = list(_changes("source", before, after)) if before and after else []
         return known or [Cause("source", "", old.code.source, new.code.source)]
 
 

@@ -95,7 +95,8 @@ class _Walk:
         if old is None or new is None or old.result.object == new.result.object:
             return False
         inputs = [item for group in job.inputs.values() for item in group]
-        if any([self._has_other_bytes(item) for item in inputs]):
+        earlier = [self._has_other_bytes(item) for item in inputs]  # all, not the first alone
+        if any(earlier):
             return True
         noted = [
             _noted(facts_of(store, job)) | {"resumed": manifest.result.resumed}

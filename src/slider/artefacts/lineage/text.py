@@ -49,8 +49,7 @@ def _object(one: Made) -> str:
     result = one.manifest.result
     size = sum(facts["size"] for facts in result.files.values())
     resumed = ", of a resumed training" if result.resumed else ""
-    count = len(result.files)
-    return f"{result.object}, {count} file{'s' * (count != 1)}, {size / 1e3:.1f} kB{resumed}"
+    return f"{result.object}, {_plural(len(result.files), 'file')}, {size / 1e3:.1f} kB{resumed}"
 
 
 def _noted(facts: Mapping[str, Any]) -> dict[str, str]:
@@ -59,7 +58,8 @@ def _noted(facts: Mapping[str, Any]) -> dict[str, str]:
     times = [_minute(facts.get("ended")), _duration(facts.get("wall_s"))]
     return {
         "computed": " in ".join(filter(None, times)),
-        "machine": str(facts.get("machine", "")) + (f", {threads} used" if threads else ""),
+        "machine": str(facts.get("machine", ""))
+        + (f", {_plural(threads, 'thread')}" if threads else ""),
         "commit": commit + (" with changes" if facts.get("dirty") == "true" else ""),
         "overrides": str(facts.get("overrides", "")),
         "reused from": str(facts.get("reused_from", "")),
@@ -118,7 +118,7 @@ def _digests(step: Step) -> tuple[str, str]:
     if len(step.made) > 1:
         objects = {one.manifest.result.object for one in step.made if one.manifest}
         return f"{len(step.made)} recipes", f"{len(objects)} objects"
-    (one,) = step.made
+    one = next(iter(step.made))
     return one.job.recipe[:SHORT], one.manifest.result.object[:SHORT] if one.manifest else ""
 
 
@@ -136,7 +136,8 @@ def waiting(jobs: Sequence[Pending]) -> Iterator[str]:
     """A line per stage and reason."""
     counts: dict[tuple[str, str], int] = {}
     for one in jobs:
-        reasons = [*_texts(one.causes), *(f"input {stage}" for stage in one.inputs)]
+        inputs = f"input{'s' * (len(one.inputs) > 1)} {', '.join(one.inputs)}"
+        reasons = [*_texts(one.causes), *([inputs] if one.inputs else [])]
         text = one.state or "; ".join(reasons) or "its inputs in another order"
         line = one.job.stage, text + " (reused: content known)" * one.reused
         counts[line] = counts.get(line, 0) + 1
@@ -164,6 +165,10 @@ def _stages(jobs: Iterable[JobSpec]) -> list[str]:
 
 def _count(name: str, number: int) -> str:
     return f"{name} × {number}" if number > 1 else name
+
+
+def _plural(number: int, name: str) -> str:
+    return f"{number} {name}{'s' * (number != 1)}"
 
 
 def _minute(time: Any) -> str:

@@ -1,5 +1,6 @@
 """What differs between two jobs: a configuration key, a source module, a package, an input."""
 
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -36,10 +37,11 @@ class Cause:
         if self.kind == "source":
             return self._source()
         if self.kind == "input":
-            verb = "added" if self.old is None else "removed"
-            return f"input {self.name} {verb}"
-        what = self.name if self.kind == "configuration" else f"{self.kind} {self.name}"
-        return f"{what} {_brief(self.old)} → {_brief(self.new)}".removeprefix("stage ")
+            return "new input" if self.old is None else "input no more"
+        if self.kind == "circumstance" and not self.name:
+            return "other bytes of the same recipe, and nothing noted differs"
+        what = f"package {self.name}" if self.kind == "package" else self.name
+        return f"{what} {_brief(self.old)} → {_brief(self.new)}".lstrip()
 
     def _source(self) -> str:
         if not self.name:
@@ -53,7 +55,10 @@ def _brief(text: str | None) -> str:
     if text is None:
         return "none"
     plain = text.strip('"')
-    return plain if len(plain) <= _WIDTH else f"{plain[: _WIDTH - 1]}…"
+    if len(plain) <= _WIDTH:
+        return plain
+    found = json.loads(text)
+    return f"{len(found)} values" if isinstance(found, list) else f"{plain[: _WIDTH - 1]}…"
 
 
 class Comparison:
@@ -69,6 +74,7 @@ class Comparison:
         self._parts = parts
         before, after = _configuration(old), _configuration(new)
         self._keys = list(_leaves(before, after)) if before and after else []
+        self._used: set[str] = set()
 
     def own(self, old: JobSpec, new: JobSpec) -> list[Cause]:
         """Differences of two jobs but for their inputs: first keys, then modules and packages."""
@@ -86,13 +92,21 @@ class Comparison:
             "configuration", self._key(stage, leaf) or ".".join(path), _text(old), new=_text(new)
         )
 
+    def shaping(self) -> list[Cause]:
+        """Keys that differ and that no job seen so far holds: they tell which jobs there are."""
+        causes = (Cause("configuration", ".".join(p), _text(a), _text(b)) for p, a, b in self._keys)
+        return [cause for cause in causes if cause.name not in self._used]
+
     def _key(self, stage: str, leaf: Leaf) -> str | None:
         """The key with the same last name and the same two values that is most like the path."""
         path, *values = leaf
         same = [p for p, *found in self._keys if p[-1] == path[-1] and found == values]
         near = {*path, *stage.split("_")}
         best = max(same, key=lambda p: len(near.intersection(p)) - len(p) / 100, default=None)
-        return ".".join(best) if best else None
+        if best is None:
+            return None
+        self._used.add(".".join(best))
+        return ".".join(best)
 
     def _source(self, old: JobSpec, new: JobSpec) -> list[Cause]:
         if old.code.entry != new.code.entry:

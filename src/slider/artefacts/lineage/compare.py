@@ -54,14 +54,18 @@ class _Walk:
 
     def __init__(self, old: Found, new: Found, parts: PartsOf) -> None:
         self._old, self._new = old, new
-        self._own = Comparison(old.plan, new.plan, parts).own
+        self._comparison = Comparison(old.plan, new.plan, parts)
         self._found: dict[Cause, dict[str, JobSpec]] = {}
         self._seen: set[tuple[str, str]] = set()
         self._other: dict[str, bool] = {}
 
     def differences(self) -> list[Difference]:
         self._visit(self._old.job, self._new.job)
-        return [Difference(cause, tuple(jobs.values())) for cause, jobs in self._found.items()]
+        found = [Difference(cause, tuple(jobs.values())) for cause, jobs in self._found.items()]
+        inputs = [one for one in found if one.cause.kind == "input"]
+        jobs = tuple(job for one in inputs for job in one.jobs)
+        shaping = self._comparison.shaping() if inputs else []
+        return [*(Difference(cause, jobs) for cause in shaping), *found]
 
     def _visit(self, old: JobSpec, new: JobSpec) -> None:
         if (old.recipe, new.recipe) in self._seen:
@@ -70,7 +74,7 @@ class _Walk:
         if old.recipe == new.recipe:
             self._has_other_bytes(new)
             return
-        own = self._own(old, new)
+        own = self._comparison.own(old, new)
         for before, after in pairs(old, new) if old.stage == new.stage else ():
             if before and after:
                 self._visit(before, after)

@@ -1,7 +1,7 @@
 """What a target would compute, and because of which change since its last result."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 from slider.artefacts.lineage.causes import Cause, Comparison, pairs
 from slider.artefacts.lineage.compare import parts_in
@@ -42,11 +42,18 @@ def pending(wanted: Found, store: Store, last: Found | None) -> list[Pending]:
         store: results.
         last: the job of the last result, to say what changed.
     """
-    partners = dict(_partners(last.job, wanted.job)) if last else {}
-    own = None
-    if last:
-        own = Comparison(last.plan, wanted.plan, parts_in(store, wanted.store)).own
-    return [_explain(job, partners.get(job.recipe), own, store) for job in _todo(wanted.job, store)]
+    todo = _todo(wanted.job, store)
+    if last is None:
+        return [_lost(job, None, store) for job in todo]
+    partners = dict(_partners(last.job, wanted.job))
+    comparison = Comparison(last.plan, wanted.plan, parts_in(store, wanted.store))
+    found = [_explain(job, partners.get(job.recipe), comparison, store) for job in todo]
+    shaping = tuple(comparison.shaping())
+    other = [one.inputs and _has_other_inputs(partners[one.job.recipe], one.job) for one in found]
+    return [
+        replace(one, causes=(*one.causes, *shaping)) if more else one
+        for one, more in zip(found, other, strict=True)
+    ]
 
 
 def last_result(wanted: Found, store: Store) -> Found | None:
@@ -113,19 +120,31 @@ def _object(store: Store, job: JobSpec) -> str | None:
 def _explain(
     job: JobSpec,
     before: JobSpec | None,
-    own: Callable[[JobSpec, JobSpec], list[Cause]] | None,
+    comparison: Comparison,
     store: Store,
 ) -> Pending:
-    reused = _is_known(job, store)
-    if own is None or before is None or not was_computed(store, before):
-        return Pending(job, state=NEVER, reused=reused)
-    if before.recipe == job.recipe:
-        return Pending(job, state=LOST, reused=reused)
+    if before is None or before.recipe == job.recipe or not was_computed(store, before):
+        return _lost(job, before, store)
     differing = [(a or b, a, b) for a, b in pairs(before, job)]
     stages = [
         one.stage for one, a, b in differing if one and not (a and b and a.recipe == b.recipe)
     ]
-    return Pending(job, tuple(own(before, job)), tuple(dict.fromkeys(stages)), reused=reused)
+    return Pending(
+        job,
+        tuple(comparison.own(before, job)),
+        tuple(dict.fromkeys(stages)),
+        reused=_is_known(job, store),
+    )
+
+
+def _lost(job: JobSpec, before: JobSpec | None, store: Store) -> Pending:
+    """A job without anything that it can be compared with."""
+    lost = before is not None and was_computed(store, job)
+    return Pending(job, state=LOST if lost else NEVER, reused=_is_known(job, store))
+
+
+def _has_other_inputs(before: JobSpec, job: JobSpec) -> bool:
+    return any(a is None or b is None for a, b in pairs(before, job))
 
 
 def _is_known(job: JobSpec, store: Store) -> bool:

@@ -49,7 +49,7 @@ def test_why_is_what_snakemake_then_computes(workspace):
     assert why(workspace) == ["table1: nothing to compute"]
     assert why(workspace, LONGER)[:2] == [
         "table1: 4 to compute",
-        "  walking: train.walking.iterations 2 → 5",
+        "  walking: train.walking.iterations 3 → 5",
     ]
     assert stages(workspace, LONGER) == AFTER_STANDING
     assert workspace.computed(LONGER) == AFTER_STANDING
@@ -88,9 +88,9 @@ def test_diff_of_two_configurations_and_of_two_stores(workspace, tmp_path):
     values = json.loads(diff.stdout)
     assert (diff.returncode, values["same"]) == (1, False)
     (cause,) = values["differences"]
-    assert (cause["name"], cause["old"], cause["new"]) == ("train.walking.iterations", "2", "5")
+    assert (cause["name"], cause["old"], cause["new"]) == ("train.walking.iterations", "3", "5")
     stored = workspace.slider("lineage", "diff", "table1", f"experiment=test {LONGER}")
-    assert stored.stdout.splitlines()[1:] == ["  walking: train.walking.iterations 2 → 5"]
+    assert stored.stdout.splitlines()[1:] == ["  walking: train.walking.iterations 3 → 5"]
 
 
 @pytest.mark.parametrize(
@@ -98,10 +98,14 @@ def test_diff_of_two_configurations_and_of_two_stores(workspace, tmp_path):
     [
         (("show", "tabel1"), 1, "found 'tabel1'; did you mean table1"),
         (("diff", "table1", "tabel1"), 2, "found 'tabel1'; did you mean table1"),
-        (("diff", "", "train.seed=2"), 2, "unknown configuration key"),
+        (
+            ("diff", "experiment=test", "experiment=test train.seed=2"),
+            2,
+            "unknown configuration key",
+        ),
         (("why", "table1", "train.seed=2"), 1, "unknown configuration key"),
         (("why", "table1", "'train"), 1, "No closing quotation"),
-        (("why", "tabel1"), 1, "found 'tabel1'; did you mean table1"),
+        (("why", "tabel1", "experiment=test"), 1, "found 'tabel1'; did you mean table1"),
     ],
 )
 def test_bad_input_is_one_line(once, arguments, code, text):

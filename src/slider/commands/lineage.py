@@ -146,10 +146,9 @@ def _diff(arguments: argparse.Namespace) -> int:
 def _verdict(
     old: Found, new: Found, alike: bool | None, differences: Sequence[Difference]
 ) -> Iterator[str]:
-    recipes = [one.job.recipe[:SHORT] for one in (old, new)]
+    recipes = list(dict.fromkeys(one.job.recipe[:SHORT] for one in (old, new)))
     result = {True: "the same result", False: "different results", None: "not both computed"}[alike]
-    one = f"recipe {recipes[0]}" if recipes[0] == recipes[1] else f"recipes {' and '.join(recipes)}"
-    yield f"{new.name}: {one}, {result}"
+    yield f"{new.name}: recipe{'s' * (len(recipes) - 1)} {' and '.join(recipes)}, {result}"
     yield from text.differing(differences)
 
 
@@ -169,7 +168,7 @@ def _plain(job: JobSpec) -> dict[str, str]:
 
 def _is_overrides(name: str) -> bool:
     words = name.split()
-    return not (name and Path(name).exists()) and all("=" in w or w[0] == "~" for w in words)
+    return not os.path.exists(name) and all("=" in w or w[0] == "~" for w in words)
 
 
 @contextmanager

@@ -64,6 +64,8 @@ def test_another_store(done, tmp_path):
         ("tabel1", r"expected a report, .* found 'tabel1'; did you mean table1\?"),
         ("elephant", r"found 'elephant'; targets: library, table1, report"),
         ("123456", r"found '123456'; targets"),
+        ("a" * 300, r"found 'aaa"),
+        ("a\0b:c", r"found 'a.b:c'"),
         ("gait vx=0.3", r"found 'gait vx=0.3'"),
         ("gait vx=fast", r"found 'gait vx=fast'"),
         ("gait", r"'gait' may be [0-9a-f]{12} \(gait 0.00 m/s of library\), .*: its recipe tells"),

@@ -1,6 +1,7 @@
 """What people call a result: a report, a target, a job's label, a recipe, a manifest, an object."""
 
 import difflib
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -87,7 +88,7 @@ def layouts(store: Store) -> Iterator[Layout]:
 def place(text: str, default: Path) -> tuple[Store, str]:
     """Store and name of ``path/to/artefacts:name``, or of a name in the default store."""
     folder, colon, name = text.rpartition(":")
-    if not colon or not Path(folder).is_dir():
+    if not colon or not os.path.isdir(folder):
         return Store(default), text
     inner = Path(folder) / ARTEFACTS
     return Store(inner if inner.is_dir() else Path(folder)), name
@@ -125,7 +126,7 @@ def _by_name(text: str, known: Sequence[Layout], store: Store) -> set[str]:
 def _named(text: str, layout: Layout) -> set[str]:
     targets = layout.values["targets"]
     path = Path(text)
-    for name in [text] if not path.suffix or path.is_file() else [text, path.stem]:
+    for name in [text] if not path.suffix or os.path.isfile(text) else [text, path.stem]:
         if (target := ALIASES.get(name, name)) in targets:
             return {targets[target]}
     wanted = " ".join(text.split()).casefold()
@@ -163,7 +164,7 @@ def _by_file(text: str, known: Sequence[Layout], store: Store) -> set[str]:
     path = Path(text)
     if match := _MANIFEST.fullmatch(path.name):
         return {match[1]}
-    if not path.is_file():
+    if not os.path.isfile(text):
         return set()
     digest = files.digest_file(path)
     found = _mentioning(digest, store)

@@ -125,3 +125,13 @@ def test_looking_writes_nothing(workspace):
     why(workspace, LONGER)
     assert sorted(workspace.artefacts.rglob("*")) == before
     assert workspace.computed(QUIET) == []
+
+
+def test_overrides_without_the_job_are_unknown(once):
+    (path, *_) = (once.artefacts / "evaluation").glob("*.run.json")
+    recipe = path.name.partition(".")[0]
+    other = "experiment=test evaluation.commands=[0.123]"
+    done = once.slider("lineage", "diff", recipe, other)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "slider: expected a configuration with evaluation of policy" in done.stderr
+    assert done.stderr.endswith(", found one without\n")

@@ -16,7 +16,7 @@ from slider.artefacts.lineage import text
 from slider.artefacts.lineage.ancestry import everything
 from slider.artefacts.lineage.compare import Difference, compare
 from slider.artefacts.lineage.pending import Pending, last_result, namesake, pending
-from slider.artefacts.lineage.targets import SHORT, Found, find, place
+from slider.artefacts.lineage.targets import SHORT, Found, find, layouts, place
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT
 from slider.artefacts.store import ARTEFACTS, Store
@@ -109,11 +109,11 @@ def _wanted(target: str, outline: Store, store: Store) -> Found:
 
 
 def _same(there: Found, outline: Store) -> Found:
-    plan = find(_DEFAULT, outline).plan
-    job = namesake(there, plan)
-    if job is None:
+    layout = next(layouts(outline))
+    recipe = namesake(there, layout)
+    if recipe is None:
         raise UserError(f"expected a configuration with {there.name}, found one without")
-    return Found(outline, plan, job)
+    return Found(outline, layout.plan, layout.plan.jobs[recipe])
 
 
 def _diff(arguments: argparse.Namespace) -> int:

@@ -16,7 +16,7 @@ def facts_of(store: Store, job: JobSpec) -> dict[str, Any]:
     return facts if isinstance(facts, dict) else {}
 
 
-def was_computed(store: Store, job: JobSpec) -> bool:
+def was_computed(store: Store, stage: str, recipe: str) -> bool:
     """Tell whether there is any trace of a result of a job, whole or not."""
-    paths = store.manifest_path(job.stage, job.recipe), store.sidecar_path(job.stage, job.recipe)
+    paths = store.manifest_path(stage, recipe), store.sidecar_path(stage, recipe)
     return any(path.is_file() for path in paths)

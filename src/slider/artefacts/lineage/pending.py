@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from slider.artefacts.lineage.causes import Cause, Comparison, pairs
 from slider.artefacts.lineage.compare import parts_in
 from slider.artefacts.lineage.facts import was_computed
-from slider.artefacts.lineage.targets import Found, layouts, manifest_of
-from slider.artefacts.plan import JobSpec, Plan
+from slider.artefacts.lineage.targets import Found, Layout, layouts, manifest_of
+from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.store import Store
 
@@ -58,25 +58,25 @@ def pending(wanted: Found, store: Store, last: Found | None) -> list[Pending]:
 
 def last_result(wanted: Found, store: Store) -> Found | None:
     """The latest job of a wanted one's name that was computed, or else that was planned."""
-    if was_computed(store, wanted.job):
+    if was_computed(store, wanted.job.stage, wanted.job.recipe):
         return Found(store, wanted.plan, wanted.job)
-    planned = None
-    for layout in layouts(store):
-        job = namesake(wanted, layout.plan)
-        if job and was_computed(store, job):
-            return Found(store, layout.plan, job)
-        if job and planned is None:
-            planned = Found(store, layout.plan, job)
-    return planned
+    planned = [(one, recipe) for one in layouts(store) if (recipe := namesake(wanted, one))]
+    computed = (
+        (one, recipe)
+        for one, recipe in planned
+        if was_computed(store, one.jobs[recipe]["stage"], recipe)
+    )
+    layout, recipe = next(computed, planned[0] if planned else (None, None))
+    return Found(store, layout.plan, layout.plan.jobs[recipe]) if layout and recipe else None
 
 
-def namesake(wanted: Found, plan: Plan) -> JobSpec | None:
-    """The job of a plan that has the target, or else stage and label, of a job."""
+def namesake(wanted: Found, layout: Layout) -> str | None:
+    """Recipe of a plan's job that has the target, or else stage and label, of a wanted one."""
     if wanted.name in wanted.plan.targets:
-        recipe = plan.targets.get(wanted.name)
-        return plan.jobs[recipe] if recipe else None
+        return layout.values["targets"].get(wanted.name)
     named = wanted.job.stage, wanted.job.label
-    return next((job for job in plan.jobs.values() if (job.stage, job.label) == named), None)
+    jobs = layout.jobs.items()
+    return next((r for r, job in jobs if (job["stage"], job["label"]) == named), None)
 
 
 def _partners(old: JobSpec, new: JobSpec) -> Iterator[tuple[str, JobSpec]]:
@@ -123,7 +123,11 @@ def _explain(
     comparison: Comparison,
     store: Store,
 ) -> Pending:
-    if before is None or before.recipe == job.recipe or not was_computed(store, before):
+    if (
+        before is None
+        or before.recipe == job.recipe
+        or not was_computed(store, before.stage, before.recipe)
+    ):
         return _lost(job, before, store)
     differing = [(a or b, a, b) for a, b in pairs(before, job)]
     stages = [
@@ -139,7 +143,7 @@ def _explain(
 
 def _lost(job: JobSpec, before: JobSpec | None, store: Store) -> Pending:
     """A job without anything that it can be compared with."""
-    lost = before is not None and was_computed(store, job)
+    lost = before is not None and was_computed(store, job.stage, job.recipe)
     return Pending(job, state=LOST if lost else NEVER, reused=_is_known(job, store))
 
 

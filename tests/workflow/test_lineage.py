@@ -128,10 +128,10 @@ def test_looking_writes_nothing(workspace):
 
 
 def test_overrides_without_the_job_are_unknown(once):
-    (path, *_) = (once.artefacts / "evaluation").glob("*.run.json")
-    recipe = path.name.partition(".")[0]
-    other = "experiment=test evaluation.commands=[0.123]"
-    done = once.slider("lineage", "diff", recipe, other)
+    gaits = json.loads(once.slider("lineage", "show", "library", "--json").stdout)["jobs"].values()
+    (*_, last) = [job for job in gaits if job["stage"] == "gait"]
+    other = "experiment=test gait.grid.vx.stop=0.0 gait.grid.vx.start=0.0"
+    done = once.slider("lineage", "diff", last["recipe"], other)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "slider: expected a configuration with evaluation of policy" in done.stderr
-    assert done.stderr.endswith(", found one without\n")
+    expected = f"expected a configuration with {last['label']}, found one without"
+    assert done.stderr == f"slider: {expected}\n"

@@ -71,12 +71,19 @@ def last_result(wanted: Found, store: Store) -> Found | None:
 
 
 def namesake(wanted: Found, layout: Layout) -> str | None:
-    """Recipe of a plan's job that has the target, or else stage and label, of a wanted one."""
+    """Recipe of a plan's job that has the target, or else stage and label, of a wanted one.
+
+    Of several it is the same job, or else the one in its place among them.
+    """
     if wanted.name in wanted.plan.targets:
         return layout.values["targets"].get(wanted.name)
     named = wanted.job.stage, wanted.job.label
-    jobs = layout.jobs.items()
-    return next((r for r, job in jobs if (job["stage"], job["label"]) == named), None)
+    there = [r for r, job in layout.jobs.items() if (job["stage"], job["label"]) == named]
+    if wanted.job.recipe in there:
+        return wanted.job.recipe
+    jobs = wanted.plan.jobs.items()
+    here = [recipe for recipe, job in jobs if (job.stage, job.label) == named]
+    return next(iter(there[here.index(wanted.job.recipe) :]), None)
 
 
 def _partners(old: JobSpec, new: JobSpec) -> Iterator[tuple[str, JobSpec]]:

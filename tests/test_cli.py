@@ -1,5 +1,6 @@
 """The command line: what people are shown, and what the pipeline calls."""
 
+import shlex
 import subprocess
 import sys
 
@@ -35,6 +36,6 @@ def test_an_unknown_command_names_those_of_people(capsys):
 
 
 def test_a_reader_that_has_seen_enough_gets_no_trace():
-    command = f"{sys.executable} -m slider.cli config | true"
+    command = f"{shlex.quote(sys.executable)} -m slider.cli config | true"
     done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
     assert done.stderr == ""

@@ -15,6 +15,7 @@ from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
 from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.sources import note_sources
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
@@ -119,7 +120,7 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1."""
     gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
-        return _open(_overrides(settings), conf)
+        return _open(parse_overrides(settings), conf)
     except UserError as error:
         print(f"slider: {error}", file=sys.stderr)
         sys.stderr.flush()
@@ -134,15 +135,28 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
 
 
 def _open(overrides: list[str], conf: Path) -> Pipeline:
-    config = with_renderer(checked(compose(overrides, conf)))
+    config, plan = planned(overrides, conf)
     store = Store(Path(ARTEFACTS))
-    plan = build_plan(all_targets(config, overrides, conf))
     return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
+
+
+def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config, Plan]:
+    """Configuration and jobs of some overrides, with those of a target on demand.
+
+    Raises:
+        UserError: they do not compose.
+    """
+    config = with_renderer(checked(compose(overrides, conf)))
+    targets = all_targets(config, overrides, conf)
+    if target in ON_DEMAND and target not in targets:
+        targets[target] = ON_DEMAND[target](config, targets, overrides, conf)
+    return config, build_plan(targets)
 
 
 def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     """Write a plan and make what is on disk agree with it."""
     path = write_plan(plan, store.root / "plans")
+    note_sources(plan, store)
     os.utime(path)  # `slider store gc` keeps the latest plans
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
@@ -153,7 +167,12 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     return path
 
 
-def _overrides(settings: Mapping[str, Any]) -> list[str]:
+def parse_overrides(settings: Mapping[str, Any]) -> list[str]:
+    """Overrides of ``--config hydra='...'``.
+
+    Raises:
+        UserError: another name, no text, or an open quote.
+    """
     unknown = [name for name in settings if name != OPTION]
     if unknown:
         raise UserError(

@@ -1,5 +1,9 @@
 """The command line: what people are shown, and what the pipeline calls."""
 
+import shlex
+import subprocess
+import sys
+
 import pytest
 
 from slider.cli import COMMANDS, INTERNAL, main
@@ -29,3 +33,9 @@ def test_an_unknown_command_names_those_of_people(capsys):
     text = capsys.readouterr().err
     assert "invalid choice: 'walk'" in text
     assert "publish" not in text
+
+
+def test_a_reader_that_has_seen_enough_gets_no_trace():
+    command = f"{shlex.quote(sys.executable)} -m slider.cli config | true"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
+    assert done.stderr == ""

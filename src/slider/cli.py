@@ -6,6 +6,7 @@ when its command is given, so that a gait job does not wait for torch.
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
 
@@ -15,6 +16,7 @@ COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
+    "lineage": ("slider.commands.lineage", "tell where results come from and how they differ"),
     "store": ("slider.commands.store", "list, verify and clean the artefact store"),
     "bundle": ("slider.commands.bundle", "pack a result with all that it came from"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
@@ -46,9 +48,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(f"slider {name}", description=text)
     module.add_arguments(parser)
     try:
-        return module.run(parser.parse_args(arguments[1:])) or 0
+        code = module.run(parser.parse_args(arguments[1:])) or 0
+        sys.stdout.flush()
+        return code
     except UserError as error:
         print(f"slider: {error}", file=sys.stderr)
+        return 1
+    except BrokenPipeError:  # who reads has seen enough, such as `head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from slider.artefacts.locks import nobody_else
-from slider.artefacts.plan import plan_recipes
+from slider.artefacts.plan import plan_recipes, plan_sources
 from slider.artefacts.recipe import Groups
 from slider.artefacts.repair import drop_unreadable, free_places
 from slider.artefacts.store import Manifest, Store, parse_manifest
@@ -163,6 +163,7 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
                 store.drop_object(digest)
             _drop_dangling(store)
             _drop_litter(store, recipes)
+            _drop_sources(store, set().union(*map(plan_sources, plans[:keep])))
         return Removed(objects, _names(store, manifests))
 
 
@@ -177,6 +178,12 @@ def _drop_litter(store: Store, recipes: set[str]) -> None:
             shutil.rmtree(path)
     for path in (*store.root.glob("logs/*/*.log"), *store.root.glob("*/*.run.json")):
         if path.name.partition(".")[0] not in recipes:
+            path.unlink(missing_ok=True)
+
+
+def _drop_sources(store: Store, kept: set[str]) -> None:
+    for path in (store.root / "sources").glob("*.json"):
+        if path.stem not in kept:
             path.unlink(missing_ok=True)
 
 

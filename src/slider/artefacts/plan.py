@@ -116,6 +116,18 @@ def plan_recipes(path: Path) -> set[str]:
         raise UserError(f"expected a plan, found none at {path}") from None
 
 
+def plan_sources(path: Path) -> set[str]:
+    """Source digests of a plan; none where it has no such table.
+
+    Raises:
+        UserError: the file is no plan.
+    """
+    try:
+        return {code["source"] for code in files.read_json(path).get("codes", {}).values()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        raise UserError(f"expected a plan, found none at {path}") from None
+
+
 def _to_values(plan: Plan) -> dict[str, Any]:
     """Plain values. Parts of sections are stored once: all gaits share all but the velocity."""
     part_of = _PartDigests()

@@ -5,7 +5,7 @@ Found statically, on the syntax tree, so that no stage has to be imported to lea
 
 import hashlib
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from os.path import isfile
 from pathlib import Path
@@ -16,11 +16,25 @@ from slider.core.errors import UserError
 
 @dataclass(frozen=True)
 class Closure:
-    """Modules that an entry module imports, directly or not, and third-party packages."""
+    """Modules that an entry module imports, directly or not, and third-party packages.
+
+    ``parts`` are the digests behind ``digest``: of each module, then of each data file.
+    """
 
     modules: tuple[str, ...]
     third_party: tuple[str, ...]
-    digest: str
+    parts: Mapping[str, str]
+
+    @property
+    def digest(self) -> str:
+        """The source digest."""
+        return digest_parts(self.parts)
+
+
+def digest_parts(parts: Mapping[str, str]) -> str:
+    """Digest of names and their digests, in this order."""
+    lines = "".join(f"{name} {digest}\n" for name, digest in parts.items())
+    return hashlib.sha256(lines.encode()).hexdigest()
 
 
 def closure(entry: str, root: Path) -> Closure:
@@ -60,15 +74,13 @@ def closure(entry: str, root: Path) -> Closure:
 
 
 def _summarise(found: dict[str, str], third_party: set[str], root: Path) -> Closure:
-    digest = hashlib.sha256()
-    for name in sorted(found):
-        digest.update(f"{name} {found[name]}\n".encode())
+    parts = {name: found[name] for name in sorted(found)}
     folders = {_folder(root, name) for name in found}
     for path in sorted(data for folder in folders for data in _data_files(folder)):
         content = hashlib.sha256(path.read_bytes()).hexdigest()
-        digest.update(f"{path.relative_to(root).as_posix()} {content}\n".encode())
+        parts[path.relative_to(root).as_posix()] = content
     packages = sorted(third_party - sys.stdlib_module_names)
-    return Closure(tuple(sorted(found)), tuple(packages), digest.hexdigest())
+    return Closure(tuple(sorted(found)), tuple(packages), parts)
 
 
 def _find(root: Path, name: str) -> Path | None:

@@ -90,6 +90,10 @@ class Store:
         """Folder of what jobs of the same source and versions share and can make again."""
         return self.root / "cache" / code
 
+    def parts_path(self, source: str) -> Path:
+        """File with the modules of a source digest and their digests."""
+        return self.root / "sources" / f"{source}.json"
+
     @property
     def seals(self) -> Seals:
         """What is known of objects that were read."""
@@ -158,7 +162,7 @@ class Store:
     def manifests(self) -> list[Path]:
         """Every manifest of the store."""
         found = self.root.glob("*/" + "[0-9a-f]" * 64 + ".json")
-        return sorted(path for path in found if path.parent.name != "plans")
+        return sorted(path for path in found if path.parent.name not in ("plans", "sources"))
 
     def index_path(self, key: str) -> Path:
         """File of the index behind the early cut-off: the first manifest of a key."""

@@ -1,0 +1,202 @@
+"""``slider lineage``: what a result was made from, how two differ, why one would be computed."""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from slider.artefacts.lineage import text
+from slider.artefacts.lineage.ancestry import everything
+from slider.artefacts.lineage.compare import Difference, compare
+from slider.artefacts.lineage.pending import Pending, last_result, namesake, pending
+from slider.artefacts.lineage.targets import SHORT, Found, find, layouts, place
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import SOURCE_ROOT
+from slider.artefacts.store import ARTEFACTS, Store
+from slider.core.errors import UserError
+
+_DEFAULT = "table1"
+_TARGET = "report, target, job label, recipe, manifest or object; of another store as FOLDER:TARGET"
+_SIDE = f"{_TARGET}; or overrides, such as 'train.walking.seed=2', '' for none"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    actions = parser.add_subparsers(dest="action", required=True)
+    show = actions.add_parser("show", help="what a result was made from, when, where, how long")
+    diff = actions.add_parser("diff", help="why two differ; status 0 same, 1 different, 2 unknown")
+    why = actions.add_parser("why", help="what would be computed, because of which change")
+    for action in (show, why):
+        action.add_argument("target", help=_TARGET)
+    why.add_argument("overrides", nargs="*", help="as after --config hydra= (default: none)")
+    for side in ("a", "b"):
+        diff.add_argument(side, help=_SIDE)
+    diff.add_argument("--target", help=f"what to compare of two overrides (default: {_DEFAULT})")
+    for action in (show, diff, why):
+        action.add_argument("--json", action="store_true", help="everything, for programs")
+        action.add_argument(
+            "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
+        )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run one action; only ``diff`` has a status other than 0 for an answer."""
+    if arguments.action == "show":
+        found = _find(arguments.target, arguments)
+        _print(arguments.json, lambda: everything(found), text.shown(found))
+        return 0
+    if arguments.action == "why":
+        _why(arguments)
+        return 0
+    try:
+        return _diff(arguments)
+    except UserError as error:
+        print(f"slider: {error}", file=sys.stderr)
+        return 2
+
+
+def _find(name: str, arguments: argparse.Namespace) -> Found:
+    store, inner = place(name, arguments.artefacts)
+    return find(inner, store)
+
+
+def _print(as_json: bool, values: Callable[[], object], lines: Iterable[str]) -> None:
+    print(json.dumps(values(), indent=1, ensure_ascii=False) if as_json else "\n".join(lines))
+
+
+def _why(arguments: argparse.Namespace) -> None:
+    store, target = place(arguments.target, arguments.artefacts)
+    overrides = " ".join(item.removeprefix("hydra=") for item in arguments.overrides)
+    with _outlines([overrides], target) as (outline,):
+        wanted = _wanted(target, outline, store)
+        last = last_result(wanted, store)
+        jobs = pending(wanted, store, last)
+
+    def values() -> dict[str, Any]:
+        known = {"name": wanted.name, "last": last.job.recipe if last else None}
+        return known | _plain(wanted.job) | {"jobs": [_waiting(one) for one in jobs]}
+
+    _print(arguments.json, values, _reasons(wanted, jobs))
+
+
+def _reasons(wanted: Found, jobs: Sequence[Pending]) -> Iterator[str]:
+    if not jobs:
+        yield f"{wanted.name}: nothing to compute"
+        return
+    reused = sum(one.reused for one in jobs)
+    yield f"{wanted.name}: {len(jobs) - reused} to compute" + f", {reused} to reuse" * bool(reused)
+    yield from text.waiting(jobs)
+
+
+def _wanted(target: str, outline: Store, store: Store) -> Found:
+    """The job of a name in a laid-out plan, also where only a result of the store has the name."""
+    name = Path(target).stem if Path(target).suffix else target
+    try:
+        return find(name, outline)
+    except UserError as error:
+        try:
+            there = find(target, store)
+        except UserError:
+            raise error from None
+        return _same(there, outline)
+
+
+def _same(there: Found, outline: Store) -> Found:
+    layout = next(layouts(outline))
+    recipe = namesake(there, layout)
+    if recipe is None:
+        raise UserError(f"expected a configuration with {there.name}, found one without")
+    return Found(outline, layout.plan, layout.plan.jobs[recipe])
+
+
+def _diff(arguments: argparse.Namespace) -> int:
+    names = [arguments.a, arguments.b]
+    asked = [name for name in names if _is_overrides(name)]
+    stored = [_find(name, arguments) for name in names if name not in asked]
+    target = arguments.target or (stored[0].name if stored else _DEFAULT)
+    with _outlines(asked, target) as outlines:
+        laid = [
+            _same(stored[0], one) if stored else _wanted(target, one, Store(arguments.artefacts))
+            for one in outlines
+        ]
+        results = [Found(Store(arguments.artefacts), one.plan, one.job) for one in laid]
+        sides = iter(stored), iter(results)
+        old, new = (next(sides[name in asked]) for name in names)
+        differences = compare(old, new, outlines)
+    objects = [one.manifest and one.manifest.result.object for one in (old, new)]
+    alike = None if None in objects else objects[0] == objects[1]
+    same = old.job.recipe == new.job.recipe and not differences if alike is None else alike
+
+    def values() -> dict[str, Any]:
+        recipes = [one.job.recipe for one in (old, new)]
+        known = {"same": same, "recipes": recipes, "objects": objects}
+        return known | {"differences": [_difference(one) for one in differences]}
+
+    _print(arguments.json, values, _verdict(old, new, alike, differences))
+    return 0 if same else 1
+
+
+def _verdict(
+    old: Found, new: Found, alike: bool | None, differences: Sequence[Difference]
+) -> Iterator[str]:
+    recipes = list(dict.fromkeys(one.job.recipe[:SHORT] for one in (old, new)))
+    result = {True: "the same result", False: "different results", None: "not both computed"}[alike]
+    yield f"{new.name}: recipe{'s' * (len(recipes) - 1)} {' and '.join(recipes)}, {result}"
+    yield from text.differing(differences)
+
+
+def _difference(one: Difference) -> dict[str, Any]:
+    return asdict(one.cause) | {"jobs": [_plain(job) for job in one.jobs]}
+
+
+def _waiting(one: Pending) -> dict[str, Any]:
+    causes = [asdict(cause) for cause in one.causes]
+    reasons = {"causes": causes, "inputs": one.inputs, "state": one.state, "reused": one.reused}
+    return _plain(one.job) | reasons
+
+
+def _plain(job: JobSpec) -> dict[str, str]:
+    return {"stage": job.stage, "label": job.label, "recipe": job.recipe}
+
+
+def _is_overrides(name: str) -> bool:
+    words = name.split()
+    return not os.path.exists(name) and all("=" in w or w[0] == "~" for w in words)
+
+
+@contextmanager
+def _outlines(overrides: Sequence[str], target: str) -> Iterator[list[Store]]:
+    """Stores without results, each with the plan of the working tree and some overrides.
+
+    Raises:
+        UserError: there is no working tree, or the overrides do not compose.
+    """
+    root = SOURCE_ROOT.parent
+    if not overrides:
+        yield []
+        return
+    if not (root / "pipeline").is_dir():
+        raise UserError(f"expected the pipeline beside the package, found none in {root}")
+    with tempfile.TemporaryDirectory() as folder:
+        stores = [Store(Path(folder) / str(number)) for number in range(len(overrides))]
+        pairs = [
+            str(x) for pair in zip((s.root for s in stores), overrides, strict=True) for x in pair
+        ]
+        done = subprocess.run(
+            [sys.executable, "-m", "pipeline.outline", Path(target).stem, *pairs],
+            cwd=root,
+            env=os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (root, SOURCE_ROOT)))},
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+        if done.returncode != 0:
+            raise UserError(done.stderr.strip().splitlines()[-1])
+        yield stores

@@ -5,15 +5,13 @@ from pathlib import Path
 
 sys.path.insert(0, workflow.basedir)
 
-from pipeline.console import calm
 from pipeline.entry import open_pipeline
 
 
 report: "pipeline/captions/workflow.rst"
 
 
-calm()
-PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
+PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf", workflow.dryrun)
 
 
 wildcard_constraints:
@@ -33,7 +31,7 @@ include: "pipeline/rules/reports.smk"
 
 
 onstart:
-    PIPELINE.start()
+    PIPELINE.start(workflow)
 
 
 onsuccess:

@@ -78,6 +78,10 @@ class Store:
         """Folder that survives a killed job, for checkpoints."""
         return self.root / "work" / stage / recipe
 
+    def progress_path(self, stage: str, recipe: str) -> Path:
+        """The latest line that a running job says of itself."""
+        return self.work_folder(stage, recipe) / "progress.txt"
+
     @property
     def seals(self) -> Seals:
         """What is known of objects that were read."""

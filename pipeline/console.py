@@ -63,12 +63,12 @@ class Console:
         end = _AT_THE_END if self.succeeded else ()
         return not record.getMessage().startswith((*_TEXTS, *end))
 
-    def _follow(self, event: LogEvent, record: logging.LogRecord) -> None:
+    def _follow(self, event: LogEvent | None, record: logging.LogRecord) -> None:
         if self.progress is None:
             return
         jobs = getattr(record, "jobs", None) or [getattr(record, "job_id", None)]
         try:
-            for recipe in filter(None, map(self._recipes.get, jobs)):
+            for recipe in [self._recipes[job] for job in jobs if job in self._recipes]:
                 if event == LogEvent.JOB_STARTED:
                     self.progress.began(recipe)
                 elif event == LogEvent.JOB_FINISHED:

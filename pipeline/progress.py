@@ -49,8 +49,8 @@ class Progress:
     store: Store
     forecast: Forecast
     write: Callable[[str], None] = _print
-    _start: float = field(default_factory=time.time)
-    _said: float = field(default_factory=time.time)
+    _start: float = field(default_factory=lambda: time.time())
+    _said: float = field(default_factory=lambda: time.time())
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _over: threading.Event = field(default_factory=threading.Event)
 

@@ -46,7 +46,8 @@ def table(rows: Sequence[Row]) -> str:
 
 def _line(label: str, quantity: str, width: int, cells: Sequence[str]) -> str:
     width = max(width, len("command [m/s]"))
-    return f"{label:<{width}}  {quantity:<11}" + "".join(f"{cell:>10}" for cell in cells)
+    text = f"{label:<{width}}  {quantity:<11}" + "".join(f"{cell:>10}" for cell in cells)
+    return text.rstrip()
 
 
 def _error(value: float) -> str:

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import datetime
 
+from pipeline.terminal import read_row, table
 from slider.artefacts.forecast import Forecast, Work
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.reuse import reused_ahead
 from slider.artefacts.store import Store
 from slider.artefacts.times import START, kind, times
 from slider.core import files
-from slider.reports.terminal import read_row, table
 
 _SILENCE = 20.0  # seconds without a line after which a running job is shown
 _SHARE = re.compile(r"(\d+) ?(?:/|of) ?(\d+)|(\d+) %")  # what a job says of itself

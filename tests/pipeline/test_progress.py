@@ -35,7 +35,7 @@ def run(tmp_path, monkeypatch):
     return Progress(plan, store, forecast(plan, store, needed, 2), lines.append), jobs, lines, now
 
 
-def finish(run, job: JobSpec, seconds: float, computed: bool = True) -> None:
+def finish(run, job: JobSpec, seconds: float, computed: bool = True, ago: float = 0.01) -> None:
     """What a job leaves behind, and the event."""
     shown, _, _, now = run
     shown.began(job.recipe)
@@ -46,7 +46,7 @@ def finish(run, job: JobSpec, seconds: float, computed: bool = True) -> None:
         summary = {name: job.section[name] for name in ("controller", "command")}
         result = store.publish(folder, summary | {"success_rate": 1.0, "mse_steady": 0.25})
     store.write_manifest(Manifest(job.stage, job.recipe, {}, result))
-    ended = datetime.fromtimestamp(now[0] - 0.01, UTC).isoformat()
+    ended = datetime.fromtimestamp(now[0] - ago, UTC).isoformat()
     facts = {"computed": computed, "ended": ended, "wall_s": seconds}
     store.sidecar_path(job.stage, job.recipe).write_text(json.dumps(facts))
     shown.ended(job.recipe)
@@ -80,11 +80,8 @@ def test_after_a_failure_there_is_no_table(run):
 
 def test_a_result_of_an_earlier_run_is_reused(run):
     """The manifest was lost and is written again: the times beside it are of another day."""
-    shown, jobs, lines, now = run
-    finish(run, jobs[0], 30.0)
-    now[0] += 60.0
-    shown.began(jobs[0].recipe)
-    shown.ended(jobs[0].recipe)
+    _, jobs, lines, _ = run
+    finish(run, jobs[0], 1.0, ago=86400.0)
     assert lines[-1].endswith("reused")
 
 

@@ -1,6 +1,6 @@
 """Table 1 in a few lines."""
 
-from slider.reports.terminal import Row, read_row, table
+from pipeline.terminal import Row, read_row, table
 
 LABELS = {"policy": "policy (ours)"}
 

@@ -4,8 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from slider.reports.controllers import speed
-
 
 class Row(NamedTuple):
     """One controller at one command [m/s]: success 0 to 1, MSE after the warm-up [m²/s²]."""
@@ -22,7 +20,7 @@ def read_row(labels: Mapping[str, str], summary: Mapping[str, Any]) -> Row | Non
         return None
     name, error = summary["controller"], summary.get("mse_steady")
     error = math.inf if error is None else float(error)
-    return Row(labels.get(name, name), summary["command"], summary["success_rate"], error)
+    return Row(labels.get(name, name), float(summary["command"]), summary["success_rate"], error)
 
 
 def table(rows: Sequence[Row]) -> str:
@@ -34,7 +32,7 @@ def table(rows: Sequence[Row]) -> str:
     found = {(row.label, row.command): row for row in rows}
     labels = list(dict.fromkeys(row.label for row in rows))
     width = max(len(label) for label in labels)
-    lines = [_line("command [m/s]", "", width, [speed(command) for command in commands])]
+    lines = [_line("command [m/s]", "", width, [str(command) for command in commands])]
     for label in labels:
         cells = [found.get((label, command)) for command in commands]
         successes = ["" if row is None else f"{100 * row.success:.3g}" for row in cells]

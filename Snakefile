@@ -5,13 +5,15 @@ from pathlib import Path
 
 sys.path.insert(0, workflow.basedir)
 
+from pipeline.console import Console
 from pipeline.entry import open_pipeline
 
 
 report: "pipeline/captions/workflow.rst"
 
 
-PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf", workflow.dryrun)
+CONSOLE = Console(workflow)
+PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
 
 
 wildcard_constraints:
@@ -31,12 +33,15 @@ include: "pipeline/rules/reports.smk"
 
 
 onstart:
-    PIPELINE.start(workflow)
+    PIPELINE.start()
+    CONSOLE.open(PIPELINE.plan, PIPELINE.store)
 
 
 onsuccess:
     PIPELINE.finish("FINISHED")
+    CONSOLE.close(succeeded=True)
 
 
 onerror:
     PIPELINE.finish("FAILED")
+    CONSOLE.close(succeeded=False)

@@ -26,7 +26,7 @@ _SHOWN = "Traceback (most recent call last)"  # such a job has shown the end of 
 class Console:
     """Takes the records of Snakemake's logger: drops chatter, follows jobs, lets errors pass."""
 
-    dry_run: bool
+    workflow: Any
     progress: Progress | None = None
     succeeded: bool = False
 
@@ -34,12 +34,12 @@ class Console:
         self._recipes: dict[int, str] = {}
         logger.addFilter(self._is_news)
 
-    def open(self, workflow: Any, plan: Plan, store: Store) -> None:
+    def open(self, plan: Plan, store: Store) -> None:
         """Begin to show the progress of the jobs that Snakemake is about to run."""
-        jobs = [job for job in workflow.dag.needrun_jobs() if hasattr(job.wildcards, "recipe")]
+        jobs = [job for job in self.workflow.dag.needrun_jobs() if hasattr(job.wildcards, "recipe")]
         self._recipes = {job.jobid: job.wildcards.recipe for job in jobs}
         needed = [Needed(job.wildcards.recipe, job.priority, job.threads) for job in jobs]
-        settings = workflow.resource_settings
+        settings = self.workflow.resource_settings
         cores = settings.cores or settings.nodes or 1
         if needed:
             self.progress = Progress(plan, store, forecast(plan, store, needed, cores))
@@ -59,7 +59,7 @@ class Console:
             self._follow(event, record)
             return False
         if event in _OF_A_RUN:
-            return self.dry_run
+            return self.workflow.dryrun
         end = _AT_THE_END if self.succeeded else ()
         return not record.getMessage().startswith((*_TEXTS, *end))
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.console import Console
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
 from pipeline.targets import ON_DEMAND, all_targets, report_files
@@ -39,7 +38,6 @@ class Pipeline:
     plan_path: Path
     store: Store
     conf: Path
-    console: Console
     session: tracking.Session | None = field(default=None)
 
     @property
@@ -103,10 +101,9 @@ class Pipeline:
         self.plan = build_plan(targets | {target: job})
         self.plan_path = _lay_out(self.plan, self.store, self.config)
 
-    def start(self, workflow: Any) -> None:
+    def start(self) -> None:
         """Begin this pipeline run; open a session of tracking, if the configuration wants one."""
         artefacts = self.store.root
-        self.console.open(workflow, self.plan, self.store)
         note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
         if not self.config.tracking.enabled:
@@ -125,15 +122,14 @@ class Pipeline:
 
     def finish(self, status: str) -> None:
         """Close the session of this pipeline run as ``FINISHED`` or ``FAILED``."""
-        self.console.close(status == "FINISHED")
         if self.session is not None:
             self.session.finish(status)
 
 
-def open_pipeline(settings: Mapping[str, Any], conf: Path, dry_run: bool) -> Pipeline:
+def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1."""
     try:
-        return _open(_overrides(settings), conf, Console(dry_run))
+        return _open(_overrides(settings), conf)
     except UserError as error:
         print(f"slider: {error}", file=sys.stderr)
         sys.stderr.flush()
@@ -145,12 +141,11 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path, dry_run: bool) -> Pip
         raise SystemExit(1) from None
 
 
-def _open(overrides: list[str], conf: Path, console: Console) -> Pipeline:
+def _open(overrides: list[str], conf: Path) -> Pipeline:
     config = with_renderer(checked(compose(overrides, conf)))
     store = Store(Path(ARTEFACTS))
     plan = build_plan(all_targets(config, overrides, conf))
-    path = _lay_out(plan, store, config)
-    return Pipeline(config, overrides, plan, path, store, conf, console)
+    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
 
 
 def _lay_out(plan: Plan, store: Store, config: Config) -> Path:

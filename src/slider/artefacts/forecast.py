@@ -14,7 +14,7 @@ _TRUST = 20.0  # seconds of finished jobs of a kind that weigh as much as the ex
 _ODD = 2.0  # a kind that deviates by more says no more of the others
 _BRIEF = 5.0  # seconds of jobs of a kind that are too few to say anything
 _TELLING = 0.1  # from this share done on, a job's own progress tells its rest
-_OVERDUE = 0.05  # a job that runs longer than expected has this share of its time before it
+_OVERDUE = 0.2  # a job that runs longer than expected has this share of its time before it
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,8 @@
 import logging
 import sys
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,6 +38,10 @@ class Console:
 
     def open(self, plan: Plan, store: Store) -> None:
         """Begin to show the progress of the jobs that Snakemake is about to run."""
+        with self._harmless():
+            self._open(plan, store)
+
+    def _open(self, plan: Plan, store: Store) -> None:
         jobs = [job for job in self.workflow.dag.needrun_jobs() if hasattr(job.wildcards, "recipe")]
         self._recipes = {job.jobid: job.wildcards.recipe for job in jobs}
         needed = [Needed(job.wildcards.recipe, job.priority, job.threads) for job in jobs]
@@ -48,8 +54,20 @@ class Console:
     def close(self, succeeded: bool) -> None:
         """End the lines about running jobs."""
         self.succeeded = succeeded
-        if self.progress is not None:
-            self.progress.close(succeeded)
+        with self._harmless():
+            if self.progress is not None:
+                self.progress.close(succeeded)
+
+    @contextmanager
+    def _harmless(self) -> Iterator[None]:
+        """Who shows a run must not end it: after an error nothing more is shown."""
+        try:
+            yield
+        except Exception:
+            traceback.print_exc()
+            if self.progress is not None:
+                self.progress.hush()
+            self.progress = None
 
     def _is_news(self, record: logging.LogRecord) -> bool:
         event = getattr(record, "event", None)
@@ -67,15 +85,12 @@ class Console:
         if self.progress is None:
             return
         jobs = getattr(record, "jobs", None) or [getattr(record, "job_id", None)]
-        try:
+        with self._harmless():
             for recipe in [self._recipes[job] for job in jobs if job in self._recipes]:
                 if event == LogEvent.JOB_STARTED:
                     self.progress.began(recipe)
                 elif event == LogEvent.JOB_FINISHED:
                     self.progress.ended(recipe)
-        except Exception:  # who shows a run must not end it
-            self.progress = None
-            traceback.print_exc()
 
 
 def _point_to_log(logs: list[str]) -> None:

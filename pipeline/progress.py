@@ -62,11 +62,15 @@ class Progress:
 
     def close(self, succeeded: bool) -> None:
         """Say no more of running jobs; after a success show Table 1 and where it is."""
-        self._over.set()
+        self.hush()
         if succeeded and self._evaluations:
             self._show(self._evaluations)
             took = duration(time.time() - self._start)
             self.write(f"Table 1 took {took}: reports/table1.md has intervals and the paper's rows")
+
+    def hush(self) -> None:
+        """Look after long jobs no more."""
+        self._over.set()
 
     def began(self, recipe: str) -> None:
         """A job started."""

@@ -55,7 +55,10 @@ def test_a_line_that_cannot_be_written_ends_no_run(console, capsys):
     def fail(recipe: str) -> None:
         raise OSError("no terminal")
 
-    console.progress, console._recipes = SimpleNamespace(ended=fail), {3: "a"}
+    hushed: list[bool] = []
+    console.progress = SimpleNamespace(ended=fail, hush=lambda: hushed.append(True))
+    console._recipes = {3: "a"}
     assert not passes(console, event=LogEvent.JOB_FINISHED, job_id=3)
     assert console.progress is None
+    assert hushed
     assert "no terminal" in capsys.readouterr().err

@@ -4,48 +4,55 @@
 # make results                          fill the result tables of README.md and docs/ from reports/
 # make animation                         the picture at the top of README.md, from the trained policy
 # make docs                             the documentation as a site
+# make install                           what tests, checks of gaits and editors need, too
 # make test                              lint, type check and tests
 PYTHON ?= python3
 CORES ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 HYDRA ?=
 VENV := .venv
-BIN := $(VENV)/bin
+RUN := $(VENV)/bin/python -m# a module: the first line of a script cannot name every folder
 STAMP := $(VENV)/installed
+TOOLS := $(VENV)/installed-tools
+export HYDRA
 
 .DELETE_ON_ERROR:
 .PHONY: table1 report results animation docs install lint test clean
 
 table1: $(STAMP)
-	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/table1.csv --config hydra='$(HYDRA)'
+	$(RUN) snakemake -j$(CORES) reports/table1.csv --config "hydra=$$HYDRA"
 
 report: $(STAMP)
-	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/index.html --config hydra='$(HYDRA)'
+	$(RUN) snakemake -j$(CORES) reports/index.html --config "hydra=$$HYDRA"
 
 results: $(STAMP) # tables of README.md and docs/, from the finished runs in reports/
-	$(BIN)/slider results
+	$(RUN) slider.cli results
 
 animation: $(STAMP)
-	$(BIN)/slider play --film docs/images/walk.webp --command 1.2 0 0
+	$(RUN) slider.cli play --film docs/images/walk.webp --command 1.2 0 0
 
 docs: $(STAMP) # site/; a broken link is an error
-	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[docs]'
-	$(BIN)/mkdocs build --strict
+	$(RUN) pip install --quiet -c constraints.txt -e '.[docs]'
+	$(RUN) mkdocs build --strict
 
-install: $(STAMP)
+install: $(TOOLS)
 
 $(STAMP): pyproject.toml constraints.txt
-	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[test]'
+	test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
+	$(RUN) pip install --quiet -c constraints.txt -e .
 	touch $@
 
-lint: $(STAMP)
-	$(BIN)/ruff check
-	$(BIN)/ruff format --check
-	$(BIN)/snakefmt --check Snakefile pipeline
-	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/pyright
+$(TOOLS): $(STAMP)
+	$(RUN) pip install --quiet -c constraints.txt -e '.[test]'
+	touch $@
+
+lint: $(TOOLS)
+	$(RUN) ruff check
+	$(RUN) ruff format --check
+	$(RUN) snakefmt --check Snakefile pipeline
+	$(RUN) pyright
 
 test: lint # each process takes whole files, in the order of tests/conftest.py
-	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+	$(RUN) pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
 clean: # what is left of interrupted jobs and of forgotten configurations
-	$(BIN)/slider store gc
+	$(RUN) slider.cli store gc

@@ -5,14 +5,14 @@ from pathlib import Path
 
 sys.path.insert(0, workflow.basedir)
 
-from pipeline.console import calm
+from pipeline.console import Console
 from pipeline.entry import open_pipeline
 
 
 report: "pipeline/captions/workflow.rst"
 
 
-calm()
+CONSOLE = Console(workflow)
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
 
 
@@ -34,11 +34,14 @@ include: "pipeline/rules/reports.smk"
 
 onstart:
     PIPELINE.start()
+    CONSOLE.open(PIPELINE.plan, PIPELINE.store)
 
 
 onsuccess:
     PIPELINE.finish("FINISHED")
+    CONSOLE.close(succeeded=True)
 
 
 onerror:
     PIPELINE.finish("FAILED")
+    CONSOLE.close(succeeded=False)

@@ -26,6 +26,7 @@ from slider.tracking import session as tracking
 
 OPTION = "hydra"
 _TITLE = 80  # characters
+_CORES_PER_THREAD, _MOST_THREADS, _MANY = 8, 4, 1024
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
 
 
@@ -50,6 +51,17 @@ class Pipeline:
     def run(self) -> str:
         """Shell command that runs a job; the recipe follows."""
         return f"{shlex.quote(sys.executable)} -m slider.cli run --plan {self.plan_path}"
+
+    def training_threads(self, cores: int | None) -> int:
+        """Threads of a training: ``resources.threads``, else one for every eight of ``-j`` cores.
+
+        A job of several threads waits until as many slots are free at once, and the networks run on
+        one thread whatever there is: on few cores one thread ends sooner. ``cores`` is ``None`` on
+        a cluster, where nothing else competes for a job's cores.
+        """
+        if self.config.resources.threads is not None:
+            return self.config.resources.threads
+        return min(max(1, (cores or _MANY) // _CORES_PER_THREAD), _MOST_THREADS)
 
     def manifest(self, target: str) -> Callable[[Any], str]:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.

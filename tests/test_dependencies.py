@@ -10,7 +10,12 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
+from pipeline.stages import table1_jobs
+from pipeline.stages.entries import ENTRIES
+from slider.artefacts.plan import build_plan
 from slider.artefacts.recipe import distribution
+from slider.artefacts.source import closure
+from slider.config.compose import compose
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -50,6 +55,17 @@ def test_what_is_imported_is_declared():
     declared = names(REQUIRED) | names(EXTRAS["verify"]) | names(EXTRAS["bundle"])
     missing = {name for name in imported("src", "pipeline") if not providers(name) & declared}
     assert missing == set()
+
+
+def test_table_1_needs_no_extra():
+    """`make table1` installs none."""
+    stages = {
+        job.stage for job in build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
+    }
+    modules = [ENTRIES[stage].partition(":")[0] for stage in stages]
+    packages = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))
+    assert {"torch", "casadi", "snakemake"} <= packages
+    assert {name for name in packages if not providers(name) & names(REQUIRED)} == set()
 
 
 def test_what_tests_import_is_declared():

@@ -2,6 +2,11 @@
 from pipeline.stages.entries import ENTRIES
 
 TRAININGS = ("standing", "walking")
+# Among ready jobs Snakemake starts those of the highest priority. The way to the policy comes first,
+# then what the controller HZD waits for. All else fills the slots that these leave.
+PRIORITIES = dict.fromkeys(
+    ("gait", "library", *TRAININGS, "evaluation", "table1"), 2
+) | dict.fromkeys(("stability_gaits", "foot_placement"), 1)
 
 
 for stage in ENTRIES:
@@ -15,10 +20,8 @@ for stage in ENTRIES:
             f"artefacts/{stage}/{{recipe}}.json",
         log:
             f"artefacts/logs/{stage}/{{recipe}}.log",
-        # Nothing but the table waits for the baseline: it fills what the way to the policy leaves.
-        priority: -1 if stage == "baseline" else 0
-        # A training has the machine to itself.
-        threads: PIPELINE.config.resources.threads if stage in TRAININGS else 1
+        priority: PRIORITIES.get(stage, 0)
+        threads: PIPELINE.training_threads(workflow.resource_settings.cores) if stage in TRAININGS else 1
         shell:
             "{PIPELINE.run} {wildcards.recipe} --threads {threads}"
 

@@ -57,14 +57,6 @@ def build_plan(targets: Mapping[str, JobSpec]) -> Plan:
     return Plan(_needed(*targets.values()), {name: job.recipe for name, job in targets.items()})
 
 
-def jobs_towards(plan: Plan, recipe: str) -> dict[str, JobSpec]:
-    """Jobs of the first target at the plan's ends that needs the job of a recipe."""
-    needed = [_needed(plan.jobs[target]) for target in plan.targets.values()]
-    inner = [any(jobs.keys() < other.keys() for other in needed) for jobs in needed]
-    ends = [jobs for jobs, within in zip(needed, inner, strict=True) if not within]
-    return next(jobs for jobs in ends if recipe in jobs)
-
-
 def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
     """The targets and all that they need, inputs first."""
     jobs: dict[str, JobSpec] = {}

@@ -17,6 +17,7 @@ from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
 from slider.artefacts.store import Manifest, Result, Store, damaged
+from slider.artefacts.times import note
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
@@ -122,6 +123,7 @@ class Runner:
 
     def _note_computed(self, spec: JobSpec, job: Job, watch: "_Watch") -> None:
         facts = {**job.volatile, **watch.facts(), "computed": True, "threads": self.threads}
+        facts |= note(spec)
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 
     def _note_reuse(self, spec: JobSpec, known: Manifest) -> None:

@@ -94,6 +94,10 @@ class Store:
         """File with the modules of a source digest and their digests."""
         return self.root / "sources" / f"{source}.json"
 
+    def progress_path(self, stage: str, recipe: str) -> Path:
+        """The latest line that a running job says of itself."""
+        return self.work_folder(stage, recipe) / "progress.txt"
+
     @property
     def seals(self) -> Seals:
         """What is known of objects that were read."""

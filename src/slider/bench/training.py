@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seconds", type=float, default=2.0, help="per measurement (default: 2)")
     parser.add_argument("--rounds", type=int, default=3, help="median of so many (default: 3)")
-    parser.add_argument("--threads", type=int, help="default: resources.threads")
+    parser.add_argument("--threads", type=int, help="default: resources.threads, else 1")
     add_library_arguments(parser)
 
 
@@ -56,7 +56,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     config = checked(compose(arguments.overrides, arguments.conf))
     library = library_path(arguments)
-    threads = config.resources.threads if arguments.threads is None else arguments.threads
+    threads = arguments.threads or config.resources.threads or 1
     limit_threads(threads)  # before torch, as for a job of the pipeline
     print(f"{machine()}; {threads} threads, load {os.getloadavg()[0]:.1f} before the start")
     print(_HEADER, flush=True)

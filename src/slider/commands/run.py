@@ -5,7 +5,6 @@ import logging
 import os
 import signal
 import sys
-import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -13,12 +12,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-from slider.artefacts.plan import JobSpec, Plan, jobs_towards, read_plan
+from slider.artefacts.plan import Plan, read_plan
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
-_QUIET, _LONG_QUIET = 5.0, 30.0  # between two progress lines of a job: at first, at most [s]
 _TAIL = 15  # lines of the log shown after a failure
 
 
@@ -43,11 +41,11 @@ def run(arguments: argparse.Namespace) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):  # end tidily and without a trace
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     with _output_to(log) as terminal:
-        show = progress_lines(spec.label, terminal)
-        runner = Runner(store, arguments.threads, show, _waiting(store, plan, spec.stage))
+        show = progress_lines(store.progress_path(spec.stage, spec.recipe))
+        waiting = _waiting(store, plan, spec.stage)
         try:
-            outcome = runner.run(spec)
-            print(f"{_progress_count(store, plan, spec)} {spec.label}: {outcome}", file=terminal)
+            outcome = Runner(store, arguments.threads, show, waiting).run(spec)
+            print(f"{spec.label}: {outcome}")
         except UserError as error:
             print(f"slider: {spec.label}: {error}", file=terminal)
             return 1
@@ -82,30 +80,19 @@ def _redirect(targets: tuple[int, int]) -> None:
         os.dup2(target, descriptor)
 
 
-def _progress_count(store: Store, plan: Plan, spec: JobSpec) -> str:
-    """How many results are there of what the job leads to, whenever they were computed."""
-    jobs = jobs_towards(plan, spec.recipe).values()
-    done = sum(store.manifest_path(job.stage, job.recipe).is_file() for job in jobs)
-    return f"[{done}/{len(jobs)}]"
-
-
 def _waiting(store: Store, plan: Plan, stage: str) -> int:
     """Number of a stage's results that are not there yet."""
     jobs = (job for job in plan.jobs.values() if job.stage == stage)
     return sum(not store.manifest_path(stage, job.recipe).is_file() for job in jobs)
 
 
-def progress_lines(label: str, terminal: TextIO) -> Callable[[str], None]:
-    """All progress goes to the log, and a line to the terminal, of long jobs ever less often."""
-    start = last = time.monotonic()
+def progress_lines(path: Path) -> Callable[[str], None]:
+    """All progress goes to the log; the latest line to a file, for who shows the run."""
 
     def show(message: str) -> None:
-        nonlocal last
         print(message, flush=True)
-        now = time.monotonic()
-        if now - last >= min(max(_QUIET, (now - start) / 4), _LONG_QUIET):
-            last = now
-            print(f"{label}: {message}", file=terminal)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(message, encoding="utf-8")
 
     return show
 

@@ -32,8 +32,8 @@ class TrackingConfig:
 class ResourcesConfig:
     """Of the machine that computes. Never part of a recipe."""
 
-    threads: Annotated[Count, Field(le=1024)]
-    """threads of a training job (an evaluation has one)"""
+    threads: Annotated[Count, Field(le=1024)] | None
+    """threads of a training (other jobs have one); null: one for every eight cores of -j"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -1,0 +1,64 @@
+"""What of Snakemake's records reaches the terminal, and what follows the jobs."""
+
+import logging
+from types import SimpleNamespace
+
+import pytest
+from snakemake.logging import logger
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from pipeline.console import Console
+
+
+@pytest.fixture
+def console():
+    made = Console(SimpleNamespace(dryrun=False))
+    yield made
+    logger.removeFilter(made._is_news)
+
+
+def passes(console: Console, text: str = "", **facts) -> bool:
+    record = logging.LogRecord("snakemake", logging.INFO, "", 0, text, None, None)
+    record.__dict__.update(facts)
+    return console._is_news(record)
+
+
+def test_chatter_is_dropped_and_errors_stay(console):
+    assert not passes(console, "Building DAG of jobs...")
+    assert not passes(console, "Job stats: ...", event=LogEvent.RUN_INFO)
+    assert passes(console, "Error in rule walking:", event=LogEvent.JOB_ERROR)
+    assert passes(console, "Exiting because a job execution failed.")
+    assert passes(console, "Complete log(s): x.log")
+    console.close(succeeded=True)
+    assert not passes(console, "Complete log(s): x.log")
+
+
+def test_a_dry_run_lists_its_jobs(console):
+    console.workflow.dryrun = True
+    assert passes(console, "Job stats: ...", event=LogEvent.RUN_INFO)
+
+
+def test_events_of_jobs_with_a_recipe_are_followed(console):
+    seen = []
+    console.progress = SimpleNamespace(
+        began=lambda recipe: seen.append(("began", recipe)),
+        ended=lambda recipe: seen.append(("ended", recipe)),
+    )
+    console._recipes = {3: "a", 4: "b"}
+    assert not passes(console, event=LogEvent.JOB_STARTED, jobs=[3, 4, 9])
+    assert not passes(console, event=LogEvent.JOB_FINISHED, job_id=4)
+    assert not passes(console, event=LogEvent.JOB_FINISHED, job_id=9)  # a copy to reports/
+    assert seen == [("began", "a"), ("began", "b"), ("ended", "b")]
+
+
+def test_a_line_that_cannot_be_written_ends_no_run(console, capsys):
+    def fail(recipe: str) -> None:
+        raise OSError("no terminal")
+
+    hushed: list[bool] = []
+    console.progress = SimpleNamespace(ended=fail, hush=lambda: hushed.append(True))
+    console._recipes = {3: "a"}
+    assert not passes(console, event=LogEvent.JOB_FINISHED, job_id=3)
+    assert console.progress is None
+    assert hushed
+    assert "no terminal" in capsys.readouterr().err

@@ -1,0 +1,124 @@
+"""What a person sees of a run, from events of a scheduler and files of a store."""
+
+import json
+from datetime import UTC, datetime
+
+import pytest
+
+from pipeline import progress
+from pipeline.progress import Needed, Progress, duration, forecast, share
+from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.recipe import Code
+from slider.artefacts.store import Manifest, Store
+
+CODE = Code("a:run", "", {})
+
+
+def evaluation(stage: str, controller: str, command: float) -> JobSpec:
+    protocol = {"trials": 10, "robots": 200, "duration": 10.0}
+    section = {"controller": controller, "command": command, "evaluation": protocol}
+    return JobSpec(stage, f"evaluation of {controller} at {command}", CODE, section)
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Two evaluations of the policy, one of a baseline, the table; time stands still."""
+    jobs = [evaluation("evaluation", "policy", command) for command in (0.2, 0.4)]
+    jobs.append(evaluation("baseline", "hzd", 0.2))
+    section = {"labels": {"policy": "policy (ours)", "hzd": "HZD"}}
+    table1 = JobSpec("table1", "table 1", CODE, section, {"evaluations": jobs})
+    plan, store = build_plan({"table1": table1}), Store(tmp_path)
+    needed = [Needed(recipe, 0, 1) for recipe in plan.jobs]
+    lines: list[str] = []
+    now = [1000.0]
+    monkeypatch.setattr(progress.time, "time", lambda: now[0])
+    return Progress(plan, store, forecast(plan, store, needed, 2), lines.append), jobs, lines, now
+
+
+def finish(run, job: JobSpec, seconds: float, computed: bool = True, ago: float = 0.01) -> None:
+    """What a job leaves behind, and the event."""
+    shown, _, _, now = run
+    shown.began(job.recipe)
+    now[0] += seconds
+    store = shown.store
+    with store.temporary("made") as folder:
+        (folder / "result.txt").write_text(job.label)
+        summary = {name: job.section[name] for name in ("controller", "command")}
+        result = store.publish(folder, summary | {"success_rate": 1.0, "mse_steady": 0.25})
+    store.write_manifest(Manifest(job.stage, job.recipe, {}, result))
+    ended = datetime.fromtimestamp(now[0] - ago, UTC).isoformat()
+    facts = {"computed": computed, "ended": ended, "wall_s": seconds}
+    store.sidecar_path(job.stage, job.recipe).write_text(json.dumps(facts))
+    shown.ended(job.recipe)
+
+
+def test_a_line_per_job_and_the_policy_before_the_baseline(run):
+    shown, jobs, lines, _ = run
+    finish(run, jobs[0], 30.0)
+    assert lines[0].startswith("[1/4  ")
+    assert "min left] evaluation of policy at 0.2: 30.0 s" in lines[0]
+    finish(run, jobs[1], 0.6, computed=False)
+    assert lines[1].startswith("[2/4  ")
+    assert lines[1].endswith("evaluation of policy at 0.4: reused")
+    assert "policy (ours)  success [%]       100       100" in lines[2]
+    assert "HZD" not in lines[2]
+    finish(run, jobs[2], 60.0)
+    shown.began(table := shown.plan.targets["table1"])
+    shown.ended(table)
+    assert lines[-1].startswith("[4/4  100 %] table 1")
+    shown.close(True)
+    assert "HZD" in lines[-2]
+    assert lines[-1].startswith("Table 1 took 2 min: reports/table1.md")
+
+
+def test_after_a_failure_there_is_no_table(run):
+    shown, jobs, lines, _ = run
+    finish(run, jobs[0], 1.0)
+    shown.close(False)
+    assert len(lines) == 1
+
+
+def test_a_result_of_an_earlier_run_is_reused(run):
+    """The manifest was lost and is written again: the times beside it are of another day."""
+    _, jobs, lines, _ = run
+    finish(run, jobs[0], 1.0, ago=86400.0)
+    assert lines[-1].endswith("reused")
+
+
+def test_a_long_job_is_shown_with_its_own_words(run):
+    shown, jobs, lines, now = run
+    for job in jobs[:2]:
+        shown.began(job.recipe)
+    path = shown.store.progress_path(jobs[0].stage, jobs[0].recipe)
+    path.parent.mkdir(parents=True)
+    path.write_text("25 %")
+    now[0] += 10.0
+    shown._say(shown._running())
+    assert lines[0].endswith("evaluation of policy at 0.2: 25 %; 1 more")
+    assert shown.forecast.shares[jobs[0].recipe] == 0.25
+    path.unlink()
+    assert shown._running() == "evaluation of policy at 0.2: 10 s so far; 1 more"
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [
+        ("iteration 20/80, 10.3 k steps/s, 0.4 min left, success 84 %", 0.25),
+        ("43 %", 0.43),
+        ("3 of 12 gaits", 0.25),
+        ("built, 50 %", 0.0),
+        ("", 0.0),
+        ("100 %", 0.99),
+        ("0 of 0", 0.0),
+    ],
+)
+def test_a_job_says_how_far_it_is(message, expected):
+    assert share(message) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.0, "5 s"), (43.0, "45 s"), (90.0, "2 min"), (720.0, "12 min"), (9000.0, "2.5 h")],
+)
+def test_times_are_told_as_people_tell_them(seconds, text):
+    assert duration(seconds) == text

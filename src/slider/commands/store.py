@@ -1,9 +1,15 @@
-"""``slider store``: list, verify and clean the artefact store."""
+"""``slider store``: list, verify and clean the artefact store; push and pull results."""
 
 import argparse
+import sys
+import time
 from pathlib import Path
 
+from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, collect, summarise, verify
+from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.remote import Remote
+from slider.artefacts.sharing import pull, push
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
@@ -19,10 +25,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     gc = actions.add_parser("gc", help="remove what the latest plans do not reach")
     gc.add_argument("--keep", type=int, default=5, help="number of plans to keep (default: 5)")
     gc.add_argument("--dry-run", action="store_true", help="only say what would be removed")
+    _add_travel(actions.add_parser("push", help="send results of the current plan to a remote"))
+    _add_travel(actions.add_parser("pull", help="take results of the current plan from a remote"))
+    actions.choices["push"].add_argument(
+        "--verify", action="store_true", help="read what is there and replace what is damaged"
+    )
+
+
+def _add_travel(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("remote", help="a folder, sftp://host/path, s3://bucket/path or https://…")
+    parser.add_argument("targets", nargs="*", help="names such as report (default: table1)")
+    parser.add_argument("--all", action="store_true", help="all targets of the plan")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run one action; ``verify`` ends with status 1 when it found something corrupt."""
+    """Run one action; ``verify``, ``push`` and ``pull`` end with status 1 when they found damage."""
     if not arguments.artefacts.is_dir():
         raise UserError(f"expected the artefact store, found none at {arguments.artefacts}")
     store = Store(arguments.artefacts)
@@ -35,9 +52,43 @@ def run(arguments: argparse.Namespace) -> int:
         manifests = len(removed.manifests) + len(removed.derived)
         print(f"dropped {len(removed.objects)} objects, {manifests} manifests")
         return int(bool(removed.damage))
+    if arguments.action in ("push", "pull"):
+        return _travel(store, arguments)
     dry_run = arguments.dry_run
     _report("would remove" if dry_run else "removed", collect(store, arguments.keep, dry_run))
     return 0
+
+
+def _travel(store: Store, arguments: argparse.Namespace) -> int:
+    started, remote = time.monotonic(), Remote(arguments.remote)
+    jobs = _jobs(store, arguments.targets, arguments.all)
+    try:
+        if arguments.action == "push":
+            account = push(store, jobs, remote, arguments.verify)
+        else:
+            account = pull(store, jobs, remote)
+    except OSError as error:
+        raise UserError(f"{error.filename}: {error.strerror}") from None
+    for line in account.damage:
+        print(line, file=sys.stderr)
+    way = "to" if arguments.action == "push" else "from"
+    print(
+        f"{arguments.action} {way} {remote.url}: {account} in {time.monotonic() - started:.1f} s"
+    )
+    return int(bool(account.damage))
+
+
+def _jobs(store: Store, targets: list[str], everything: bool) -> dict[str, JobSpec]:
+    """Jobs of the current plan that some targets need, inputs first."""
+    plan = current_plan(store)
+    if plan is None:
+        raise UserError("no plan yet: `snakemake -n` with your --config writes it")
+    names = list(plan.targets) if everything else targets or ["table1"]
+    for name in names:
+        if name not in plan.targets:
+            known = ", ".join(plan.targets)
+            raise UserError(f"expected targets of the current plan ({known}), found {name}")
+    return dict(build_plan({name: plan.jobs[plan.targets[name]] for name in names}).jobs)
 
 
 def _list(store: Store) -> int:

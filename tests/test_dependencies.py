@@ -47,7 +47,7 @@ def providers(package: str) -> set[str]:
 
 
 def test_what_is_imported_is_declared():
-    declared = names(REQUIRED) | names(EXTRAS["verify"])
+    declared = names(REQUIRED) | names(EXTRAS["verify"]) | names(EXTRAS["remote"])
     missing = {name for name in imported("src", "pipeline") if not providers(name) & declared}
     assert missing == set()
 
@@ -64,7 +64,9 @@ def test_what_is_declared_is_imported():
     assert names(EXTRAS["verify"]) - used == set()
 
 
-@pytest.mark.parametrize("requirement", [*REQUIRED, *EXTRAS["test"], *EXTRAS["docs"]], ids=str)
+@pytest.mark.parametrize(
+    "requirement", [*REQUIRED, *EXTRAS["test"], *EXTRAS["docs"], *EXTRAS["remote"]], ids=str
+)
 def test_a_pinned_version_is_in_the_declared_range(requirement: Requirement):
     lines = (ROOT / "constraints.txt").read_text().splitlines()
     pinned = dict(line.split("==") for line in lines if "==" in line)

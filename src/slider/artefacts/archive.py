@@ -53,7 +53,7 @@ def unpack(archive: Path, table: FileTable, folder: Path) -> None:
             for member in members:
                 _unpack(members, member, table, folder)
     except (tarfile.TarError, EOFError, ValueError) as error:
-        raise DamageError(f"expected an archive, found: {error}") from None
+        raise DamageError(f"expected an archive, found none ({error})") from None
     if files.file_table(folder) != table:
         raise DamageError("expected the content that its name says, found another")
 

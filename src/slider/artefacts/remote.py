@@ -56,6 +56,12 @@ class Remote:
                 "or the configuration of fsspec"
             )
 
+    def check_writable(self) -> None:
+        """Refuse a remote that can only be read, whoever asks."""
+        with self._told():
+            if _protocols(self._place()[0]) & _READ_ONLY:
+                raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
+
     def open(self) -> bool:
         """Tell whether there is a store of ours; a remote that does not answer is an error."""
         found = self._in_time(lambda: self.read(MARKER))
@@ -64,18 +70,12 @@ class Remote:
         with suppress(ValueError, KeyError, TypeError):
             if json.loads(found)["layout"] == LAYOUT:
                 return True
-        raise UserError(f"{self.url}: expected a store of layout {LAYOUT}, found another")
+        raise UserError(f"remote {self.url}: expected a store of layout {LAYOUT}, found another")
 
     def create(self) -> None:
-        """Make an empty store.
-
-        Raises:
-            UserError: the remote can only be read, or not even that.
-        """
+        """Make an empty store."""
         with self._told():
             fs, root = self._place()
-            if _protocols(fs) & _READ_ONLY:
-                raise UserError(f"{self.url}: expected a remote to write to, found HTTP")
             if _protocols(fs) & _MOVES:  # buckets have no folders
                 for folder in (root, *(f"{root}/{name}" for name in FOLDERS)):
                     if not fs.exists(folder):
@@ -167,7 +167,7 @@ class Remote:
         if errors:
             raise errors[0]
         if not answers:
-            raise UserError(f"{self.url}: no answer within {self.contact_s:g} s")
+            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s")
         return answers[0]
 
     @contextmanager
@@ -180,11 +180,11 @@ class Remote:
         except ImportError as error:
             ours = urlsplit(self.url).scheme in _OURS
             text = "pip install -e '.[remote]' -c constraints.txt" if ours else str(error)
-            raise UserError(f"{self.url}: this kind of remote needs packages: {text}") from None
+            raise UserError(f"remote {self.url}: its kind needs packages: {text}") from None
         except Exception as error:
             lines = str(getattr(error, "strerror", None) or error).strip().splitlines()
             text = lines[0] if lines else type(error).__name__
-            raise UserError(f"{self.url}: {text}") from None
+            raise UserError(f"remote {self.url}: {text}") from None
 
 
 def _protocols(fs: fsspec.AbstractFileSystem) -> set[str]:

@@ -69,6 +69,7 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
     Raises:
         UserError: the remote does not answer or cannot be written.
     """
+    remote.check_writable()
     if not remote.open():
         remote.create()
     account = Account()
@@ -96,7 +97,7 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
     if not missing:
         return account
     if not remote.open():
-        raise UserError(f"{remote.url}: expected results of slider, found none")
+        raise UserError(f"remote {remote.url}: expected results of slider, found none")
     with exclusive(store.locks, f"pull-{uuid.uuid4().hex[:12]}"):  # no clean-up meanwhile
         answers = remote.in_order(lambda job: _fetch(store, job, remote), missing)
         for job, (found, size, damage) in zip(missing, answers, strict=True):

@@ -1,6 +1,7 @@
 """Files over ssh, as fsspec has them, from known hosts only and with the user's ssh settings."""
 
 from pathlib import Path
+from typing import Any
 
 import paramiko
 from fsspec.implementations.sftp import SFTPFileSystem
@@ -17,7 +18,8 @@ class KnownHostFileSystem(SFTPFileSystem):
     """
 
     def _connect(self) -> None:
-        settings = dict.fromkeys(("timeout", "banner_timeout", "auth_timeout"), CONNECTION_S)
+        waits = ("timeout", "banner_timeout", "auth_timeout")
+        settings: dict[str, Any] = dict.fromkeys(waits, CONNECTION_S)
         host, found = _look_up(self.host)
         self.client = paramiko.SSHClient()
         self.client.load_system_host_keys()
@@ -29,13 +31,13 @@ class KnownHostFileSystem(SFTPFileSystem):
             channel.settimeout(ANSWER_S)
 
 
-def _look_up(host: str) -> tuple[str, dict]:
+def _look_up(host: str) -> tuple[str, dict[str, Any]]:
     """Host name and arguments of a connection that ``~/.ssh/config`` has for a host."""
     path = Path.home() / _SETTINGS
     if not path.is_file():
         return host, {}
     found = paramiko.SSHConfig.from_path(str(path)).lookup(host)
-    arguments: dict = {"username": found["user"]} if "user" in found else {}
+    arguments: dict[str, Any] = {"username": found["user"]} if "user" in found else {}
     if "port" in found:
         arguments["port"] = int(found["port"])
     if "identityfile" in found:

@@ -39,7 +39,7 @@ def _add_travel(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run one action; ``verify``, ``push`` and ``pull`` end with status 1 when they found damage."""
+    """Run one action; ``verify``, ``push`` and ``pull`` end with status 1 if they found damage."""
     if not arguments.artefacts.is_dir():
         raise UserError(f"expected the artefact store, found none at {arguments.artefacts}")
     store = Store(arguments.artefacts)
@@ -72,9 +72,7 @@ def _travel(store: Store, arguments: argparse.Namespace) -> int:
     for line in account.damage:
         print(line, file=sys.stderr)
     way = "to" if arguments.action == "push" else "from"
-    print(
-        f"{arguments.action} {way} {remote.url}: {account} in {time.monotonic() - started:.1f} s"
-    )
+    print(f"{arguments.action} {way} {remote.url}: {account} in {time.monotonic() - started:.1f} s")
     return int(bool(account.damage))
 
 

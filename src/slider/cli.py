@@ -15,7 +15,7 @@ COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
-    "store": ("slider.commands.store", "list, verify and clean the artefact store"),
+    "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.training", "time physics, environment and training"),
     "library": ("slider.commands.library", "show what is in the gait library"),

@@ -105,7 +105,8 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
                 account.note("damaged" if damage else "not there", size)
                 account.damage += damage
             else:
-                account.note("taken" if _accept(store, job, found) else "of other inputs", size)
+                taken = _accept(store, job, found, remote.url)
+                account.note("taken" if taken else "of other inputs", size)
     return account
 
 
@@ -215,15 +216,15 @@ def _fetch_object(store: Store, manifest: Manifest, remote: Remote) -> int:
         return archive.stat().st_size
 
 
-def _accept(store: Store, job: JobSpec, found: _Shared) -> bool:
+def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
     """Write what leads to an object; tell whether it is now the result of the job's recipe."""
     manifest = found.manifest
     assert manifest.input_objects is not None
     key = recipe_digest(job.stage, job.section, job.code, manifest.input_objects)
     if store.known(key) is None:
         store.remember(key, manifest)
-    if found.facts:
-        files.write_json(store.sidecar_path(job.stage, job.recipe), found.facts)
+    facts = found.facts | {"computed": False, "taken_from": origin}
+    files.write_json(store.sidecar_path(job.stage, job.recipe), facts)
     if _input_objects(store, job) != manifest.input_objects:
         return False
     store.write_manifest(manifest)

@@ -170,7 +170,7 @@ def _take(plan: Plan, store: Store, remote: str) -> None:
         return
     for line in account.damage:
         print(f"slider: {line}", file=sys.stderr)
-    if account.size:
+    if "taken" in account.counts:
         print(f"slider: from {remote}: {account}", file=sys.stderr)
 
 

@@ -13,7 +13,9 @@ report: "pipeline/captions/workflow.rst"
 
 
 CONSOLE = Console(workflow)
-PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
+PIPELINE = open_pipeline(
+    config, Path(workflow.basedir) / "conf", workflow.is_main_process
+)
 
 
 wildcard_constraints:

@@ -5,7 +5,7 @@ import os
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,8 @@ from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
 from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.remote import Remote
+from slider.artefacts.sharing import pull
 from slider.artefacts.sources import note_sources
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
@@ -128,11 +130,17 @@ class Pipeline:
             self.session.finish(status)
 
 
-def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
-    """Compose the configuration and lay out its jobs; bad input is one line and status 1."""
+def open_pipeline(settings: Mapping[str, Any], conf: Path, takes: bool = True) -> Pipeline:
+    """Compose the configuration and lay out its jobs; bad input is one line and status 1.
+
+    Args:
+        settings: of Snakemake's ``--config``.
+        conf: folder of the configuration.
+        takes: missing results from ``store.remote``; a job of a run that did so need not.
+    """
     gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
-        return _open(parse_overrides(settings), conf)
+        return _open(parse_overrides(settings), conf, takes)
     except UserError as error:
         print(f"slider: {error}", file=sys.stderr)
         sys.stderr.flush()
@@ -146,8 +154,10 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
         gc.enable()
 
 
-def _open(overrides: list[str], conf: Path) -> Pipeline:
+def _open(overrides: list[str], conf: Path, takes: bool) -> Pipeline:
     config, plan = planned(overrides, conf)
+    if not takes:
+        config = replace(config, store=replace(config.store, remote=None))
     store = Store(Path(ARTEFACTS))
     return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
 
@@ -173,10 +183,25 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
         print(f"slider: dropped {name}", file=sys.stderr)
+    if config.store.remote is not None:
+        _take(plan, store, config.store.remote)
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
     return path
+
+
+def _take(plan: Plan, store: Store, remote: str) -> None:
+    """Take what a plan lacks from a remote; what that does not give is computed."""
+    try:
+        account = pull(store, plan.jobs, Remote(remote))
+    except UserError as error:
+        print(f"slider: {error}; what is missing is computed here", file=sys.stderr)
+        return
+    for line in account.damage:
+        print(f"slider: {line}", file=sys.stderr)
+    if "taken" in account.counts:
+        print(f"slider: from {remote}: {account}", file=sys.stderr)
 
 
 def parse_overrides(settings: Mapping[str, Any]) -> list[str]:

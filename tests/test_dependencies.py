@@ -52,7 +52,8 @@ def providers(package: str) -> set[str]:
 
 
 def test_what_is_imported_is_declared():
-    declared = names(REQUIRED) | names(EXTRAS["verify"]) | names(EXTRAS["bundle"])
+    extras = ("verify", "bundle", "remote")
+    declared = names(REQUIRED).union(*(names(EXTRAS[extra]) for extra in extras))
     missing = {name for name in imported("src", "pipeline") if not providers(name) & declared}
     assert missing == set()
 
@@ -80,7 +81,9 @@ def test_what_is_declared_is_imported():
     assert names(EXTRAS["verify"]) - used == set()
 
 
-@pytest.mark.parametrize("requirement", [*REQUIRED, *EXTRAS["test"], *EXTRAS["docs"]], ids=str)
+@pytest.mark.parametrize(
+    "requirement", [*REQUIRED, *EXTRAS["test"], *EXTRAS["docs"], *EXTRAS["remote"]], ids=str
+)
 def test_a_pinned_version_is_in_the_declared_range(requirement: Requirement):
     lines = (ROOT / "constraints.txt").read_text().splitlines()
     pinned = dict(line.split("==") for line in lines if "==" in line)

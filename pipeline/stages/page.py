@@ -53,7 +53,7 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
     """The configuration without what has no part in the page."""
     shown = without(
         to_dict(config),
-        *("resources", "tracking", "ablation", "sensitivity", "gait_study", "protocols"),
+        *("resources", "tracking", "store", "ablation", "sensitivity", "gait_study", "protocols"),
     )
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}

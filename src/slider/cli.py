@@ -17,7 +17,7 @@ COMMANDS = {
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
     "lineage": ("slider.commands.lineage", "tell where results come from and how they differ"),
-    "store": ("slider.commands.store", "list, verify and clean the artefact store"),
+    "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
     "bundle": ("slider.commands.bundle", "pack a result with all that it came from"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.training", "time physics, environment and training"),

@@ -224,14 +224,19 @@ def parse_manifest(path: Path) -> Manifest:
         UserError: there is none, or it is not one of ours.
     """
     try:
-        return _parse(files.read_json(path))
+        return manifest_from(files.read_json(path))
     except FileNotFoundError:
         raise UserError(f"expected a manifest, found none at {path}") from None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise UserError(f"expected a manifest, found something else in {path}") from None
 
 
-def _parse(values: Any) -> Manifest:
+def manifest_from(values: Any) -> Manifest:
+    """The manifest of plain values.
+
+    Raises:
+        ValueError, KeyError, TypeError, AttributeError: they are none of ours.
+    """
     result = Result(
         values["object"], values["files"], values["summary"], values.get("resumed", False)
     )

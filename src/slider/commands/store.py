@@ -1,9 +1,15 @@
-"""``slider store``: list, verify and clean the artefact store."""
+"""``slider store``: list, verify and clean the artefact store; push and pull results."""
 
 import argparse
+import sys
+import time
 from pathlib import Path
 
+from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, collect, summarise, verify
+from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.remote import Remote
+from slider.artefacts.sharing import pull, push
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.artefacts.times import mean_rows, times, write
 from slider.core.errors import UserError
@@ -22,10 +28,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     gc.add_argument("--dry-run", action="store_true", help="only say what would be removed")
     spent = actions.add_parser("times", help="mean seconds of the jobs of each kind, longest first")
     spent.add_argument("--out", type=Path, help="also write them as the table that ships")
+    _add_travel(actions.add_parser("push", help="send results of the current plan to a remote"))
+    _add_travel(actions.add_parser("pull", help="take results of the current plan from a remote"))
+    actions.choices["push"].add_argument(
+        "--verify", action="store_true", help="read what is there and replace what is damaged"
+    )
+
+
+def _add_travel(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("remote", help="a folder, sftp://host/path, s3://bucket/path or https://…")
+    parser.add_argument("targets", nargs="*", help="names such as report (default: table1)")
+    parser.add_argument("--all", action="store_true", help="all targets of the plan")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run one action; ``verify`` ends with status 1 when it found something corrupt."""
+    """Run one action; ``verify``, ``push`` and ``pull`` end with status 1 if they found damage."""
     if not arguments.artefacts.is_dir():
         raise UserError(f"expected the artefact store, found none at {arguments.artefacts}")
     store = Store(arguments.artefacts)
@@ -40,9 +57,41 @@ def run(arguments: argparse.Namespace) -> int:
         return int(bool(removed.damage))
     if arguments.action == "times":
         return _times(store, arguments.out)
+    if arguments.action in ("push", "pull"):
+        return _travel(store, arguments)
     dry_run = arguments.dry_run
     _report("would remove" if dry_run else "removed", collect(store, arguments.keep, dry_run))
     return 0
+
+
+def _travel(store: Store, arguments: argparse.Namespace) -> int:
+    started, remote = time.monotonic(), Remote(arguments.remote)
+    jobs = _jobs(store, arguments.targets, arguments.all)
+    try:
+        if arguments.action == "push":
+            account = push(store, jobs, remote, arguments.verify)
+        else:
+            account = pull(store, jobs, remote)
+    except OSError as error:
+        raise UserError(f"{error.filename}: {error.strerror}") from None
+    for line in account.damage:
+        print(line, file=sys.stderr)
+    way = "to" if arguments.action == "push" else "from"
+    print(f"{arguments.action} {way} {remote.url}: {account} in {time.monotonic() - started:.1f} s")
+    return int(bool(account.damage))
+
+
+def _jobs(store: Store, targets: list[str], everything: bool) -> dict[str, JobSpec]:
+    """Jobs of the current plan that some targets need, inputs first."""
+    plan = current_plan(store)
+    if plan is None:
+        raise UserError("no plan yet: `snakemake -n` with your --config writes it")
+    names = list(plan.targets) if everything else targets or ["table1"]
+    for name in names:
+        if name not in plan.targets:
+            known = ", ".join(plan.targets)
+            raise UserError(f"expected targets of the current plan ({known}), found {name}")
+    return dict(build_plan({name: plan.jobs[plan.targets[name]] for name in names}).jobs)
 
 
 def _list(store: Store) -> int:

@@ -29,6 +29,14 @@ class TrackingConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class StoreConfig:
+    """The store of results. Never part of a recipe."""
+
+    remote: Name | None
+    """where missing results are taken from: a folder, ``s3://…``, ``sftp://…``, ``https://…``"""
+
+
+@dataclass(frozen=True, config=STRICT)
 class ResourcesConfig:
     """Of the machine that computes. Never part of a recipe."""
 
@@ -62,6 +70,7 @@ class Config:
     sensitivity: SensitivityConfig
     gait_study: GaitStudyConfig
     tracking: TrackingConfig
+    store: StoreConfig
     resources: ResourcesConfig
     finetuning: TrainConfig | None = None
 

@@ -1,0 +1,254 @@
+"""Results that travel: push them to a remote, pull those of others into the store.
+
+Whatever arrives is compared with its digest before the store takes it. A result counts for a
+recipe only where its inputs are, byte for byte, those that it was computed from; elsewhere it
+waits in the index of the store until such inputs are computed.
+"""
+
+import json
+import tempfile
+import uuid
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from slider.artefacts.archive import DamageError, pack, packed_size, unpack
+from slider.artefacts.locks import exclusive
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import recipe_digest
+from slider.artefacts.remote import Remote
+from slider.artefacts.store import Manifest, Store, manifest_from
+from slider.core import files
+from slider.core.errors import UserError
+
+Jobs = Mapping[str, JobSpec]
+"""Jobs by recipe, inputs first."""
+
+
+@dataclass
+class Account:
+    """Numbers of results by what became of them, bytes that travelled, damage in words."""
+
+    counts: dict[str, int] = field(default_factory=dict)
+    size: int = 0
+    damage: list[str] = field(default_factory=list)
+
+    def note(self, outcome: str, size: int = 0) -> None:
+        """Count one result."""
+        self.counts[outcome] = self.counts.get(outcome, 0) + 1
+        self.size += size
+
+    def __str__(self) -> str:
+        counts = ", ".join(f"{number} {outcome}" for outcome, number in self.counts.items())
+        return f"{counts or 'nothing to do'} ({self.size / 1e6:.1f} MB)"
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """What is known of a result: its manifest and what is noted beside it."""
+
+    manifest: Manifest
+    values: dict[str, Any]
+    facts: dict[str, Any]
+
+    def text(self) -> bytes:
+        content = {"manifest": self.values, "facts": self.facts}
+        return files.canonical({"sha256": files.digest_value(content), **content}).encode()
+
+
+def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Account:
+    """Send the results of some jobs that are here and not there; never remove or replace a result.
+
+    Args:
+        store: where they are.
+        jobs: whose results.
+        remote: where to.
+        verify: read what is there, and replace what is damaged, in place of looking at its size.
+
+    Raises:
+        UserError: the remote does not answer or cannot be written.
+    """
+    remote.check_writable()
+    if not remote.open():
+        remote.create()
+    account = Account()
+    for outcome, size, damage in remote.in_order(
+        lambda job: _push(store, job, remote, verify), list(jobs.values())
+    ):
+        account.note(outcome, size)
+        account.damage += damage
+    return account
+
+
+def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
+    """Take the results of some jobs that are there and not here.
+
+    Args:
+        store: where to.
+        jobs: whose results; their manifests are written in this order.
+        remote: where from.
+
+    Raises:
+        UserError: the remote does not answer, or there is no place for what it has.
+    """
+    account = Account()
+    missing = [job for job in jobs.values() if not _is_here(store, job)]
+    if not missing:
+        return account
+    if not remote.open():
+        raise UserError(f"remote {remote.url}: expected results of slider, found none")
+    with exclusive(store.locks, f"pull-{uuid.uuid4().hex[:12]}"):  # no clean-up meanwhile
+        answers = remote.in_order(lambda job: _fetch(store, job, remote), missing)
+        for job, (found, size, damage) in zip(missing, answers, strict=True):
+            if found is None:
+                account.note("damaged" if damage else "not there", size)
+                account.damage += damage
+            else:
+                taken = _accept(store, job, found, remote.url)
+                account.note("taken" if taken else "of other inputs", size)
+    return account
+
+
+def _is_here(store: Store, job: JobSpec) -> bool:
+    manifest = store.usable(store.manifest_path(job.stage, job.recipe))
+    return manifest is not None and store.is_whole(manifest.result.object)
+
+
+def _push(store: Store, job: JobSpec, remote: Remote, verify: bool) -> tuple[str, int, list[str]]:
+    own = _own(store, job)
+    if own is None:
+        return "not here", 0, []
+    if not store.is_whole(own.manifest.result.object):
+        text = "damaged here: run `slider store verify`"
+        return "damaged", 0, [f"{job.label} ({job.recipe[:12]}): {text}"]
+    there = _there(job, remote)
+    if isinstance(there, _Shared) and _has_archive(remote, there.manifest, verify):
+        same = there.manifest.result == own.manifest.result
+        return "already there" if same else "different there", 0, []
+    size = _send_archive(store, own.manifest, remote, verify)
+    remote.write(_result_name(job), own.text())
+    return "sent", size, []
+
+
+def _own(store: Store, job: JobSpec) -> _Shared | None:
+    """A result of this store, if it is known from which contents it was computed."""
+    path = store.manifest_path(job.stage, job.recipe)
+    manifest = store.usable(path)
+    if manifest is None or (job.inputs and manifest.input_objects is None):
+        return None
+    try:
+        facts = files.read_json(store.sidecar_path(job.stage, job.recipe))
+    except (OSError, ValueError):
+        facts = {}
+    return _Shared(manifest, files.read_json(path), facts if isinstance(facts, dict) else {})
+
+
+def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
+    """What the remote says of a job's result."""
+    content = remote.read(_result_name(job))
+    if content is None:
+        return None
+    try:
+        values = json.loads(content)
+        found = _Shared(manifest_from(values["manifest"]), values["manifest"], values["facts"])
+        told = (found.manifest.stage, found.manifest.recipe, found.manifest.inputs)
+        whole = found.text() == content and told == (job.stage, job.recipe, _inputs(job))
+        if whole and isinstance(found.facts, dict) and found.manifest.input_objects is not None:
+            return found
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        pass
+    return DamageError("expected what is known of the result, found something else")
+
+
+def _has_archive(remote: Remote, manifest: Manifest, verify: bool) -> bool:
+    name = _archive_name(manifest)
+    if not verify:
+        return remote.size(name) == packed_size(manifest.result.files)
+    with tempfile.TemporaryDirectory() as folder:
+        archive, content = Path(folder) / "archive", Path(folder) / "content"
+        content.mkdir()
+        try:
+            if not remote.fetch(name, archive):
+                return False
+            unpack(archive, manifest.result.files, content)
+        except DamageError:
+            return False
+    return True
+
+
+def _send_archive(store: Store, manifest: Manifest, remote: Remote, verify: bool) -> int:
+    """Send an object if it is not there; tell how many bytes went."""
+    if _has_archive(remote, manifest, verify):
+        return 0
+    with tempfile.TemporaryDirectory() as folder:
+        archive = Path(folder) / "archive"
+        pack(store.object_folder(manifest.result.object), manifest.result.files, archive)
+        remote.send(archive, _archive_name(manifest))
+        return archive.stat().st_size
+
+
+def _fetch(store: Store, job: JobSpec, remote: Remote) -> tuple[_Shared | None, int, list[str]]:
+    """Bring the object of a job's result into the store, if the remote has it whole."""
+    try:
+        found = _there(job, remote)
+        if isinstance(found, DamageError):
+            raise found
+        if found is None:
+            return None, 0, []
+        return found, _fetch_object(store, found.manifest, remote), []
+    except DamageError as error:
+        return None, 0, [f"{job.label} ({job.recipe[:12]}): damaged in {remote.url}: {error}"]
+
+
+def _fetch_object(store: Store, manifest: Manifest, remote: Remote) -> int:
+    """Publish an object after its content was compared with its name; tell how many bytes came."""
+    result = manifest.result
+    if store.is_whole(result.object):
+        return 0
+    with store.temporary("pull") as folder:
+        archive, content = folder / "archive", folder / "content"
+        content.mkdir()
+        if not remote.fetch(_archive_name(manifest), archive):
+            raise DamageError("expected its archive, found none")
+        unpack(archive, result.files, content)
+        store.publish(content, result.summary, result.resumed)
+        return archive.stat().st_size
+
+
+def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
+    """Write what leads to an object; tell whether it is now the result of the job's recipe."""
+    manifest = found.manifest
+    assert manifest.input_objects is not None
+    key = recipe_digest(job.stage, job.section, job.code, manifest.input_objects)
+    if store.known(key) is None:
+        store.remember(key, manifest)
+    facts = found.facts | {"computed": False, "taken_from": origin}
+    files.write_json(store.sidecar_path(job.stage, job.recipe), facts)
+    if _input_objects(store, job) != manifest.input_objects:
+        return False
+    store.write_manifest(manifest)
+    return True
+
+
+def _inputs(job: JobSpec) -> dict[str, list[str]]:
+    return {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()}
+
+
+def _input_objects(store: Store, job: JobSpec) -> dict[str, list[str]] | None:
+    """Objects of a job's inputs that are here, unless one is missing."""
+    found = {
+        name: [store.usable(store.manifest_path(item.stage, item.recipe)) for item in jobs]
+        for name, jobs in job.inputs.items()
+    }
+    if not all(all(manifests) for manifests in found.values()):
+        return None
+    return {name: [m.result.object for m in manifests if m] for name, manifests in found.items()}
+
+
+def _result_name(job: JobSpec) -> str:
+    return f"results/{job.recipe}.result.json"
+
+
+def _archive_name(manifest: Manifest) -> str:
+    return f"archives/{manifest.result.object}.tar"

@@ -1,0 +1,45 @@
+"""Files over ssh, as fsspec has them, from known hosts only and with the user's ssh settings."""
+
+from pathlib import Path
+from typing import Any
+
+import paramiko
+from fsspec.implementations.sftp import SFTPFileSystem
+
+CONNECTION_S = 10.0
+ANSWER_S = 60.0
+_SETTINGS = Path(".ssh") / "config"
+
+
+class KnownHostFileSystem(SFTPFileSystem):
+    """Refuses a host that ``~/.ssh/known_hosts`` lacks; fsspec's own accepts any.
+
+    Host names, users, ports and keys may come from ``~/.ssh/config``.
+    """
+
+    def _connect(self) -> None:
+        waits = ("timeout", "banner_timeout", "auth_timeout")
+        settings: dict[str, Any] = dict.fromkeys(waits, CONNECTION_S)
+        host, found = _look_up(self.host)
+        self.client = paramiko.SSHClient()
+        self.client.load_system_host_keys()
+        self.client.set_missing_host_key_policy(paramiko.RejectPolicy())
+        self.client.connect(host, **(settings | found | self.ssh_kwargs))
+        self.ftp = self.client.open_sftp()
+        channel = self.ftp.get_channel()
+        if channel is not None:
+            channel.settimeout(ANSWER_S)
+
+
+def _look_up(host: str) -> tuple[str, dict[str, Any]]:
+    """Host name and arguments of a connection that ``~/.ssh/config`` has for a host."""
+    path = Path.home() / _SETTINGS
+    if not path.is_file():
+        return host, {}
+    found = paramiko.SSHConfig.from_path(str(path)).lookup(host)
+    arguments: dict[str, Any] = {"username": found["user"]} if "user" in found else {}
+    if "port" in found:
+        arguments["port"] = int(found["port"])
+    if "identityfile" in found:
+        arguments["key_filename"] = found["identityfile"]
+    return found.get("hostname", host), arguments

@@ -1,0 +1,104 @@
+"""What is said of remotes that do not work, in one line and in time."""
+
+import json
+import socket
+import sys
+import time
+from pathlib import Path
+
+import fsspec
+import pytest
+from fsspec.registry import _registry
+
+from slider.artefacts.remote import MARKER, Remote
+from slider.core.errors import UserError
+from tests.artefacts.servers import http_server, s3_server, ssh_server
+
+
+def test_a_bucket_that_is_not_there():
+    with s3_server():
+        remote = Remote("s3://nothing/slider")
+        assert remote.open() is False
+        with pytest.raises(
+            UserError, match=r"^remote s3://nothing/slider: .*bucket does not exist"
+        ):
+            remote.create()
+
+
+def test_a_server_that_is_switched_off(monkeypatch):
+    with s3_server():
+        monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:1")
+        fsspec.get_filesystem_class("s3").clear_instance_cache()
+        with pytest.raises(UserError, match=r"^remote s3://group/slider: [^\n]+$"):
+            Remote("s3://group/slider").open()
+
+
+def test_a_server_that_never_answers():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        started = time.monotonic()
+        url = f"http://127.0.0.1:{server.getsockname()[1]}/x"
+        with pytest.raises(UserError, match=rf"^remote {url}: no answer within 0.5 s$"):
+            Remote(url, contact_s=0.5).open()
+        assert time.monotonic() - started < 5
+
+
+def test_a_host_that_nobody_knows_is_refused(tmp_path):
+    with ssh_server(tmp_path / "home") as url:
+        (tmp_path / "home" / ".ssh" / "known_hosts").write_text("")
+        with pytest.raises(UserError, match="not found in known_hosts"):
+            Remote(f"{url}{tmp_path}/remote").open()
+
+
+def test_a_key_that_the_host_does_not_know(tmp_path):
+    with ssh_server(tmp_path / "home") as url:
+        config = tmp_path / "home" / ".ssh" / "config"
+        config.write_text(config.read_text().replace("User me", "User another"))
+        with pytest.raises(UserError, match=r"^remote sftp://cluster/[^\n]+$"):
+            Remote(f"{url}{tmp_path}/remote").open()
+
+
+@pytest.mark.parametrize("content", [b"", b"[]", b'{"layout": 2}', b"\xff", b"3"])
+def test_a_store_of_another_layout(content, tmp_path):
+    (tmp_path / MARKER).write_bytes(content)
+    with pytest.raises(UserError, match="expected a store of layout 1, found another"):
+        Remote(str(tmp_path)).open()
+
+
+def test_missing_packages_have_a_name(monkeypatch):
+    monkeypatch.setitem(sys.modules, "paramiko", None)
+    monkeypatch.delitem(sys.modules, "slider.artefacts.ssh", raising=False)
+    monkeypatch.delitem(sys.modules, "fsspec.implementations.sftp", raising=False)
+    monkeypatch.delitem(_registry, "sftp", raising=False)
+    text = r"needs packages: pip install -e '\.\[remote\]' -c constraints\.txt$"
+    with pytest.raises(UserError, match=text):
+        Remote("sftp://host/x").open()
+
+
+def test_a_folder_that_may_not_be_written(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "mkdir", refuse)
+    with pytest.raises(UserError, match=r"remote: Permission denied$"):
+        Remote(str(tmp_path / "remote")).create()
+
+
+def test_a_failed_write_leaves_no_trace(tmp_path, monkeypatch):
+    remote = Remote(str(tmp_path / "remote"))
+    remote.create()
+    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "mv", lambda *_: 1 / 0)
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(UserError, match="division by zero"):
+        remote.write("results/x", b"x")
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_what_may_not_be_listed_answers_forbidden(tmp_path):
+    """A public bucket does so for what it lacks."""
+    with http_server(tmp_path, missing=403) as url:
+        remote = Remote(url)
+        assert remote.open() is False
+        Path(tmp_path / MARKER).write_text(json.dumps({"layout": 1}))
+        assert remote.open() is True
+        assert remote.read("results/x") is None
+        assert remote.fetch("archives/x", tmp_path / "x") is False

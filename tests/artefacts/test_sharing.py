@@ -1,0 +1,407 @@
+"""Results that travel: what arrives is whole, of the same inputs, and damage stays where it is."""
+
+import json
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from slider.artefacts.maintenance import Removed, verify
+from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.recipe import Code, recipe_digest
+from slider.artefacts.remote import Remote
+from slider.artefacts.sharing import Account, pull, push
+from slider.artefacts.store import Manifest, Store
+from slider.cli import main
+from slider.core import files
+from slider.core.errors import UserError
+from tests.artefacts.servers import http_server, s3_server, ssh_server
+
+CODE = Code("slider.none:run", "abc", {"python": "3.11"})
+GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number in range(6)]
+LIBRARY = JobSpec("library", "library", CODE, {}, {"gaits": GAITS})
+TABLE = JobSpec("table1", "table", CODE, {}, {"library": [LIBRARY]})
+PLAN: Plan = build_plan({"library": LIBRARY, "table1": TABLE})
+JOBS = dict(PLAN.jobs)
+
+
+def compute(store: Store, job: JobSpec, text: str = "") -> Manifest:
+    """What a run of the job would leave, with its label and a text as content."""
+    with store.temporary("test") as out:
+        (out / "deep").mkdir()
+        (out / "deep" / "data.txt").write_text(f"{job.label} {text}")
+        (out / "more.bin").write_bytes(bytes(3000))
+        result = store.publish(out, {"n": 1.5})
+    objects = {
+        name: [store.read_manifest(item.stage, item.recipe).result.object for item in jobs]
+        for name, jobs in job.inputs.items()
+    }
+    recipes = {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()}
+    manifest = Manifest(job.stage, job.recipe, recipes, result, objects)
+    store.remember(recipe_digest(job.stage, job.section, job.code, objects), manifest)
+    files.write_json(store.sidecar_path(job.stage, job.recipe), {"wall_s": 2.5})
+    store.write_manifest(manifest)
+    return manifest
+
+
+@dataclass(frozen=True)
+class Place:
+    """One remote with its files on this machine."""
+
+    remote: Remote
+    folder: Path
+
+    def archive(self, store: Store, job: JobSpec) -> Path:
+        digest = store.read_manifest(job.stage, job.recipe).result.object
+        return self.folder / "archives" / f"{digest}.tar"
+
+    def result(self, job: JobSpec) -> Path:
+        return self.folder / "results" / f"{job.recipe}.result.json"
+
+
+@pytest.fixture
+def full(tmp_path: Path) -> Store:
+    """A store in which everything is computed."""
+    store = Store(tmp_path / "full")
+    for job in JOBS.values():
+        compute(store, job)
+    return store
+
+
+@pytest.fixture
+def bare(tmp_path: Path) -> Store:
+    return Store(tmp_path / "bare")
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Place:
+    return Place(Remote(str(tmp_path / "remote")), tmp_path / "remote")
+
+
+@pytest.fixture
+def filled(place: Place, full: Store) -> Place:
+    push(full, JOBS, place.remote)
+    return place
+
+
+@pytest.fixture(params=["folder", "url", "s3", "ssh"])
+def anywhere(request, tmp_path) -> Iterator[Remote]:
+    """Each kind of remote that can be written."""
+    if request.param == "s3":
+        with s3_server() as url:
+            yield Remote(url)
+    elif request.param == "ssh":
+        with ssh_server(tmp_path / "home") as url:
+            yield Remote(f"{url}{tmp_path}/remote")
+    else:
+        yield Remote(("file://" if request.param == "url" else "") + str(tmp_path / "remote"))
+
+
+def contents(store: Store) -> dict[str, Any]:
+    """Objects, manifests and index of a store, without what a killed process left."""
+    names = ("objects/*/*/**/*", "gait/*", "library/*", "table1/*", "index/*/*")
+    paths = [path for name in names for path in store.root.glob(name) if path.is_file()]
+    found = {path.relative_to(store.root).as_posix(): path.read_bytes() for path in paths}
+    ends = (".part", ".run.json")
+    return {name: content for name, content in found.items() if not name.endswith(ends)}
+
+
+def test_another_store_is_the_same_afterwards(anywhere, full, bare):
+    sent = push(full, JOBS, anywhere)
+    assert (sent.counts, sent.damage) == ({"sent": 8}, [])
+    assert push(full, JOBS, anywhere).counts == {"already there": 8}
+    assert push(full, JOBS, anywhere, verify=True).counts == {"already there": 8}
+    taken = pull(bare, JOBS, anywhere)
+    assert (taken.counts, taken.size) == ({"taken": 8}, sent.size)
+    assert contents(bare) == contents(full)
+    facts = files.read_json(bare.sidecar_path("table1", TABLE.recipe))
+    assert facts == {"wall_s": 2.5, "computed": False, "taken_from": anywhere.url}
+    assert pull(bare, JOBS, anywhere) == Account()
+    assert verify(bare) == Removed([], [])
+
+
+def test_http_is_enough_to_read(filled, full, bare):
+    with http_server(filled.folder) as url:
+        assert pull(bare, JOBS, Remote(url)).counts == {"taken": 8}
+        assert contents(bare) == contents(full)
+        with pytest.raises(UserError, match="expected one to write to, found HTTP"):
+            push(full, JOBS, Remote(url))
+
+
+def test_manifests_come_after_what_they_rest_on(filled, bare):
+    """Snakemake compares their times."""
+    pull(bare, JOBS, filled.remote)
+    times = [bare.manifest_path(j.stage, j.recipe).stat().st_mtime_ns for j in JOBS.values()]
+    assert times == sorted(times)
+
+
+def test_only_what_is_missing_travels(filled, full, bare):
+    for job in GAITS:
+        compute(bare, job)
+    found = pull(bare, JOBS, filled.remote)
+    assert found.counts == {"taken": 2}
+    manifest = full.read_manifest("table1", TABLE.recipe)
+    assert found.size == 2 * filled.archive(full, TABLE).stat().st_size
+    assert bare.read_manifest("table1", TABLE.recipe) == manifest
+
+
+def test_what_nobody_has_is_no_error(place, full, bare):
+    push(full, {LIBRARY.recipe: LIBRARY, GAITS[0].recipe: GAITS[0]}, place.remote)
+    found = pull(bare, JOBS, place.remote)
+    assert found.counts == {"taken": 1, "not there": 6, "of other inputs": 1}
+    assert found.damage == []
+
+
+def test_a_result_waits_for_its_inputs(filled, full, bare):
+    """Until these are there, byte for byte, the index alone knows it."""
+    lost = filled.result(GAITS[0])
+    lost.unlink()
+    assert pull(bare, JOBS, filled.remote).counts == {
+        "not there": 1,
+        "taken": 5,
+        "of other inputs": 2,
+    }
+    assert not bare.manifest_path("library", LIBRARY.recipe).exists()
+    compute(bare, GAITS[0])
+    objects = {"gaits": [bare.read_manifest("gait", g.recipe).result.object for g in GAITS]}
+    known = bare.known(recipe_digest("library", LIBRARY.section, CODE, objects))
+    assert known == full.read_manifest("library", LIBRARY.recipe)
+    assert pull(bare, JOBS, filled.remote).counts == {"taken": 2}
+
+
+def test_results_of_two_machines_do_not_mix(filled, bare):
+    """A library of other gaits is none for those that are here."""
+    compute(bare, GAITS[0], "of another machine")
+    assert pull(bare, JOBS, filled.remote).counts == {"taken": 5, "of other inputs": 2}
+    compute(bare, LIBRARY)
+    compute(bare, TABLE)
+    before = {path: path.read_bytes() for path in filled.folder.rglob("*.json")}
+    assert push(bare, JOBS, filled.remote).counts == {"different there": 1, "already there": 7}
+    assert {path: path.read_bytes() for path in filled.folder.rglob("*.json")} == before
+
+
+def flip(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[512] ^= 1  # the first of the first file
+    path.write_bytes(content)
+
+
+def cut(path: Path) -> None:
+    os.truncate(path, path.stat().st_size // 2)
+
+
+DAMAGE: dict[str, Callable[[Path], object]] = {
+    "flipped": flip,
+    "cut": cut,
+    "empty": lambda path: path.write_bytes(b""),
+    "gone": lambda path: path.unlink(),
+}
+
+
+@pytest.mark.parametrize("change", DAMAGE.values(), ids=list(DAMAGE))
+def test_a_damaged_archive_is_left_where_it_is(change, filled, full, bare):
+    change(filled.archive(full, GAITS[0]))
+    found = pull(bare, JOBS, filled.remote)
+    assert found.counts == {"damaged": 1, "taken": 5, "of other inputs": 2}
+    (line,) = found.damage
+    assert line.startswith(f"gait 0 ({GAITS[0].recipe[:12]}): damaged in {filled.remote.url}: ")
+    digest = full.read_manifest("gait", GAITS[0].recipe).result.object
+    assert not bare.object_folder(digest).exists()
+    assert verify(bare) == Removed([], [])
+    assert push(full, JOBS, filled.remote, verify=True).counts == {"sent": 1, "already there": 7}
+    assert pull(bare, JOBS, filled.remote).counts == {"taken": 3}
+    assert contents(bare) == contents(full)
+
+
+def changed(path: Path, change: Callable[[dict], object]) -> None:
+    values = json.loads(path.read_text())
+    change(values)
+    content = {name: values[name] for name in ("manifest", "facts")}
+    path.write_text(files.canonical({"sha256": files.digest_value(content), **content}))
+
+
+def other_file(name: str) -> Callable[[dict], None]:
+    def change(values: dict) -> None:
+        manifest = values["manifest"]
+        manifest["files"] = {name: next(iter(manifest["files"].values()))}
+        manifest["object"] = files.digest_table(manifest["files"])
+
+    return change
+
+
+FORGED: dict[str, Callable[[Path], object]] = {
+    **DAMAGE,
+    "a digit": lambda path: path.write_text(path.read_text().replace("1.5", "1.6")),
+    "no mapping": lambda path: path.write_text("[]"),
+    "brackets": lambda path: path.write_text("[" * 100_000),
+    "bytes": lambda path: path.write_bytes(b"\xff\xfe"),
+    "of another": lambda path: changed(path, lambda v: v["manifest"].update(recipe="0" * 64)),
+    "stage": lambda path: changed(path, lambda v: v["manifest"].update(stage="../../x")),
+    "inputs": lambda path: changed(path, lambda v: v["manifest"].update(inputs={"a": []})),
+    "object": lambda path: changed(path, lambda v: v["manifest"].update(object="../../x")),
+    "facts": lambda path: changed(path, lambda v: v.update(facts=[])),
+    "unchecked": lambda path: changed(path, lambda v: v["manifest"].pop("input_objects")),
+    "outside": lambda path: changed(path, other_file("../../../escaped")),
+    "absolute": lambda path: changed(path, other_file("/tmp/escaped")),
+}
+
+
+@pytest.mark.parametrize("change", FORGED.values(), ids=list(FORGED))
+def test_what_a_remote_says_is_not_trusted(change, filled, full, bare):
+    before = set(filled.folder.parent.rglob("*"))
+    change(filled.result(GAITS[0]))
+    found = pull(bare, JOBS, filled.remote)
+    gone = not filled.result(GAITS[0]).exists()
+    outcome = "not there" if gone else "damaged"
+    assert found.counts == {outcome: 1, "taken": 5, "of other inputs": 2}
+    assert len(found.damage) == (not gone)
+    written = set(filled.folder.parent.rglob("*")) - before
+    assert all(path == bare.root or bare.root in path.parents for path in written)
+    assert verify(bare) == Removed([], [])
+    assert push(full, JOBS, filled.remote).counts == {"sent": 1, "already there": 7}
+    assert pull(bare, JOBS, filled.remote).counts == {"taken": 3}
+    assert contents(bare) == contents(full)
+
+
+def test_what_is_damaged_here_stays_here(place, full, bare):
+    digest = full.read_manifest("gait", GAITS[0].recipe).result.object
+    path = full.object_folder(digest) / "deep" / "data.txt"
+    path.chmod(0o644)
+    path.write_text("G" * path.stat().st_size)
+    found = push(full, JOBS, place.remote)
+    assert found.counts == {"damaged": 1, "sent": 7}
+    assert found.damage == [
+        f"gait 0 ({GAITS[0].recipe[:12]}): damaged here: run `slider store verify`"
+    ]
+    compute(bare, GAITS[0])
+    push(bare, JOBS, place.remote)
+    assert pull(full, JOBS, place.remote).counts == {"taken": 1}
+    assert verify(full) == Removed([], [])
+
+
+KILLED = """
+import os, signal, sys
+left = int(sys.argv[1])
+MUTATING = {"os.rename", "os.mkdir", "os.chmod", "os.remove", "os.rmdir", "os.truncate"}
+
+
+def hook(event, arguments):
+    global left
+    writes = event == "open" and isinstance(arguments[2], int) and arguments[2] & 3
+    if armed and (event in MUTATING or writes):
+        left -= 1
+        if left == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+
+armed = False
+sys.addaudithook(hook)
+from slider.cli import main
+import slider.artefacts.sharing, slider.commands.store
+armed = True
+raise SystemExit(main(sys.argv[2:]))
+"""
+
+
+def run_killed(moment: int, store: Store, *arguments: str) -> int:
+    """Status of a command that is killed at its n-th change of a file, if it makes so many."""
+    words = ["store", "--artefacts", str(store.root), *arguments]
+    command = [sys.executable, "-c", KILLED, str(moment), *words]
+    return subprocess.run(command, capture_output=True, check=False).returncode
+
+
+MOMENTS = [1, 5, 12, 33, 60]
+
+
+@pytest.mark.parametrize("moment", MOMENTS)
+def test_a_killed_push_goes_on(moment, place, full, bare):
+    write_plan(PLAN, full.root / "plans")
+    assert run_killed(moment, full, "push", place.remote.url) == -9
+    assert set(pull_if_there(bare, place.remote)) <= {"taken", "not there", "of other inputs"}
+    assert run_killed(0, full, "push", place.remote.url) == 0
+    assert set(pull_if_there(bare, place.remote)) <= {"taken"}
+    assert contents(bare) == contents(full)
+
+
+def pull_if_there(store: Store, remote: Remote) -> dict[str, int]:
+    return pull(store, JOBS, remote).counts if remote.open() else {}
+
+
+@pytest.mark.parametrize("moment", [*MOMENTS, 90, 120])
+def test_a_killed_pull_goes_on(moment, filled, full, bare):
+    write_plan(PLAN, bare.root / "plans")
+    assert run_killed(moment, bare, "pull", filled.remote.url) == -9
+    assert verify(bare) == Removed([], [])
+    assert run_killed(0, bare, "pull", filled.remote.url) == 0
+    assert contents(bare) == contents(full)
+    assert verify(bare) == Removed([], [])
+
+
+def test_two_push_at_once(place, full, tmp_path, bare):
+    other = Store(tmp_path / "other")
+    for job in JOBS.values():
+        compute(other, job)
+    threads = [threading.Thread(target=push, args=(s, JOBS, place.remote)) for s in (full, other)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not list(place.folder.rglob(files.TEMPORARY_PATTERN))
+    assert pull(bare, JOBS, place.remote).counts == {"taken": 8}
+    assert contents(bare) == contents(full)
+
+
+def command(store: Store, *arguments: str) -> int:
+    return main(["store", "--artefacts", str(store.root), *arguments])
+
+
+def test_the_command_says_what_travelled(place, full, bare, capsys):
+    url = place.remote.url
+    for store in (full, bare):
+        write_plan(PLAN, store.root / "plans")
+    assert command(full, "push", url, "library") == 0
+    assert capsys.readouterr().out.startswith(f"push to {url}: 7 sent (0.1 MB) in ")
+    assert command(full, "push", url, "--all") == 0
+    assert capsys.readouterr().out.startswith(f"push to {url}: 7 already there, 1 sent (")
+    flip(place.archive(full, TABLE))
+    assert command(bare, "pull", url) == 1
+    found = capsys.readouterr()
+    assert found.out.startswith(f"pull from {url}: 7 taken, 1 damaged (0.1 MB) in ")
+    assert found.err.startswith(f"table ({TABLE.recipe[:12]}): damaged in {url}: expected ")
+    assert command(full, "push", url, "--verify") == 0
+    assert command(bare, "pull", url) == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["push", "REMOTE", "report"], "expected targets of the current plan (library, table1)"),
+        (["pull", "REMOTE"], "expected results of slider, found none"),
+        (["push", "REMOTE/deep/folder"], "No such file or directory"),
+        (["push", "https://127.0.0.1:1/x"], "expected one to write to, found HTTP"),
+        (["pull", "https://127.0.0.1:1/x"], "Connect call failed"),
+        (["pull", "quatsch://x"], "Protocol not known: quatsch"),
+        (["pull", "sftp://me:secret@host/x"], "expected a remote without a password"),
+    ],
+)
+def test_bad_input_is_one_line(arguments, text, place, full, bare, capsys):
+    store = full if arguments[0] == "push" else bare
+    write_plan(PLAN, store.root / "plans")
+    words = [word.replace("REMOTE", place.remote.url) for word in arguments]
+    assert command(store, *words) == 1
+    found = capsys.readouterr()
+    assert found.out == ""
+    assert text in found.err
+    assert found.err.count("\n") == 1
+    assert not place.folder.exists()
+
+
+def test_without_a_plan_there_is_one_line(place, full, capsys):
+    assert command(full, "push", place.remote.url) == 1
+    assert capsys.readouterr().err.startswith("slider: no plan yet: ")

@@ -46,8 +46,12 @@ class Pipeline:
 
     @property
     def run(self) -> str:
-        """Shell command that runs a job; the recipe follows."""
-        return f"{shlex.quote(sys.executable)} -m slider.cli run --plan {self.plan_path}"
+        """Shell command that runs a job; the recipe follows.
+
+        glibc reads its variable when a process starts: it could hide instructions of the
+        processor, and with them change the functions of the mathematical library.
+        """
+        return f"GLIBC_TUNABLES= {shlex.quote(sys.executable)} -m slider.cli run --plan {self.plan_path}"
 
     def manifest(self, target: str) -> Callable[[Any], str]:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.

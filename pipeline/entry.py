@@ -51,7 +51,8 @@ class Pipeline:
         glibc reads its variable when a process starts: it could hide instructions of the
         processor, and with them change the functions of the mathematical library.
         """
-        return f"GLIBC_TUNABLES= {shlex.quote(sys.executable)} -m slider.cli run --plan {self.plan_path}"
+        python = f"GLIBC_TUNABLES= {shlex.quote(sys.executable)}"
+        return f"{python} -m slider.cli run --plan {self.plan_path}"
 
     def manifest(self, target: str) -> Callable[[Any], str]:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.

@@ -15,7 +15,6 @@ from pipeline.stages.gaits import gait, gait_section
 from pipeline.stages.sections import simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
-from slider.config.convert import to_dict
 from slider.config.parameters import Parameter, choose, parameters, scaled
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config

@@ -93,9 +93,8 @@ def _measure(
 
     train = replace(config.train.walking, robots=num_envs)
     task = task_of(config.robot, config.env, train, path)
-    precisions = (
-        arguments.precision or PRECISIONS[: PRECISIONS.index(precision("auto", kernels())) + 1]
-    )
+    fastest = PRECISIONS.index(precision("auto", kernels()))
+    precisions = arguments.precision or PRECISIONS[: fastest + 1]
     with tempfile.TemporaryDirectory() as work:
         bench = Bench(task, threads, Path(work))
         return bench.measure(list(precisions), arguments.seconds, arguments.rounds)

@@ -5,6 +5,7 @@ level that each will choose is found when jobs are laid out, and stands in recip
 libraries choose just that, or refuses.
 """
 
+import importlib
 import os
 import platform
 import sys
@@ -161,9 +162,9 @@ def _mkl(level: str) -> str:
 
 def _by_report() -> Kernels:
     """Of NumPy, as ``numpy.show_runtime`` finds it, and of each OpenBLAS: SciPy has its own."""
-    from numpy._core import _multiarray_umath as core
     from threadpoolctl import threadpool_info
 
+    core = importlib.import_module("numpy._core._multiarray_umath")  # first: it brings its BLAS
     on = [name for name in core.__cpu_dispatch__ if core.__cpu_features__[name]]
     if platform.machine() == "x86_64":
         numpy = next((level for level, names in _NUMPY.items() if {*names} & {*on}), "DEFAULT")

@@ -145,10 +145,26 @@ def test_a_lower_processor_is_refused_before_anything_is_imported(processor, nam
 
 def test_a_higher_processor_does_as_the_recipe_says(processor):
     processor(AVX2)
-    expected = {name: kernels()[name] for name in ("aten", "onednn")}
+    expected = {name: kernels()[name] for name in ("aten", "mkl", "onednn")}
     processor(AMX)
     impose(expected)
-    assert (os.environ["ATEN_CPU_CAPABILITY"], os.environ["ONEDNN_MAX_CPU_ISA"]) == ("avx2", "AVX2")
+    assert [os.environ[name] for name in VARIABLES[:2]] == ["avx2", "AVX2"]
+    assert os.environ["MKL_ENABLE_INSTRUCTIONS"] == "AVX2"
+    processor(AMX, "AuthenticAMD")
+    with pytest.raises(UserError, match=r"mkl: expected GenuineIntel AVX2, .* AuthenticAMD AVX2"):
+        impose(expected)
+
+
+def test_other_processors_have_one_level(processor, monkeypatch):
+    processor("")
+    monkeypatch.setattr(numerics.platform, "machine", lambda: "arm64")
+    found = kernels()
+    assert {found[name] for name in ("numpy", "aten", "mkl", "onednn")} == {"arm64"}
+    impose(found)
+    check(found)
+    assert not {*VARIABLES} & os.environ.keys()
+    with pytest.raises(UserError, match="for portable"):
+        kernels("portable")
 
 
 def test_a_library_that_chose_otherwise_is_refused():

@@ -76,7 +76,7 @@ def impose(expected: Mapping[str, str]) -> None:
     Raises:
         UserError: the processor lacks them.
     """
-    if platform.machine() == "x86_64":
+    if _is_x86():
         os.environ.update(_variables(expected))
     _compare(expected, _by_processor())
 
@@ -90,7 +90,7 @@ def check(expected: Mapping[str, str]) -> None:
     if not expected:
         return
     found = _by_report()
-    if "torch" in sys.modules:
+    if _is_x86() and "torch" in sys.modules:
         found["aten"] = sys.modules["torch"].backends.cpu.get_cpu_capability()
     _compare(expected, found)
 
@@ -120,12 +120,15 @@ def _variables(expected: Mapping[str, str]) -> dict[str, str]:
         found["ONEDNN_MAX_CPU_ISA"] = _ONEDNN[expected["onednn"]]
     if expected.get("mkl") == _PORTABLE["mkl"]:
         found["MKL_CBWR"] = expected["mkl"]
+    level = expected.get("mkl", "").rpartition(" ")[2]
+    if level in ("AVX2", "AVX512"):  # where there is more, MKL has names of its own
+        found["MKL_ENABLE_INSTRUCTIONS"] = level
     return found
 
 
 def _by_processor() -> Kernels:
     """Of torch's libraries, as they choose: to import torch takes a second."""
-    if platform.machine() != "x86_64":
+    if not _is_x86():
         return dict.fromkeys(("aten", "mkl", "onednn"), platform.machine())
     level = next(name for name, needs in _LEVELS.items() if needs <= _flags())
     onednn = os.environ.get("ONEDNN_MAX_CPU_ISA", os.environ.get("DNNL_MAX_CPU_ISA", ""))
@@ -166,13 +169,17 @@ def _by_report() -> Kernels:
 
     core = importlib.import_module("numpy._core._multiarray_umath")  # first: it brings its BLAS
     on = [name for name in core.__cpu_dispatch__ if core.__cpu_features__[name]]
-    if platform.machine() == "x86_64":
+    if _is_x86():
         numpy = next((level for level, names in _NUMPY.items() if {*names} & {*on}), "DEFAULT")
     else:
         numpy = platform.machine()
     cores = {lib.get("architecture", "") for lib in threadpool_info() if lib["user_api"] == "blas"}
     blas = {next((lv for lv, names in _BLAS.items() if core in names), core) for core in cores}
     return {"numpy": numpy, "blas": " ".join(sorted(blas))}
+
+
+def _is_x86() -> bool:
+    return platform.machine() == "x86_64"
 
 
 def _flags() -> set[str]:

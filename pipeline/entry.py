@@ -51,8 +51,13 @@ class Pipeline:
 
     @property
     def run(self) -> str:
-        """Shell command that runs a job; the recipe follows."""
-        return f"{shlex.quote(sys.executable)} -m slider.cli run --plan {self.plan_path}"
+        """Shell command that runs a job; the recipe follows.
+
+        glibc reads its variable when a process starts: it could hide instructions of the
+        processor, and with them change the functions of the mathematical library.
+        """
+        python = f"GLIBC_TUNABLES= {shlex.quote(sys.executable)}"
+        return f"{python} -m slider.cli run --plan {self.plan_path}"
 
     def training_threads(self, cores: int | None) -> int:
         """Threads of a training: ``resources.threads``, else one for every eight of ``-j`` cores.

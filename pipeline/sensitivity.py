@@ -12,10 +12,9 @@ from typing import Any
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import protocol_section
 from pipeline.stages.gaits import gait, gait_section
-from pipeline.stages.sections import robot, without
+from pipeline.stages.sections import simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
-from slider.config.convert import to_dict
 from slider.config.parameters import Parameter, choose, parameters, scaled
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
@@ -124,8 +123,7 @@ def rollout(config: Config, changed: RobotConfig, walking: JobSpec) -> JobSpec:
         warm_up=settings.warm_up,
     )
     section = {
-        "robot": robot(replace(config, robot=replace(changed, **own))),
-        "env": to_dict(config.env),
+        **simulation(replace(config, robot=replace(changed, **own))),
         "evaluation": without(protocol_section(protocol), "controllers", "commands"),
         "controller": POLICY,
         "commands": settings.commands,

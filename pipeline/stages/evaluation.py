@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pipeline.stages.entries import ENTRIES, RESIDUAL, job
+from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
@@ -72,6 +73,7 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
         "robot": robot(config),
         "plant": only(to_dict(config.env), "control_period", "physics", "termination"),
         "control": without(to_dict(control), "label"),
+        **numerics(config),
     }
 
 

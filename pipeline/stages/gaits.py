@@ -5,6 +5,7 @@ from itertools import product
 from typing import Any
 
 from pipeline.stages.entries import job
+from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
@@ -47,6 +48,7 @@ def gait_section(config: Config) -> dict[str, Any]:
         "robot": mechanism(config),
         "formulation": only(settings, *(f.name for f in fields(FormulationConfig))),
         "solve": only(settings, *(f.name for f in fields(SolveConfig))),
+        **numerics(config),
     }
 
 

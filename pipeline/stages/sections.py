@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from pipeline.stages.numerics import NETWORKS, numerics
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
@@ -23,8 +24,8 @@ def robot(config: Config) -> dict[str, Any]:
 
 
 def simulation(config: Config) -> dict[str, Any]:
-    """The robot and the environment of its policies."""
-    return {"robot": robot(config), "env": to_dict(config.env)}
+    """The robot and the environment of its policies, and what their networks compute with."""
+    return {"robot": robot(config), "env": to_dict(config.env), **numerics(config, NETWORKS)}
 
 
 def origin(job: JobSpec) -> dict[str, Any]:

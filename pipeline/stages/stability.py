@@ -1,6 +1,7 @@
 """Stability of the gaits and foot placement; controllers like hzd need the latter."""
 
 from pipeline.stages.entries import job
+from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
@@ -11,16 +12,16 @@ _BEYOND = ("basin", "steps", "chunk")  # settings that a gait's linearisation do
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """Linearised gaits, what controllers take of them, their table, basins and figures."""
-    settings = without(to_dict(config.hzd), *_BEYOND)
+    shared = {"hzd": without(to_dict(config.hzd), *_BEYOND), **numerics(config)}
     commands = [gait.section["command"] for gait in library.inputs["gaits"]]
     size = config.hzd.chunk
     chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
-    gaits = [_gaits(settings, chunk, library) for chunk in chunks]
+    gaits = [_gaits(shared, chunk, library) for chunk in chunks]
     table = job("stability", "stability", {}, {"gaits": gaits})
     drawn = {"library": [library], "stability": [table]}
     wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if [*gait, 0.0] in commands]
     if wanted:
-        drawn["basins"] = [_basin(config, settings, [*gait, 0.0], library) for gait in wanted]
+        drawn["basins"] = [_basin(config, shared, [*gait, 0.0], library) for gait in wanted]
     return {
         "foot_placement": job(
             "foot_placement", "foot placement", {}, {"library": [library], "gaits": gaits}
@@ -30,16 +31,16 @@ def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     }
 
 
-def _gaits(settings: dict, commands: list[list[float]], library: JobSpec) -> JobSpec:
+def _gaits(shared: dict, commands: list[list[float]], library: JobSpec) -> JobSpec:
     """Return maps of some gaits."""
-    section = {"hzd": settings, "commands": commands}
+    section = shared | {"commands": commands}
     label = f"stability of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
     return job("stability_gaits", label, section, {"library": [library]}, tracked=False)
 
 
-def _basin(config: Config, settings: dict, gait: list[float], library: JobSpec) -> JobSpec:
+def _basin(config: Config, shared: dict, gait: list[float], library: JobSpec) -> JobSpec:
     """Basin of attraction of one gait."""
     basin = without(to_dict(config.hzd.basin), "gaits")
-    section = {"hzd": settings, "basin": basin, "command": gait}
+    section = shared | {"basin": basin, "command": gait}
     label = f"basin of {gait[0]:.2f} {gait[1]:+.2f} m/s"
     return job("basin", label, section, {"library": [library]}, tracked=False)

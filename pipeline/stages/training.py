@@ -2,6 +2,7 @@
 
 from pipeline.stages.entries import RESIDUAL, job
 from pipeline.stages.evaluation import check_walkable, controlled, first_hzd
+from pipeline.stages.numerics import BFLOAT16, numerics, with_precision
 from pipeline.stages.sections import only, origin, simulation
 from pipeline.stages.stability import stability_jobs
 from slider.artefacts.plan import JobSpec
@@ -53,7 +54,10 @@ def _job(
         UserError: actions are on top of ``hzd``, and there is no such controller for these gaits.
     """
     check_clock(config.env, train, label)
+    train = with_precision(config, train)
     section = simulation(config) | {"train": to_dict(train)}
+    if train.ppo.precision == "bfloat16":
+        section |= numerics(config, BFLOAT16)
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:
         inputs["start"] = [start]

@@ -1,6 +1,7 @@
 """The independent checks of the library's gaits; nothing on the way to Table 1 needs them."""
 
 from pipeline.stages.entries import job
+from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only, robot, without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
@@ -38,6 +39,7 @@ def verification_of_gaits(config: Config, commands: list[list[float]], library: 
         "posture": to_dict(config.gait.posture),
         "verification": without(to_dict(config.verification), "chunk", *_COLLECTED),
         "commands": commands,
+        **numerics(config),
     }
     label = f"verification of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
     return job("verification_gaits", label, section, {"library": [library]}, tracked=False)

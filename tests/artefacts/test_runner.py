@@ -15,6 +15,7 @@ from slider.artefacts.recipe import code_of
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
+from slider.core.numerics import kernels
 
 STAGE = """
 import os, signal, time
@@ -95,6 +96,17 @@ def test_equal_contents_of_inputs_cut_off_what_follows(package, store):
     assert manifests[0].input_objects == manifests[1].input_objects == {"values": [digest]}
     assert facts(store, ends[1])["computed"] is False
     assert facts(store, ends[1])["reused_from"] == ends[0].recipe
+
+
+def test_a_job_refuses_kernels_that_are_not_its_recipes(package, store, monkeypatch):
+    """Laid out on another machine: one line, and neither a result nor a word of it."""
+    monkeypatch.setenv("OPENBLAS_CORETYPE", "")
+    spec = job(package, "first", {"value": 10, "numerics": {"blas": "Cray"}})
+    with pytest.raises(UserError, match=r"numerics of blas: expected Cray, .* found \w+ on "):
+        Runner(store).run(spec)
+    assert not store.manifest_path("first", spec.recipe).exists()
+    found = {"blas": kernels()["blas"]}
+    Runner(store).run(job(package, "first", {"value": 10, "numerics": found}))
 
 
 def test_lost_manifest_is_written_again_without_computing(package, store):

@@ -1,8 +1,11 @@
 """Our configuration reaches rsl-rl, its scalars reach the tracker, a call per iteration."""
 
+import pytest
+
+from slider.config.train import TrainConfig
 from slider.core.job import NoTracker
 from slider.training.annealed_ppo import AnnealedPPO, NoiseBound
-from slider.training.ppo import TrackerLogWriter, runner_config, use_bfloat16
+from slider.training.ppo import TrackerLogWriter, runner_config
 from tests.env.synthetic import config
 from tests.training.test_trainer import Notes, task, trained
 
@@ -93,6 +96,16 @@ def test_our_settings_in_rsl_rls_words():
     }
 
 
-def test_precision():
-    assert use_bfloat16("bfloat16")
-    assert not use_bfloat16("float32")
+@pytest.mark.parametrize(("precision", "mixed"), [("bfloat16", True), ("float32", False)])
+def test_precision(precision, mixed):
+    settings = runner_config(_with_precision(precision), NoTracker(), [])
+    assert settings["algorithm"]["use_mixed_precision"] is mixed
+
+
+def test_a_training_does_not_choose_its_precision():
+    with pytest.raises(ValueError, match="expected float32 or bfloat16, found auto"):
+        runner_config(_with_precision("auto"), NoTracker(), [])
+
+
+def _with_precision(precision: str) -> TrainConfig:
+    return config(f"train.walking.ppo.precision={precision}").train.walking

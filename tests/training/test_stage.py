@@ -94,6 +94,7 @@ def _tiny_finetuning(iterations: int) -> list[str]:
         "iterations": iterations,
         "robots": 8,
         "steps_per_iteration": 8,
+        "ppo.precision": "float32",
         "selection.robots": 1,
         "selection.duration": 0.2,
         "selection.warm_up": 0.1,

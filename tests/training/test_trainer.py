@@ -30,6 +30,8 @@ TINY = (
     "train.walking.selection.duration=0.2",
     "train.standing.selection.warm_up=0.1",
     "train.walking.selection.warm_up=0.1",
+    "train.standing.ppo.precision=float32",
+    "train.walking.ppo.precision=float32",
 )
 
 

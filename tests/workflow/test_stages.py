@@ -5,7 +5,10 @@ from pathlib import Path
 import pytest
 
 from pipeline.ablation import ablation_job
+from pipeline.gait_study import gait_study_job
+from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs, entries, table1_jobs
+from pipeline.stages import numerics as stage_numerics
 from pipeline.stages.gaits import commands
 from pipeline.stages.page import report
 from pipeline.stages.protocols import protocol_jobs
@@ -13,6 +16,7 @@ from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
 from slider.core.errors import UserError
+from slider.core.numerics import kernels
 
 CONF = Path(__file__).parents[2] / "conf"
 ALL = {"gait", "library", "standing", "walking", "evaluation", "table1"}
@@ -183,6 +187,72 @@ def test_grids_share_their_commands():
 
 def jobs_of(*overrides: str) -> dict[str, JobSpec]:
     return table1_jobs(compose(["experiment=test", *overrides], CONF))
+
+
+CONTROLLERS = "evaluation.controllers=[policy,hzd,mpc_wbc_tuned]"
+ARRAYS = {"numpy", "blas"}
+NETWORKS = {*ARRAYS, "aten", "mkl", "device"}
+
+
+@pytest.fixture
+def processor(monkeypatch):
+    """Lay jobs out for a processor of another kind."""
+
+    def pretend(level: str) -> None:
+        found = dict.fromkeys(("numpy", "blas", "aten", "mkl", "onednn"), level)
+        portable = kernels("portable")
+        modes = {"auto": found, "portable": portable}
+        monkeypatch.setattr(stage_numerics, "_kernels", lambda mode: modes[mode])
+        stage_numerics._numerics.cache_clear()
+
+    yield pretend
+    stage_numerics._numerics.cache_clear()
+
+
+def everything(*overrides: str) -> list[JobSpec]:
+    """Every job that there is, those of studies too."""
+    config = compose(
+        ["experiment=test", "report.video.renderer=egl", CONTROLLERS, *overrides], CONF
+    )
+    targets = all_jobs(config)
+    studies = [sensitivity_job(config, targets["walking"]), gait_study_job(config)]
+    made = dict(enumerate([*targets.values(), *studies, report(config, targets)]))
+    return list(build_plan({str(name): job for name, job in made.items()}).jobs.values())
+
+
+def test_the_kernels_are_in_the_sections_of_stages_whose_bytes_depend_on_them(processor):
+    processor("AMX")
+    found: dict[str, set[str]] = {}
+    for made in everything("hzd.basin.gaits=[[0.4,0.0]]"):
+        if "numerics" in made.section:
+            found.setdefault(made.stage, set()).update(made.section["numerics"])
+    arrays = ("gait", "gait_start", "baseline", "gait_walks", "stability_gaits", "basin")
+    assert found == {
+        **dict.fromkeys((*arrays, "verification_gaits"), ARRAYS),
+        **dict.fromkeys(("evaluation", "sensitivity_policy", "video"), NETWORKS),
+        **{stage: {*NETWORKS, "onednn"} for stage in ("standing", "walking")},
+    }
+
+
+def test_a_training_has_the_precision_of_the_processor(processor):
+    trained = {}
+    for level in ("AMX", "AVX2"):
+        processor(level)
+        trained[level] = jobs_of()["walking"]
+    ppo = {level: made.section["train"]["ppo"]["precision"] for level, made in trained.items()}
+    assert ppo == {"AMX": "bfloat16", "AVX2": "float32"}
+    assert set(trained["AVX2"].section["numerics"]) == NETWORKS  # oneDNN has no part in float32
+    assert trained["AMX"].recipe != trained["AVX2"].recipe
+
+
+def test_portable_has_the_same_recipes_on_every_processor(processor):
+    found = []
+    for level in ("AMX", "AVX2"):
+        processor(level)
+        found.append({job.recipe for job in everything("numerics=portable")})
+    assert found[0] == found[1]
+    processor("AMX")
+    assert {job.recipe for job in everything()} != found[0]
 
 
 ALONE = (

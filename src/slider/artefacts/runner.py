@@ -18,7 +18,7 @@ from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
 from slider.artefacts.store import Manifest, Result, Store, damaged
 from slider.artefacts.times import note
-from slider.core import files
+from slider.core import files, numerics
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
 from slider.core.machine import machine
@@ -41,7 +41,8 @@ class Runner:
         """Bring the manifest of a job into being; tell in a word or two what was done.
 
         Raises:
-            UserError: an input is missing or damaged, or the source changed since the plan.
+            UserError: an input is missing or damaged, the source changed since the plan, or the
+                libraries have other kernels here.
         """
         with exclusive(self.store.locks, spec.recipe):
             inputs, found = _input_recipes(spec), self._inputs(spec)
@@ -73,7 +74,11 @@ class Runner:
         watch = _Watch()  # before the imports: they are part of what a job costs
         limit_threads(self.threads)
         keep_freed_memory()
+        section = copy.deepcopy(dict(spec.section))
+        chosen = section.pop("numerics", {})
+        numerics.impose(chosen)
         function = _load(spec)
+        numerics.check(chosen)
         job = self._job(spec)
         tracker = job.tracker
         try:
@@ -82,7 +87,6 @@ class Runner:
                     name: list(map(self.store.object_folder, digests))
                     for name, digests in found.items()
                 }
-                section = copy.deepcopy(dict(spec.section))
                 summary = function(section, inputs, out, job)
                 resumed = bool(job.volatile.get("resumed", False))
                 result = self.store.publish(out, files.plain(summary), resumed)

@@ -88,12 +88,13 @@ def _measure(
     arguments: argparse.Namespace, config: "Config", path: Path, threads: int, num_envs: int
 ) -> list["Throughput"]:
     from slider.bench.throughput import Bench
+    from slider.core.numerics import kernels, precision
     from slider.env.task import task_of
-    from slider.training.ppo import use_bfloat16
 
     train = replace(config.train.walking, robots=num_envs)
     task = task_of(config.robot, config.env, train, path)
-    precisions = arguments.precision or PRECISIONS[: 2 if use_bfloat16("auto") else 1]
+    fastest = PRECISIONS.index(precision("auto", kernels()))
+    precisions = arguments.precision or PRECISIONS[: fastest + 1]
     with tempfile.TemporaryDirectory() as work:
         bench = Bench(task, threads, Path(work))
         return bench.measure(list(precisions), arguments.seconds, arguments.rounds)

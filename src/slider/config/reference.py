@@ -67,7 +67,9 @@ def page(config: Config, kinds: Mapping[str, Kind]) -> str:
     ]
     known = entries(config, kinds)
     for item in fields(Config):
-        lines += [f"## {item.name}", "", _first_line(getattr(config, item.name)), ""]
+        value = getattr(config, item.name)
+        about = _first_line(value) if _is_group(value) or isinstance(value, dict) else ""
+        lines += [f"## {item.name}", "", *([about, ""] if about else [])]
         lines += [f"| {' | '.join(HEADER)} |", "|---" * len(HEADER) + "|"]
         for entry in matching(known, item.name):
             path, *middle, default, text = entry.cells

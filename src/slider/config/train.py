@@ -149,7 +149,7 @@ class PpoConfig:
     max_grad_norm: Positive[Number]
     """gradients are cut to this norm"""
     precision: Literal["auto", "float32", "bfloat16"]
-    """of the update; auto: bfloat16 where the processor has it"""
+    """of the update; auto: bfloat16 where the processor has it, found when jobs are laid out"""
     symmetry: Literal["none", "augmentation", "loss"]
     """left and right: reflected samples too, or a mirror loss; with env.phase.mirror=false"""
     symmetry_weight: Factor

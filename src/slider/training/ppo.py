@@ -2,10 +2,9 @@
 
 from typing import Any
 
-import torch
 from rsl_rl.utils.log_writer import LogWriter
 
-from slider.config.train import NetworkConfig, TrainConfig
+from slider.config.train import NetworkConfig, PpoConfig, TrainConfig
 from slider.core.job import Tracker
 from slider.training.annealed_ppo import AnnealedPPO, NoiseBound
 from slider.training.symmetry import symmetry_config
@@ -82,16 +81,15 @@ def _algorithm(train: TrainConfig) -> dict[str, Any]:
         "schedule": ppo.schedule,
         "desired_kl": ppo.desired_kl,
         "max_grad_norm": ppo.max_grad_norm,
-        "use_mixed_precision": use_bfloat16(ppo.precision),
+        "use_mixed_precision": _in_bfloat16(ppo),
         "symmetry_cfg": symmetry_config(ppo),
     }
 
 
-def use_bfloat16(precision: str) -> bool:
-    """Whether the update runs in bfloat16; without hardware support it would be 15 times slower."""
-    if precision == "auto":
-        return torch.cpu._is_avx512_bf16_supported() or torch.cpu._is_amx_tile_supported()
-    return precision == "bfloat16"
+def _in_bfloat16(ppo: PpoConfig) -> bool:
+    if ppo.precision == "auto":  # is another one on another machine: the recipe says which
+        raise ValueError("expected float32 or bfloat16, found auto")
+    return ppo.precision == "bfloat16"
 
 
 class TrackerLogWriter(LogWriter):

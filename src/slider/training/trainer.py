@@ -18,7 +18,7 @@ from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
-from slider.training.ppo import NORMALISER_EPSILON, runner_config, use_bfloat16
+from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
 
@@ -97,8 +97,6 @@ class Trainer:
         if not self._best:
             self._check()
         self._job.volatile["blow_ups"] = self.env.total_diverged
-        bfloat16 = use_bfloat16(self._task.train.ppo.precision)
-        self._job.volatile["update"] = "bfloat16" if bfloat16 else "float32"
 
     def _check(self) -> Score:
         """Score the current policy; remember it if it is the best so far."""

@@ -17,6 +17,9 @@ def check_trainings(config: Config) -> None:
         if train is not standing or config.train.pretraining:
             _same_network(walking.network, train.network, key)
         _train(train, config.env, key)
+        precise = config.numerics != "portable" or train.ppo.precision != "bfloat16"
+        expected = "auto or float32 with numerics=portable"
+        require(precise, f"{key}.ppo.precision", expected, train.ppo.precision)
         check_disturbance(train.disturbance, config.env, f"{key}.disturbance")
 
 

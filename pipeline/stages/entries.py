@@ -13,7 +13,7 @@ ENTRIES = {
     "standing": "slider.training.stage:run_standing",
     "walking": "slider.training.stage:run_walking",
     "evaluation": "slider.evaluation.stage:run",
-    "baseline": "slider.evaluation.baseline:run",
+    "baseline": "slider.evaluation.mpc:run",
     "table1": "slider.reports.table1:run",
     "velocity_tracking": "slider.reports.velocity_tracking:run",
     "speeds": "slider.reports.protocols.speeds:run",
@@ -39,12 +39,13 @@ ENTRIES = {
 }
 """Stage → entry point ``module:function``."""
 
-RESIDUAL = {
+OF_HZD = {
     "standing": "slider.training.residual:run_standing",
     "walking": "slider.training.residual:run_walking",
     "evaluation": "slider.evaluation.residual:run",
+    "baseline": "slider.evaluation.enforced:run",
 }
-"""The same where the actions are on top of a controller, whose source no other job depends on."""
+"""The same where ``hzd`` walks, alone or below the actions: no other job depends on its source."""
 
 
 def job(

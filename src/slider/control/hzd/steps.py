@@ -7,6 +7,7 @@ import numpy as np
 from slider.config.control import HzdControlConfig
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.gaits import GaitTables, Steps, at_phase
+from slider.control.rows import put, take
 from slider.control.whole_body.controller import Surroundings
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
@@ -24,7 +25,6 @@ from slider.hzd.outputs import (
     stance_selection,
 )
 from slider.hzd.phase import phase_of, phase_rate
-from slider.hzd.rows import put, take
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.knee_map import KneeLengths
 from slider.robot.names import ACTUATED

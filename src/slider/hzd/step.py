@@ -153,6 +153,13 @@ class ClosedLoop:
         with np.errstate(invalid="ignore", over="ignore"):
             return run.flow(np.pad(x, ((0, 0), (0, 1))), anchored)
 
+    def part(self, plan: StepPlan, x: np.ndarray, place: int) -> tuple[np.ndarray, np.ndarray]:
+        """q and v (n, 11) at ``PHASES[place]`` of steps from n states just after an impact."""
+        run = _Run(self.model, self.config, plan, plan.constraints(self.config))
+        with np.errstate(invalid="ignore", over="ignore"):
+            z = run.part(np.pad(x, ((0, 0), (0, 1))), place)
+        return z[:, :NUM], z[:, NUM:-1]
+
 
 @dataclass(frozen=True)
 class _Run:
@@ -168,7 +175,7 @@ class _Run:
         start = self._residual(phase, z)
         nodes, heights = [self._advance(phase, z, -phase)], [np.zeros(len(z))]
         for s, after in pairwise(_NODES):
-            nodes.append(self._advance(np.full(len(z), s), nodes[-1], np.full(len(z), after - s)))
+            nodes.append(self._onward(s, nodes[-1], after))
             heights.append(self._measure(nodes[-1]).height)
             if after > 1.0 and not (heights[-1] > 0).any():
                 break
@@ -186,6 +193,14 @@ class _Run:
             z[:, -1],
             alive,
         )
+
+    def part(self, z: np.ndarray, place: int) -> np.ndarray:
+        """States (n, 23) at one of ``PHASES``."""
+        phase = self._start(z, anchored=True)
+        z = self._advance(phase, z, -phase)
+        for s, after in pairwise(_NODES[: 2 * place + 1]):
+            z = self._onward(s, z, after)
+        return z
 
     def _start(self, z: np.ndarray, anchored: bool) -> np.ndarray:
         """Phases (n,) just after the impact; re-anchors the constraints."""
@@ -246,6 +261,10 @@ class _Run:
             inner = np.tensordot(_A[k, :k], slopes[:k], axes=1) if k else 0.0
             slopes[k] = self._derivative(phase + _C[k] * width, z + width[:, None] * inner)
         return z + width[:, None] * np.tensordot(_B, slopes, axes=1)
+
+    def _onward(self, phase: float, z: np.ndarray, after: float) -> np.ndarray:
+        """From one node to the next."""
+        return self._advance(np.full(len(z), phase), z, np.full(len(z), after - phase))
 
     def _impact(
         self, nodes: np.ndarray, heights: np.ndarray

@@ -54,7 +54,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
     def refuse(gait: int, kind: str, error: Exception) -> None:
         name = command_text(library.commands[gaits[gait]])
-        job.progress(f"gait {name} by {kind}: {error}; no foot placement")
+        job.progress(f"gait {name}: no foot placement by {kind}: {error}")
 
     by_hip = _placed(loop, steps, np.flatnonzero(~clock), partial(refuse, kind="the hip"))
     by_time = _placed(loop, timed, np.flatnonzero(slow), partial(refuse, kind="time"))

@@ -11,9 +11,9 @@ from slider.config.hzd import HzdConfig
 from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.hzd.model import RootedModel
-from slider.hzd.plans import plans
+from slider.hzd.plans import StepPlan, plans
 from slider.hzd.return_map import Walk, return_maps, walk
-from slider.hzd.step import ClosedLoop, StepPlan
+from slider.hzd.step import ClosedLoop
 from slider.hzd.walk import ZeroDynamics, find_cycles, linearise
 from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary

@@ -8,8 +8,9 @@ import numpy as np
 from slider.config.hzd import BasinConfig, ImpactGrid
 from slider.gait.rooted import NUM
 from slider.hzd.invariance import perturbed
+from slider.hzd.plans import StepPlan
 from slider.hzd.return_map import Walk
-from slider.hzd.step import ClosedLoop, StepPlan
+from slider.hzd.step import ClosedLoop
 
 _PLANE = [0, NUM]  # roll and roll rate of a state
 _FALLEN = 0.7  # a foot that has rolled so far [rad]

@@ -11,8 +11,9 @@ from functools import partial
 import numpy as np
 
 from slider.hzd.feedback import Regulator, regulate
+from slider.hzd.plans import StepPlan
 from slider.hzd.poincare import differences
-from slider.hzd.step import ClosedLoop, StepPlan
+from slider.hzd.step import ClosedLoop
 from slider.hzd.walk import (
     STATE,
     ZeroDynamics,

@@ -17,11 +17,11 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.basin import Placement, axes, portrait, steps_until_return
 from slider.hzd.invariance import Invariance, invariance, perturbed
 from slider.hzd.model import RootedModel
-from slider.hzd.plans import plans
+from slider.hzd.plans import StepPlan, plans
 from slider.hzd.poincare import multipliers
 from slider.hzd.return_map import Walk, return_maps, walk
 from slider.hzd.stage import POINTS, indices, load_library
-from slider.hzd.step import ClosedLoop, StepPlan
+from slider.hzd.step import ClosedLoop
 from slider.hzd.summary import CSV, MARKDOWN, per_step, write_csv, write_markdown
 from slider.hzd.walk import find_cycles
 from slider.library.reader import GaitLibrary

@@ -17,8 +17,8 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.feedback import regulate
 from slider.hzd.gains import FootPlacement
 from slider.hzd.model import RootedModel
-from slider.hzd.plans import plans
-from slider.hzd.step import PHASES, ClosedLoop, StepPlan
+from slider.hzd.plans import StepPlan, plans
+from slider.hzd.step import PHASES, ClosedLoop
 from slider.hzd.walk import COORDINATES, STATE, find_cycles, linearise
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import command_text
@@ -52,12 +52,12 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     slow = clock | (library.velocities[gaits, 0] <= config.fastest_clock)
     timed = [replace(plan, clock=np.ones_like(clock)) for plan in steps]
 
-    def refuse(gait: int, kind: str, error: Exception) -> None:
+    def refuse(kind: str, gait: int, error: Exception) -> None:
         name = command_text(library.commands[gaits[gait]])
         job.progress(f"gait {name}: no foot placement by {kind}: {error}")
 
-    by_hip = _placed(loop, steps, np.flatnonzero(~clock), partial(refuse, kind="the hip"))
-    by_time = _placed(loop, timed, np.flatnonzero(slow), partial(refuse, kind="time"))
+    by_hip = _placed(loop, steps, np.flatnonzero(~clock), partial(refuse, "the hip"))
+    by_time = _placed(loop, timed, np.flatnonzero(slow), partial(refuse, "time"))
     own = {k: placed for k, placed in by_time.items() if clock[k]} | by_hip
     points = np.full((len(gaits), 2, STATE), np.nan)
     for k, placed in own.items():

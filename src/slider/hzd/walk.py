@@ -20,9 +20,9 @@ from slider.config.hzd import StabilityConfig
 from slider.gait.rooted import NUM
 from slider.hzd.model import Measured
 from slider.hzd.outputs import ANKLE, YAW, output_matrix
-from slider.hzd.plans import motion, start
+from slider.hzd.plans import StepPlan, motion, start
 from slider.hzd.poincare import differences, limit_cycles, orbits, restrict
-from slider.hzd.step import PHASES, ClosedLoop, Flow, StepPlan
+from slider.hzd.step import PHASES, ClosedLoop, Flow
 
 COORDINATES = ("com_y", "com_y_rate", "com_x_rate", "com_x")
 STATE = 2 * NUM

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.stages.entries import ENTRIES, RESIDUAL
+from pipeline.stages.entries import ENTRIES, OF_HZD
 from slider.artefacts.source import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -69,12 +69,14 @@ def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
     assert allowed or not packages & {"hydra", "omegaconf"}
 
 
-def test_no_other_job_depends_on_the_controller_under_the_actions():
-    """A change of it trains and evaluates no other policy anew."""
-    for stage, entry in RESIDUAL.items():
+def test_no_other_job_depends_on_the_controller_that_walks_by_gaits():
+    """A change of it trains and evaluates no other policy or controller anew."""
+    for stage, entry in OF_HZD.items():
         own, plain = (closure(e.partition(":")[0], SOURCE).modules for e in (entry, ENTRIES[stage]))
         assert "slider.control.hzd.steps" in own
-        assert not any(module.startswith("slider.control.hzd") for module in plain), stage
+        hzd = ("slider.control.hzd", "slider.hzd")
+        assert not any(module.startswith(hzd) for module in plain), stage
+        assert not any(module.startswith("slider.control.mpc") for module in own), stage
 
 
 @pytest.mark.parametrize("stage", ENTRIES)

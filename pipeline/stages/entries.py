@@ -13,7 +13,7 @@ ENTRIES = {
     "standing": "slider.training.stage:run_standing",
     "walking": "slider.training.stage:run_walking",
     "evaluation": "slider.evaluation.stage:run",
-    "baseline": "slider.evaluation.baseline:run",
+    "baseline": "slider.evaluation.mpc:run",
     "table1": "slider.reports.table1:run",
     "velocity_tracking": "slider.reports.velocity_tracking:run",
     "speeds": "slider.reports.protocols.speeds:run",
@@ -24,8 +24,9 @@ ENTRIES = {
     "verification_maps": "slider.reports.figures.verification_maps:run",
     "stability_gaits": "slider.hzd.stage:run_gaits",
     "foot_placement": "slider.hzd.stage:collect_placement",
-    "stability": "slider.hzd.stage:run",
-    "basin": "slider.hzd.stage:run_basin",
+    "return_maps": "slider.hzd.stability:run_maps",
+    "stability": "slider.hzd.stability:run",
+    "basin": "slider.hzd.stability:run_basin",
     "stability_figures": "slider.reports.figures.stability:run",
     "gait_walks": "slider.evaluation.gait_walks:run",
     "figures": "slider.reports.figures.stage:run",
@@ -39,12 +40,13 @@ ENTRIES = {
 }
 """Stage → entry point ``module:function``."""
 
-RESIDUAL = {
+OF_HZD = {
     "standing": "slider.training.residual:run_standing",
     "walking": "slider.training.residual:run_walking",
     "evaluation": "slider.evaluation.residual:run",
+    "baseline": "slider.evaluation.enforced:run",
 }
-"""The same where the actions are on top of a controller, whose source no other job depends on."""
+"""The same where ``hzd`` walks, alone or below the actions: no other job depends on its source."""
 
 
 def job(

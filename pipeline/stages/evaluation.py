@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pipeline.stages.entries import ENTRIES, RESIDUAL, job
+from pipeline.stages.entries import ENTRIES, OF_HZD, job
 from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
@@ -51,8 +51,9 @@ def evaluation(
         section |= controlled(config, controller, asked)
         label = f"evaluation of {controller} at {asked:.1f} m/s{note}"
     stage = "evaluation" if controller == POLICY else "baseline"
+    enforced = isinstance(config.control.get(controller), HzdControlConfig)
     residual = controller == POLICY and config.env.action.offset == "hzd"
-    entries = RESIDUAL if residual else ENTRIES
+    entries = OF_HZD if enforced or residual else ENTRIES
     return job(stage, label, section, made_of(config, controller, made), entries=entries)
 
 

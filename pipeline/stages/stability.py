@@ -7,17 +7,19 @@ from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 
-_BEYOND = ("basin", "steps", "chunk")  # settings that a gait's linearisation does not use
+_BEYOND = ("impacts", "basin", "steps", "chunk")  # settings that foot placement does not use
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """Linearised gaits, what controllers take of them, their table, basins and figures."""
+    """What controllers take of the linearised gaits; tables, basins and figures for people."""
     shared = {"hzd": without(to_dict(config.hzd), *_BEYOND), **numerics(config)}
     commands = [gait.section["command"] for gait in library.inputs["gaits"]]
     size = config.hzd.chunk
     chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
     gaits = [_gaits(shared, chunk, library) for chunk in chunks]
-    table = job("stability", "stability", {}, {"gaits": gaits})
+    impacts = to_dict(config.hzd.impacts)
+    maps = [_maps(impacts, gait) for gait in gaits]
+    table = job("stability", "stability", {}, {"gaits": maps})
     drawn = {"library": [library], "stability": [table]}
     wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if [*gait, 0.0] in commands]
     if wanted:
@@ -32,10 +34,17 @@ def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
 
 
 def _gaits(shared: dict, commands: list[list[float]], library: JobSpec) -> JobSpec:
-    """Return maps of some gaits."""
+    """Limit cycles and foot placement of some gaits."""
     section = shared | {"commands": commands}
-    label = f"stability of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
+    label = f"foot placement of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
     return job("stability_gaits", label, section, {"library": [library]}, tracked=False)
+
+
+def _maps(impacts: dict, gaits: JobSpec) -> JobSpec:
+    """Return maps of the same gaits, for people."""
+    label = gaits.label.replace("foot placement", "return maps", 1)
+    inputs = {**gaits.inputs, "gaits": [gaits]}
+    return job("return_maps", label, {**gaits.section, "impacts": impacts}, inputs, tracked=False)
 
 
 def _basin(config: Config, shared: dict, gait: list[float], library: JobSpec) -> JobSpec:

@@ -1,6 +1,6 @@
 """Pre-training, training, and the policy for others."""
 
-from pipeline.stages.entries import RESIDUAL, job
+from pipeline.stages.entries import OF_HZD, job
 from pipeline.stages.evaluation import check_walkable, controlled, first_hzd
 from pipeline.stages.numerics import BFLOAT16, numerics, with_precision
 from pipeline.stages.sections import only, origin, simulation
@@ -67,7 +67,7 @@ def _job(
     check_walkable(config, "env.action.offset", [name])
     section |= only(controlled(config, name, None), "hzd", "control")
     inputs["foot_placement"] = [stability_jobs(config, library)["foot_placement"]]
-    return job(stage, label, section, inputs, entries=RESIDUAL)
+    return job(stage, label, section, inputs, entries=OF_HZD)
 
 
 def policy_export(walking: JobSpec) -> JobSpec:

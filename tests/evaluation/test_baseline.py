@@ -9,7 +9,7 @@ from pipeline.stages import table1_jobs
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.env.starts import at_rest
-from slider.evaluation import baseline, protocol
+from slider.evaluation import mpc, protocol
 from slider.evaluation.results import COLUMNS, Evaluation
 from tests.env.synthetic import config
 
@@ -32,7 +32,7 @@ def section(controller: str = "mpc_wbc_tuned", **changes) -> dict:
 def run(out, controller: str = "mpc_wbc_tuned", **changes):
     out.mkdir()
     job = Job(out.parent)
-    return baseline.run(section(controller, **changes), {}, out, job), job
+    return mpc.run(section(controller, **changes), {}, out, job), job
 
 
 WALK = {"duration": 3.0, "warm_up": 1.4}  # [s]; from there on whole strides

@@ -11,9 +11,10 @@ from slider.config.hzd import HzdConfig
 from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.hzd.model import RootedModel
-from slider.hzd.plans import plans
-from slider.hzd.step import ClosedLoop, StepPlan
-from slider.hzd.walk import Linearisation, Walk, linearise, walk
+from slider.hzd.plans import StepPlan, plans
+from slider.hzd.return_map import Walk, return_maps, walk
+from slider.hzd.step import ClosedLoop
+from slider.hzd.walk import ZeroDynamics, find_cycles, linearise
 from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary
 from tests.gait.gaits import config, section
@@ -56,14 +57,30 @@ def steps() -> tuple[StepPlan, StepPlan]:
     return plans(library(), np.arange(len(library())), loop().model, settings())
 
 
+def one(gait: int) -> list[StepPlan]:
+    """Both steps of a gait alone."""
+    return [plan.of(np.array([gait])) for plan in steps()]
+
+
 @cache
-def linearisation() -> Linearisation:
-    return linearise(loop(), steps(), settings())
+def points() -> np.ndarray:
+    """x* (2, G, 22) of the limit cycles."""
+    found = [find_cycles(loop(), one(gait)) for gait in range(len(library()))]
+    assert all(known.all() for _, known in found)
+    return np.concatenate([each for each, _ in found], axis=1)
+
+
+@cache
+def zero(gait: int) -> ZeroDynamics:
+    return linearise(loop(), one(gait), points()[:, [gait]])
 
 
 @cache
 def walks() -> list[Walk]:
-    return [walk(loop(), steps(), linearisation(), k, settings()) for k in range(len(library()))]
+    return [
+        walk(loop(), return_maps(loop(), one(gait), points()[:, [gait]]), 0)
+        for gait in range(len(library()))
+    ]
 
 
 @cache
@@ -74,7 +91,7 @@ def placement_folder() -> Path:
     from slider.hzd import stage
 
     out = Path(mkdtemp(prefix="slider-hzd-"))
-    (spec, *_) = stability_jobs(config(), library_job(config()))["stability"].inputs["gaits"]
+    (spec, *_) = stability_jobs(config(), library_job(config()))["foot_placement"].inputs["gaits"]
     commands = {"commands": [list(command) for command in COMMANDS]}
     stage.run_gaits(spec.section | commands, {"library": [folder()]}, out, Job(out))
     return out

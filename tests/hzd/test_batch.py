@@ -11,7 +11,7 @@ def test_matrices_and_columns_of_any_number_of_rows():
     results = [ca.sin(x) * y[0], x @ y.T, ca.vertcat(y[1] ** 2, 0)]
     batch, single = Batch([x, y], results), ca.Function("single", [x, y], results)
     rng = np.random.default_rng(0)
-    for n in (1, 4, 2):
+    for n in (1, 4, 2, 0):
         a, b = rng.normal(size=(n, 3)), rng.normal(size=(2, n)).T  # the second not in C's order
         found = batch(a, b)
         assert [part.shape for part in found] == [(n, 3), (n, 3, 2), (n, 2)]

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from slider.config.hzd import FootPlacementConfig
 from slider.core.errors import UserError
-from slider.hzd.feedback import periodic_lqr
+from slider.hzd.feedback import periodic_lqr, regulate
+from slider.hzd.walk import ZeroDynamics
 
 
 def test_a_scalar_system_has_the_gain_of_the_closed_form():
@@ -35,3 +37,39 @@ def test_what_cannot_be_stabilised_is_one_line():
     a, b = np.diag([2.0, 0.5])[None], np.array([[[0.0], [1.0]]])
     with pytest.raises(UserError, match="foot placement stabilises"):
         periodic_lqr(a, b, np.eye(2), np.eye(1))
+
+
+def coupled(lateral_to_forward: float, forward_to_lateral: float) -> ZeroDynamics:
+    """A walk of (c_y, ċ_y, ċ_x) whose foot moves each direction's own coordinates at once."""
+    maps = np.diag([1.5, 0.5, 1.2])
+    maps[2, 0], maps[0, 2] = lateral_to_forward, forward_to_lateral
+    inputs = np.array([[0.0, 1.0], [0.0, 0.0], [1.0, 0.0]])
+    whole = np.broadcast_to(np.eye(3), (2, 1, 5, 3, 3))
+    return ZeroDynamics(
+        np.zeros((2, 1, 5, 4)),
+        np.tile(maps, (2, 1, 1, 1)),
+        np.tile(inputs, (2, 1, 1, 1)),
+        whole,
+        np.tile(inputs, (2, 1, 5, 1, 1)),
+        np.zeros((2, 1, 22, 3)),
+    )
+
+
+WEIGHTS = FootPlacementConfig(position=10.0, velocity=1.0, displacement=1.0, reach=0.25)
+
+
+def test_each_direction_answers_its_own_coordinates():
+    found = regulate(coupled(0.0, 0.0), 0, WEIGHTS)
+    assert not found.gains[:, 0, :2].any()
+    assert not found.gains[:, 1, 2].any()
+    closed = np.diag([1.5, 0.5, 1.2]) - coupled(0.0, 0.0).inputs[0, 0] @ found.gains[0]
+    assert np.abs(np.linalg.eigvals(closed)).max() < 1.0
+    lateral = found.gains[:, 1, 0]
+    np.testing.assert_allclose(found.phase_gains[:, 2, 1, 0], lateral / (1 - lateral))
+
+
+def test_a_coupling_that_undoes_both_regulators_is_one_line_with_the_radius():
+    """Closed alone they have 0.11 and 0.41: (x − 0.11)(x − 0.41) = 1.3 has a root of 1.41."""
+    message = r"^expected .* the walk's spectral radius is below 1 per step, found 1\.41$"
+    with pytest.raises(UserError, match=message):
+        regulate(coupled(1.0, 1.3), 0, WEIGHTS)

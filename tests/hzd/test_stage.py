@@ -15,17 +15,9 @@ from slider.artefacts.recipe import Code
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.hzd.gains import FootPlacement
-from slider.hzd.stage import (
-    CSV,
-    MARKDOWN,
-    RECORDS,
-    _stability,
-    collect_placement,
-    run,
-    run_basin,
-    run_gaits,
-)
-from slider.hzd.summary import QUANTITIES
+from slider.hzd.stability import RECORDS, _stability, run, run_basin, run_maps
+from slider.hzd.stage import collect_placement, run_gaits
+from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
 from slider.robot.names import COMMAND
 from tests.gait.gaits import config
 from tests.hzd.sample import CLOCK, COMMANDS, HIP, folder, library, steps
@@ -39,27 +31,47 @@ def jobs() -> dict[str, JobSpec]:
     return stability_jobs(config(), JobSpec("library", "", code, {}, {"gaits": solves}))
 
 
+def placed(out: Path, *commands: tuple[float, float, float], **changes) -> list[str]:
+    """What a job of foot placement says."""
+    (spec,) = jobs()["foot_placement"].inputs["gaits"]
+    section = {**spec.section, "commands": [list(v) for v in commands]}
+    section["hzd"] = spec.section["hzd"] | changes
+    said = []
+    run_gaits(section, {"library": [folder()]}, out, Job(out, progress=said.append))
+    return said
+
+
 @pytest.fixture(scope="module")
 def chunk(tmp_path_factory) -> Path:
     """Of both gaits, the faster one first, and of a hole."""
-    (spec,) = jobs()["stability"].inputs["gaits"]
     out = tmp_path_factory.mktemp("chunk")
+    assert placed(out, *COMMANDS[::-1], HOLE) == []
+    return out
+
+
+@pytest.fixture(scope="module")
+def maps(chunk, tmp_path_factory) -> Path:
+    """Return maps of the same gaits."""
+    (spec,) = jobs()["stability"].inputs["gaits"]
+    out = tmp_path_factory.mktemp("maps")
     commands = [list(v) for v in [*COMMANDS[::-1], HOLE]]
-    run_gaits(spec.section | {"commands": commands}, {"library": [folder()]}, out, Job(out))
+    inputs = {"library": [folder()], "gaits": [chunk]}
+    run_maps({**spec.section, "commands": commands}, inputs, out, Job(out))
     return out
 
 
 def test_a_job_knows_only_what_it_uses():
     made = jobs()
-    (spec,) = made["stability"].inputs["gaits"]
+    (spec,) = made["foot_placement"].inputs["gaits"]
     assert spec.section["commands"] == [list(v) for v in [*COMMANDS, HOLE]]
-    assert not {"basin", "chunk"} & spec.section["hzd"].keys()
-    assert made["foot_placement"].inputs["gaits"] == made["stability"].inputs["gaits"]
+    assert not {"basin", "chunk", "impacts"} & spec.section["hzd"].keys()
+    (report,) = made["stability"].inputs["gaits"]
+    assert report.inputs["gaits"] == [spec]
     assert "basins" not in made["stability_figures"].inputs, "none of its gaits is in the library"
 
 
-def test_records_hold_every_quantity(chunk):
-    record, _ = json.loads((chunk / RECORDS).read_text())
+def test_records_hold_every_quantity(maps):
+    record, _ = json.loads((maps / RECORDS).read_text())
     assert {*QUANTITIES, *COMMAND} == record.keys()
     assert (record["vx"], record["vy"], record["phase"]) == (0.6, 0.1, "hip")
     assert record["closed_spectral_radius"] < 0.6 < 2.0 < record["spectral_radius"]
@@ -85,8 +97,8 @@ def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
     np.testing.assert_array_equal(found.hip[:, 0, :, 1:2], steps()[0].hip.slopes)
 
 
-def test_the_table_has_a_line_per_gait(chunk, tmp_path):
-    assert run({}, {"gaits": [chunk]}, tmp_path, Job(tmp_path)) == {"gaits": 2, "stable": 2}
+def test_the_table_has_a_line_per_gait(maps, tmp_path):
+    assert run({}, {"gaits": [maps]}, tmp_path, Job(tmp_path)) == {"gaits": 2, "stable": 2}
     rows = list(csv.DictReader((tmp_path / CSV).read_text().splitlines()))
     assert [tuple(float(row[name]) for name in COMMAND) for row in rows] == COMMANDS
     assert [len(row["eigenvalues"].split()) for row in rows] == [4, 3]
@@ -94,14 +106,38 @@ def test_the_table_has_a_line_per_gait(chunk, tmp_path):
     assert "| `spectral_radius` | 1/step |" in (tmp_path / MARKDOWN).read_text()
 
 
-def test_gaits_that_all_go_by_time(tmp_path):
+def test_gaits_that_all_go_by_time(chunk, tmp_path):
+    """Whatever other gaits are in the job."""
+    assert placed(tmp_path, COMMANDS[CLOCK]) == []
+    alone, together = FootPlacement.load(tmp_path), FootPlacement.load(chunk)
+    np.testing.assert_allclose(alone.gains[0], together.gains[1], atol=1e-7)
+
+
+def test_a_job_of_holes_has_tables_of_no_gaits(chunk, tmp_path):
+    assert placed(tmp_path, HOLE) == []
+    assert len(FootPlacement.load(tmp_path).commands) == 0
+    out = tmp_path / "whole"
+    out.mkdir()
+    inputs = {"library": [folder()], "gaits": [tmp_path, chunk]}
+    assert collect_placement({}, inputs, out, Job(out)) == {"gaits": 2}
     (spec,) = jobs()["stability"].inputs["gaits"]
-    section = spec.section | {"commands": [list(COMMANDS[CLOCK])]}
-    assert run_gaits(section, {"library": [folder()]}, tmp_path, Job(tmp_path))["gaits"] == 1
+    section = {**spec.section, "commands": [list(HOLE)]}
+    found = run_maps(section, {"library": [folder()], "gaits": [tmp_path]}, out, Job(out))
+    assert found == {"gaits": 0, "limit_cycles": 0}
+    assert json.loads((out / RECORDS).read_text()) == []
+
+
+def test_a_gait_without_limit_cycle_has_the_gaits_own_footholds_and_says_so(tmp_path):
+    said = placed(
+        tmp_path, COMMANDS[CLOCK], linearisation={"difference": 1e-5, "tolerance": 1e-300}
+    )
+    expected = "gait (0.2, 0) m/s: no foot placement by time: expected a limit cycle, found none"
+    assert said == [expected]
+    assert not FootPlacement.load(tmp_path).gains.any()
 
 
 def test_a_basin_and_its_walks(tmp_path):
-    (spec,) = jobs()["stability"].inputs["gaits"]
+    (spec,) = jobs()["foot_placement"].inputs["gaits"]
     basin = {"roll": {"lower": -0.02, "upper": 0.02}, "roll_rate": {"lower": -0.2, "upper": 0.2}}
     basin |= {"points": 2, "steps": 2, "returned": [0.02, 0.1]}
     section = {"hzd": spec.section["hzd"], "basin": basin, "command": list(COMMANDS[HIP])}
@@ -121,6 +157,6 @@ def test_gaits_of_the_virtual_knee_are_refused(tmp_path):
     copy = tmp_path / "library"
     shutil.copytree(folder(), copy)
     zarr.open_group(copy / "library.zarr", mode="a").attrs["dynamics"] = "knee"
-    (spec,) = jobs()["stability"].inputs["gaits"]
+    (spec,) = jobs()["foot_placement"].inputs["gaits"]
     with pytest.raises(UserError, match=r"expected gaits of the prismatic leg .* found knee"):
         run_gaits(spec.section, {"library": [copy]}, tmp_path, Job(tmp_path))

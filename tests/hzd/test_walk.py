@@ -8,28 +8,15 @@ import pytest
 from slider.config.hzd import ImpactGrid
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.hzd.basin import Placement, portrait, steps_until_return
+from slider.hzd.feedback import regulate
 from slider.hzd.invariance import invariance
 from slider.hzd.plans import motion, start
 from slider.hzd.poincare import chain, differences, multipliers
 from slider.hzd.step import PHASES, ClosedLoop, _Run
-from tests.hzd.sample import (
-    CLOCK,
-    HIP,
-    library,
-    linearisation,
-    loop,
-    settings,
-    steps,
-    walks,
-)
+from tests.hzd.sample import CLOCK, HIP, library, loop, one, points, settings, steps, walks, zero
 
 NUM = 11
 BOTH = [CLOCK, HIP]
-
-
-def one(gait: int):
-    """Both steps of a gait alone."""
-    return [plan.of(np.array([gait])) for plan in steps()]
 
 
 def coordinates(at) -> np.ndarray:
@@ -110,9 +97,8 @@ def _advanced(plan, phase, q, v, width, config):
 
 def test_outputs_stay_zero_on_the_limit_cycle_and_after_any_impact_with_re_anchoring():
     """Without it an impact leaves them at more than 0.1 rad/s, and a step ends with a rest."""
-    assert linearisation().found.all()
     grid = ImpactGrid([-0.02, 0.0, 0.02], [-0.1, 0.0, 0.1])
-    found = invariance(loop(), steps(), linearisation().points, grid)
+    found = invariance(loop(), steps(), points(), grid)
     assert (found.orbit < 1e-8).all()
     assert (found.anchored < 1e-6).all()
     assert (found.impact > 0.1).all()
@@ -125,7 +111,7 @@ def test_joints_as_outputs_are_invariant_too():
     other = ClosedLoop(loop().model, config)
     clocks = [replace(plan, clock=np.full(2, True)) for plan in steps()]
     grid = ImpactGrid([0.002], [-0.01])
-    found = invariance(other, clocks, linearisation().points, grid)
+    found = invariance(other, clocks, points(), grid)
     assert (found.anchored < 1e-6).all()
 
 
@@ -137,7 +123,7 @@ def test_the_walk_returns_to_its_points(gait):
         np.testing.assert_allclose(flow.landed.state[0], found.points[1 - step], atol=1e-8)
         middle = loop().model.measure(flow.q[10], flow.v[10])
         seen = coordinates(middle)
-        np.testing.assert_allclose(found.orbit[step, 10], seen, atol=1e-8)
+        np.testing.assert_allclose(zero(gait).orbit[step, 0, 10], seen, atol=1e-8)
 
 
 @pytest.mark.parametrize("gait", BOTH)
@@ -153,9 +139,19 @@ def test_the_return_map_has_the_rank_of_the_zero_dynamics(gait):
     np.testing.assert_allclose(np.abs(restricted[order]), np.abs(whole[:rank]), atol=1e-4)
 
 
-def test_halved_differences_agree():
+def test_doubled_differences_agree():
     for gait in BOTH:
         assert walks()[gait].error < 1e-4 * np.abs(walks()[gait].derivatives).max()
+
+
+@pytest.mark.parametrize("gait", BOTH)
+def test_a_few_directions_give_the_foot_placement_of_the_whole_return_map(gait):
+    """22 columns of its derivative, from section to section, against those that count."""
+    found = regulate(zero(gait), 0, settings().feedback)
+    for name in ("gains", "phase_gains"):
+        expected = getattr(walks()[gait].regulator, name)
+        np.testing.assert_allclose(getattr(found, name), expected, atol=1e-5)
+    np.testing.assert_allclose(zero(gait).maps[:, 0], walks()[gait].maps, atol=1e-5)
 
 
 @pytest.mark.parametrize("gait", BOTH)
@@ -170,7 +166,7 @@ def test_foot_placement_stabilises_the_executed_walk(gait):
         def walked(x, rows, step=step, plan=plan):
             return loop().step(plan.of(rows), x, placement.displacement(step, x)).landed.state
 
-        executed.append(differences(walked, found.points[step][None], 1e-5)[0])
+        executed.append(differences(walked, found.points[step][None], 1e-5)[1][0])
     expected = np.abs(np.linalg.eigvals(chain(found.closed))).max()
     assert expected < 0.6
     np.testing.assert_allclose(np.abs(multipliers(executed)[0]), expected, atol=2e-3)
@@ -183,7 +179,7 @@ def test_foot_placement_stabilises_the_executed_walk(gait):
 def test_gains_over_the_phase_ask_for_the_same_step(gait):
     """A perturbed walk whose foot is displaced by b measures ξ(s) with b = −K(s) (ξ − ξ*)."""
     found, plan = walks()[gait], one(gait)[0]
-    size = 1e-4
+    gains, size = found.regulator.phase_gains, 1e-4
     rows = np.delete(output_matrix(settings().outputs), YAW, axis=1)
     turn = np.linalg.svd(rows)[2][-1]
     x = found.points[0] + size * np.r_[turn, 3.0 * turn]
@@ -192,9 +188,9 @@ def test_gains_over_the_phase_ask_for_the_same_step(gait):
     for k in (0, 10, 14, 20):
         at = loop().model.measure(flow.q[k], flow.v[k])
         seen = coordinates(at)
-        wanted = -found.phase_gains[0, k] @ (seen - found.orbit[0, k])
+        wanted = -gains[0, k] @ (seen - zero(gait).orbit[0, 0, k])
         np.testing.assert_allclose(wanted, b[0], rtol=0.02, atol=1e-2 * np.abs(b).max())
-    assert not found.phase_gains[..., 3].any() or gait == CLOCK
+    assert not gains[..., 3].any() or gait == CLOCK
 
 
 def test_perturbed_walks_come_back_with_foot_placement_and_fall_without():

@@ -113,9 +113,9 @@ def test_what_is_under_the_actions_is_of_that_variant_alone():
     assert residual.section["control"]["family"] == "hzd"
     assert "hzd" not in default.section
     assert default.code.entry == entries.ENTRIES["walking"]
-    assert residual.code.entry == entries.RESIDUAL["walking"]
+    assert residual.code.entry == entries.OF_HZD["walking"]
     evaluated = [job.code.entry for job in both.inputs["evaluations"]]
-    expected = [entries.ENTRIES["evaluation"]] * 2 + [entries.RESIDUAL["evaluation"]] * 2
+    expected = [entries.ENTRIES["evaluation"]] * 2 + [entries.OF_HZD["evaluation"]] * 2
     assert evaluated == expected
     other = changed.inputs["walking"]
     assert (default.recipe == other[0].recipe, residual.recipe == other[1].recipe) == (True, False)

@@ -70,7 +70,7 @@ class LinearisationConfig:
     """Return map by central differences."""
 
     difference: Annotated[Tolerance, Unit("rad, m, 1/s")]
-    """perturbation of a coordinate of the state; half of it checks the differences"""
+    """perturbation of the state; twice it checks the differences"""
     tolerance: Annotated[Tolerance, Unit("rad, m, 1/s")]
     """of the fixed point"""
 
@@ -112,8 +112,6 @@ class StabilityConfig(VirtualConstraintsConfig):
     stabilises them there"""
     feedback: FootPlacementConfig
     linearisation: LinearisationConfig
-    impacts: ImpactGrid
-    """at which hybrid invariance is measured"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -128,6 +126,8 @@ class BasinsConfig(BasinConfig):
 class HzdConfig(StabilityConfig):
     """All of hybrid zero dynamics."""
 
+    impacts: ImpactGrid
+    """at which hybrid invariance is measured"""
     basin: BasinsConfig
     steps: Count
     """that a gait is to walk in MuJoCo"""

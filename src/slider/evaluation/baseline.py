@@ -1,4 +1,7 @@
-"""The stage ``baseline``: a controller of ``conf/control`` at one command."""
+"""The stage ``baseline``: a controller of ``conf/control`` at one command.
+
+Each family has an entry point of its own: a change of one evaluates no other anew.
+"""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,22 +10,21 @@ from slider.config.control import FAMILIES, AnyControl
 from slider.config.convert import from_dict
 from slider.config.env import PhysicsConfig, PlantConfig
 from slider.config.robot import RobotConfig
-from slider.control.hzd.controller import EnforcedGaits
-from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import ModelBased
-from slider.core.job import Inputs, Job, Section, Summary
+from slider.control.whole_body.observed import Build, observed
+from slider.core.job import Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 
 
-def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Roll the controller out on torque drives, at its own, higher rate.
+def run(section: Section, out: Path, job: Job, build: Build) -> Summary:
+    """Roll a controller out on torque drives, at its own, higher rate.
 
     Its nominal model is that of the section's robot, from which the disturbed plants differ.
     """
     protocol = read_protocol(section)
-    simulated = simulate(section, inputs, protocol.count, protocol.disturbance, job.threads)
+    simulated = simulate(section, build, protocol.count, protocol.disturbance, job.threads)
     summary = evaluate(protocol, simulated, out, job)
     assert isinstance(simulated.controller, ModelBased)
     job.volatile["tick_us"] = simulated.controller.clock.microseconds()
@@ -30,15 +32,14 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def simulate(
-    section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int = 1
+    section: Section, build: Build, count: int, disturbance: Disturbance, threads: int = 1
 ) -> Simulated:
     """The controller on ``count`` robots."""
     robot = from_dict(RobotConfig, section["robot"])
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(FAMILIES[section["control"]["family"]], section["control"])
     physics = build_plant(robot, plant.physics, config, count, disturbance, threads)
-    gaits = EnforcedGaits.of(section, inputs)
-    controller = build_controller(robot, config, plant.physics, count, gaits, threads)
+    controller = observed(build, robot, config, plant.physics, count, threads)
     return Simulated(controller, physics, plant)
 
 

@@ -49,12 +49,10 @@ class RootedRobot:
         """(q, q̇) → M, h."""
         return ca.Function("dynamics", [self.q, self.v], [self.mass, self.bias])
 
-    @cached_property
-    def roll_equation(self) -> tuple[ca.SX, ca.SX]:
-        """The row of M (11,) and of h without an input, for less than all of them."""
-        moment = self._forces[0]
-        row = ca.gradient(moment, self._a)
-        return row, ca.substitute(moment, self._a, ca.SX.zeros(NUM))
+    def equation(self, row: int) -> tuple[ca.SX, ca.SX]:
+        """A row of M (11,) and of h, for less than all: that of the roll, 0, has no input."""
+        force = self._forces[row]
+        return ca.gradient(force, self._a), ca.substitute(force, self._a, ca.SX.zeros(NUM))
 
     @cached_property
     def center_of_mass(self) -> tuple[ca.SX, ca.SX]:

@@ -8,8 +8,9 @@ import numpy as np
 from slider.config.hzd import BasinConfig, ImpactGrid
 from slider.gait.rooted import NUM
 from slider.hzd.invariance import perturbed
-from slider.hzd.step import ClosedLoop, StepPlan
-from slider.hzd.walk import Walk
+from slider.hzd.plans import StepPlan
+from slider.hzd.return_map import Walk
+from slider.hzd.step import ClosedLoop
 
 _PLANE = [0, NUM]  # roll and roll rate of a state
 _FALLEN = 0.7  # a foot that has rolled so far [rad]
@@ -30,7 +31,7 @@ class Placement:
     def displacement(self, step: int, x: np.ndarray) -> np.ndarray:
         """b (n, 2) [m] of states (n, 22) at the start of a step."""
         error = (x - self.walk.points[step]) @ self.walk.projection[step].T
-        wanted = -error @ self.walk.gains[step].T
+        wanted = -error @ self.walk.regulator.gains[step].T
         return np.clip(wanted, -self.reach, self.reach)
 
 

@@ -13,7 +13,7 @@ class Batch:
     def __init__(self, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> None:
         self._shapes = [result.shape for result in results]
         stacked = ca.vertcat(*(ca.vec(ca.densify(result)) for result in results))
-        one = ca.Function("batch", list(arguments), [stacked])
+        one = ca.Function("batch", list(arguments), [ca.cse(stacked)])
         self._mapped = cache(lambda n: one.map(n).buffer())
         sizes = np.cumsum([rows * columns for rows, columns in self._shapes])
         self._ends, self._size = sizes[:-1], int(sizes[-1])
@@ -22,14 +22,18 @@ class Batch:
         """Results (n, rows, columns), a single column as (n, rows), of arguments (n, width)."""
         n = len(arguments[0])
         found = np.empty((n, self._size))
-        buffer, evaluate = self._mapped(n)
-        rows = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
-        for place, values in enumerate(rows):  # rows in NumPy's order are CasADi's columns
-            buffer.set_arg(place, values.data)  # pyright: ignore[reportCallIssue]
-        buffer.set_res(0, found.data)  # pyright: ignore[reportCallIssue]
-        evaluate()
+        if n:
+            self._evaluate(arguments, found)
         parts = np.split(np.asfortranarray(found), self._ends, axis=1)  # by columns: fast to use
         return [
             part if columns == 1 else part.reshape(n, columns, rows).transpose(0, 2, 1)
             for part, (rows, columns) in zip(parts, self._shapes, strict=True)
         ]
+
+    def _evaluate(self, arguments: Sequence[np.ndarray], found: np.ndarray) -> None:
+        buffer, evaluate = self._mapped(len(found))
+        rows = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
+        for place, values in enumerate(rows):  # rows in NumPy's order are CasADi's columns
+            buffer.set_arg(place, values.data)  # pyright: ignore[reportCallIssue]
+        buffer.set_res(0, found.data)  # pyright: ignore[reportCallIssue]
+        evaluate()

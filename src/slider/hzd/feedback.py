@@ -2,13 +2,69 @@
 
 Once per step, b_j = −K_j ξ_j changes a parameter of the step that ξ_{j+1} = A_j ξ_j + B_j b_j
 describes (Westervelt, Grizzle et al., "Feedback Control of Dynamic Bipedal Robot Locomotion", 2007,
-section 7.2).
+section 7.2). Here b displaces the swing foot, and each of its directions answers its own
+coordinates: a forward displacement also changes how long a step takes, and a regulator of both at
+once times steps in order to catch a lateral error.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag, solve_discrete_are
 
+from slider.config.hzd import FootPlacementConfig
 from slider.core.errors import UserError
+from slider.hzd.poincare import multipliers
+from slider.hzd.walk import COORDINATES, ZeroDynamics
+
+_WEIGHTS = ("position", "velocity", "velocity", "position")  # of the coordinates
+_AXES = {0: (2, 3), 1: (0, 1)}  # coordinates that displacements forward and leftward answer
+
+
+@dataclass(frozen=True)
+class Regulator:
+    """Foot placement of a gait of two steps; S phases, r coordinates.
+
+    Attributes:
+        gains: K (2, 2, r): b = −K ξ.
+        phase_gains: K(s) (2, S, 2, 4).
+    """
+
+    gains: np.ndarray
+    phase_gains: np.ndarray
+
+
+def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regulator:
+    """Foot placement of one of the gaits.
+
+    Raises:
+        UserError: each direction's own regulator leaves a walk that does not contract, or there
+            is none.
+    """
+    maps, inputs = walk.maps[:, gait], walk.inputs[:, gait]
+    swung, moved = walk.swung[:, gait], walk.moved[:, gait]
+    weights = np.array([getattr(config, name) for name in _WEIGHTS])
+    (_, phases, r, _), width = swung.shape, len(COORDINATES)
+    gains, phase_gains = np.zeros((2, 2, r)), np.zeros((2, phases, 2, width))
+    for axis, places in _AXES.items():
+        own = [place for place in places if place < r]
+        if not own:
+            continue
+        gain = periodic_lqr(
+            maps[np.ix_(range(2), own, own)],
+            inputs[:, own, axis : axis + 1],
+            np.diag(weights[own]),
+            np.array([[config.displacement]]),
+        )
+        gains[:, axis, own] = gain[:, 0]
+        flow = swung[np.ix_(range(2), range(phases), own, own)]
+        flow = flow - moved[:, :, own, axis, None] @ gain[:, None]
+        phase_gains[:, :, axis, own] = (gain[:, None] @ np.linalg.inv(flow))[:, :, 0]
+    radius = np.sqrt(np.abs(multipliers(maps - inputs @ gains)[0]))
+    if not radius < 1.0:
+        expected = "expected foot placement under which the walk's spectral radius is below 1"
+        raise UserError(f"{expected} per step, found {radius:.3g}")
+    return Regulator(gains, phase_gains)
 
 
 def periodic_lqr(
@@ -29,7 +85,7 @@ def periodic_lqr(
     weight, effort = np.kron(np.eye(period), state_weight), np.kron(np.eye(period), input_weight)
     try:
         cost = solve_discrete_are(whole, inputs, weight, effort)
-    except np.linalg.LinAlgError as error:
+    except (np.linalg.LinAlgError, ValueError) as error:
         raise UserError(f"expected a walk that foot placement stabilises, found {error}") from None
     gains = np.linalg.solve(effort + inputs.T @ cost @ inputs, inputs.T @ cost @ whole)
     return np.stack([gains[m * j : m * (j + 1), r * j : r * (j + 1)] for j in range(period)])

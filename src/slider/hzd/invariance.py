@@ -13,7 +13,8 @@ from scipy.linalg import null_space
 
 from slider.config.hzd import ImpactGrid
 from slider.hzd.outputs import YAW, output_matrix
-from slider.hzd.step import ClosedLoop, Flow, StepPlan
+from slider.hzd.plans import StepPlan
+from slider.hzd.step import ClosedLoop, Flow
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ def invariance(
     States on the zero dynamics with another roll and roll rate walk one step; its impact is the
     perturbed one.
     """
-    n = points.shape[1]
+    shape = points.shape[1], len(grid.roll) * len(grid.roll_rate)
     found = []
     for plan, after, point in zip(steps, steps[::-1], points, strict=True):
         rows, x = perturbed(loop, point, grid)
@@ -53,7 +54,7 @@ def invariance(
         anchored = loop.step(following, landed)
         cycle = loop.step(plan, point)
         worst = [free.residuals[0], _end(free), _end(anchored), np.abs(impact.pitch)]
-        found.append([cycle.residuals.max(axis=0), *(w.reshape(n, -1).max(axis=1) for w in worst)])
+        found.append([cycle.residuals.max(axis=0), *(w.reshape(shape).max(axis=1) for w in worst)])
     return Invariance(*np.array(found).max(axis=0))
 
 

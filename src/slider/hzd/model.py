@@ -118,10 +118,8 @@ class RootedModel:
         hip = s.poses(s.q)["base"].origin[0]
         slope = ca.gradient(hip, s.q)
         bend = ca.jtimes(ca.jtimes(hip, s.q, s.v), s.q, s.v)
-        mass, bias = s.roll_equation
-        ankle = 1 + ANKLE
-        rows = [ca.vertcat(mass.T, s.mass[ankle, :]), ca.vertcat(bias, s.bias[ankle])]
-        return Batch([s.q, s.v], [*rows, slope, bend])
+        masses, biases = zip(*(s.equation(row) for row in (0, 1 + ANKLE)), strict=True)
+        return Batch([s.q, s.v], [ca.horzcat(*masses).T, ca.vertcat(*biases), slope, bend])
 
     @cached_property
     def _measure(self) -> Batch:

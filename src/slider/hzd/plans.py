@@ -1,6 +1,6 @@
 """Steps of stored gaits, as the closed loop follows them."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -8,15 +8,70 @@ from scipy.interpolate import CubicSpline
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.errors import UserError
 from slider.gait.rooted import NUM
+from slider.hzd.constraints import StepConstraints
 from slider.hzd.model import RootedModel
 from slider.hzd.outputs import JOINTS, ROLL
 from slider.hzd.polynomials import NodeTable
-from slider.hzd.step import StepPlan
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
 from slider.robot.names import command_text
 
 _NODES = 41
+
+
+@dataclass(frozen=True)
+class StepPlan:
+    """What one step of n gaits asks for, in reflected coordinates.
+
+    Attributes:
+        coefficients: of the virtual legs (n, 10, degree + 1) [rad].
+        roll: of the stance foot (n, K, 1) [rad].
+        hip: forward position of the base's origin from the stance sole (n, K, 1) [m].
+        ankle: effort of the stance ankle (n, K, 1) [N m].
+        placement: D (n, 10, 2).
+        duration: T (n,) [s].
+        clock: whether the phase is time (n,).
+        lengths: of the virtual legs.
+    """
+
+    coefficients: np.ndarray
+    roll: NodeTable
+    hip: NodeTable
+    ankle: NodeTable
+    placement: np.ndarray
+    duration: np.ndarray
+    clock: np.ndarray
+    lengths: KneeLengths
+
+    @property
+    def hip_share(self) -> np.ndarray:
+        """Least forward velocity of the hip (n,), as a share of its mean's magnitude."""
+        way = np.ptp(self.hip.values[:, [0, -1], 0], axis=1)
+        return self.hip.slopes[..., 0].min(axis=1) / way
+
+    def of(self, rows: np.ndarray) -> "StepPlan":
+        """The steps of some of the gaits, in a given order."""
+        return StepPlan(
+            self.coefficients[rows],
+            self.roll.of(rows),
+            self.hip.of(rows),
+            self.ankle.of(rows),
+            self.placement[rows],
+            self.duration[rows],
+            self.clock[rows],
+            self.lengths,
+        )
+
+    def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
+        """Of these steps."""
+        return StepConstraints(
+            self.coefficients,
+            self.roll,
+            self.placement,
+            self.lengths,
+            config.correction_end,
+            (config.placement.lower, config.placement.upper),
+        )
 
 
 def plans(

@@ -7,48 +7,65 @@ belongs to (n,), and gives points (n, d).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
-def differences(function: Map, points: np.ndarray, size: float) -> np.ndarray:
-    """Derivatives (G, m, d) at points (G, d) of a function with values (n, m): central ones."""
+def differences(
+    function: Map, points: np.ndarray, size: float, directions: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """A function's values (G, m) at points (G, d) and its derivatives (G, m, k): central ones.
+
+    They are along directions (G, d, k), by default the coordinates; all are moved by ``size``.
+    """
     count, d = points.shape
-    steps = size * np.concatenate([np.eye(d), -np.eye(d)])
-    moved = (points[:, None] + steps).reshape(-1, d)
-    values = function(moved, np.repeat(np.arange(count), 2 * d)).reshape(count, 2, d, -1)
-    return (values[:, 0] - values[:, 1]).transpose(0, 2, 1) / (2 * size)
+    if directions is None:
+        directions = np.broadcast_to(np.eye(d), (count, d, d))
+    lengths = np.linalg.norm(directions, axis=1)[:, None]
+    moves = size * (directions / lengths).transpose(0, 2, 1)
+    starts = points[:, None] + np.concatenate([np.zeros((count, 1, d)), moves, -moves], axis=1)
+    each = starts.shape[1]
+    found = function(starts.reshape(-1, d), np.repeat(np.arange(count), each))
+    values, ahead, behind = np.split(found.reshape(count, each, -1), [1, 1 + each // 2], axis=1)
+    return values[:, 0], (ahead - behind).transpose(0, 2, 1) / (2 * size) * lengths
 
 
 def limit_cycles(
-    maps: Sequence[Map], start: np.ndarray, size: float, tolerance: float, rounds: int = 40
+    maps: Sequence[Map],
+    start: np.ndarray,
+    slopes: np.ndarray,
+    tolerance: float,
+    rounds: int = 20,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points (k, G, d) of the cycles of ``maps`` near ``start`` (G, d), and which were found (G,).
 
-    Newton's method on x_0, the derivative taken once: (I − DP)(x − x_0) = P(x_0) − x_0.
+    Broyden's method on x_0: (I − DP)(x − x_0) = P(x_0) − x_0, DP corrected by what each step meets.
+    ``slopes`` (G, d, d) are DP of the whole cycle at the start, in the directions that P leads to.
     """
-    x = start
-    points = _orbits(maps, x)
-    slopes = chain([differences(f, p, size) for f, p in zip(maps, points, strict=False)])
+    points = orbits(maps, start)
+    residual = np.eye(start.shape[1]) - slopes
     for _ in range(rounds):
-        missed = points[-1] - x
-        if (np.abs(missed) <= tolerance).all():
+        missed = points[-1] - points[0]
+        going = np.flatnonzero((np.abs(missed) > tolerance).any(axis=1))
+        if not len(going):
             break
-        x = x + np.linalg.solve(np.eye(x.shape[1]) - slopes, missed[..., None])[..., 0]
-        points = _orbits(maps, x)
-    found = (np.abs(points[-1] - x) <= tolerance).all(axis=1)
-    return np.stack(points[:-1]), np.asarray(found)
+        ahead = np.linalg.solve(residual[going], missed[going, :, None])[..., 0]
+        points[:, going] = orbits(maps, points[0, going] + ahead, going)
+        left = (points[-1] - points[0])[going] / (ahead**2).sum(axis=1, keepdims=True)
+        residual[going] -= left[:, :, None] * ahead[:, None]
+    found = (np.abs(points[-1] - points[0]) <= tolerance).all(axis=1)
+    return points[:-1], np.asarray(found)
 
 
-def _orbits(maps: Sequence[Map], start: np.ndarray) -> list[np.ndarray]:
-    """Points (G, d) and their images under one map after the other."""
-    points, systems = [start], np.arange(len(start))
+def orbits(maps: Sequence[Map], start: np.ndarray, systems: np.ndarray | None = None) -> np.ndarray:
+    """Points (k + 1, n, d): starts of some systems, by default of all, and their images in turn."""
+    systems = np.arange(len(start)) if systems is None else systems
+    points = [start]
     for step in maps:
         points.append(step(points[-1], systems))
-    return points
+    return np.stack(points)
 
 
 def chain(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
@@ -65,29 +82,16 @@ def multipliers(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
     return found[np.argsort(-np.abs(found))]
 
 
-@dataclass(frozen=True)
-class Restriction:
-    """The r-dimensional dynamics on a manifold that attracts all points within one map.
+def restrict(now: np.ndarray, onward: np.ndarray) -> np.ndarray:
+    """Derivatives (k, ..., r, m) of a cycle's maps on a manifold that attracts within one map.
 
-    A perturbation off the manifold counts as the one on it that has the same future, ξ = Z x.
-
-    Attributes:
-        projection: Z (k, r, d).
-        maps: A (k, r, r): ξ_{j+1} = A_j ξ_j; their product has the multipliers of the whole cycle
-            that are not zero.
-    """
-
-    projection: np.ndarray
-    maps: np.ndarray
-
-
-def restrict(derivatives: np.ndarray, tangents: np.ndarray, futures: np.ndarray) -> Restriction:
-    """Restriction of one system's maps to a manifold.
+    What the rest of a map depends on alone are r numbers; F_j are their derivatives at section j.
+    A perturbation off the manifold counts as the one on it that has the same future.
 
     Args:
-        derivatives: DP (k, d, d).
-        tangents: E (k, d, r): x = E ξ on the manifold at the sections.
-        futures: F (k, r, d), derivatives of what the rest of a map depends on alone.
+        now: F_j E_j (k, ..., r, r), with tangents x = E_j ξ of the manifold at the sections.
+        onward: of F at the next section, along m directions at this one (k, ..., r, m). Along E_j
+            they give A_j, ξ_{j+1} = A_j ξ_j, whose product has the multipliers of the whole cycle
+            that are not zero.
     """
-    projection = np.linalg.solve(futures @ tangents, futures)
-    return Restriction(projection, np.roll(projection, -1, axis=0) @ derivatives @ tangents)
+    return np.linalg.solve(np.roll(now, -1, axis=0), onward)

@@ -23,14 +23,13 @@ from itertools import pairwise
 import numpy as np
 from scipy.integrate import DOP853
 
-from slider.config.hzd import StabilityConfig, VirtualConstraintsConfig
+from slider.config.hzd import StabilityConfig
 from slider.gait.rooted import NUM
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.model import Landed, Measured, RootedModel
 from slider.hzd.outputs import ANKLE, JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
 from slider.hzd.phase import phase_of, phase_rate
-from slider.hzd.polynomials import NodeTable
-from slider.robot.knee_map import KneeLengths
+from slider.hzd.plans import StepPlan
 
 PHASES = np.linspace(0.0, 1.0, 21)
 """At which a step is sampled."""
@@ -43,61 +42,6 @@ _A, _B, _C = DOP853.A[:_STAGES, :_STAGES], DOP853.B, DOP853.C[:_STAGES]
 _NEWTON = 6
 _LOST = 1e9  # no entry of a robot that walks is as great
 _SLOWEST = 0.05  # of the gait's phase rate: a robot whose hip turns back has fallen
-
-
-@dataclass(frozen=True)
-class StepPlan:
-    """What one step of n gaits asks for, in reflected coordinates.
-
-    Attributes:
-        coefficients: of the virtual legs (n, 10, degree + 1) [rad].
-        roll: of the stance foot (n, K, 1) [rad].
-        hip: forward position of the base's origin from the stance sole (n, K, 1) [m].
-        ankle: effort of the stance ankle (n, K, 1) [N m].
-        placement: D (n, 10, 2).
-        duration: T (n,) [s].
-        clock: whether the phase is time (n,).
-        lengths: of the virtual legs.
-    """
-
-    coefficients: np.ndarray
-    roll: NodeTable
-    hip: NodeTable
-    ankle: NodeTable
-    placement: np.ndarray
-    duration: np.ndarray
-    clock: np.ndarray
-    lengths: KneeLengths
-
-    @property
-    def hip_share(self) -> np.ndarray:
-        """Least forward velocity of the hip (n,), as a share of its mean's magnitude."""
-        way = np.ptp(self.hip.values[:, [0, -1], 0], axis=1)
-        return self.hip.slopes[..., 0].min(axis=1) / way
-
-    def of(self, rows: np.ndarray) -> "StepPlan":
-        """The steps of some of the gaits, in a given order."""
-        return StepPlan(
-            self.coefficients[rows],
-            self.roll.of(rows),
-            self.hip.of(rows),
-            self.ankle.of(rows),
-            self.placement[rows],
-            self.duration[rows],
-            self.clock[rows],
-            self.lengths,
-        )
-
-    def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
-        """Of these steps."""
-        return StepConstraints(
-            self.coefficients,
-            self.roll,
-            self.placement,
-            self.lengths,
-            config.correction_end,
-            (config.placement.lower, config.placement.upper),
-        )
 
 
 @dataclass(frozen=True)
@@ -153,6 +97,13 @@ class ClosedLoop:
         with np.errstate(invalid="ignore", over="ignore"):
             return run.flow(np.pad(x, ((0, 0), (0, 1))), anchored)
 
+    def part(self, plan: StepPlan, x: np.ndarray, place: int) -> tuple[np.ndarray, np.ndarray]:
+        """q and v (n, 11) at ``PHASES[place]`` of steps from n states just after an impact."""
+        run = _Run(self.model, self.config, plan, plan.constraints(self.config))
+        with np.errstate(invalid="ignore", over="ignore"):
+            z = run.part(np.pad(x, ((0, 0), (0, 1))), place)
+        return z[:, :NUM], z[:, NUM:-1]
+
 
 @dataclass(frozen=True)
 class _Run:
@@ -168,7 +119,7 @@ class _Run:
         start = self._residual(phase, z)
         nodes, heights = [self._advance(phase, z, -phase)], [np.zeros(len(z))]
         for s, after in pairwise(_NODES):
-            nodes.append(self._advance(np.full(len(z), s), nodes[-1], np.full(len(z), after - s)))
+            nodes.append(self._onward(s, nodes[-1], after))
             heights.append(self._measure(nodes[-1]).height)
             if after > 1.0 and not (heights[-1] > 0).any():
                 break
@@ -186,6 +137,14 @@ class _Run:
             z[:, -1],
             alive,
         )
+
+    def part(self, z: np.ndarray, place: int) -> np.ndarray:
+        """States (n, 23) at one of ``PHASES``."""
+        phase = self._start(z, anchored=True)
+        z = self._advance(phase, z, -phase)
+        for s, after in pairwise(_NODES[: 2 * place + 1]):
+            z = self._onward(s, z, after)
+        return z
 
     def _start(self, z: np.ndarray, anchored: bool) -> np.ndarray:
         """Phases (n,) just after the impact; re-anchors the constraints."""
@@ -246,6 +205,10 @@ class _Run:
             inner = np.tensordot(_A[k, :k], slopes[:k], axes=1) if k else 0.0
             slopes[k] = self._derivative(phase + _C[k] * width, z + width[:, None] * inner)
         return z + width[:, None] * np.tensordot(_B, slopes, axes=1)
+
+    def _onward(self, phase: float, z: np.ndarray, after: float) -> np.ndarray:
+        """From one node to the next."""
+        return self._advance(np.full(len(z), phase), z, np.full(len(z), after - phase))
 
     def _impact(
         self, nodes: np.ndarray, heights: np.ndarray

@@ -10,6 +10,7 @@ import numpy as np
 from slider.robot.names import COMMAND
 
 Values = Mapping[str, Any]
+CSV, MARKDOWN = "stability.csv", "stability.md"
 
 
 class Quantity(NamedTuple):
@@ -35,7 +36,7 @@ QUANTITIES = {
     ),
     "gain_lateral": Quantity("s", "the same per lateral velocity"),
     "gain_forward": Quantity("s", "its displacement forward per forward velocity"),
-    "difference": Quantity("-", "change of the derivatives with half the difference"),
+    "difference": Quantity("-", "change of the derivatives with twice the difference"),
     "invariance_orbit": Quantity("rad, m, 1/s", "‖(y, ẏ)‖ on the limit cycle"),
     "invariance_impact": Quantity("rad, m, 1/s", "after perturbed impacts, not re-anchored"),
     "invariance_free": Quantity("rad, m, 1/s", "at the end of the step after, not re-anchored"),

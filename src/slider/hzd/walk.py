@@ -1,12 +1,12 @@
-"""The limit cycle of a gait, its return map, and the foot placement that stabilises it.
+"""The limit cycle of a gait, and its zero dynamics from step to step.
 
 A section are the states just after an impact, x = (q, q̇). Outputs are zero or vanish by mid-step
 (re-anchoring), so that the return map has the rank of the zero dynamics at a section. Their
 coordinates are the first r of ξ = (c_y, ċ_y, ċ_x, c_x), place and velocity of the centre of mass
 in the frame of the stance sole: r = 3 where the hip's place is the phase; with the clock 4 where
 the ankle is free, 2 where it is driven. Per step ξ⁺ = A ξ + B b, b the displacement of the swing
-foot. Each direction of b answers its own coordinates: a forward displacement also changes how long
-a step takes, and a regulator of both at once times steps in order to catch a lateral error.
+foot. States of the same ξ at mid-step have the same future, so that r + 2 directions are enough:
+those of the zero dynamics and b, followed from a section to the middle of the step after.
 """
 
 from collections.abc import Sequence
@@ -14,192 +14,170 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.linalg import null_space
+from scipy.linalg import block_diag, null_space
 
 from slider.config.hzd import StabilityConfig
 from slider.gait.rooted import NUM
-from slider.hzd.feedback import periodic_lqr
+from slider.hzd.model import Measured
 from slider.hzd.outputs import ANKLE, YAW, output_matrix
-from slider.hzd.plans import motion, start
-from slider.hzd.poincare import Map, differences, limit_cycles, restrict
-from slider.hzd.step import PHASES, ClosedLoop, StepPlan
+from slider.hzd.plans import StepPlan, motion, start
+from slider.hzd.poincare import differences, limit_cycles, orbits, restrict
+from slider.hzd.step import PHASES, ClosedLoop, Flow
 
 COORDINATES = ("com_y", "com_y_rate", "com_x_rate", "com_x")
-_STATE = 2 * NUM
-_WEIGHTS = ("position", "velocity", "velocity", "position")  # of the coordinates
-_AXES = {0: (2, 3), 1: (0, 1)}  # coordinates that displacements forward and leftward answer
+STATE = 2 * NUM
+_MOVES = 2  # directions of b
+_DISPLACEMENTS = np.eye(STATE + _MOVES)[None, None, :, STATE:]
 
 
 @dataclass(frozen=True)
-class Walk:
-    """A limit cycle of two steps and its linearisation; S phases, r coordinates.
+class ZeroDynamics:
+    """Two steps of n gaits that have the same kind of phase; S phases, r coordinates.
 
     Attributes:
-        points: x* (2, 22) at the sections.
-        orbit: ξ* (2, S, 4) at ``PHASES``.
-        derivatives: DP (2, 22, 22); ``placements``: ∂P/∂b (2, 22, 2).
-        error: greatest change of these with half the difference.
-        projection: Z (2, r, 22): ξ of the state on the zero dynamics with the same future.
-        maps, inputs: A (2, r, r), B (2, r, 2).
-        gains: K (2, 2, r): b = −K ξ.
-        phase_gains: K(s) (2, S, 2, 4).
+        orbit: ξ* (2, n, S, 4) at ``PHASES``.
+        maps, inputs: A (2, n, r, r), B (2, n, r, 2).
+        swung, moved: ∂ξ(s)/∂ξ (2, n, S, r, r) and ∂ξ(s)/∂b (2, n, S, r, 2) at ``PHASES``.
+        landed: ∂x/∂ξ (2, n, 22, r) of the states after the next impact.
     """
 
-    points: np.ndarray
     orbit: np.ndarray
-    derivatives: np.ndarray
-    placements: np.ndarray
-    error: float
-    projection: np.ndarray
     maps: np.ndarray
     inputs: np.ndarray
-    gains: np.ndarray
-    phase_gains: np.ndarray
-
-    @property
-    def closed(self) -> np.ndarray:
-        """A − B K (2, r, r)."""
-        return self.maps - self.inputs @ self.gains
-
-    @property
-    def closed_derivatives(self) -> np.ndarray:
-        """DP (2, 22, 22) with foot placement."""
-        return self.derivatives - self.placements @ self.gains @ self.projection
+    swung: np.ndarray
+    moved: np.ndarray
+    landed: np.ndarray
 
 
-@dataclass(frozen=True)
-class Linearisation:
-    """Limit cycles of G gaits and derivatives there, before anything is made of them.
+def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray, np.ndarray]:
+    """Limit cycles of n gaits with one kind of phase: points (2, n, 22), and which there are (n,).
 
-    Attributes:
-        found: whether there is a limit cycle (G,).
-        points: (2, G, 22).
-        orbit: (2, G, S, 4).
-        derivatives: of state after the next impact and ξ at ``PHASES`` (2, G, 22 + 4 S, 24) by
-            state and displacement; ``errors``: their greatest change with half the difference (G,).
+    Where there is none the points are not numbers. What a walk from the collocated gait misses is
+    one more direction of the return map, whose image is that of the zero dynamics.
     """
+    maps = [partial(_landed, loop, plan) for plan in steps]
+    first, *points = orbits(maps, start(steps[0], loop.config))
+    missed = points[-1] - first
+    others = np.broadcast_to(with_moves(missed)[:, :, None], (2, len(first), STATE + _MOVES, 1))
+    around = linearise(loop, steps, np.stack([first, points[0]]), others)
+    image = around.landed[1]
+    before = np.concatenate([image, missed[:, :, None]], axis=2)
+    after = np.concatenate([around.maps[0] @ around.maps[1], around.inputs[0]], axis=2)
+    inverse = np.linalg.solve(before.mT @ before, before.mT)
+    tolerance = loop.config.linearisation.tolerance
+    points, found = limit_cycles(maps, first, image @ after @ inverse, tolerance)
+    return np.where(found[:, None], points, np.nan), found
 
-    found: np.ndarray
-    points: np.ndarray
-    orbit: np.ndarray
-    derivatives: np.ndarray
-    errors: np.ndarray
+
+def _landed(loop: ClosedLoop, plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return loop.step(plan.of(rows), x).landed.state
 
 
 def linearise(
-    loop: ClosedLoop, steps: Sequence[StepPlan], config: StabilityConfig
-) -> Linearisation:
-    """Limit cycles of n gaits, and their derivatives by central differences."""
-    size = config.linearisation.difference
-    maps = [partial(_observe, loop, plan) for plan in steps]
-    points, found = limit_cycles(
-        [partial(_state_after, each) for each in maps],
-        start(steps[0], config),
-        size,
-        config.linearisation.tolerance,
-    )
-    points = np.where(found[:, None], points, start(steps[0], config))
-    at = np.concatenate([points, np.zeros((*points.shape[:2], 2))], axis=2)
-    rows = np.arange(len(found))
-    orbit = np.stack([each(z, rows)[:, _STATE:] for each, z in zip(maps, at, strict=True)])
-    whole, half = (
-        np.stack([differences(each, z, share * size) for each, z in zip(maps, at, strict=True)])
-        for share in (1.0, 0.5)
-    )
-    errors = np.abs(whole - half).max(axis=(0, 2, 3))
-    orbit = orbit.reshape(2, len(found), len(PHASES), len(COORDINATES))
-    return Linearisation(found, points, orbit, half, errors)
-
-
-def _observe(loop: ClosedLoop, plan: StepPlan, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """State after the next impact (22), then ξ at all phases, of states and displacements."""
-    flow = loop.step(plan.of(rows), z[:, :_STATE], z[:, _STATE:])
-    seen = []
-    for q, v in zip(flow.q, flow.v, strict=True):
-        at = loop.model.measure(q, v)
-        seen += [at.com[:, 1], at.com_rate[:, 1], at.com_rate[:, 0], at.com[:, 0]]
-    return np.concatenate([flow.landed.state, np.stack(seen, axis=1)], axis=1)
-
-
-def _state_after(observe: Map, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return observe(np.concatenate([x, np.zeros((len(x), 2))], axis=1), rows)[:, :_STATE]
-
-
-def walk(
     loop: ClosedLoop,
     steps: Sequence[StepPlan],
-    found: Linearisation,
-    gait: int,
-    config: StabilityConfig,
-) -> Walk:
-    """Return map and foot placement of one of the gaits.
+    points: np.ndarray,
+    others: np.ndarray = _DISPLACEMENTS,
+) -> ZeroDynamics:
+    """Zero dynamics about walks through points (2, n, 22), by central differences.
 
-    Raises:
-        UserError: no foot placement stabilises it.
+    ``others`` (2, n, 24, k) are directions of states and displacements beside those of the zero
+    dynamics: B has a column for each.
     """
-    derivative = found.derivatives[:, gait]
-    r = _rank(bool(steps[0].clock[gait]), loop.config)
-    landed = derivative[:, :_STATE]
-    seen = derivative[:, _STATE:].reshape(2, len(PHASES), len(COORDINATES), -1)[:, :, :r]
-    tangents = np.stack(
-        [
-            _tangent(loop, plan.of(np.array([gait])), now[:, :_STATE])
-            for plan, now in zip(steps, seen[:, 0], strict=True)
-        ]
-    )
-    free = int(np.searchsorted(PHASES, config.correction_end - 1e-9))
-    restricted = restrict(landed[..., :_STATE], tangents, seen[:, free, :, :_STATE])
-    inputs = restricted.projection[::-1] @ landed[..., _STATE:]
-    weights = np.array([getattr(config.feedback, name) for name in _WEIGHTS])
-    swung, moved = seen[..., :_STATE] @ tangents[:, None], seen[..., _STATE:]
-    gains, phase_gains = np.zeros((2, 2, r)), np.zeros((2, len(PHASES), 2, len(COORDINATES)))
-    for axis, places in _AXES.items():
-        own = [place for place in places if place < r]
-        if not own:
-            continue
-        block = np.ix_(range(2), own, own)
-        gain = periodic_lqr(
-            restricted.maps[block],
-            inputs[:, own, axis : axis + 1],
-            np.diag(weights[own]),
-            np.array([[config.feedback.displacement]]),
-        )
-        gains[:, axis, own] = gain[:, 0]
-        within = np.ix_(range(2), range(len(PHASES)), own, own)
-        flow = swung[within] - moved[:, :, own, axis, None] @ gain[:, None]
-        phase_gains[:, :, axis, own] = (gain[:, None] @ np.linalg.inv(flow))[:, :, 0]
-    return Walk(
-        found.points[:, gait],
-        found.orbit[:, gait],
-        landed[..., :_STATE],
-        landed[..., _STATE:],
-        float(found.errors[gait]),
-        restricted.projection,
-        restricted.maps,
-        inputs,
-        gains,
-        phase_gains,
-    )
+    along = directions(loop, steps, others)
+    size = loop.config.linearisation.difference
+    found = [
+        differences(partial(_observe, loop, plan, after), with_moves(x), size, each)
+        for plan, after, x, each in zip(steps, steps[::-1], points, along, strict=True)
+    ]
+    values, slopes = (np.stack(each) for each in zip(*found, strict=True))
+    landed, seen, onward = np.split(slopes, [STATE, slopes.shape[2] - len(COORDINATES)], axis=2)
+    orbit = by_phase(values[:, :, STATE : -len(COORDINATES), None])[..., 0]
+    return zero_dynamics(loop, along.shape[-1] - others.shape[-1], orbit, landed, seen, onward)
 
 
-def _rank(clock: bool, config: StabilityConfig) -> int:
-    """Dimension of the zero dynamics at a section."""
-    if not clock:
+def zero_dynamics(
+    loop: ClosedLoop,
+    r: int,
+    orbit: np.ndarray,
+    landed: np.ndarray,
+    seen: np.ndarray,
+    onward: np.ndarray,
+) -> ZeroDynamics:
+    """Zero dynamics from derivatives along ``directions``, of which r are theirs.
+
+    Args:
+        loop: the robot.
+        r: number of coordinates.
+        orbit: ξ* (2, n, S, 4).
+        landed: derivatives of the states after the next impact (2, n, 22, m).
+        seen: of ξ at ``PHASES`` (2, n, 4 S, m).
+        onward: of ξ at the middle of the step after (2, n, 4, m).
+    """
+    seen, onward = by_phase(seen)[..., :r, :], onward[..., :r, :]
+    by_coordinate = np.linalg.inv(seen[:, :, 0, :, :r])
+    swung = seen[..., :r] @ by_coordinate[:, :, None]
+    onward = np.concatenate([onward[..., :r] @ by_coordinate, onward[..., r:]], axis=-1)
+    maps, inputs = np.split(restrict(swung[:, :, middle(loop)], onward), [r], axis=-1)
+    return ZeroDynamics(orbit, maps, inputs, swung, seen[..., r:], landed[..., :r] @ by_coordinate)
+
+
+def directions(
+    loop: ClosedLoop, steps: Sequence[StepPlan], others: np.ndarray = _DISPLACEMENTS
+) -> np.ndarray:
+    """Of the zero dynamics at the sections and others (2, n, 24, r + k).
+
+    Positions and rates turn what the outputs leave free; the phase's rate moves along the gait.
+    """
+    r = _rank(steps[0], loop.config)
+    outputs = np.delete(output_matrix(loop.config.outputs), YAW, axis=1)
+    if r == len(COORDINATES):
+        outputs = np.delete(outputs, ANKLE, axis=0)
+    free = np.asarray(block_diag(*2 * [null_space(outputs)]))
+    at = np.zeros(len(steps[0].clock))
+    result = np.zeros((2, len(at), STATE + _MOVES, r + others.shape[-1]))
+    result[:, :, NUM:STATE, r - 1] = [motion(plan, at, loop.config)[1] for plan in steps]
+    result[:, :, :STATE, : free.shape[1]] = free
+    result[..., r:] = others
+    return result
+
+
+def _rank(plan: StepPlan, config: StabilityConfig) -> int:
+    """Dimension of the zero dynamics at a section, of gaits with one kind of phase."""
+    if not plan.clock.all():
         return 3
     return len(COORDINATES) if config.ankle == "free" else 2
 
 
-def _tangent(loop: ClosedLoop, plan: StepPlan, seen: np.ndarray) -> np.ndarray:
-    """E (22, r): states on the zero dynamics at the section, by their ξ.
+def middle(loop: ClosedLoop) -> int:
+    """Place among ``PHASES`` from which the re-anchoring is over."""
+    return int(np.searchsorted(PHASES, loop.config.correction_end - 1e-9))
 
-    Positions and rates turn what the outputs leave free; the phase's rate moves along the gait.
-    """
-    outputs = np.delete(output_matrix(loop.config.outputs), YAW, axis=1)
-    if len(seen) == len(COORDINATES):
-        outputs = np.delete(outputs, ANKLE, axis=0)
-    free = null_space(outputs)
-    along = motion(plan, np.zeros(1), loop.config)[1].T
-    rest = np.zeros_like(free)
-    columns = [np.r_[free, rest], np.r_[rest, free], np.r_[0 * along, along]]
-    tangent = np.concatenate(columns, axis=1)[:, : len(seen)]
-    return tangent @ np.linalg.inv(seen @ tangent)
+
+def with_moves(x: np.ndarray) -> np.ndarray:
+    """States (..., 22) and displacements of zero (..., 24)."""
+    return np.concatenate([x, np.zeros((*x.shape[:-1], _MOVES))], axis=-1)
+
+
+def _observe(
+    loop: ClosedLoop, plan: StepPlan, after: StepPlan, z: np.ndarray, rows: np.ndarray
+) -> np.ndarray:
+    """``observed``, then ξ at the middle of the step after, of states and displacements."""
+    flow = loop.step(plan.of(rows), z[:, :STATE], z[:, STATE:])
+    onward = loop.part(after.of(rows), flow.landed.state, middle(loop))
+    return np.concatenate([observed(loop, flow), _coordinates(loop.model.measure(*onward))], axis=1)
+
+
+def observed(loop: ClosedLoop, flow: Flow) -> np.ndarray:
+    """States after the next impact (22), then ξ at all phases."""
+    seen = [_coordinates(loop.model.measure(q, v)) for q, v in zip(flow.q, flow.v, strict=True)]
+    return np.concatenate([flow.landed.state, *seen], axis=1)
+
+
+def _coordinates(at: Measured) -> np.ndarray:
+    return np.stack([at.com[:, 1], at.com_rate[:, 1], at.com_rate[:, 0], at.com[:, 0]], axis=1)
+
+
+def by_phase(seen: np.ndarray) -> np.ndarray:
+    """Values (2, n, 4 S, m) as (2, n, S, 4, m)."""
+    return seen.reshape(*seen.shape[:2], len(PHASES), len(COORDINATES), -1)

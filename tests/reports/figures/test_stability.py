@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from slider.core.job import Job
-from slider.hzd.stage import CSV
-from slider.hzd.summary import QUANTITIES, write_csv
+from slider.hzd.summary import CSV, QUANTITIES, write_csv
 from slider.reports.figures import STABILITY_FILES
 from slider.reports.figures.stability import Basin, run
 from slider.robot.names import COMMAND

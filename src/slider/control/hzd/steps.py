@@ -8,6 +8,7 @@ from slider.config.control import HzdControlConfig
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.gaits import GaitTables, Steps, at_phase
 from slider.control.hzd.motion import Motion, hip, motion, section, side_of
+from slider.control.rows import put, take
 from slider.control.whole_body.controller import Surroundings
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
@@ -17,7 +18,6 @@ from slider.env.phase import standing
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.outputs import ANKLE, SWING, YAW, output_matrix
 from slider.hzd.phase import phase_of, phase_rate
-from slider.hzd.rows import put, take
 from slider.robot.kinematics import turn_to_heading
 from slider.robot.knee_map import KneeLengths
 

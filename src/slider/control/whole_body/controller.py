@@ -13,6 +13,7 @@ import numpy as np
 
 from slider.config.control import ModelBasedConfig
 from slider.config.robot import RobotConfig
+from slider.control.rows import put
 from slider.control.whole_body import lip
 from slider.control.whole_body.clock import TickClock
 from slider.control.whole_body.entry import Entry
@@ -24,7 +25,6 @@ from slider.control.whole_body.tasks import BodyControl, Solved
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.env.underlying import NOBODY
-from slider.hzd.rows import put
 from slider.robot import names
 
 _GIVE_UP_TILT = 1.2  # [rad]; beyond it, or without a solution, the drives are switched off

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.stage import CSV
+from slider.hzd.summary import CSV
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports import rows
 from slider.reports.figures import STABILITY

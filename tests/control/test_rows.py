@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.hzd.rows import put, take
+from slider.control.rows import put, take
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,156 @@
+"""Stages of what people read of the gaits' stability; no controller waits for them.
+
+``return_maps`` has numbers of some gaits, ``stability`` their table. ``basin`` is about one gait.
+"""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from slider.config.convert import from_dict
+from slider.config.hzd import BasinConfig, ImpactGrid, StabilityConfig
+from slider.core.errors import UserError
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.hzd.basin import Placement, axes, portrait, steps_until_return
+from slider.hzd.invariance import Invariance, invariance, perturbed
+from slider.hzd.model import RootedModel
+from slider.hzd.plans import StepPlan, plans
+from slider.hzd.poincare import multipliers
+from slider.hzd.return_map import Walk, return_maps, walk
+from slider.hzd.stage import POINTS, indices, load_library
+from slider.hzd.step import ClosedLoop
+from slider.hzd.summary import CSV, MARKDOWN, per_step, write_csv, write_markdown
+from slider.hzd.walk import find_cycles
+from slider.library.reader import GaitLibrary
+from slider.robot.names import COMMAND, command_text
+
+RECORDS = "gaits.json"
+_OF_WALK = (
+    *("spectral_radius", "eigenvalues", "closed_eigenvalues", "closed_spectral_radius"),
+    *("gain_position", "gain_lateral", "gain_forward", "difference"),
+)
+_PUSH = 0.1  # a portrait's start: share of the greatest perturbation of the roll rate
+
+
+def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Return map and invariance of the gaits of a job of ``stability_gaits``."""
+    config = from_dict(StabilityConfig, section["hzd"])
+    library = load_library(inputs)
+    gaits = indices(library, section["commands"])
+    loop = ClosedLoop(RootedModel(library.robot), config)
+    steps = plans(library, gaits, loop.model, config)
+    points = np.load(inputs["gaits"][0] / POINTS).swapaxes(0, 1)
+    walks = _walks(loop, steps, points)
+    job.progress(f"{len(walks)} of {len(gaits)} return maps")
+    kept = invariance(loop, steps, points, from_dict(ImpactGrid, section["impacts"]))
+    records = [_record(library, gait, steps, k, walks.get(k), kept) for k, gait in enumerate(gaits)]
+    (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
+    return {"gaits": len(gaits), "limit_cycles": len(walks)}
+
+
+def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> dict[int, Walk]:
+    """Of the gaits with limit cycles through ``points`` (2, n, 22)."""
+    walks, known, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
+    for gaits in (np.flatnonzero(known & clock), np.flatnonzero(known & ~clock)):
+        if len(gaits):
+            found = return_maps(loop, [plan.of(gaits) for plan in steps], points[:, gaits])
+            walks |= {gait: walk(loop, found, k) for k, gait in enumerate(gaits.tolist())}
+    return walks
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Table of all gaits as CSV, and for people."""
+    rows = [row for folder in inputs["gaits"] for row in json.loads((folder / RECORDS).read_text())]
+    rows.sort(key=lambda row: [row[name] for name in COMMAND])
+    write_csv(out / CSV, rows)
+    write_markdown(out / MARKDOWN, rows)
+    job.tracker.log_file(out / CSV)
+    radii = [row["closed_spectral_radius"] for row in rows]
+    known = [radius for radius in radii if radius is not None]
+    return {"gaits": len(rows), "stable": sum(radius < 1.0 for radius in known)}
+
+
+def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Basin of attraction of one gait with and without foot placement, and a walk of each.
+
+    Raises:
+        UserError: the library lacks the gait, or no foot placement stabilises it.
+    """
+    config = from_dict(StabilityConfig, section["hzd"])
+    basin = from_dict(BasinConfig, section["basin"])
+    library = load_library(inputs)
+    gait = np.array([library.find(*section["command"])])
+    loop = ClosedLoop(RootedModel(library.robot), config)
+    steps = plans(library, gait, loop.model, config)
+    found = _walk(loop, steps, command_text(section["command"]))
+    arrays = {name: np.array(values) for name, values in vars(axes(basin)).items()}
+    arrays["command"] = library.commands[gait[0]]
+    push = ImpactGrid([0.0], [_PUSH * basin.roll_rate.upper])
+    start = perturbed(loop, found.points[:1], push)[1][0]
+    cases = {"without": None, "with": Placement(found, config.feedback.reach)}
+    for name, placement in cases.items():
+        job.progress(f"basin {name} foot placement")
+        arrays[name] = steps_until_return(loop, steps, found, basin, placement)
+        arrays[f"walk_{name}"] = portrait(loop, steps, found, start, basin.steps, placement)
+    arrays["cycle"] = portrait(loop, steps, found, found.points[0], 2, None)
+    for name, array in arrays.items():
+        np.save(out / f"{name}.npy", array)
+    return {name: int((arrays[name] >= 0).sum()) for name in cases}
+
+
+def _walk(loop: ClosedLoop, steps: Sequence[StepPlan], name: str) -> Walk:
+    points, found = find_cycles(loop, steps)
+    if not found[0]:
+        raise UserError(f"gait {name}: expected a limit cycle, found none")
+    try:
+        return walk(loop, return_maps(loop, steps, points), 0)
+    except UserError as error:
+        raise UserError(f"gait {name}: {error}") from None
+
+
+def _record(
+    library: GaitLibrary,
+    gait: int,
+    steps: Sequence[StepPlan],
+    place: int,
+    found: Walk | None,
+    kept: Invariance,
+) -> dict[str, Any]:
+    """Values of ``slider.hzd.summary.QUANTITIES``; None where there is no limit cycle."""
+    share = [p.hip_share[place] for p in steps]
+    values = library.arrays["decoupling"][gait]
+    record = {
+        **dict(zip(COMMAND, map(float, library.commands[gait]), strict=True)),
+        "phase": "time" if steps[0].clock[place] else "hip",
+        "hip_share": None if steps[0].clock[place] else float(min(share)),
+        "decoupling": float(values[:, 0].min()),
+        "condition": float(values[:, 1].max()),
+    }
+    measured = {
+        f"invariance_{n}": getattr(kept, n) for n in ("orbit", "impact", "free", "anchored")
+    }
+    for name, each in (measured | {"settle_angle": kept.settle}).items():
+        record[name] = float(each[place]) if found and np.isfinite(each[place]) else None
+    return record | _stability(found)
+
+
+def _stability(found: Walk | None) -> dict[str, Any]:
+    if found is None:
+        return dict.fromkeys(_OF_WALK)
+    gains = -found.regulator.phase_gains[0, 0]
+    open_, closed = (
+        per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (found.maps, found.closed)
+    )
+    return {
+        "spectral_radius": per_step(multipliers(found.derivatives))[0],
+        "eigenvalues": open_,
+        "closed_eigenvalues": closed,
+        "closed_spectral_radius": per_step(multipliers(found.closed_derivatives))[0],
+        "gain_position": float(gains[1, 0]),
+        "gain_lateral": float(gains[1, 1]),
+        "gain_forward": float(gains[0, 2]),
+        "difference": found.error,
+    }

@@ -16,6 +16,7 @@ COMMANDS = {
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
     "store": ("slider.commands.store", "list, verify and clean the artefact store"),
+    "benchmark-control": ("slider.bench.control", "time the model-based controllers"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.training", "time physics, environment and training"),
     "library": ("slider.commands.library", "show what is in the gait library"),

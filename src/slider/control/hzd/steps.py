@@ -24,7 +24,7 @@ from slider.hzd.outputs import (
     stance_selection,
 )
 from slider.hzd.phase import phase_of, phase_rate
-from slider.hzd.rows import put, take
+from slider.hzd.rows import consecutive, put, take
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.knee_map import KneeLengths
 from slider.robot.names import ACTUATED
@@ -32,6 +32,9 @@ from slider.robot.names import ACTUATED
 _DRIVEN = np.array(ACTUATED)
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
 SLIDE = 3  # place of the slide in a leg
+_JOINT_ROWS = np.concatenate(
+    [np.zeros((2, NUM_JOINTS, 6)), stance_selection(np.array([False, True]))], axis=2
+)
 
 
 @dataclass(frozen=True)
@@ -156,7 +159,7 @@ class HzdSteps:
 
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
         """Torques that enforce the virtual constraints, as far as motors and contact allow."""
-        walk = take(self._walk, robots)
+        walk = take(self._walk, consecutive(robots))
         self._place(walk, memory, robots, dynamics)
         motion = self._motion(walk, memory, robots, dynamics)
         parts = [
@@ -170,8 +173,9 @@ class HzdSteps:
         self._turn(memory, robots)
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
-        walk.phase += np.where(walk.by_hip, 0.0, self._period * walk.rate)
-        put(self._walk, robots, walk)
+        walk.phase = walk.phase + np.where(walk.by_hip, 0.0, self._period * walk.rate)
+        self._walk.phase[robots], self._walk.rate[robots] = walk.phase, walk.rate
+        self._walk.constraints.displacement[robots] = walk.constraints.displacement
         return solved
 
     def _new(self, command: np.ndarray, stance: np.ndarray) -> Walk:
@@ -318,4 +322,4 @@ def _side(stance: np.ndarray) -> np.ndarray:
 
 def _joint_rows(right: np.ndarray) -> np.ndarray:
     """Rows (n, 10, 18) of the driven joints, stance leg first."""
-    return np.concatenate([np.zeros((len(right), NUM_JOINTS, 6)), stance_selection(right)], axis=2)
+    return _JOINT_ROWS[right.astype(int)]

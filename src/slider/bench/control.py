@@ -85,11 +85,12 @@ def run(arguments: argparse.Namespace) -> None:
     from slider.artefacts.runner import keep_freed_memory, limit_threads
     from slider.config.compose import compose
     from slider.core.machine import machine
+    from slider.env.terms import checked
 
     if arguments.robots < 1 or not arguments.seconds > 0:
         found = f"{arguments.robots} for {arguments.seconds:g} s"
         raise UserError(f"--robots, --seconds: expected robots and a time, found {found}")
-    config = compose(arguments.overrides, arguments.conf)
+    config = checked(compose(arguments.overrides, arguments.conf))
     for name in arguments.controllers:
         if name not in config.control:
             known = ", ".join(config.control)
@@ -169,7 +170,10 @@ def _noted(owner: Any, name: str, note: Callable[..., None]):
     try:
         yield
     finally:
-        setattr(owner, name, original) if own else delattr(owner, name)
+        if own:
+            setattr(owner, name, original)
+        else:
+            delattr(owner, name)
 
 
 def _seconds(work: Callable[[], object]) -> float:

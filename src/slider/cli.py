@@ -19,6 +19,7 @@ COMMANDS = {
     "lineage": ("slider.commands.lineage", "tell where results come from and how they differ"),
     "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
     "bundle": ("slider.commands.bundle", "pack a result with all that it came from"),
+    "benchmark-control": ("slider.bench.control", "time the model-based controllers"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.training", "time physics, environment and training"),
     "library": ("slider.commands.library", "show what is in the gait library"),

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
-from slider.control.rows import put, take
+from slider.control.rows import consecutive, put, take
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,20 @@ def test_rows_are_taken_as_copies():
     assert some.name == "steps"
     assert some.numbers.tolist() == [2.0, 0.0]
     assert some.inner.values.tolist() == [[4.0, 5.0], [0.0, 1.0]]
+
+
+def test_consecutive_rows_are_not_copied():
+    whole = outer()
+    some = take(whole, consecutive(np.array([1, 2])))
+    some.inner.values[:] = -1
+    assert some.numbers.tolist() == [1.0, 2.0]
+    assert whole.inner.values[:, 0].tolist() == [0.0, -1.0, -1.0, 6.0]
+
+
+@pytest.mark.parametrize("rows", [[], [2], [1, 3], [0, 1, 3]])
+def test_rows_are_the_same_consecutive_or_not(rows):
+    index = np.array(rows, dtype=int)
+    assert take(outer(), consecutive(index)).numbers.tolist() == [float(row) for row in rows]
 
 
 def test_rows_are_put_back_and_the_others_stay():

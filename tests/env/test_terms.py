@@ -243,7 +243,8 @@ def test_no_plan_is_laid_out_with_a_mistake(overrides, message, capsys, tmp_path
 
 
 @pytest.mark.parametrize(
-    "command", [("play", "zero", "--headless", "--set"), ("benchmark-training",)]
+    "command",
+    [("play", "zero", "--headless", "--set"), ("benchmark-training",), ("benchmark-control",)],
 )
 def test_other_doors_refuse_a_mistake(command, capsys):
     mistake = "+env.termination.terms.boredom=1.0"

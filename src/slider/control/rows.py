@@ -9,8 +9,14 @@ import numpy as np
 T = TypeVar("T")
 
 
-def take(batch: T, index: np.ndarray) -> T:
-    """A copy with the rows ``index`` of all arrays, nested dataclasses included."""
+def consecutive(index: np.ndarray) -> np.ndarray | slice:
+    """The rows ``index`` (n,), increasing, as a slice where none is left out."""
+    whole = len(index) and index[-1] - index[0] == len(index) - 1
+    return slice(index[0], index[-1] + 1) if whole else index
+
+
+def take(batch: T, index: np.ndarray | slice) -> T:
+    """The rows ``index`` of all arrays, nested dataclasses included; a slice copies none."""
     found = copy.copy(batch)
     for name, value in _parts(batch):
         part = value[index] if isinstance(value, np.ndarray) else take(value, index)

@@ -82,23 +82,25 @@ class NodeTable:
     def _within(self, phase: np.ndarray) -> Orders:
         pieces = self.values.shape[1] - 1
         place = phase * pieces
-        known = np.nan_to_num(place)  # a robot that is lost has no phase, and gets no value
-        left = np.minimum(known.astype(int), pieces - 1)
+        # A robot that is lost has no phase, and gets no value.
+        left = np.fmin(place, pieces - 1).astype(int)
         u, rows = (place - left)[:, None], np.arange(len(phase))
         ends = [rows, left], [rows, left + 1]
         a, b = (self.values[tuple(end)] for end in ends)
         da, db = (self.slopes[tuple(end)] / pieces for end in ends)
         if self.curvatures is None:
             c2, c3 = 3 * (b - a) - 2 * da - db, 2 * (a - b) + da + db
-            powers = [a, da, c2, c3]
+            factors = [a, da, c2, c3]
         else:
             dda, ddb = (self.curvatures[tuple(end)] / pieces**2 for end in ends)
             rise, rate, bend = b - a - da - dda / 2, db - da - dda, ddb - dda
             c3 = 10 * rise - 4 * rate + bend / 2
             c4 = -15 * rise + 7 * rate - bend
             c5 = 6 * rise - 3 * rate + bend / 2
-            powers = [a, da, dda / 2, c3, c4, c5]
-        value = sum(c * u**k for k, c in enumerate(powers))
-        slope = sum(k * c * u ** (k - 1) for k, c in enumerate(powers) if k > 0)
-        curve = sum(k * (k - 1) * c * u ** (k - 2) for k, c in enumerate(powers) if k > 1)
+            factors = [a, da, dda / 2, c3, c4, c5]
+        powers = [u**k for k in range(len(factors))]
+        value = sum(c * power for c, power in zip(factors, powers, strict=True))
+        rising, bending = list(enumerate(factors))[1:], list(enumerate(factors))[2:]
+        slope = sum(k * c * power for (k, c), power in zip(rising, powers, strict=False))
+        curve = sum(k * (k - 1) * c * power for (k, c), power in zip(bending, powers, strict=False))
         return np.asarray(value), np.asarray(slope) * pieces, np.asarray(curve) * pieces**2

@@ -50,9 +50,9 @@ BOTH, LEFT = np.tile([0, 1], (COUNT, 1)), np.zeros((COUNT, 1), dtype=int)
 
 def solution(problem, i: int) -> np.ndarray:
     parts = (problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper)
-    y = qp.solve(*(part[i] for part in parts))
-    assert y is not None
-    return y
+    y, solved = qp.solve(*(part[[i]] for part in parts))
+    assert solved[0]
+    return y[0]
 
 
 @pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])

@@ -8,7 +8,7 @@ from slider.config.control import HzdControlConfig
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.gaits import GaitTables, Steps, at_phase
 from slider.control.hzd.motion import Motion, hip, motion, section, side_of
-from slider.control.rows import put, take
+from slider.control.rows import consecutive, put, take
 from slider.control.whole_body.controller import Surroundings
 from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
@@ -131,7 +131,7 @@ class HzdSteps:
 
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
         """Torques that enforce the virtual constraints, as far as motors and contact allow."""
-        walk = take(self._walk, robots)
+        walk = take(self._walk, consecutive(robots))
         self._place(walk, memory, robots, dynamics)
         seen = self._motion(walk, memory, robots, dynamics)
         parts = [
@@ -145,8 +145,9 @@ class HzdSteps:
         self._turn(memory, robots)
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
-        walk.phase += np.where(walk.by_hip, 0.0, self._period * walk.rate)
-        put(self._walk, robots, walk)
+        walk.phase = walk.phase + np.where(walk.by_hip, 0.0, self._period * walk.rate)
+        self._walk.phase[robots], self._walk.rate[robots] = walk.phase, walk.rate
+        self._walk.constraints.displacement[robots] = walk.constraints.displacement
         return solved
 
     def _new(self, command: np.ndarray, stance: np.ndarray) -> Walk:

@@ -104,13 +104,13 @@ class FootstepPlanner:
         """Minimisers (n, 2, N); the solver is asked only where a bound is active."""
         result = -gradient @ self._inverse
         outside = ((result < lower) | (result > upper)).any(axis=-1)
-        rows = np.zeros((0, self._config.steps))
-        for robot, axis in zip(*np.nonzero(outside), strict=True):
-            low, high = lower[robot, axis], upper[robot, axis]
-            solution = qp.solve(self.hessian, gradient[robot, axis], rows, low, high)
-            result[robot, axis] = np.clip(
-                result[robot, axis] if solution is None else solution, low, high
-            )
+        if outside.any():
+            low, high, slope = lower[outside], upper[outside], gradient[outside]
+            count, size = slope.shape
+            hessians = np.broadcast_to(self.hessian, (count, size, size))
+            found, solved = qp.solve(hessians, slope, np.zeros((count, 0, size)), low, high)
+            found = np.where(solved[:, None], found, result[outside])
+            result[outside] = np.clip(found, low, high)
         return result
 
     def references(

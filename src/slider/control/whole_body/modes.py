@@ -82,14 +82,19 @@ class Modes:
         walks = np.flatnonzero(memory.mode[robots] == WALK)
         landing = contact[walks, 1 - memory.stance[robots[walks]]]
         index = walks[self._steps.end(memory, robots[walks], landing)]
-        stops = self._can_stop(memory, robots[index], dynamics.of(index))
-        self._stop(memory, robots[index[stops]], dynamics.of(index[stops]))
-        index = index[~stops]
+        stops = memory.commanded_to_stand(robots[index])
+        if stops.any():
+            standing = index[stops]
+            stops[stops] = self._can_stop(memory, robots[standing], dynamics.of(standing))
+            self._stop(memory, robots[index[stops]], dynamics.of(index[stops]))
+            index = index[~stops]
+        if not len(index):
+            return
         stance = 1 - memory.stance[robots[index]]
         self._steps.begin(memory, robots[index], dynamics.of(index), stance)
 
     def _can_stop(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
-        """At zero command, where the capture point is between the feet and within their length."""
+        """Where the capture point is between the feet and within their length."""
         capture = dynamics.com[:, :2] + dynamics.com_velocity[:, :2] / self._omega
         feet = [memory.to_heading(dynamics.foot_positions[:, i, :2], robots) for i in FEET]
         place = memory.to_heading(capture, robots)
@@ -97,7 +102,7 @@ class Modes:
         ahead = np.abs(place - 0.5 * (feet[LEFT] + feet[RIGHT]))[:, 0]
         between = (place[:, 1] < feet[LEFT][:, 1]) & (place[:, 1] > feet[RIGHT][:, 1])
         beside = (apart < self._reach) & (ahead < self._reach / 2)
-        return memory.commanded_to_stand(robots) & between & beside
+        return between & beside
 
     def _stop(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
         if len(robots):

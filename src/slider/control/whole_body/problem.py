@@ -156,16 +156,10 @@ class WholeBody:
 
     def solve(self, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
         """Torques (n, 12) [N m or N] of all joints, and which robots (n,) have a solution."""
-        n, size = problem.gradient.shape
-        found, solved = np.zeros((n, size)), np.ones(n, dtype=bool)
-        parts = problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper
-        for i, single in enumerate(zip(*parts, strict=True)):
-            y = qp.solve(*single)
-            if y is None:
-                solved[i] = False
-            else:
-                found[i] = y
-        torques = np.zeros((n, names.NUM_JOINTS))
+        found, solved = qp.solve(
+            problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper
+        )
+        torques = np.zeros((len(found), names.NUM_JOINTS))
         torques[:, _JOINTS] = (problem.torque_map @ found[:, :, None])[..., 0]
         torques[:, _JOINTS] += problem.torque_offset
         torques[~solved] = 0.0

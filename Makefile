@@ -5,6 +5,7 @@
 # make animation                         the picture at the top of README.md, from the trained policy
 # make docs                             the documentation as a site
 # make test                              lint, type check and tests
+# make faults                            kill jobs, fill the disk and damage the store, in every way
 PYTHON ?= python3
 CORES ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 HYDRA ?=
@@ -13,7 +14,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/installed
 
 .DELETE_ON_ERROR:
-.PHONY: table1 report results animation docs install lint test clean
+.PHONY: table1 report results animation docs install lint test faults clean
 
 table1: $(STAMP)
 	PATH="$(abspath $(BIN)):$$PATH" snakemake -j$(CORES) reports/table1.csv --config hydra='$(HYDRA)'
@@ -46,6 +47,9 @@ lint: $(STAMP)
 
 test: lint # each process takes whole files, in the order of tests/conftest.py
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+
+faults: $(STAMP) # kills, full disks and damage, some minutes
+	$(BIN)/python -m pytest -m faults -s tests/faults
 
 clean: # what is left of interrupted jobs and of forgotten configurations
 	$(BIN)/slider store gc

@@ -4,6 +4,7 @@ import os
 import resource
 import shutil
 import sys
+import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -162,7 +163,7 @@ def process(action: Callable[[], int], *before: Callable[[], object]) -> Ended:
                 prepare()
             status = action()
         except BaseException:
-            sys.excepthook(*sys.exc_info())
+            traceback.print_exc()
         finally:
             sys.stdout.flush()
             sys.stderr.flush()

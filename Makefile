@@ -6,6 +6,7 @@
 # make docs                             the documentation as a site
 # make install                           what tests, checks of gaits and editors need, too
 # make test                              lint, type check and tests
+# make faults                            kill jobs, fill the disk and damage the store, in every way
 PYTHON ?= python3
 CORES ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 HYDRA ?=
@@ -16,7 +17,7 @@ TOOLS := $(VENV)/installed-tools
 export HYDRA
 
 .DELETE_ON_ERROR:
-.PHONY: table1 report results animation docs install lint test clean
+.PHONY: table1 report results animation docs install lint test faults clean
 
 table1: $(STAMP)
 	$(RUN) snakemake -j$(CORES) reports/table1.csv --config "hydra=$$HYDRA"
@@ -53,6 +54,9 @@ lint: $(TOOLS)
 
 test: lint # each process takes whole files, in the order of tests/conftest.py
 	$(RUN) pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+
+faults: $(STAMP) # kills, full disks and damage, some minutes
+	$(BIN)/python -m pytest -m faults -s tests/faults
 
 clean: # what is left of interrupted jobs and of forgotten configurations
 	$(RUN) slider.cli store gc

@@ -111,7 +111,9 @@ class Workspace:
         config = ["--config", f"hydra={'experiment=test ' + hydra}"]
         return self.command(["-m", "snakemake", "-j2", *arguments, *config], **environment)
 
-    def start(self, *arguments: str, hydra: str = "", **environment: str):
+    def start(
+        self, *arguments: str, hydra: str = "", start_new_session: bool = False, **environment: str
+    ):
         """Start Snakemake with overrides and do not wait for it."""
         config = ["--config", f"hydra={'experiment=test ' + hydra}"]
         return subprocess.Popen(
@@ -119,6 +121,7 @@ class Workspace:
             cwd=self.folder,
             env=self._environment(environment),
             stderr=subprocess.DEVNULL,
+            start_new_session=start_new_session,
         )
 
     def wait_for_job(self, stage: str) -> int:

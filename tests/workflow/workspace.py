@@ -260,12 +260,14 @@ def with_dummies(workspace: Workspace) -> Workspace:
     (source / "reports" / "sections" / "registry.py").write_text(sections)
     for name in ("page", "video", "velocity_tracking"):
         (source / "reports" / f"{name}.py").write_text(OTHER)
-    (source / "evaluation" / "gait_walks.py").write_text(OTHER)
+    for name in ("gait_walks", "mpc", "enforced"):
+        (source / "evaluation" / f"{name}.py").write_text(OTHER)
     shutil.rmtree(source / "hzd")
     (source / "hzd").mkdir()
     (source / "hzd" / "__init__.py").write_text("")
-    stage = OTHER + "\n\nrun_gaits = run_basin = collect_placement = run\n"
-    (source / "hzd" / "stage.py").write_text(stage)
+    stage = OTHER + "\n\nrun_gaits = run_basin = collect_placement = run_maps = run\n"
+    for name in ("stage", "stability"):
+        (source / "hzd" / f"{name}.py").write_text(stage)
     (source / "gait" / "tiny.py").write_text(
         "def speed(section):\n    return sum(section['command'])\n"
     )

@@ -5,6 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, workflow.basedir)
 
+from pipeline.cluster import cancel_the_rest, watch_cluster
 from pipeline.console import calm
 from pipeline.entry import open_pipeline
 
@@ -12,7 +13,7 @@ from pipeline.entry import open_pipeline
 report: "pipeline/captions/workflow.rst"
 
 
-calm()
+calm(workflow)
 PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
 
 
@@ -33,6 +34,7 @@ include: "pipeline/rules/reports.smk"
 
 
 onstart:
+    watch_cluster(workflow)
     PIPELINE.start()
 
 
@@ -41,4 +43,5 @@ onsuccess:
 
 
 onerror:
+    cancel_the_rest(workflow)
     PIPELINE.finish("FAILED")

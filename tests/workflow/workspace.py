@@ -111,14 +111,17 @@ class Workspace:
         config = ["--config", f"hydra={'experiment=test ' + hydra}"]
         return self.command(["-m", "snakemake", "-j2", *arguments, *config], **environment)
 
-    def start(self, *arguments: str, hydra: str = "", **environment: str):
-        """Start Snakemake with overrides and do not wait for it."""
+    def start(
+        self, *arguments: str, hydra: str = "", stderr: int = subprocess.DEVNULL, **environment: str
+    ):
+        """Start Snakemake with overrides and do not wait for it; ``stderr`` as in subprocess."""
         config = ["--config", f"hydra={'experiment=test ' + hydra}"]
         return subprocess.Popen(
             [sys.executable, "-m", "snakemake", "-j2", *arguments, *config],
             cwd=self.folder,
             env=self._environment(environment),
-            stderr=subprocess.DEVNULL,
+            stderr=stderr,
+            text=True,
         )
 
     def wait_for_job(self, stage: str) -> int:

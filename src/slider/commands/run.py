@@ -48,7 +48,9 @@ def run(arguments: argparse.Namespace) -> int:
             outcome = runner.run(spec)
             print(f"{_progress_count(store, plan, spec)} {spec.label}: {outcome}", file=terminal)
         except UserError as error:
-            print(f"slider: {spec.label}: {error}", file=terminal)
+            line = f"slider: {spec.label}: {error}"
+            print(line, flush=True)
+            print(line, file=terminal)
             return 1
         except Exception:
             traceback.print_exc()

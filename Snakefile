@@ -14,7 +14,7 @@ report: "pipeline/captions/workflow.rst"
 
 
 calm(workflow)
-PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf")
+PIPELINE = open_pipeline(config, Path(workflow.basedir) / "conf", workflow.remote_exec)
 
 
 wildcard_constraints:

@@ -3,7 +3,9 @@
 import os
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,12 +14,14 @@ from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
 from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
+from slider.artefacts.clock import date_now
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.core.disk import is_read_only, not_written
 from slider.core.errors import UserError
 from slider.env.terms import checked
 from slider.tracking import session as tracking
@@ -90,7 +94,14 @@ class Pipeline:
         self.plan_path = _lay_out(self.plan, self.store, self.config)
 
     def start(self) -> None:
-        """Begin this pipeline run; open a session of tracking, if the configuration wants one."""
+        """Begin this pipeline run; open a session of tracking, if the configuration wants one.
+
+        A store that cannot be written is one line and status 1.
+        """
+        with _one_line():
+            self._start()
+
+    def _start(self) -> None:
         artefacts = self.store.root
         note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
@@ -114,39 +125,68 @@ class Pipeline:
             self.session.finish(status)
 
 
-def open_pipeline(settings: Mapping[str, Any], conf: Path) -> Pipeline:
-    """Compose the configuration and lay out its jobs; bad input is one line and status 1."""
+def open_pipeline(settings: Mapping[str, Any], conf: Path, remote: bool = False) -> Pipeline:
+    """Compose the configuration and lay out its jobs; bad input is one line and status 1.
+
+    A ``remote`` job reads the Snakefile once more. It leaves the care of the store to the head.
+    """
+    with _one_line():
+        _try_notes(Path(".snakemake"))
+        return _open(_overrides(settings), conf, remote)
+
+
+def _try_notes(folder: Path) -> None:
+    """Write where Snakemake keeps its notes, also in a dry run, before it fails with a trace."""
+    folder.mkdir(exist_ok=True)
+    tempfile.TemporaryFile(dir=folder).close()
+
+
+@contextmanager
+def _one_line() -> Iterator[None]:
     try:
-        return _open(_overrides(settings), conf)
+        yield
     except UserError as error:
         print(f"slider: {error}", file=sys.stderr)
         sys.stderr.flush()
         raise SystemExit(1) from None
     except OSError as error:
         place = f"{error.filename2 or error.filename}: {error.strerror}"
-        print(f"slider: {place}; `slider store verify` repairs the store", file=sys.stderr)
+        cure = f"{place}; `slider store verify` repairs the store"
+        print(f"slider: {not_written(error, Path(ARTEFACTS)) or cure}", file=sys.stderr)
         sys.stderr.flush()
         raise SystemExit(1) from None
 
 
-def _open(overrides: list[str], conf: Path) -> Pipeline:
+def _open(overrides: list[str], conf: Path, remote: bool) -> Pipeline:
     config = with_renderer(checked(compose(overrides, conf)))
     store = Store(Path(ARTEFACTS))
     plan = build_plan(all_targets(config, overrides, conf))
-    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
+    path = write_plan(plan, store.root / "plans") if remote else _lay_out(plan, store, config)
+    return Pipeline(config, overrides, plan, path, store, conf)
 
 
 def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
-    """Write a plan and make what is on disk agree with it."""
-    path = write_plan(plan, store.root / "plans")
-    os.utime(path)  # `slider store gc` keeps the latest plans
+    """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
+    try:
+        _tend(plan, store, config)
+    except OSError as error:
+        if not is_read_only(error):
+            raise
+    return plan_path(plan, store.root / "plans")
+
+
+def _tend(plan: Plan, store: Store, config: Config) -> None:
+    os.utime(write_plan(plan, store.root / "plans"))  # `slider store gc` keeps the latest plans
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
         print(f"slider: dropped {name}", file=sys.stderr)
+    late = date_now(store, [*manifests, *store.root.glob("current/*")])
+    if late:
+        text = f"dated {late} files of {store.root} now: they are from the future"
+        print(f"slider: {text}, as the clock was set back", file=sys.stderr)
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
-    return path
 
 
 def _overrides(settings: Mapping[str, Any]) -> list[str]:

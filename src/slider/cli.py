@@ -8,7 +8,9 @@ import argparse
 import importlib
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
+from slider.core.disk import not_written
 from slider.core.errors import UserError
 
 COMMANDS = {
@@ -48,6 +50,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         return module.run(parser.parse_args(arguments[1:])) or 0
     except UserError as error:
         print(f"slider: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        line = not_written(error, Path.cwd())
+        if line is None:
+            raise
+        print(f"slider: {line}", file=sys.stderr)
         return 1
 
 

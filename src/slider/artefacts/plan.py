@@ -82,10 +82,14 @@ def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
     return jobs
 
 
+def plan_path(plan: Plan, folder: Path) -> Path:
+    """File of a plan, named by its content."""
+    return folder / f"{files.digest_value(_to_values(plan))}.json"
+
+
 def write_plan(plan: Plan, folder: Path) -> Path:
     """Write a plan under the digest of its content, if it is not there whole."""
-    text = files.canonical(_to_values(plan))
-    path = folder / f"{files.digest_text(text)}.json"
+    text, path = files.canonical(_to_values(plan)), plan_path(plan, folder)
     if not path.is_file() or path.read_bytes() != f"{text}\n".encode():
         files.write_atomic(path, f"{text}\n")
     return path

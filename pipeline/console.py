@@ -34,8 +34,8 @@ def _keep_reasons() -> None:
     """Let the error of a group of jobs say why, as that of a job does."""
     plain = GroupJob.log_error
 
-    def log_error(self: GroupJob, msg: str | None = None, **facts: Any) -> None:
-        plain(self, msg, rule_msg=msg, **facts)
+    def log_error(self: Any, msg: Any = None, aux_logs: Any = None, **kwargs: Any) -> None:
+        plain(self, msg, aux_logs, rule_msg=msg, **kwargs)
 
     GroupJob.log_error = log_error
 

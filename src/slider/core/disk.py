@@ -10,7 +10,9 @@ from slider.core.errors import UserError
 _READ_ONLY = (errno.EROFS, errno.EACCES, errno.EPERM)
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 # What numpy and torch say of a full disk, without its number.
-_SHORT = re.compile(r"requested and \d+ written|PytorchStreamWriter failed writing")
+_SHORT = re.compile(
+    r"requested and \d+ written|PytorchStreamWriter failed|inline_container.*unexpected pos"
+)
 
 
 def is_read_only(error: BaseException) -> bool:

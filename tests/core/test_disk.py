@@ -32,10 +32,15 @@ def test_a_file_that_does_not_fit_is_named_and_leaves_nothing(tmp_path, small_fi
     assert not list(tmp_path.iterdir())
 
 
-def test_an_error_of_numpy_names_the_place(tmp_path, small_files):
-    with pytest.raises(OSError, match="requested") as caught:
+def test_an_error_that_names_no_file_names_the_place(tmp_path, small_files):
+    with pytest.raises(OSError, match="File too large") as caught:
         np.save(tmp_path / "gait.npy", np.zeros(1000))
     found = not_written(caught.value, PLACE)
+    assert str(found) == "expected to write artefacts, found: File too large"
+
+
+def test_what_numpy_says_of_a_full_disk_counts():
+    found = not_written(OSError("1000 requested and 100 written"), PLACE)
     assert str(found) == "expected to write artefacts, found: No space left on device"
 
 

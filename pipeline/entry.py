@@ -41,6 +41,7 @@ class Pipeline:
     plan_path: Path
     store: Store
     conf: Path
+    remote: bool = False
     session: tracking.Session | None = field(default=None)
 
     @property
@@ -91,7 +92,7 @@ class Pipeline:
             return
         job = ON_DEMAND[target](self.config, targets, self.overrides, self.conf)
         self.plan = build_plan(targets | {target: job})
-        self.plan_path = _lay_out(self.plan, self.store, self.config)
+        self.plan_path = _lay_out(self.plan, self.store, self.config, self.remote)
 
     def start(self) -> None:
         """Begin this pipeline run; open a session of tracking, if the configuration wants one.
@@ -161,22 +162,25 @@ def _open(overrides: list[str], conf: Path, remote: bool) -> Pipeline:
     config = with_renderer(checked(compose(overrides, conf)))
     store = Store(Path(ARTEFACTS))
     plan = build_plan(all_targets(config, overrides, conf))
-    path = write_plan(plan, store.root / "plans") if remote else _lay_out(plan, store, config)
-    return Pipeline(config, overrides, plan, path, store, conf)
+    path = _lay_out(plan, store, config, remote)
+    return Pipeline(config, overrides, plan, path, store, conf, remote)
 
 
-def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
+def _lay_out(plan: Plan, store: Store, config: Config, remote: bool) -> Path:
     """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
+    if remote:
+        return write_plan(plan, store.root / "plans")
     try:
-        _tend(plan, store, config)
+        return _tend(plan, store, config)
     except OSError as error:
         if not is_read_only(error):
             raise
     return plan_path(plan, store.root / "plans")
 
 
-def _tend(plan: Plan, store: Store, config: Config) -> None:
-    os.utime(write_plan(plan, store.root / "plans"))  # `slider store gc` keeps the latest plans
+def _tend(plan: Plan, store: Store, config: Config) -> Path:
+    path = write_plan(plan, store.root / "plans")
+    os.utime(path)  # `slider store gc` keeps the latest plans
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
         print(f"slider: dropped {name}", file=sys.stderr)
@@ -187,6 +191,7 @@ def _tend(plan: Plan, store: Store, config: Config) -> None:
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
+    return path
 
 
 def _overrides(settings: Mapping[str, Any]) -> list[str]:

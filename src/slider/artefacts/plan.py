@@ -84,12 +84,17 @@ def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
 
 def plan_path(plan: Plan, folder: Path) -> Path:
     """File of a plan, named by its content."""
-    return folder / f"{files.digest_value(_to_values(plan))}.json"
+    return _path_of(files.canonical(_to_values(plan)), folder)
+
+
+def _path_of(text: str, folder: Path) -> Path:
+    return folder / f"{files.digest_text(text)}.json"
 
 
 def write_plan(plan: Plan, folder: Path) -> Path:
     """Write a plan under the digest of its content, if it is not there whole."""
-    text, path = files.canonical(_to_values(plan)), plan_path(plan, folder)
+    text = files.canonical(_to_values(plan))
+    path = _path_of(text, folder)
     if not path.is_file() or path.read_bytes() != f"{text}\n".encode():
         files.write_atomic(path, f"{text}\n")
     return path

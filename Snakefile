@@ -5,6 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, workflow.basedir)
 
+from pipeline.cluster import cancel_the_rest, watch_cluster
 from pipeline.console import Console
 from pipeline.entry import open_pipeline
 
@@ -35,6 +36,7 @@ include: "pipeline/rules/reports.smk"
 
 
 onstart:
+    watch_cluster(workflow)
     PIPELINE.start()
     CONSOLE.open(PIPELINE.plan, PIPELINE.store)
 
@@ -45,5 +47,6 @@ onsuccess:
 
 
 onerror:
+    cancel_the_rest(workflow)
     PIPELINE.finish("FAILED")
     CONSOLE.close(succeeded=False)

@@ -1,14 +1,19 @@
-"""What Snakemake says while the pipeline runs: errors. Jobs and progress say the rest."""
+"""What Snakemake says while the pipeline runs: errors. Jobs and progress say the rest.
+
+On a cluster a job speaks into Slurm's log. There this module speaks for it.
+"""
 
 import logging
+import re
 import sys
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from snakemake.jobs import GroupJob
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -18,10 +23,16 @@ from slider.artefacts.store import Store
 
 _EVENTS = (LogEvent.JOB_STARTED, LogEvent.JOB_FINISHED, LogEvent.PROGRESS)
 _OF_A_RUN = (LogEvent.RUN_INFO, LogEvent.RESOURCES_INFO)  # of a dry run they are the answer
-_TEXTS = ("Select jobs to execute...", "Assuming unrestricted", "Building DAG", "Using shell")
+_TEXTS = (
+    *("Select jobs to execute...", "Execute ", "Assuming unrestricted", "Building DAG"),
+    "Using shell",
+    # Slurm's default account is one, too.
+    *("No SLURM account given", "No account was given", "Unable to guess SLURM account"),
+)
 _AT_THE_END = ("Complete log", "Elapsed time")
 _TAIL = 5  # lines of the log of a job that could not speak for itself
-_SHOWN = "Traceback (most recent call last)"  # such a job has shown the end of its log itself
+_SPOKE = re.compile(r"^(Traceback \(most recent call last\)|slider: )", re.MULTILINE)
+_REASON_ENDS = re.compile(r"\n +sbatch call|Detailed failure reason|For further error details")
 
 
 @dataclass
@@ -35,6 +46,7 @@ class Console:
     def __post_init__(self) -> None:
         self._recipes: dict[int, str] = {}
         logger.addFilter(self._is_news)
+        _keep_reasons()
 
     def open(self, plan: Plan, store: Store) -> None:
         """Begin to show the progress of the jobs that Snakemake is about to run."""
@@ -71,8 +83,7 @@ class Console:
 
     def _is_news(self, record: logging.LogRecord) -> bool:
         event = getattr(record, "event", None)
-        if event == LogEvent.JOB_ERROR:
-            _point_to_log(getattr(record, "log", None) or [])
+        _explain(event, vars(record), remote=not self.workflow.local_exec)
         if event in _EVENTS:
             self._follow(event, record)
             return False
@@ -93,12 +104,51 @@ class Console:
                     self.progress.ended(recipe)
 
 
-def _point_to_log(logs: list[str]) -> None:
-    """Say where the log is and how it ends: a killed job cannot, and Snakemake keeps quiet."""
-    for log in (Path(str(name)) for name in logs):
-        lines = log.read_text(encoding="utf-8", errors="replace") if log.is_file() else ""
-        if _SHOWN in lines:
-            continue
-        last = [line for line in lines.splitlines() if line.strip()][-_TAIL:]
-        end = "".join(f"\n  {line}" for line in last)
-        print(f"slider: the job's log is {log}{end}", file=sys.stderr)
+def _keep_reasons() -> None:
+    """Let the error of a group of jobs say why, as that of a job does."""
+    plain = GroupJob.log_error
+
+    def log_error(self: Any, msg: Any = None, aux_logs: Any = None, **kwargs: Any) -> None:
+        plain(self, msg, aux_logs, rule_msg=msg, **kwargs)
+
+    GroupJob.log_error = log_error
+
+
+def _explain(event: LogEvent | None, facts: dict[str, Any], remote: bool) -> None:
+    """Say of an error what Snakemake does not."""
+    if event == LogEvent.GROUP_ERROR:
+        _show_failure(facts, facts["job_error_info"], facts["aux_logs"])
+    if event == LogEvent.JOB_ERROR and remote and not facts["indent"]:  # else of a group
+        own, others = facts["log"][:1], facts["log"][1:]
+        _show_failure(facts, [facts | {"log": own}], others)
+    elif event == LogEvent.JOB_ERROR and not remote:
+        for log in map(Path, facts["log"]):
+            if not _SPOKE.search(_read(log)):  # a killed job: Snakemake keeps quiet about it
+                _show_log(log)
+
+
+def _show_failure(
+    facts: Mapping[str, Any], jobs: list[dict[str, Any]], cluster_logs: list[str]
+) -> None:
+    """Say what a cluster says of a submission, and the last words of those of its jobs that failed.
+
+    Where none of them came to write a log, the cluster's own log stands in.
+    """
+    reason = _REASON_ENDS.split(facts.get("rule_msg") or "")[0].strip()
+    if reason:
+        print(f"slider: {reason}", file=sys.stderr)
+    failed = [job for job in jobs if not all(Path(name).exists() for name in job["output"])]
+    logs = [log for job in failed for log in map(Path, job["log"]) if log.is_file()]
+    for log in logs or map(Path, cluster_logs):
+        _show_log(log)
+
+
+def _show_log(log: Path) -> None:
+    """Say where a log is and how it ends."""
+    last = [line for line in _read(log).splitlines() if line.strip()][-_TAIL:]
+    end = "".join(f"\n  {line}" for line in last)
+    print(f"slider: the job's log is {log}{end}", file=sys.stderr)
+
+
+def _read(log: Path) -> str:
+    return log.read_text(encoding="utf-8", errors="replace") if log.is_file() else ""

@@ -4,8 +4,10 @@ import gc
 import os
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +15,9 @@ from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
 from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
+from slider.artefacts.clock import date_now
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
 from slider.artefacts.remote import Remote
 from slider.artefacts.sharing import pull
 from slider.artefacts.sources import note_sources
@@ -22,6 +25,7 @@ from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.core.disk import is_read_only, not_written
 from slider.core.errors import UserError
 from slider.env.terms import checked
 from slider.tracking import session as tracking
@@ -42,6 +46,7 @@ class Pipeline:
     plan_path: Path
     store: Store
     conf: Path
+    head: bool = True
     session: tracking.Session | None = field(default=None)
 
     @property
@@ -108,10 +113,17 @@ class Pipeline:
             return
         job = ON_DEMAND[target](self.config, targets, self.overrides, self.conf)
         self.plan = build_plan(targets | {target: job})
-        self.plan_path = _lay_out(self.plan, self.store, self.config)
+        self.plan_path = _lay_out(self.plan, self.store, self.config, self.head)
 
     def start(self) -> None:
-        """Begin this pipeline run; open a session of tracking, if the configuration wants one."""
+        """Begin this pipeline run; open a session of tracking, if the configuration wants one.
+
+        A store that cannot be written is one line and status 1.
+        """
+        with _one_line():
+            self._start()
+
+    def _start(self) -> None:
         artefacts = self.store.root
         note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
@@ -135,36 +147,48 @@ class Pipeline:
             self.session.finish(status)
 
 
-def open_pipeline(settings: Mapping[str, Any], conf: Path, takes: bool = True) -> Pipeline:
+def open_pipeline(settings: Mapping[str, Any], conf: Path, head: bool = True) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1.
 
-    Args:
-        settings: of Snakemake's ``--config``.
-        conf: folder of the configuration.
-        takes: missing results from ``store.remote``; a job of a run that did so need not.
+    A job that is not the ``head`` reads the Snakefile once more. It leaves the care of the store,
+    and what ``store.remote`` has, to the head.
     """
     gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
-        return _open(parse_overrides(settings), conf, takes)
+        with _one_line():
+            _try_notes(Path(".snakemake"))
+            return _open(parse_overrides(settings), conf, head)
+    finally:
+        gc.enable()
+
+
+def _try_notes(folder: Path) -> None:
+    """Write where Snakemake keeps its notes, also in a dry run, before it fails with a trace."""
+    folder.mkdir(exist_ok=True)
+    tempfile.TemporaryFile(dir=folder).close()
+
+
+@contextmanager
+def _one_line() -> Iterator[None]:
+    try:
+        yield
     except UserError as error:
         print(f"slider: {error}", file=sys.stderr)
         sys.stderr.flush()
         raise SystemExit(1) from None
     except OSError as error:
         place = f"{error.filename2 or error.filename}: {error.strerror}"
-        print(f"slider: {place}; `slider store verify` repairs the store", file=sys.stderr)
+        cure = f"{place}; `slider store verify` repairs the store"
+        print(f"slider: {not_written(error, Path(ARTEFACTS)) or cure}", file=sys.stderr)
         sys.stderr.flush()
         raise SystemExit(1) from None
-    finally:
-        gc.enable()
 
 
-def _open(overrides: list[str], conf: Path, takes: bool) -> Pipeline:
+def _open(overrides: list[str], conf: Path, head: bool) -> Pipeline:
     config, plan = planned(overrides, conf)
-    if not takes:
-        config = replace(config, store=replace(config.store, remote=None))
     store = Store(Path(ARTEFACTS))
-    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
+    path = _lay_out(plan, store, config, head)
+    return Pipeline(config, overrides, plan, path, store, conf, head)
 
 
 def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config, Plan]:
@@ -180,8 +204,19 @@ def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config,
     return config, build_plan(targets)
 
 
-def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
-    """Write a plan and make what is on disk agree with it."""
+def _lay_out(plan: Plan, store: Store, config: Config, head: bool) -> Path:
+    """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
+    if not head:
+        return write_plan(plan, store.root / "plans")
+    try:
+        return _tend(plan, store, config)
+    except OSError as error:
+        if not is_read_only(error):
+            raise
+    return plan_path(plan, store.root / "plans")
+
+
+def _tend(plan: Plan, store: Store, config: Config) -> Path:
     path = write_plan(plan, store.root / "plans")
     note_sources(plan, store)
     os.utime(path)  # `slider store gc` keeps the latest plans
@@ -190,6 +225,10 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
         print(f"slider: dropped {name}", file=sys.stderr)
     if config.store.remote is not None:
         _take(plan, store, config.store.remote)
+    late = date_now(store, [*manifests, *store.root.glob("current/*")])
+    if late:
+        text = f"dated {late} files of {store.root} now: they are from the future"
+        print(f"slider: {text}, as the clock was set back", file=sys.stderr)
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])

@@ -9,7 +9,9 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
+from slider.core.disk import not_written
 from slider.core.errors import UserError
 
 COMMANDS = {
@@ -57,6 +59,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
     except BrokenPipeError:  # who reads has seen enough, such as `head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except OSError as error:
+        line = not_written(error, Path.cwd())
+        if line is None:
+            raise
+        print(f"slider: {line}", file=sys.stderr)
         return 1
 
 

@@ -86,3 +86,13 @@ def test_something_else_in_the_place_of_a_lock_is_one_line(tmp_path: Path, name:
     for attempt in (exclusive(tmp_path / "locks", "x"), nobody_else(tmp_path / "locks")):
         with pytest.raises(UserError, match=r"expected a lock file at .*\.lock, found: "), attempt:
             pass
+
+
+def test_a_file_system_without_locks_is_one_line(tmp_path: Path, monkeypatch):
+    def acquire(self):
+        raise NotImplementedError("FileSystem does not appear to support flock")
+
+    monkeypatch.setattr("slider.artefacts.locks.FileLock.acquire", acquire)
+    message = r"found: a file system without locks$"
+    with pytest.raises(UserError, match=message), exclusive(tmp_path, "a"):
+        pass

@@ -112,15 +112,21 @@ class Workspace:
         return self.command(["-m", "snakemake", "-j2", *arguments, *config], **environment)
 
     def start(
-        self, *arguments: str, hydra: str = "", start_new_session: bool = False, **environment: str
+        self,
+        *arguments: str,
+        hydra: str = "",
+        stderr: int = subprocess.DEVNULL,
+        start_new_session: bool = False,
+        **environment: str,
     ):
-        """Start Snakemake with overrides and do not wait for it."""
+        """Start Snakemake with overrides and do not wait for it; the rest as in subprocess."""
         config = ["--config", f"hydra={'experiment=test ' + hydra}"]
         return subprocess.Popen(
             [sys.executable, "-m", "snakemake", "-j2", *arguments, *config],
             cwd=self.folder,
             env=self._environment(environment),
-            stderr=subprocess.DEVNULL,
+            stderr=stderr,
+            text=True,
             start_new_session=start_new_session,
         )
 

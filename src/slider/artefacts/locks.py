@@ -58,8 +58,9 @@ def _held(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
         lock.acquire()
     except Timeout:  # an OSError, too
         raise
-    except OSError as error:
-        raise UserError(f"expected a lock file at {path}, found: {error.strerror}") from None
+    except (OSError, NotImplementedError) as error:
+        found = getattr(error, "strerror", "a file system without locks")
+        raise UserError(f"expected a lock file at {path}, found: {found}") from None
     try:
         yield
     finally:

@@ -74,10 +74,19 @@ def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
     return jobs
 
 
+def plan_path(plan: Plan, folder: Path) -> Path:
+    """File of a plan, named by its content."""
+    return _path_of(files.canonical(_to_values(plan)), folder)
+
+
+def _path_of(text: str, folder: Path) -> Path:
+    return folder / f"{files.digest_text(text)}.json"
+
+
 def write_plan(plan: Plan, folder: Path) -> Path:
     """Write a plan under the digest of its content, if it is not there whole."""
     text = files.canonical(_to_values(plan))
-    path = folder / f"{files.digest_text(text)}.json"
+    path = _path_of(text, folder)
     if not path.is_file() or path.read_bytes() != f"{text}\n".encode():
         files.write_atomic(path, f"{text}\n")
     return path

@@ -38,7 +38,7 @@ class Seals:
     def read(self, digest: str, folder: Path) -> bool:
         """Read a folder, tell whether its content has its name, and seal it if so."""
         try:
-            looks, now = _looks(folder), self._now()
+            looks, now = _looks(folder), self.now()
             whole = files.digest_table(files.file_table(folder)) == digest
         except (OSError, ValueError):
             return False
@@ -54,7 +54,7 @@ class Seals:
         with suppress(OSError):  # no space, or not ours: the next one reads the object again
             files.write_atomic(self._path(digest), text)
 
-    def _now(self) -> int:
+    def now(self) -> int:
         """Time by the clock of the store's file system [ns]; 0, before all files, without one."""
         try:
             self.root.mkdir(parents=True, exist_ok=True)

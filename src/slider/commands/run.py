@@ -8,13 +8,14 @@ import sys
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
 from slider.artefacts.plan import Plan, read_plan
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import ARTEFACTS, Store
+from slider.core.disk import not_written
 from slider.core.errors import UserError
 
 _TAIL = 15  # lines of the log shown after a failure
@@ -46,10 +47,11 @@ def run(arguments: argparse.Namespace) -> int:
         try:
             outcome = Runner(store, arguments.threads, show, waiting).run(spec)
             print(f"{spec.label}: {outcome}")
-        except UserError as error:
-            print(f"slider: {spec.label}: {error}", file=terminal)
-            return 1
-        except Exception:
+        except Exception as error:
+            known = error if isinstance(error, UserError) else not_written(error, store.root)
+            if known is not None:
+                _say(f"slider: {spec.label}: {known}", terminal)
+                return 1
             traceback.print_exc()
             sys.stderr.flush()
             print(f"slider: {spec.label} failed; {log} ends with", file=terminal)
@@ -73,9 +75,17 @@ def _output_to(log: Path) -> Iterator[TextIO]:
             _redirect((saved[0], saved[1]))
 
 
+def _say(line: str, terminal: TextIO) -> None:
+    """Write a line to the terminal and to the log, unless there is no space for it."""
+    print(line, file=terminal)
+    with suppress(OSError):
+        print(line, flush=True)
+
+
 def _redirect(targets: tuple[int, int]) -> None:
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError):  # no space for the end of the log
+            stream.flush()
     for descriptor, target in zip((1, 2), targets, strict=True):
         os.dup2(target, descriptor)
 

@@ -1,0 +1,56 @@
+"""Errors of full and read-only disks become a line, others do not."""
+
+import errno
+import os
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.core.disk import not_written
+from slider.core.files import write_atomic
+
+PLACE = Path("artefacts")
+
+
+@pytest.fixture
+def small_files():
+    """Files of at most 100 bytes, as on a full disk."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_file_that_does_not_fit_is_named_and_leaves_nothing(tmp_path, small_files):
+    path = tmp_path / "plan.json"
+    with pytest.raises(OSError, match="File too large") as caught:
+        write_atomic(path, "x" * 1000)
+    found = not_written(caught.value, PLACE)
+    assert str(found) == f"expected to write {path}, found: File too large"
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_error_that_names_no_file_names_the_place(tmp_path, small_files):
+    with pytest.raises(OSError, match="File too large") as caught:
+        np.save(tmp_path / "gait.npy", np.zeros(1000))
+    found = not_written(caught.value, PLACE)
+    assert str(found) == "expected to write artefacts, found: File too large"
+
+
+def test_what_numpy_says_of_a_full_disk_counts():
+    found = not_written(OSError("1000 requested and 100 written"), PLACE)
+    assert str(found) == "expected to write artefacts, found: No space left on device"
+
+
+def test_a_cause_counts():
+    error = RuntimeError("a library's own words")
+    error.__cause__ = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    found = not_written(error, PLACE)
+    assert str(found) == "expected to write artefacts, found: No space left on device"
+
+
+@pytest.mark.parametrize("error", [ValueError("3"), OSError(errno.ENOENT, "none"), OSError("odd")])
+def test_other_errors_are_left_alone(error):
+    assert not_written(error, PLACE) is None

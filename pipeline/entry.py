@@ -120,7 +120,7 @@ class Pipeline:
 
         A store that cannot be written is one line and status 1.
         """
-        with _one_line():
+        with one_line():
             self._start()
 
     def _start(self) -> None:
@@ -155,7 +155,7 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path, head: bool = True) ->
     """
     gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
-        with _one_line():
+        with one_line():
             _try_notes(Path(".snakemake"))
             return _open(parse_overrides(settings), conf, head)
     finally:
@@ -169,7 +169,8 @@ def _try_notes(folder: Path) -> None:
 
 
 @contextmanager
-def _one_line() -> Iterator[None]:
+def one_line() -> Iterator[None]:
+    """End the process with one line and status 1 where the input is bad or a file cannot be."""
     try:
         yield
     except UserError as error:

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from pipeline.entry import one_line
 from pipeline.reports import refresh_marker
 from slider.artefacts import runner
 from slider.artefacts.maintenance import drop_damaged
@@ -91,10 +92,11 @@ class Chain:
         return write_plan(self.plan, self.folder.parent / "plans").name
 
     def lay_out(self) -> int:
-        write_plan(self.plan, self.store.root / "plans")
-        paths = [self.store.manifest_path(j.stage, j.recipe) for j in self.plan.jobs.values()]
-        drop_damaged(self.store, paths)
-        refresh_marker(self.store, self.plan, "table1", [self.report])
+        with one_line():
+            write_plan(self.plan, self.store.root / "plans")
+            paths = [self.store.manifest_path(j.stage, j.recipe) for j in self.plan.jobs.values()]
+            drop_damaged(self.store, paths)
+            refresh_marker(self.store, self.plan, "table1", [self.report])
         return 0
 
     def publish(self) -> int:
@@ -162,6 +164,8 @@ def process(action: Callable[[], int], *before: Callable[[], object]) -> Ended:
             for prepare in before:
                 prepare()
             status = action()
+        except SystemExit as end:
+            status = int(end.code or 0)
         except BaseException:
             traceback.print_exc()
         finally:

@@ -226,7 +226,15 @@ def test_the_kernels_are_in_the_sections_of_stages_whose_bytes_depend_on_them(pr
     for made in everything("hzd.basin.gaits=[[0.4,0.0]]"):
         if "numerics" in made.section:
             found.setdefault(made.stage, set()).update(made.section["numerics"])
-    arrays = ("gait", "gait_start", "baseline", "gait_walks", "stability_gaits", "basin")
+    arrays = (
+        "gait",
+        "gait_start",
+        "baseline",
+        "gait_walks",
+        "stability_gaits",
+        "return_maps",
+        "basin",
+    )
     assert found == {
         **dict.fromkeys((*arrays, "verification_gaits"), ARRAYS),
         **dict.fromkeys(("evaluation", "sensitivity_policy", "video"), NETWORKS),

@@ -18,9 +18,9 @@ from slider.artefacts.circumstances import note_start, revision
 from slider.artefacts.clock import date_now
 from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
-from slider.artefacts.remote import Remote
-from slider.artefacts.sharing import pull
-from slider.artefacts.sources import note_sources
+from slider.artefacts.sharing.remote import Remote
+from slider.artefacts.sharing.travel import pull
+from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict

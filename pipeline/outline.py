@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeline.entry import OPTION, parse_overrides, planned
 from slider.artefacts.plan import write_plan
-from slider.artefacts.sources import note_sources
+from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
 

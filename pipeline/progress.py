@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from pipeline.terminal import read_row, table
-from slider.artefacts.forecast import Forecast, Work
+from slider.artefacts.forecast.reuse import reused_ahead
+from slider.artefacts.forecast.schedule import Forecast, Work
+from slider.artefacts.forecast.times import START, kind, times
 from slider.artefacts.plan import JobSpec, Plan
-from slider.artefacts.reuse import reused_ahead
 from slider.artefacts.store import Store
-from slider.artefacts.times import START, kind, times
 from slider.core import files
 
 _SILENCE = 20.0  # seconds without a line after which a running job is shown

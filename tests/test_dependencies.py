@@ -14,7 +14,7 @@ from pipeline.stages import table1_jobs
 from pipeline.stages.entries import ENTRIES
 from slider.artefacts.plan import build_plan
 from slider.artefacts.recipe import distribution
-from slider.artefacts.source import closure
+from slider.artefacts.source.closure import closure
 from slider.config.compose import compose
 
 ROOT = Path(__file__).parents[1]

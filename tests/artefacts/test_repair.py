@@ -11,7 +11,7 @@ from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, build_plan, read_plan, write_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.source import digest_parts
+from slider.artefacts.source.closure import digest_parts
 from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files

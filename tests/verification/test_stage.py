@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.stages.entries import ENTRIES
 from slider.artefacts.recipe import SOURCE_ROOT
-from slider.artefacts.source import closure
+from slider.artefacts.source.closure import closure
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.verification import stage

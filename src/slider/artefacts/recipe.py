@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import slider
-from slider.artefacts.source import closure
+from slider.artefacts.source.closure import closure
 from slider.core.errors import UserError
 from slider.core.files import digest_value
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from slider.artefacts.plan import plan_recipes
-from slider.artefacts.sources import read_parts
+from slider.artefacts.source.parts import read_parts
 from slider.artefacts.store import Store, parse_manifest
 from slider.core import files
 from slider.core.errors import UserError

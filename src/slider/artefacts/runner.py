@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from slider.artefacts.circumstances import circumstances
+from slider.artefacts.forecast.times import note
 from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
 from slider.artefacts.store import Manifest, Result, Store, damaged
-from slider.artefacts.times import note
 from slider.core import files, numerics
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Tracker

@@ -6,12 +6,12 @@ import time
 from pathlib import Path
 
 from slider.artefacts.current import current_plan
+from slider.artefacts.forecast.times import mean_rows, times, write
 from slider.artefacts.maintenance import Removed, collect, summarise, verify
 from slider.artefacts.plan import JobSpec, build_plan
-from slider.artefacts.remote import Remote
-from slider.artefacts.sharing import pull, push
+from slider.artefacts.sharing.remote import Remote
+from slider.artefacts.sharing.travel import pull, push
 from slider.artefacts.store import ARTEFACTS, Store
-from slider.artefacts.times import mean_rows, times, write
 from slider.core.errors import UserError
 
 

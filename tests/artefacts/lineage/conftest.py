@@ -14,7 +14,7 @@ from slider.artefacts.lineage.targets import Found
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.runner import Runner
-from slider.artefacts.sources import note_sources
+from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import Store
 
 FILES = {

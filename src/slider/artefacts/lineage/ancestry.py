@@ -7,7 +7,7 @@ from typing import Any
 from slider.artefacts.lineage.facts import facts_of
 from slider.artefacts.lineage.targets import Found, manifest_of
 from slider.artefacts.plan import JobSpec, build_plan
-from slider.artefacts.sources import known_parts
+from slider.artefacts.source.parts import known_parts
 from slider.artefacts.store import Manifest, Store
 
 

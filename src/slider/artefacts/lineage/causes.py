@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from slider.artefacts.plan import JobSpec, Plan
-from slider.artefacts.sources import Parts
+from slider.artefacts.source.parts import Parts
 from slider.core.files import canonical
 
 _ABSENT = object()

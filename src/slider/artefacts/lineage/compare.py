@@ -9,7 +9,7 @@ from slider.artefacts.lineage.causes import Cause, Comparison, PartsOf, pairs
 from slider.artefacts.lineage.facts import facts_of
 from slider.artefacts.lineage.targets import Found, manifest_of
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.sources import Parts, known_parts
+from slider.artefacts.source.parts import Parts, known_parts
 from slider.artefacts.store import Store
 from slider.core import files
 

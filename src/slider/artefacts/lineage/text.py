@@ -10,7 +10,7 @@ from slider.artefacts.lineage.compare import Difference
 from slider.artefacts.lineage.pending import Pending
 from slider.artefacts.lineage.targets import SHORT, Found
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.sources import known_parts
+from slider.artefacts.source.parts import known_parts
 
 _WIDTH = 80  # characters of the values of a table
 _MODULES = 3  # of one stage

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from slider.artefacts.plan import Plan
 from slider.artefacts.recipe import SOURCE_ROOT
-from slider.artefacts.source import closure, digest_parts
+from slider.artefacts.source.closure import closure, digest_parts
 from slider.artefacts.store import Store
 from slider.core import files
 

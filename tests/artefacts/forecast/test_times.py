@@ -7,11 +7,11 @@ import pytest
 
 from pipeline.stages import table1_jobs
 from pipeline.stages.entries import ENTRIES
-from slider.artefacts import times
+from slider.artefacts.forecast import times
+from slider.artefacts.forecast.times import START, Row, Times
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
-from slider.artefacts.times import START, Row, Times
 from slider.config.compose import compose
 
 CONF = Path(__file__).parents[2] / "conf"

@@ -35,8 +35,12 @@ _PATIENCE = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempt
 _OPTIONS = {"s3": {"config_kwargs": _PATIENCE}}
 _FORBIDDEN, _GONE = 403, 410  # a bucket that may not be listed has the first for what it lacks
 
-fsspec.register_implementation("sftp", "slider.artefacts.ssh.KnownHostFileSystem", clobber=True)
-fsspec.register_implementation("ssh", "slider.artefacts.ssh.KnownHostFileSystem", clobber=True)
+fsspec.register_implementation(
+    "sftp", "slider.artefacts.sharing.ssh.KnownHostFileSystem", clobber=True
+)
+fsspec.register_implementation(
+    "ssh", "slider.artefacts.sharing.ssh.KnownHostFileSystem", clobber=True
+)
 
 T = TypeVar("T")
 S = TypeVar("S")

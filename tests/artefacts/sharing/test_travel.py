@@ -15,13 +15,13 @@ import pytest
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, recipe_digest
-from slider.artefacts.remote import Remote
-from slider.artefacts.sharing import Account, pull, push
+from slider.artefacts.sharing.remote import Remote
+from slider.artefacts.sharing.travel import Account, pull, push
 from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
-from tests.artefacts.servers import http_server, s3_server, ssh_server
+from tests.artefacts.sharing.servers import http_server, s3_server, ssh_server
 
 CODE = Code("slider.none:run", "abc", {"python": "3.11"})
 GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number in range(6)]
@@ -303,7 +303,7 @@ def hook(event, arguments):
 armed = False
 sys.addaudithook(hook)
 from slider.cli import main
-import slider.artefacts.sharing, slider.commands.store
+import slider.artefacts.sharing.travel, slider.commands.store
 armed = True
 raise SystemExit(main(sys.argv[2:]))
 """

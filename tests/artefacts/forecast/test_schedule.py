@@ -2,7 +2,7 @@
 
 import pytest
 
-from slider.artefacts.forecast import Forecast, Work
+from slider.artefacts.forecast.schedule import Forecast, Work
 
 
 def chain_and_fillers(cores: int) -> Forecast:

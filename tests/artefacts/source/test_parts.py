@@ -7,8 +7,8 @@ import pytest
 from slider.artefacts.maintenance import collect, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import code_of
-from slider.artefacts.source import closure
-from slider.artefacts.sources import known_parts, note_sources
+from slider.artefacts.source.closure import closure
+from slider.artefacts.source.parts import known_parts, note_sources
 from slider.artefacts.store import Store
 from slider.core import files
 

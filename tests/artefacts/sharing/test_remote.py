@@ -10,9 +10,9 @@ import fsspec
 import pytest
 from fsspec.registry import _registry
 
-from slider.artefacts.remote import MARKER, Remote
+from slider.artefacts.sharing.remote import MARKER, Remote
 from slider.core.errors import UserError
-from tests.artefacts.servers import http_server, s3_server, ssh_server
+from tests.artefacts.sharing.servers import http_server, s3_server, ssh_server
 
 
 def test_a_bucket_that_is_not_there():
@@ -66,7 +66,7 @@ def test_a_store_of_another_layout(content, tmp_path):
 
 def test_missing_packages_have_a_name(monkeypatch):
     monkeypatch.setitem(sys.modules, "paramiko", None)
-    monkeypatch.delitem(sys.modules, "slider.artefacts.ssh", raising=False)
+    monkeypatch.delitem(sys.modules, "slider.artefacts.sharing.ssh", raising=False)
     monkeypatch.delitem(sys.modules, "fsspec.implementations.sftp", raising=False)
     monkeypatch.delitem(_registry, "sftp", raising=False)
     text = r"needs packages: pip install -e '\.\[remote\]' -c constraints\.txt$"

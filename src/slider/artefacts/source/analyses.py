@@ -10,8 +10,8 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from slider.artefacts import syntax
-from slider.artefacts.syntax import Module, analyse
+from slider.artefacts.source import syntax
+from slider.artefacts.source.syntax import Module, analyse
 from slider.core import files
 
 _MAKER = hashlib.sha256(Path(syntax.__file__).read_bytes())

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from slider.artefacts.forecast.reuse import reused_ahead
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code, recipe_digest
-from slider.artefacts.reuse import reused_ahead
 from slider.artefacts.store import Manifest, Store
 
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.archive import DamageError, pack, packed_size, unpack
 from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import recipe_digest
-from slider.artefacts.remote import Remote
+from slider.artefacts.sharing.archive import DamageError, pack, packed_size, unpack
+from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.store import Manifest, Store, manifest_from
 from slider.core import files
 from slider.core.errors import UserError

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.source import closure
+from slider.artefacts.source.closure import closure
 from slider.core.errors import UserError
 
 FILES = {

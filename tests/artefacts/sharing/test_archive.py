@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.archive import DamageError, pack, packed_size, unpack
+from slider.artefacts.sharing.archive import DamageError, pack, packed_size, unpack
 from slider.core import files
 
 CONTENTS = {

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from os.path import isfile
 from pathlib import Path
 
-from slider.artefacts.analyses import analyses_of
+from slider.artefacts.source.analyses import analyses_of
 from slider.core.errors import UserError
 
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts import analyses
-from slider.artefacts.analyses import Analyses
-from slider.artefacts.syntax import Module
+from slider.artefacts.source import analyses
+from slider.artefacts.source.analyses import Analyses
+from slider.artefacts.source.syntax import Module
 
 
 @pytest.fixture

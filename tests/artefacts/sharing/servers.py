@@ -15,7 +15,7 @@ import pytest
 import s3fs
 from moto.server import ThreadedMotoServer
 
-from slider.artefacts.ssh import KnownHostFileSystem
+from slider.artefacts.sharing.ssh import KnownHostFileSystem
 
 HOST = "cluster"
 """Name of the ssh server in the user's settings."""

@@ -1,0 +1,1 @@
+"""Results that travel: through a folder, ssh, S3 or HTTP."""

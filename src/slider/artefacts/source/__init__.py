@@ -1,0 +1,1 @@
+"""What code a stage runs, and the digests of its parts."""

@@ -14,7 +14,7 @@ from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.config.compose import compose
 
-CONF = Path(__file__).parents[2] / "conf"
+CONF = Path(__file__).parents[3] / "conf"
 SHIPPED = [Row("baseline hzd", 100.0, 50.0), Row("baseline tuned", 100.0, 30.0)]
 
 

@@ -12,9 +12,11 @@ from typing import Any
 
 import pytest
 
+from slider.artefacts.locks import exclusive
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, recipe_digest
+from slider.artefacts.sharing import travel
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.sharing.travel import Account, pull, push
 from slider.artefacts.store import Manifest, Store
@@ -184,6 +186,24 @@ def test_results_of_two_machines_do_not_mix(filled, bare):
     before = {path: path.read_bytes() for path in filled.folder.rglob("*.json")}
     assert push(bare, JOBS, filled.remote).counts == {"different there": 1, "already there": 7}
     assert {path: path.read_bytes() for path in filled.folder.rglob("*.json")} == before
+
+
+def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
+    """One gait is computed while the pull is on its way, another is still being computed."""
+    fetch, own = travel._fetch_object, []
+
+    def compute_first(store: Store, manifest: Manifest, remote: Remote) -> int:
+        if manifest.recipe == GAITS[0].recipe:
+            own.append(compute(bare, GAITS[0], "of another machine"))
+        return fetch(store, manifest, remote)
+
+    monkeypatch.setattr(travel, "_fetch_object", compute_first)
+    with exclusive(bare.locks, GAITS[1].recipe):
+        found = pull(bare, JOBS, filled.remote)
+    assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}
+    assert bare.read_manifest("gait", GAITS[0].recipe) == own[0]
+    assert bare.facts("gait", GAITS[0].recipe) == {"wall_s": 2.5}
+    assert not bare.manifest_path("gait", GAITS[1].recipe).exists()
 
 
 def flip(path: Path) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.locks import exclusive
+from slider.artefacts.locks import exclusive, if_free
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.sharing.archive import DamageError, pack, packed_size, unpack
@@ -105,8 +105,7 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
                 account.note("damaged" if damage else "not there", size)
                 account.damage += damage
             else:
-                taken = _accept(store, job, found, remote.url)
-                account.note("taken" if taken else "of other inputs", size)
+                account.note(_accept(store, job, found, remote.url), size)
     return account
 
 
@@ -216,8 +215,19 @@ def _fetch_object(store: Store, manifest: Manifest, remote: Remote) -> int:
         return archive.stat().st_size
 
 
-def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
-    """Write what leads to an object; tell whether it is now the result of the job's recipe."""
+def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> str:
+    """Write what leads to an object, unless a job computes the result or did so meanwhile."""
+    with if_free(store.locks, job.recipe) as free:
+        if not free:
+            return "computed here"
+        if _is_here(store, job):
+            own = store.read_manifest(job.stage, job.recipe).result.object
+            return "taken" if own == found.manifest.result.object else "computed here"
+        return "taken" if _write(store, job, found, origin) else "of other inputs"
+
+
+def _write(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
+    """Tell whether an object is now the result of the job's recipe."""
     manifest = found.manifest
     assert manifest.input_objects is not None
     key = recipe_digest(job.stage, job.section, job.code, manifest.input_objects)

@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 from slider.artefacts.lineage.causes import Cause, Comparison, PartsOf, pairs
-from slider.artefacts.lineage.facts import facts_of
 from slider.artefacts.lineage.targets import Found, manifest_of
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.source.parts import Parts, known_parts
@@ -103,7 +102,7 @@ class _Walk:
         if any(earlier):
             return True
         noted = [
-            _noted(facts_of(store, job)) | {"resumed": manifest.result.resumed}
+            _noted(store.facts(job.stage, job.recipe)) | {"resumed": manifest.result.resumed}
             for store, manifest in zip(stores, (old, new), strict=True)
         ]
         names = [n for n in {**noted[0], **noted[1]} if noted[0].get(n) != noted[1].get(n)]

@@ -136,11 +136,7 @@ def _own(store: Store, job: JobSpec) -> _Shared | None:
     manifest = store.usable(path)
     if manifest is None or (job.inputs and manifest.input_objects is None):
         return None
-    try:
-        facts = files.read_json(store.sidecar_path(job.stage, job.recipe))
-    except (OSError, ValueError):
-        facts = {}
-    return _Shared(manifest, files.read_json(path), facts if isinstance(facts, dict) else {})
+    return _Shared(manifest, files.read_json(path), store.facts(job.stage, job.recipe))
 
 
 def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:

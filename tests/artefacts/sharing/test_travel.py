@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from slider.artefacts.lineage.pending import NEVER, pending
+from slider.artefacts.lineage.targets import Found
 from slider.artefacts.locks import exclusive
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
@@ -123,7 +125,8 @@ def test_another_store_is_the_same_afterwards(anywhere, full, bare):
     assert (taken.counts, taken.size) == ({"taken": 8}, sent.size)
     assert contents(bare) == contents(full)
     facts = files.read_json(bare.sidecar_path("table1", TABLE.recipe))
-    assert facts == {"wall_s": 2.5, "computed": False, "taken_from": anywhere.url}
+    taken_from = {"computed": False, "taken_from": anywhere.url, "waiting": False}
+    assert facts == {"wall_s": 2.5, **taken_from}
     assert pull(bare, JOBS, anywhere) == Account()
     assert verify(bare) == Removed([], [])
 
@@ -164,16 +167,16 @@ def test_a_result_waits_for_its_inputs(filled, full, bare):
     """Until these are there, byte for byte, the index alone knows it."""
     lost = filled.result(GAITS[0])
     lost.unlink()
-    assert pull(bare, JOBS, filled.remote).counts == {
-        "not there": 1,
-        "taken": 5,
-        "of other inputs": 2,
-    }
+    expected = {"not there": 1, "taken": 5, "of other inputs": 2}
+    assert pull(bare, JOBS, filled.remote).counts == expected
+    wanted = Found(bare, PLAN, LIBRARY)
+    assert [one.state for one in pending(wanted, bare, wanted)] == [NEVER, NEVER]
     assert not bare.manifest_path("library", LIBRARY.recipe).exists()
     compute(bare, GAITS[0])
     objects = {"gaits": [bare.read_manifest("gait", g.recipe).result.object for g in GAITS]}
     known = bare.known(recipe_digest("library", LIBRARY.section, CODE, objects))
     assert known == full.read_manifest("library", LIBRARY.recipe)
+    assert bare.facts("library", LIBRARY.recipe)["wall_s"] == 2.5  # for whoever reuses it
     assert pull(bare, JOBS, filled.remote).counts == {"taken": 2}
 
 

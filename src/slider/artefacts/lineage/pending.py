@@ -154,9 +154,14 @@ def _lost(job: JobSpec, before: JobSpec | None, store: Store) -> Pending:
 
 
 def _was_computed(store: Store, stage: str, recipe: str) -> bool:
-    """Tell whether there is any trace of a result of a job, whole or not."""
-    paths = store.manifest_path(stage, recipe), store.sidecar_path(stage, recipe)
-    return any(path.is_file() for path in paths)
+    """Tell whether there is any trace of a result of a job, whole or not.
+
+    The facts of one that was pulled and waits for its inputs are none.
+    """
+    if store.manifest_path(stage, recipe).is_file():
+        return True
+    noted = store.sidecar_path(stage, recipe).is_file()
+    return noted and not store.facts(stage, recipe).get("waiting", False)
 
 
 def _has_other_inputs(before: JobSpec, job: JobSpec) -> bool:

@@ -229,12 +229,12 @@ def _write(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
     key = recipe_digest(job.stage, job.section, job.code, manifest.input_objects)
     if store.known(key) is None:
         store.remember(key, manifest)
-    facts = found.facts | {"computed": False, "taken_from": origin}
+    waiting = _input_objects(store, job) != manifest.input_objects
+    facts = found.facts | {"computed": False, "taken_from": origin, "waiting": waiting}
     files.write_json(store.sidecar_path(job.stage, job.recipe), facts)
-    if _input_objects(store, job) != manifest.input_objects:
-        return False
-    store.write_manifest(manifest)
-    return True
+    if not waiting:
+        store.write_manifest(manifest)
+    return not waiting
 
 
 def _inputs(job: JobSpec) -> dict[str, list[str]]:

@@ -10,9 +10,10 @@ import fsspec
 import pytest
 from fsspec.registry import _registry
 
+from slider.artefacts.sharing.archive import DamageError
 from slider.artefacts.sharing.remote import MARKER, Remote
 from slider.core.errors import UserError
-from tests.artefacts.sharing.servers import http_server, s3_server, ssh_server
+from tests.artefacts.sharing.servers import endless_server, http_server, s3_server, ssh_server
 
 
 def test_a_bucket_that_is_not_there():
@@ -101,4 +102,39 @@ def test_what_may_not_be_listed_answers_forbidden(tmp_path):
         Path(tmp_path / MARKER).write_text(json.dumps({"layout": 1}))
         assert remote.open() is True
         assert remote.read("results/x") is None
-        assert remote.fetch("archives/x", tmp_path / "x") is False
+        assert remote.fetch("archives/x", tmp_path / "x", 1) is False
+
+
+def test_a_right_that_is_lost_on_the_way_is_no_absence(tmp_path):
+    """Else a push would replace what it may not read, and a pull have it computed again."""
+    with http_server(tmp_path, missing=403) as url, pytest.raises(UserError, match=": 403, "):
+        Remote(url).read("results/x")
+
+
+@pytest.mark.parametrize("name", [MARKER, "results/x"])
+def test_what_may_not_be_read_in_a_folder_is_no_absence(name, tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    remote = Remote(str(tmp_path / "remote"))
+    remote.create()
+    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "cat_file", refuse)
+    with pytest.raises(UserError, match=r"remote: Permission denied$"):
+        remote.read(name)
+
+
+def test_an_answer_without_an_end_ends(tmp_path):
+    with endless_server() as url, pytest.raises(DamageError, match="expected 10 bytes, found more"):
+        Remote(url).fetch("archives/x", tmp_path / "x", 10)
+
+
+@pytest.mark.parametrize("size", [10, 9])
+def test_no_more_than_what_is_expected_is_copied(size, anywhere, tmp_path):
+    anywhere.create()
+    anywhere.write("archives/x", bytes(10))
+    if size == 10:
+        assert anywhere.fetch("archives/x", tmp_path / "x", size)
+        assert (tmp_path / "x").read_bytes() == bytes(10)
+    else:
+        with pytest.raises(DamageError, match="expected 9 bytes, found more"):
+            anywhere.fetch("archives/x", tmp_path / "x", size)

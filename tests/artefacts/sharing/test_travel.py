@@ -5,7 +5,7 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
-from tests.artefacts.sharing.servers import http_server, s3_server, ssh_server
+from tests.artefacts.sharing.servers import http_server
 
 CODE = Code("slider.none:run", "abc", {"python": "3.11"})
 GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number in range(6)]
@@ -92,19 +92,6 @@ def place(tmp_path: Path) -> Place:
 def filled(place: Place, full: Store) -> Place:
     push(full, JOBS, place.remote)
     return place
-
-
-@pytest.fixture(params=["folder", "url", "s3", "ssh"])
-def anywhere(request, tmp_path) -> Iterator[Remote]:
-    """Each kind of remote that can be written."""
-    if request.param == "s3":
-        with s3_server() as url:
-            yield Remote(url)
-    elif request.param == "ssh":
-        with ssh_server(tmp_path / "home") as url:
-            yield Remote(f"{url}{tmp_path}/remote")
-    else:
-        yield Remote(("file://" if request.param == "url" else "") + str(tmp_path / "remote"))
 
 
 def contents(store: Store) -> dict[str, Any]:

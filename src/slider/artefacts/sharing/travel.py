@@ -164,7 +164,7 @@ def _has_archive(remote: Remote, manifest: Manifest, verify: bool) -> bool:
         archive, content = Path(folder) / "archive", Path(folder) / "content"
         content.mkdir()
         try:
-            if not remote.fetch(name, archive):
+            if not remote.fetch(name, archive, packed_size(manifest.result.files)):
                 return False
             unpack(archive, manifest.result.files, content)
         except DamageError:
@@ -204,7 +204,7 @@ def _fetch_object(store: Store, manifest: Manifest, remote: Remote) -> int:
     with store.temporary("pull") as folder:
         archive, content = folder / "archive", folder / "content"
         content.mkdir()
-        if not remote.fetch(_archive_name(manifest), archive):
+        if not remote.fetch(_archive_name(manifest), archive, packed_size(result.files)):
             raise DamageError("expected its archive, found none")
         unpack(archive, result.files, content)
         store.publish(content, result.summary, result.resumed)

@@ -1,5 +1,6 @@
 """What is said of remotes that do not work, in one line and in time."""
 
+import errno
 import json
 import socket
 import sys
@@ -82,6 +83,16 @@ def test_a_folder_that_may_not_be_written(tmp_path, monkeypatch):
     monkeypatch.setattr(fsspec.get_filesystem_class("file"), "mkdir", refuse)
     with pytest.raises(UserError, match=r"remote: Permission denied$"):
         Remote(str(tmp_path / "remote")).create()
+
+
+def test_a_full_disk_here_is_not_that_of_the_remote(tmp_path, monkeypatch):
+    def fill(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    (tmp_path / "x").write_bytes(b"x")
+    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "get_file", fill)
+    with pytest.raises(UserError, match=rf"^expected to write {tmp_path}/y, found: No space"):
+        Remote(str(tmp_path)).fetch("x", tmp_path / "y", 1)
 
 
 def test_a_failed_write_leaves_no_trace(tmp_path, monkeypatch):

@@ -1,5 +1,6 @@
 """Results that travel: what arrives is whole, of the same inputs, and damage stays where it is."""
 
+import errno
 import json
 import os
 import subprocess
@@ -386,6 +387,21 @@ def test_the_command_says_what_travelled(place, full, bare, capsys):
     assert found.err.startswith(f"table ({TABLE.recipe[:12]}): damaged in {url}: expected ")
     assert command(full, "push", url, "--verify") == 0
     assert command(bare, "pull", url) == 0
+
+
+@pytest.mark.parametrize("action", ["push", "pull"])
+def test_a_full_disk_is_one_line(action, filled, full, bare, capsys, monkeypatch):
+    def fill(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")  # names no file
+
+    store = full if action == "push" else bare
+    write_plan(PLAN, store.root / "plans")
+    filled.archive(full, TABLE).unlink()
+    monkeypatch.setattr(travel, "pack" if action == "push" else "unpack", fill)
+    assert command(store, action, filled.remote.url) == 1
+    expected = f"slider: expected to write {Path.cwd()}, found: No space left on device\n"
+    assert capsys.readouterr().err == expected
+    assert not list((store.root / "tmp").iterdir())
 
 
 @pytest.mark.parametrize(

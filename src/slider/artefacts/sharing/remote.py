@@ -5,6 +5,7 @@ object, so that whoever knows a recipe finds all without a listing, which HTTP h
 becomes visible whole: it is written under another name and moved, or in one step as on S3.
 """
 
+import errno
 import json
 import threading
 import uuid
@@ -22,6 +23,7 @@ from fsspec.config import conf
 
 from slider.artefacts.sharing.archive import DamageError
 from slider.core import files
+from slider.core.disk import not_written
 from slider.core.errors import UserError
 
 LAYOUT = 1
@@ -108,7 +110,13 @@ class Remote:
             limit = _Limit(size)
             if not fs.async_impl:  # these copy without a word
                 limit.relative_update(fs.info(path)["size"])
-            fs.get_file(path, str(target), callback=limit)
+            try:
+                fs.get_file(path, str(target), callback=limit)
+            except OSError as error:
+                full = error.errno in (errno.ENOSPC, errno.EDQUOT)  # here: reading fills no disk
+                if full and (line := not_written(error, target)):
+                    raise line from None
+                raise
             return True
 
         return self._ask(copy, name) or False

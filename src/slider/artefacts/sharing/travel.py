@@ -6,11 +6,10 @@ waits in the index of the store until such inputs are computed.
 """
 
 import json
-import tempfile
 import uuid
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 from slider.artefacts.locks import exclusive, if_free
@@ -73,11 +72,12 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
     if not remote.open():
         remote.create()
     account = Account()
-    for outcome, size, damage in remote.in_order(
-        lambda job: _push(store, job, remote, verify), list(jobs.values())
-    ):
-        account.note(outcome, size)
-        account.damage += damage
+    with _no_clean_up(store):
+        for outcome, size, damage in remote.in_order(
+            lambda job: _push(store, job, remote, verify), list(jobs.values())
+        ):
+            account.note(outcome, size)
+            account.damage += damage
     return account
 
 
@@ -98,7 +98,7 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
         return account
     if not remote.open():
         raise UserError(f"remote {remote.url}: expected results of slider, found none")
-    with exclusive(store.locks, f"pull-{uuid.uuid4().hex[:12]}"):  # no clean-up meanwhile
+    with _no_clean_up(store):
         answers = remote.in_order(lambda job: _fetch(store, job, remote), missing)
         for job, (found, size, damage) in zip(missing, answers, strict=True):
             if found is None:
@@ -107,6 +107,10 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
             else:
                 account.note(_accept(store, job, found, remote.url), size)
     return account
+
+
+def _no_clean_up(store: Store) -> AbstractContextManager[None]:
+    return exclusive(store.locks, f"travel-{uuid.uuid4().hex[:12]}")
 
 
 def _is_here(store: Store, job: JobSpec) -> bool:
@@ -122,7 +126,7 @@ def _push(store: Store, job: JobSpec, remote: Remote, verify: bool) -> tuple[str
         text = "damaged here: run `slider store verify`"
         return "damaged", 0, [f"{job.label} ({job.recipe[:12]}): {text}"]
     there = _there(job, remote)
-    if isinstance(there, _Shared) and _has_archive(remote, there.manifest, verify):
+    if isinstance(there, _Shared) and _has_archive(store, remote, there.manifest, verify):
         same = there.manifest.result == own.manifest.result
         return "already there" if same else "different there", 0, []
     size = _send_archive(store, own.manifest, remote, verify)
@@ -156,12 +160,12 @@ def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
     return DamageError("expected what is known of the result, found something else")
 
 
-def _has_archive(remote: Remote, manifest: Manifest, verify: bool) -> bool:
+def _has_archive(store: Store, remote: Remote, manifest: Manifest, verify: bool) -> bool:
     name = _archive_name(manifest)
     if not verify:
         return remote.size(name) == packed_size(manifest.result.files)
-    with tempfile.TemporaryDirectory() as folder:
-        archive, content = Path(folder) / "archive", Path(folder) / "content"
+    with store.temporary("push") as folder:
+        archive, content = folder / "archive", folder / "content"
         content.mkdir()
         try:
             if not remote.fetch(name, archive, packed_size(manifest.result.files)):
@@ -174,10 +178,10 @@ def _has_archive(remote: Remote, manifest: Manifest, verify: bool) -> bool:
 
 def _send_archive(store: Store, manifest: Manifest, remote: Remote, verify: bool) -> int:
     """Send an object if it is not there; tell how many bytes went."""
-    if _has_archive(remote, manifest, verify):
+    if _has_archive(store, remote, manifest, verify):
         return 0
-    with tempfile.TemporaryDirectory() as folder:
-        archive = Path(folder) / "archive"
+    with store.temporary("push") as folder:
+        archive = folder / "archive"
         pack(store.object_folder(manifest.result.object), manifest.result.files, archive)
         remote.send(archive, _archive_name(manifest))
         return archive.stat().st_size

@@ -2,6 +2,8 @@
 
 import errno
 import json
+import os
+import re
 import socket
 import sys
 import time
@@ -49,6 +51,45 @@ def test_a_host_that_nobody_knows_is_refused(tmp_path):
         (tmp_path / "home" / ".ssh" / "known_hosts").write_text("")
         with pytest.raises(UserError, match="not found in known_hosts"):
             Remote(f"{url}{tmp_path}/remote").open()
+
+
+PROXY = """#!{python}
+import os, socket, sys, threading
+from pathlib import Path
+
+Path({log!r}).write_text(" ".join(sys.argv[1:]))
+there = socket.create_connection(("127.0.0.1", {port}))
+def answer():
+    while content := there.recv(65536):
+        os.write(1, content)
+threading.Thread(target=answer, daemon=True).start()
+while content := os.read(0, 65536):
+    there.sendall(content)
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("ProxyCommand ssh gate nc %h %p", "gate nc 127.0.0.1 PORT"),
+        ("ProxyJump gate", "-o BatchMode=yes -W [127.0.0.1]:PORT ssh://gate"),
+        ("ProxyJump a,me@b:7", "-o BatchMode=yes -J a -W [127.0.0.1]:PORT ssh://me@b:7"),
+    ],
+)
+def test_a_host_behind_another(line, expected, tmp_path, monkeypatch):
+    with ssh_server(tmp_path / "home") as url:
+        config = tmp_path / "home" / ".ssh" / "config"
+        port = re.findall(r"Port (\d+)", config.read_text())[0]
+        config.write_text(f"{config.read_text()}  {line}\n")
+        program, log = tmp_path / "ssh", str(tmp_path / "log")
+        program.write_text(PROXY.format(python=sys.executable, log=log, port=port))
+        program.chmod(0o755)
+        monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+        remote = Remote(f"{url}{tmp_path}/remote")
+        remote.create()
+        remote.write("results/x", bytes(100_000))
+        assert remote.read("results/x") == bytes(100_000)
+        assert Path(log).read_text() == expected.replace("PORT", port)
 
 
 def test_a_key_that_the_host_does_not_know(tmp_path):

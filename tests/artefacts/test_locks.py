@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.locks import exclusive, nobody_else
+from slider.artefacts.locks import exclusive, if_free, nobody_else
 from slider.core.errors import UserError
 
 COUNT = """
@@ -75,6 +75,15 @@ def test_other_names_are_free_and_all_of_them_are_not(tmp_path: Path, holder):
     ):
         pass
     assert holder.poll() is None
+
+
+def test_what_need_not_wait_does_not(tmp_path: Path, holder):
+    with if_free(tmp_path, "x") as free:
+        assert not free
+    with if_free(tmp_path, "y") as free:
+        assert free
+        assert (tmp_path / "y.lock").exists()
+    assert {path.stem for path in tmp_path.iterdir()} == {"all", "x"}
 
 
 @pytest.mark.parametrize("name", ["locks", "locks/x.lock", "locks/all.lock"])

@@ -15,19 +15,36 @@ _GATE = "all"  # whoever holds every lock keeps this one, so that no new one is 
 
 
 @contextmanager
-def exclusive(folder: Path, name: str) -> Iterator[None]:
+def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
     """Wait until no other process holds the lock of this name, nor all of them.
 
     Raises:
+        Timeout: another process still holds the name after so many seconds; -1 waits for ever.
         UserError: there is no place for a lock file.
     """
-    with _held(folder, name):
+    with _held(folder, name, timeout):
         with _held(folder, _GATE):
             pass
         try:
             yield
         finally:
             _path(folder, name).unlink(missing_ok=True)  # who waits for it sees that and goes on
+
+
+@contextmanager
+def if_free(folder: Path, name: str) -> Iterator[bool]:
+    """Hold the lock of this name if no other process does; tell whether it is held.
+
+    Raises:
+        UserError: there is no place for a lock file.
+    """
+    with ExitStack() as held:
+        free = True
+        try:
+            held.enter_context(exclusive(folder, name, timeout=0))
+        except Timeout:
+            free = False
+        yield free
 
 
 @contextmanager

@@ -44,16 +44,18 @@ def run(arguments: argparse.Namespace) -> None:
         install = "pip install -e '.[bundle]' -c constraints.txt"
         raise UserError(f"expected the package {error.name}, found none: {install}") from None
     out = arguments.out or Path("reports") / f"{arguments.targets[0]}.crate.zip"
+    if out.is_dir():
+        raise UserError(f"--out: expected a file, found the folder {out}")
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as place:
-            folder = Path(place) / "crate"
-            folder.mkdir()
-            size = write_bundle(build_plan(targets), store, Path(), arguments.licence, folder)
-            archive = shutil.make_archive(str(Path(place) / "archive"), "zip", folder)
-            Path(archive).replace(out)
     except OSError as error:
-        raise UserError(f"--out: {error.filename or out}: {error.strerror}") from None
+        raise UserError(f"--out: {out.parent}: {error.strerror}") from None
+    with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as place:
+        folder = Path(place) / "crate"
+        folder.mkdir()
+        size = write_bundle(build_plan(targets), store, Path(), arguments.licence, folder)
+        archive = shutil.make_archive(str(Path(place) / "archive"), "zip", folder)
+        Path(archive).replace(out)
     print(f"{out}: {out.stat().st_size / 1e6:.1f} MB, results of {size / 1e6:.1f} MB")
 
 

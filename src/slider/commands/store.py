@@ -67,13 +67,10 @@ def run(arguments: argparse.Namespace) -> int:
 def _travel(store: Store, arguments: argparse.Namespace) -> int:
     started, remote = time.monotonic(), Remote(arguments.remote)
     jobs = _jobs(store, arguments.targets, arguments.all)
-    try:
-        if arguments.action == "push":
-            account = push(store, jobs, remote, arguments.verify)
-        else:
-            account = pull(store, jobs, remote)
-    except OSError as error:
-        raise UserError(f"{error.filename}: {error.strerror}") from None
+    if arguments.action == "push":
+        account = push(store, jobs, remote, arguments.verify)
+    else:
+        account = pull(store, jobs, remote)
     for line in account.damage:
         print(line, file=sys.stderr)
     way = "to" if arguments.action == "push" else "from"

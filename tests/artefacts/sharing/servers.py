@@ -4,8 +4,8 @@ import os
 import socket
 import threading
 import uuid
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -44,7 +44,20 @@ def s3_server() -> Iterator[str]:
 @contextmanager
 def http_server(folder: Path, missing: int = 404) -> Iterator[str]:
     """A server of a folder's files, with a status for those that are not there."""
-    handler = partial(type("Handler", (_Silent,), {"missing": missing}), directory=str(folder))
+    handler = type("Handler", (_Silent,), {"missing": missing})
+    with _serving(partial(handler, directory=str(folder))) as url:
+        yield url
+
+
+@contextmanager
+def endless_server() -> Iterator[str]:
+    """A server that sends zeros until it is no longer heard."""
+    with _serving(_Endless) as url:
+        yield url
+
+
+@contextmanager
+def _serving(handler: Callable) -> Iterator[str]:
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}"
@@ -59,6 +72,15 @@ class _Silent(SimpleHTTPRequestHandler):
 
     def log_message(self, *_) -> None:
         pass
+
+
+class _Endless(_Silent):
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.end_headers()
+        with suppress(OSError):
+            while True:
+                self.wfile.write(bytes(2**16))
 
 
 @contextmanager

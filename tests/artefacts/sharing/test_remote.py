@@ -1,6 +1,9 @@
 """What is said of remotes that do not work, in one line and in time."""
 
+import errno
 import json
+import os
+import re
 import socket
 import sys
 import time
@@ -10,9 +13,10 @@ import fsspec
 import pytest
 from fsspec.registry import _registry
 
+from slider.artefacts.sharing.archive import DamageError
 from slider.artefacts.sharing.remote import MARKER, Remote
 from slider.core.errors import UserError
-from tests.artefacts.sharing.servers import http_server, s3_server, ssh_server
+from tests.artefacts.sharing.servers import endless_server, http_server, s3_server, ssh_server
 
 
 def test_a_bucket_that_is_not_there():
@@ -49,6 +53,45 @@ def test_a_host_that_nobody_knows_is_refused(tmp_path):
             Remote(f"{url}{tmp_path}/remote").open()
 
 
+PROXY = """#!{python}
+import os, socket, sys, threading
+from pathlib import Path
+
+Path({log!r}).write_text(" ".join(sys.argv[1:]))
+there = socket.create_connection(("127.0.0.1", {port}))
+def answer():
+    while content := there.recv(65536):
+        os.write(1, content)
+threading.Thread(target=answer, daemon=True).start()
+while content := os.read(0, 65536):
+    there.sendall(content)
+"""
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("ProxyCommand ssh gate nc %h %p", "gate nc 127.0.0.1 PORT"),
+        ("ProxyJump gate", "-o BatchMode=yes -W [127.0.0.1]:PORT ssh://gate"),
+        ("ProxyJump a,me@b:7", "-o BatchMode=yes -J a -W [127.0.0.1]:PORT ssh://me@b:7"),
+    ],
+)
+def test_a_host_behind_another(line, expected, tmp_path, monkeypatch):
+    with ssh_server(tmp_path / "home") as url:
+        config = tmp_path / "home" / ".ssh" / "config"
+        port = re.findall(r"Port (\d+)", config.read_text())[0]
+        config.write_text(f"{config.read_text()}  {line}\n")
+        program, log = tmp_path / "ssh", str(tmp_path / "log")
+        program.write_text(PROXY.format(python=sys.executable, log=log, port=port))
+        program.chmod(0o755)
+        monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+        remote = Remote(f"{url}{tmp_path}/remote")
+        remote.create()
+        remote.write("results/x", bytes(100_000))
+        assert remote.read("results/x") == bytes(100_000)
+        assert Path(log).read_text() == expected.replace("PORT", port)
+
+
 def test_a_key_that_the_host_does_not_know(tmp_path):
     with ssh_server(tmp_path / "home") as url:
         config = tmp_path / "home" / ".ssh" / "config"
@@ -83,6 +126,16 @@ def test_a_folder_that_may_not_be_written(tmp_path, monkeypatch):
         Remote(str(tmp_path / "remote")).create()
 
 
+def test_a_full_disk_here_is_not_that_of_the_remote(tmp_path, monkeypatch):
+    def fill(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    (tmp_path / "x").write_bytes(b"x")
+    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "get_file", fill)
+    with pytest.raises(UserError, match=rf"^expected to write {tmp_path}/y, found: No space"):
+        Remote(str(tmp_path)).fetch("x", tmp_path / "y", 1)
+
+
 def test_a_failed_write_leaves_no_trace(tmp_path, monkeypatch):
     remote = Remote(str(tmp_path / "remote"))
     remote.create()
@@ -101,4 +154,39 @@ def test_what_may_not_be_listed_answers_forbidden(tmp_path):
         Path(tmp_path / MARKER).write_text(json.dumps({"layout": 1}))
         assert remote.open() is True
         assert remote.read("results/x") is None
-        assert remote.fetch("archives/x", tmp_path / "x") is False
+        assert remote.fetch("archives/x", tmp_path / "x", 1) is False
+
+
+def test_a_right_that_is_lost_on_the_way_is_no_absence(tmp_path):
+    """Else a push would replace what it may not read, and a pull have it computed again."""
+    with http_server(tmp_path, missing=403) as url, pytest.raises(UserError, match=": 403, "):
+        Remote(url).read("results/x")
+
+
+@pytest.mark.parametrize("name", [MARKER, "results/x"])
+def test_what_may_not_be_read_in_a_folder_is_no_absence(name, tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    remote = Remote(str(tmp_path / "remote"))
+    remote.create()
+    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "cat_file", refuse)
+    with pytest.raises(UserError, match=r"remote: Permission denied$"):
+        remote.read(name)
+
+
+def test_an_answer_without_an_end_ends(tmp_path):
+    with endless_server() as url, pytest.raises(DamageError, match="expected 10 bytes, found more"):
+        Remote(url).fetch("archives/x", tmp_path / "x", 10)
+
+
+@pytest.mark.parametrize("size", [10, 9])
+def test_no_more_than_what_is_expected_is_copied(size, anywhere, tmp_path):
+    anywhere.create()
+    anywhere.write("archives/x", bytes(10))
+    if size == 10:
+        assert anywhere.fetch("archives/x", tmp_path / "x", size)
+        assert (tmp_path / "x").read_bytes() == bytes(10)
+    else:
+        with pytest.raises(DamageError, match="expected 9 bytes, found more"):
+            anywhere.fetch("archives/x", tmp_path / "x", size)

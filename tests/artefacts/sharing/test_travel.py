@@ -1,27 +1,32 @@
 """Results that travel: what arrives is whole, of the same inputs, and damage stays where it is."""
 
+import errno
 import json
 import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from slider.artefacts.lineage.pending import NEVER, pending
+from slider.artefacts.lineage.targets import Found
+from slider.artefacts.locks import exclusive
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, recipe_digest
+from slider.artefacts.sharing import travel
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.sharing.travel import Account, pull, push
 from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
-from tests.artefacts.sharing.servers import http_server, s3_server, ssh_server
+from tests.artefacts.sharing.servers import http_server
 
 CODE = Code("slider.none:run", "abc", {"python": "3.11"})
 GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number in range(6)]
@@ -90,19 +95,6 @@ def filled(place: Place, full: Store) -> Place:
     return place
 
 
-@pytest.fixture(params=["folder", "url", "s3", "ssh"])
-def anywhere(request, tmp_path) -> Iterator[Remote]:
-    """Each kind of remote that can be written."""
-    if request.param == "s3":
-        with s3_server() as url:
-            yield Remote(url)
-    elif request.param == "ssh":
-        with ssh_server(tmp_path / "home") as url:
-            yield Remote(f"{url}{tmp_path}/remote")
-    else:
-        yield Remote(("file://" if request.param == "url" else "") + str(tmp_path / "remote"))
-
-
 def contents(store: Store) -> dict[str, Any]:
     """Objects, manifests and index of a store, without what a killed process left."""
     names = ("objects/*/*/**/*", "gait/*", "library/*", "table1/*", "index/*/*")
@@ -121,7 +113,8 @@ def test_another_store_is_the_same_afterwards(anywhere, full, bare):
     assert (taken.counts, taken.size) == ({"taken": 8}, sent.size)
     assert contents(bare) == contents(full)
     facts = files.read_json(bare.sidecar_path("table1", TABLE.recipe))
-    assert facts == {"wall_s": 2.5, "computed": False, "taken_from": anywhere.url}
+    taken_from = {"computed": False, "taken_from": anywhere.url, "waiting": False}
+    assert facts == {"wall_s": 2.5, **taken_from}
     assert pull(bare, JOBS, anywhere) == Account()
     assert verify(bare) == Removed([], [])
 
@@ -162,16 +155,16 @@ def test_a_result_waits_for_its_inputs(filled, full, bare):
     """Until these are there, byte for byte, the index alone knows it."""
     lost = filled.result(GAITS[0])
     lost.unlink()
-    assert pull(bare, JOBS, filled.remote).counts == {
-        "not there": 1,
-        "taken": 5,
-        "of other inputs": 2,
-    }
+    expected = {"not there": 1, "taken": 5, "of other inputs": 2}
+    assert pull(bare, JOBS, filled.remote).counts == expected
+    wanted = Found(bare, PLAN, LIBRARY)
+    assert [one.state for one in pending(wanted, bare, wanted)] == [NEVER, NEVER]
     assert not bare.manifest_path("library", LIBRARY.recipe).exists()
     compute(bare, GAITS[0])
     objects = {"gaits": [bare.read_manifest("gait", g.recipe).result.object for g in GAITS]}
     known = bare.known(recipe_digest("library", LIBRARY.section, CODE, objects))
     assert known == full.read_manifest("library", LIBRARY.recipe)
+    assert bare.facts("library", LIBRARY.recipe)["wall_s"] == 2.5  # for whoever reuses it
     assert pull(bare, JOBS, filled.remote).counts == {"taken": 2}
 
 
@@ -184,6 +177,24 @@ def test_results_of_two_machines_do_not_mix(filled, bare):
     before = {path: path.read_bytes() for path in filled.folder.rglob("*.json")}
     assert push(bare, JOBS, filled.remote).counts == {"different there": 1, "already there": 7}
     assert {path: path.read_bytes() for path in filled.folder.rglob("*.json")} == before
+
+
+def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
+    """One gait is computed while the pull is on its way, another is still being computed."""
+    fetch, own = travel._fetch_object, []
+
+    def compute_first(store: Store, manifest: Manifest, remote: Remote) -> int:
+        if manifest.recipe == GAITS[0].recipe:
+            own.append(compute(bare, GAITS[0], "of another machine"))
+        return fetch(store, manifest, remote)
+
+    monkeypatch.setattr(travel, "_fetch_object", compute_first)
+    with exclusive(bare.locks, GAITS[1].recipe):
+        found = pull(bare, JOBS, filled.remote)
+    assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}
+    assert bare.read_manifest("gait", GAITS[0].recipe) == own[0]
+    assert bare.facts("gait", GAITS[0].recipe) == {"wall_s": 2.5}
+    assert not bare.manifest_path("gait", GAITS[1].recipe).exists()
 
 
 def flip(path: Path) -> None:
@@ -376,6 +387,21 @@ def test_the_command_says_what_travelled(place, full, bare, capsys):
     assert found.err.startswith(f"table ({TABLE.recipe[:12]}): damaged in {url}: expected ")
     assert command(full, "push", url, "--verify") == 0
     assert command(bare, "pull", url) == 0
+
+
+@pytest.mark.parametrize("action", ["push", "pull"])
+def test_a_full_disk_is_one_line(action, filled, full, bare, capsys, monkeypatch):
+    def fill(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")  # names no file
+
+    store = full if action == "push" else bare
+    write_plan(PLAN, store.root / "plans")
+    filled.archive(full, TABLE).unlink()
+    monkeypatch.setattr(travel, "pack" if action == "push" else "unpack", fill)
+    assert command(store, action, filled.remote.url) == 1
+    expected = f"slider: expected to write {Path.cwd()}, found: No space left on device\n"
+    assert capsys.readouterr().err == expected
+    assert not list((store.root / "tmp").iterdir())
 
 
 @pytest.mark.parametrize(

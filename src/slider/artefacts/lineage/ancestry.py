@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from slider.artefacts.lineage.facts import facts_of
 from slider.artefacts.lineage.targets import Found, manifest_of
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.source.parts import known_parts
@@ -35,7 +34,7 @@ class Step:
 
 def made(store: Store, job: JobSpec) -> Made:
     """A job with its manifest and facts."""
-    return Made(job, manifest_of(store, job), facts_of(store, job))
+    return Made(job, manifest_of(store, job), store.facts(job.stage, job.recipe))
 
 
 def steps(found: Found) -> Step:

@@ -6,14 +6,13 @@ from functools import cache
 from typing import Any
 
 from slider.artefacts.lineage.causes import Cause, Comparison, PartsOf, pairs
-from slider.artefacts.lineage.facts import facts_of
 from slider.artefacts.lineage.targets import Found, manifest_of
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.source.parts import Parts, known_parts
 from slider.artefacts.store import Store
 from slider.core import files
 
-_OF_A_RUN = {"computed", "dirty", "overrides", "reused_from", "started", "ended"}
+_OF_A_RUN = {"computed", "dirty", "overrides", "reused_from", "started", "ended", "waiting"}
 """Facts that differ between any two runs, or that the recipe already answers for."""
 
 
@@ -103,7 +102,7 @@ class _Walk:
         if any(earlier):
             return True
         noted = [
-            _noted(facts_of(store, job)) | {"resumed": manifest.result.resumed}
+            _noted(store.facts(job.stage, job.recipe)) | {"resumed": manifest.result.resumed}
             for store, manifest in zip(stores, (old, new), strict=True)
         ]
         names = [n for n in {**noted[0], **noted[1]} if noted[0].get(n) != noted[1].get(n)]

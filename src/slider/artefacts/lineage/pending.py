@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 from slider.artefacts.lineage.causes import Cause, Comparison, pairs
 from slider.artefacts.lineage.compare import parts_in
-from slider.artefacts.lineage.facts import was_computed
 from slider.artefacts.lineage.targets import Found, Layout, layouts, manifest_of
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import recipe_digest
@@ -58,13 +57,13 @@ def pending(wanted: Found, store: Store, last: Found | None) -> list[Pending]:
 
 def last_result(wanted: Found, store: Store) -> Found | None:
     """The latest job of a wanted one's name that was computed, or else that was planned."""
-    if was_computed(store, wanted.job.stage, wanted.job.recipe):
+    if _was_computed(store, wanted.job.stage, wanted.job.recipe):
         return Found(store, wanted.plan, wanted.job)
     planned = [(one, recipe) for one in layouts(store) if (recipe := namesake(wanted, one))]
     computed = (
         (one, recipe)
         for one, recipe in planned
-        if was_computed(store, one.jobs[recipe]["stage"], recipe)
+        if _was_computed(store, one.jobs[recipe]["stage"], recipe)
     )
     layout, recipe = next(computed, planned[0] if planned else (None, None))
     return Found(store, layout.plan, layout.plan.jobs[recipe]) if layout and recipe else None
@@ -133,7 +132,7 @@ def _explain(
     if (
         before is None
         or before.recipe == job.recipe
-        or not was_computed(store, before.stage, before.recipe)
+        or not _was_computed(store, before.stage, before.recipe)
     ):
         return _lost(job, before, store)
     differing = [(a or b, a, b) for a, b in pairs(before, job)]
@@ -150,8 +149,19 @@ def _explain(
 
 def _lost(job: JobSpec, before: JobSpec | None, store: Store) -> Pending:
     """A job without anything that it can be compared with."""
-    lost = before is not None and was_computed(store, job.stage, job.recipe)
+    lost = before is not None and _was_computed(store, job.stage, job.recipe)
     return Pending(job, state=LOST if lost else NEVER, reused=_is_known(job, store))
+
+
+def _was_computed(store: Store, stage: str, recipe: str) -> bool:
+    """Tell whether there is any trace of a result of a job, whole or not.
+
+    The facts of one that was pulled and waits for its inputs are none.
+    """
+    if store.manifest_path(stage, recipe).is_file():
+        return True
+    noted = store.sidecar_path(stage, recipe).is_file()
+    return noted and not store.facts(stage, recipe).get("waiting", False)
 
 
 def _has_other_inputs(before: JobSpec, job: JobSpec) -> bool:

@@ -5,6 +5,7 @@ object, so that whoever knows a recipe finds all without a listing, which HTTP h
 becomes visible whole: it is written under another name and moved, or in one step as on S3.
 """
 
+import errno
 import json
 import threading
 import uuid
@@ -17,9 +18,12 @@ from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
 import fsspec
+from fsspec.callbacks import Callback
 from fsspec.config import conf
 
+from slider.artefacts.sharing.archive import DamageError
 from slider.core import files
+from slider.core.disk import not_written
 from slider.core.errors import UserError
 
 LAYOUT = 1
@@ -33,7 +37,7 @@ _READ_ONLY = frozenset({"http", "https"})
 _OURS = frozenset({"s3", "sftp", "ssh", "http", "https"})  # with what the extra `remote` installs
 _PATIENCE = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
 _OPTIONS = {"s3": {"config_kwargs": _PATIENCE}}
-_FORBIDDEN, _GONE = 403, 410  # a bucket that may not be listed has the first for what it lacks
+_FORBIDDEN, _GONE = 403, 410
 
 fsspec.register_implementation(
     "sftp", "slider.artefacts.sharing.ssh.KnownHostFileSystem", clobber=True
@@ -95,9 +99,27 @@ class Remote:
         """Size of a file [bytes], if it is there."""
         return self._ask(lambda fs, path: fs.info(path)["size"], name)
 
-    def fetch(self, name: str, target: Path) -> bool:
-        """Copy a file here; tell whether it is there."""
-        return self._ask(lambda fs, path: fs.get_file(path, str(target)) or True, name) or False
+    def fetch(self, name: str, target: Path, size: int) -> bool:
+        """Copy a file here; tell whether it is there.
+
+        Raises:
+            DamageError: it is larger than a size [bytes]; the copy ends there.
+        """
+
+        def copy(fs: Any, path: str) -> bool:
+            limit = _Limit(size)
+            if not fs.async_impl:  # these copy without a word
+                limit.relative_update(fs.info(path)["size"])
+            try:
+                fs.get_file(path, str(target), callback=limit)
+            except OSError as error:
+                full = error.errno in (errno.ENOSPC, errno.EDQUOT)  # here: reading fills no disk
+                if full and (line := not_written(error, target)):
+                    raise line from None
+                raise
+            return True
+
+        return self._ask(copy, name) or False
 
     def write(self, name: str, content: bytes) -> None:
         """Write a small file in one visible step."""
@@ -134,9 +156,18 @@ class Remote:
             try:
                 return question(fs, f"{root}/{name}")
             except Exception as error:
-                if _is_absence(error):
+                if _is_absence(error) or self._is_unlisted(error, fs, name):
                     return None
                 raise
+
+    def _is_unlisted(self, error: Exception, fs: Any, name: str) -> bool:
+        """Tell whether a bucket that may not be listed, maybe behind HTTP, refuses what it lacks.
+
+        It still gives the marker, unless it is that which it lacks.
+        """
+        refused = isinstance(error, PermissionError) or getattr(error, "status", None) == _FORBIDDEN
+        buckets = _protocols(fs) & (_READ_ONLY | {"s3"})
+        return refused and bool(buckets) and (name == MARKER or self.read(MARKER) is not None)
 
     def _put(self, write: Callable[[Any, str], object], name: str) -> None:
         with self._told():
@@ -179,7 +210,7 @@ class Remote:
         """One line for whatever the many libraries behind fsspec raise."""
         try:
             yield
-        except UserError:
+        except (UserError, DamageError):
             raise
         except ImportError as error:
             ours = urlsplit(self.url).scheme in _OURS
@@ -196,5 +227,17 @@ def _protocols(fs: fsspec.AbstractFileSystem) -> set[str]:
 
 
 def _is_absence(error: Exception) -> bool:
-    absent = isinstance(error, FileNotFoundError | PermissionError)
-    return absent or getattr(error, "status", None) in (_FORBIDDEN, _GONE)
+    return isinstance(error, FileNotFoundError) or getattr(error, "status", None) == _GONE
+
+
+class _Limit(Callback):
+    """Ends a copy that grows beyond a size [bytes], as an endless answer does."""
+
+    def __init__(self, size: int) -> None:
+        super().__init__(size)
+        self._limit = size
+
+    def relative_update(self, inc: int = 1) -> None:
+        super().relative_update(inc)
+        if self.value > self._limit:
+            raise DamageError(f"expected {self._limit} bytes, found more")

@@ -1,5 +1,7 @@
 """Files over ssh, as fsspec has them, from known hosts only and with the user's ssh settings."""
 
+import logging
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +12,14 @@ CONNECTION_S = 10.0
 ANSWER_S = 60.0
 _SETTINGS = Path(".ssh") / "config"
 
+logging.getLogger("paramiko").addHandler(logging.NullHandler())  # it raises what it logs
+
 
 class KnownHostFileSystem(SFTPFileSystem):
     """Refuses a host that ``~/.ssh/known_hosts`` lacks; fsspec's own accepts any.
 
-    Host names, users, ports and keys may come from ``~/.ssh/config``.
+    Of ``~/.ssh/config`` it honours ``HostName``, ``User``, ``Port``, ``IdentityFile``,
+    ``ProxyCommand`` and ``ProxyJump``; the last runs the program ``ssh``.
     """
 
     def _connect(self) -> None:
@@ -42,4 +47,18 @@ def _look_up(host: str) -> tuple[str, dict[str, Any]]:
         arguments["port"] = int(found["port"])
     if "identityfile" in found:
         arguments["key_filename"] = found["identityfile"]
-    return found.get("hostname", host), arguments
+    name = found.get("hostname", host)
+    command = found.get("proxycommand") or _jump(found, f"[{name}]:{found.get('port', 22)}")
+    if command:
+        arguments["sock"] = paramiko.ProxyCommand(command)
+    return name, arguments
+
+
+def _jump(found: Mapping[str, Any], target: str) -> str | None:
+    """Command that connects to a target over the hosts of ``ProxyJump``."""
+    jumps = found.get("proxyjump", "none")
+    if jumps == "none":
+        return None
+    first, _, last = jumps.rpartition(",")
+    before = f"-J {first} " if first else ""
+    return f"ssh -o BatchMode=yes {before}-W {target} ssh://{last.removeprefix('ssh://')}"

@@ -6,14 +6,13 @@ waits in the index of the store until such inputs are computed.
 """
 
 import json
-import tempfile
 import uuid
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
-from slider.artefacts.locks import exclusive
+from slider.artefacts.locks import exclusive, if_free
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.sharing.archive import DamageError, pack, packed_size, unpack
@@ -73,11 +72,12 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
     if not remote.open():
         remote.create()
     account = Account()
-    for outcome, size, damage in remote.in_order(
-        lambda job: _push(store, job, remote, verify), list(jobs.values())
-    ):
-        account.note(outcome, size)
-        account.damage += damage
+    with _no_clean_up(store):
+        for outcome, size, damage in remote.in_order(
+            lambda job: _push(store, job, remote, verify), list(jobs.values())
+        ):
+            account.note(outcome, size)
+            account.damage += damage
     return account
 
 
@@ -98,16 +98,19 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
         return account
     if not remote.open():
         raise UserError(f"remote {remote.url}: expected results of slider, found none")
-    with exclusive(store.locks, f"pull-{uuid.uuid4().hex[:12]}"):  # no clean-up meanwhile
+    with _no_clean_up(store):
         answers = remote.in_order(lambda job: _fetch(store, job, remote), missing)
         for job, (found, size, damage) in zip(missing, answers, strict=True):
             if found is None:
                 account.note("damaged" if damage else "not there", size)
                 account.damage += damage
             else:
-                taken = _accept(store, job, found, remote.url)
-                account.note("taken" if taken else "of other inputs", size)
+                account.note(_accept(store, job, found, remote.url), size)
     return account
+
+
+def _no_clean_up(store: Store) -> AbstractContextManager[None]:
+    return exclusive(store.locks, f"travel-{uuid.uuid4().hex[:12]}")
 
 
 def _is_here(store: Store, job: JobSpec) -> bool:
@@ -123,7 +126,7 @@ def _push(store: Store, job: JobSpec, remote: Remote, verify: bool) -> tuple[str
         text = "damaged here: run `slider store verify`"
         return "damaged", 0, [f"{job.label} ({job.recipe[:12]}): {text}"]
     there = _there(job, remote)
-    if isinstance(there, _Shared) and _has_archive(remote, there.manifest, verify):
+    if isinstance(there, _Shared) and _has_archive(store, remote, there.manifest, verify):
         same = there.manifest.result == own.manifest.result
         return "already there" if same else "different there", 0, []
     size = _send_archive(store, own.manifest, remote, verify)
@@ -137,11 +140,7 @@ def _own(store: Store, job: JobSpec) -> _Shared | None:
     manifest = store.usable(path)
     if manifest is None or (job.inputs and manifest.input_objects is None):
         return None
-    try:
-        facts = files.read_json(store.sidecar_path(job.stage, job.recipe))
-    except (OSError, ValueError):
-        facts = {}
-    return _Shared(manifest, files.read_json(path), facts if isinstance(facts, dict) else {})
+    return _Shared(manifest, files.read_json(path), store.facts(job.stage, job.recipe))
 
 
 def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
@@ -161,15 +160,15 @@ def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
     return DamageError("expected what is known of the result, found something else")
 
 
-def _has_archive(remote: Remote, manifest: Manifest, verify: bool) -> bool:
+def _has_archive(store: Store, remote: Remote, manifest: Manifest, verify: bool) -> bool:
     name = _archive_name(manifest)
     if not verify:
         return remote.size(name) == packed_size(manifest.result.files)
-    with tempfile.TemporaryDirectory() as folder:
-        archive, content = Path(folder) / "archive", Path(folder) / "content"
+    with store.temporary("push") as folder:
+        archive, content = folder / "archive", folder / "content"
         content.mkdir()
         try:
-            if not remote.fetch(name, archive):
+            if not remote.fetch(name, archive, packed_size(manifest.result.files)):
                 return False
             unpack(archive, manifest.result.files, content)
         except DamageError:
@@ -179,10 +178,10 @@ def _has_archive(remote: Remote, manifest: Manifest, verify: bool) -> bool:
 
 def _send_archive(store: Store, manifest: Manifest, remote: Remote, verify: bool) -> int:
     """Send an object if it is not there; tell how many bytes went."""
-    if _has_archive(remote, manifest, verify):
+    if _has_archive(store, remote, manifest, verify):
         return 0
-    with tempfile.TemporaryDirectory() as folder:
-        archive = Path(folder) / "archive"
+    with store.temporary("push") as folder:
+        archive = folder / "archive"
         pack(store.object_folder(manifest.result.object), manifest.result.files, archive)
         remote.send(archive, _archive_name(manifest))
         return archive.stat().st_size
@@ -209,26 +208,37 @@ def _fetch_object(store: Store, manifest: Manifest, remote: Remote) -> int:
     with store.temporary("pull") as folder:
         archive, content = folder / "archive", folder / "content"
         content.mkdir()
-        if not remote.fetch(_archive_name(manifest), archive):
+        if not remote.fetch(_archive_name(manifest), archive, packed_size(result.files)):
             raise DamageError("expected its archive, found none")
         unpack(archive, result.files, content)
         store.publish(content, result.summary, result.resumed)
         return archive.stat().st_size
 
 
-def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
-    """Write what leads to an object; tell whether it is now the result of the job's recipe."""
+def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> str:
+    """Write what leads to an object, unless a job computes the result or did so meanwhile."""
+    with if_free(store.locks, job.recipe) as free:
+        if not free:
+            return "computed here"
+        if _is_here(store, job):
+            own = store.read_manifest(job.stage, job.recipe).result.object
+            return "taken" if own == found.manifest.result.object else "computed here"
+        return "taken" if _write(store, job, found, origin) else "of other inputs"
+
+
+def _write(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
+    """Tell whether an object is now the result of the job's recipe."""
     manifest = found.manifest
     assert manifest.input_objects is not None
     key = recipe_digest(job.stage, job.section, job.code, manifest.input_objects)
     if store.known(key) is None:
         store.remember(key, manifest)
-    facts = found.facts | {"computed": False, "taken_from": origin}
+    waiting = _input_objects(store, job) != manifest.input_objects
+    facts = found.facts | {"computed": False, "taken_from": origin, "waiting": waiting}
     files.write_json(store.sidecar_path(job.stage, job.recipe), facts)
-    if _input_objects(store, job) != manifest.input_objects:
-        return False
-    store.write_manifest(manifest)
-    return True
+    if not waiting:
+        store.write_manifest(manifest)
+    return not waiting
 
 
 def _inputs(job: JobSpec) -> dict[str, list[str]]:

@@ -138,7 +138,7 @@ def write(rows: Iterable[Row], path: Path) -> None:
 
 def shipped() -> list[Row]:
     """The table that ships with the package."""
-    with package_files("slider.artefacts").joinpath(TABLE).open() as file:
+    with package_files("slider.artefacts.forecast").joinpath(TABLE).open() as file:
         return [
             Row(row["kind"], float(row["size"]), float(row["seconds"]))
             for row in csv.DictReader(file)

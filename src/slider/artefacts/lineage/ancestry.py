@@ -73,7 +73,6 @@ def everything(found: Found) -> dict[str, Any]:
 
 
 def _plain(one: Made) -> dict[str, Any]:
-    inputs = {name: [item.recipe for item in jobs] for name, jobs in one.job.inputs.items()}
     return {
         "stage": one.job.stage,
         "label": one.job.label,
@@ -81,5 +80,5 @@ def _plain(one: Made) -> dict[str, Any]:
         "object": one.manifest.result.object if one.manifest else None,
         "resumed": bool(one.manifest and one.manifest.result.resumed),
         "noted": dict(one.facts),
-        "inputs": inputs,
+        "inputs": one.job.input_recipes,
     }

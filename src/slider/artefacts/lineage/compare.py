@@ -13,7 +13,7 @@ from slider.artefacts.source.parts import Parts, known_parts
 from slider.artefacts.store import Store
 from slider.core import files
 
-_OF_A_RUN = {"computed", "dirty", "overrides", "reused_from", "started", "ended"}
+_OF_A_RUN = {"computed", "dirty", "overrides", "reused_from", "taken_from", "started", "ended"}
 """Facts that differ between any two runs, or that the recipe already answers for."""
 
 

@@ -8,7 +8,6 @@ from slider.artefacts.lineage.compare import parts_in
 from slider.artefacts.lineage.facts import was_computed
 from slider.artefacts.lineage.targets import Found, Layout, layouts, manifest_of
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.store import Store
 
 NEVER = "never computed"
@@ -164,4 +163,4 @@ def _is_known(job: JobSpec, store: Store) -> bool:
     objects = {name: [digest for digest in group if digest] for name, group in found.items()}
     if objects != found:
         return False
-    return store.known(recipe_digest(job.stage, job.section, job.code, objects)) is not None
+    return store.known(job.key(objects)) is not None

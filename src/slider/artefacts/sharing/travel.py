@@ -15,7 +15,6 @@ from typing import Any
 
 from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.sharing.archive import DamageError, pack, packed_size, unpack
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.store import Manifest, Store, manifest_from
@@ -153,7 +152,7 @@ def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
         values = json.loads(content)
         found = _Shared(manifest_from(values["manifest"]), values["manifest"], values["facts"])
         told = (found.manifest.stage, found.manifest.recipe, found.manifest.inputs)
-        whole = found.text() == content and told == (job.stage, job.recipe, _inputs(job))
+        whole = found.text() == content and told == (job.stage, job.recipe, job.input_recipes)
         if whole and isinstance(found.facts, dict) and found.manifest.input_objects is not None:
             return found
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
@@ -220,7 +219,7 @@ def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
     """Write what leads to an object; tell whether it is now the result of the job's recipe."""
     manifest = found.manifest
     assert manifest.input_objects is not None
-    key = recipe_digest(job.stage, job.section, job.code, manifest.input_objects)
+    key = job.key(manifest.input_objects)
     if store.known(key) is None:
         store.remember(key, manifest)
     facts = found.facts | {"computed": False, "taken_from": origin}
@@ -229,10 +228,6 @@ def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
         return False
     store.write_manifest(manifest)
     return True
-
-
-def _inputs(job: JobSpec) -> dict[str, list[str]]:
-    return {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()}
 
 
 def _input_objects(store: Store, job: JobSpec) -> dict[str, list[str]] | None:

@@ -8,7 +8,7 @@ from slider.artefacts.lineage.facts import facts_of
 from slider.artefacts.lineage.targets import Found, manifest_of
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.source.parts import known_parts
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import Manifest, Result, Store
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,12 @@ class Made:
     job: JobSpec
     manifest: Manifest | None
     facts: Mapping[str, Any]
+
+    @property
+    def result(self) -> Result:
+        """Result of a job that has one."""
+        assert self.manifest is not None
+        return self.manifest.result
 
 
 @dataclass(frozen=True)

@@ -4,16 +4,11 @@ from typing import Any
 
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.store import Store
-from slider.core import files
 
 
 def facts_of(store: Store, job: JobSpec) -> dict[str, Any]:
     """Facts of the run that computed a job; nothing where they are missing or damaged."""
-    try:
-        facts = files.read_json(store.sidecar_path(job.stage, job.recipe))
-    except (OSError, ValueError):
-        return {}
-    return facts if isinstance(facts, dict) else {}
+    return store.facts(job.stage, job.recipe)
 
 
 def was_computed(store: Store, stage: str, recipe: str) -> bool:

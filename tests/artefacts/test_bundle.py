@@ -4,7 +4,11 @@ import errno
 import json
 import subprocess
 import zipfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -12,10 +16,12 @@ from rocrate import data
 from rocrate_validator import models, services
 from rocrate_validator.utils.http import HttpRequester
 
+import slider.commands.bundle as bundling
 from slider.artefacts.bundle import PROFILE_VERSION, RESULTS
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, code_of
+from slider.artefacts.source.parts import known_parts
 from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
@@ -24,7 +30,10 @@ CODE = code_of("slider.library.stage:run")
 GAITS = [JobSpec("gait", f"gait {value}", CODE, {"value": value}) for value in (1, 2)]
 POLICY = JobSpec("walking", "training", CODE, {}, {"library": GAITS})
 TABLE = JobSpec("table1", "Table 1", CODE, {}, {"policy": [POLICY]})
+OTHERS = JobSpec("stability", "stability", CODE, {}, {"gaits": GAITS})
 PLAN = build_plan({"table1": TABLE, "walking": POLICY})
+OTHER = build_plan({"table1": POLICY})
+OVERRIDES = "train.seed=2 gait.cost=torque"
 NAME = "table1.csv"
 START, MIDDLE, END = (f"2026-01-01T00:0{minute}:00.000+00:00" for minute in range(3))
 
@@ -46,7 +55,17 @@ def project(tmp_path, monkeypatch) -> Path:
     (root / "untracked.txt").write_text("private")
     lay_out(Store(root / "artefacts"), PLAN)
     monkeypatch.chdir(root)
+    monkeypatch.setattr(bundling, "outlines", outlines)
     return root
+
+
+@contextmanager
+def outlines(overrides: Sequence[str], target: str) -> Iterator[list[Store]]:
+    """What the pipeline of these tests would run."""
+    with TemporaryDirectory() as folder:
+        store, plan = Store(Path(folder)), PLAN if overrides == [OVERRIDES] else OTHER
+        write_plan(plan, store.root / "plans")
+        yield [store]
 
 
 def lay_out(store: Store, plan: Plan) -> None:
@@ -55,10 +74,12 @@ def lay_out(store: Store, plan: Plan) -> None:
             (out / "deep").mkdir()
             (out / "deep" / "data.txt").write_text(spec.stage)
             (out / NAME).write_text("a,b\n")
+            if spec.stage == "walking":
+                (out / "label.txt").write_text(spec.label)
             result = store.publish(out, {"number": 1.0})
-        recipes = {name: [job.recipe for job in jobs] for name, jobs in spec.inputs.items()}
-        store.write_manifest(Manifest(spec.stage, spec.recipe, recipes, result, {}))
+        store.write_manifest(Manifest(spec.stage, spec.recipe, spec.input_recipes, result, {}))
         facts = {"started": MIDDLE, "ended": END if spec is TABLE else MIDDLE}
+        facts |= {"overrides": OVERRIDES}
         facts |= {"started": START} if spec is GAITS[0] else {}
         files.write_json(store.sidecar_path(spec.stage, spec.recipe), facts)
     write_plan(plan, store.root / "plans")
@@ -109,7 +130,40 @@ def test_the_unpacked_store_is_whole(project):
     assert main(["bundle", "table1"]) == 0
     store = Store(unpacked(project) / "artefacts")
     assert verify(store) == Removed([], [])
+    assert known_parts(store, CODE.source)
     assert all(store.read_manifest(job.stage, job.recipe) for job in PLAN.jobs.values())
+
+
+def test_it_says_how_to_get_the_same_plan(project, capsys):
+    assert main(["bundle", "table1"]) == 0
+    line = f"snakemake -j2 reports/table1.csv --config hydra='{OVERRIDES}'"
+    printed = capsys.readouterr()
+    assert printed.out.splitlines()[-1] == f"unpacked, this computes nothing: {line}"
+    assert printed.err == ""
+    found = entities(unpacked(project))
+    assert line in found["#run"]["description"]
+    assert {"@id": "#overrides"} in found["#run"]["object"]
+    assert found["#overrides"]["value"] == OVERRIDES
+
+
+def test_a_configuration_that_was_edited_since_is_told(project, capsys, monkeypatch):
+    monkeypatch.setitem(globals(), "OVERRIDES", "train.seed=3")
+    assert main(["bundle", "table1"]) == 0
+    printed = capsys.readouterr()
+    assert "computes nothing" not in printed.out
+    assert printed.err.startswith("slider: conf/, pipeline/ or the kernels here are not those")
+
+
+@pytest.mark.parametrize("names", [["table1", "ablation"], ["ablation", "table1"], ["ablation"]])
+def test_the_policy_is_that_of_the_table_or_of_the_first_target(project, names):
+    variant = replace(POLICY, label="a variant", section={"seed": 2})
+    first = POLICY if "table1" in names else variant
+    ablation = replace(TABLE, stage="ablation", inputs={"policy": [variant, POLICY]})
+    lay_out(Store(project / "artefacts"), build_plan({"table1": TABLE, "ablation": ablation}))
+    assert main(["bundle", *names, "--out", "reports/table1.crate.zip"]) == 0
+    found = entities(unpacked(project))
+    title = found[f"#{first.recipe}"]["name"]
+    assert (unpacked(project) / RESULTS / "policy" / "label.txt").read_text() == title
 
 
 class Answer:
@@ -178,6 +232,9 @@ def test_a_damaged_result_is_not_packed(project, capsys):
 
 def test_what_cannot_be_packed_is_one_line(project, capsys):
     assert "found 'table2'" in said(capsys, "table2")
+    plan = build_plan({**{n: PLAN.jobs[r] for n, r in PLAN.targets.items()}, "stability": OTHERS})
+    write_plan(plan, project / "artefacts" / "plans")
+    assert "`snakemake -j2 publish_stability`" in said(capsys, "stability")
     Store(project / "artefacts").manifest_path("gait", GAITS[0].recipe).unlink()
     assert "expected a manifest, found none" in said(capsys, "table1")
 

@@ -28,8 +28,9 @@ def never() -> Functions:
     raise AssertionError("expected the compiled functions")
 
 
-def compiled(folder: Path, waiting: int = WORTH) -> Compiled:
-    return Compiled(Job(folder, cache=folder / "cache", waiting=waiting))
+def compiled(folder: Path, waiting: int = WORTH, run: str = "a run") -> Compiled:
+    facts = {"pipeline_started": run}
+    return Compiled(Job(folder, volatile=facts, cache=folder / "cache", waiting=waiting))
 
 
 def libraries(folder: Path) -> list[Path]:
@@ -76,24 +77,49 @@ def test_a_stage_without_a_cache_derives():
 
 @needs_compiler
 @pytest.mark.parametrize(
-    "lines",
-    [
-        "exit 1",
-        """for last; do case $last in *.c) sed -i 's/sin(/cos(/' $last;; esac; done; cc "$@" """,
-    ],
-    ids=["fails", "changes bits"],
+    "text",
+    ["sin(/cos(", r"sin(\([^)]*\))/sin(fabs(\1))"],
+    ids=["everywhere", "of negative arguments"],
 )
-def test_a_compiler_of_no_use_is_called_once(tmp_path: Path, compiler, lines: str):
-    compiler(lines)
-    for _ in range(2):
-        assert not is_compiled(compiled(tmp_path)(FORM, small))
+def test_a_compiler_that_changes_bits_is_called_once(tmp_path: Path, compiler, text: str):
+    compiler(f"for last; do case $last in *.c) sed -i 's/{text}/' $last;; esac; done; cc \"$@\"")
+    for run in ("first", "second"):
+        assert not is_compiled(compiled(tmp_path, run=run)(FORM, small))
     assert (tmp_path / "calls").read_text() == "call\n"
     assert not libraries(tmp_path)
 
 
-def test_without_a_compiler_the_interpreter_evaluates(tmp_path: Path, monkeypatch):
+@needs_compiler
+def test_a_failed_compilation_is_tried_again_by_the_next_run_alone(tmp_path: Path, compiler):
+    compiler("exit 1")
+    for _ in range(2):
+        assert not is_compiled(compiled(tmp_path, run="first")(FORM, small))
+    assert (tmp_path / "calls").read_text() == "call\n"
+    compiler('cc "$@"')
+    assert is_compiled(compiled(tmp_path, run="second")(FORM, small))
+
+
+@needs_compiler
+def test_a_compiler_may_be_several_words(tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("CC", "env cc")
+    assert is_compiled(compiled(tmp_path)(FORM, small))
+
+
+@needs_compiler
+def test_a_result_that_is_no_number_is_no_difference(tmp_path: Path):
+    def root() -> Functions:
+        x = ca.SX.sym("x", 3)
+        return {"f": ca.Function("f", [x], [ca.sqrt(x)])}
+
+    assert is_compiled(compiled(tmp_path)(FORM, root))
+
+
+@needs_compiler
+def test_a_machine_without_a_compiler_decides_for_no_other(tmp_path: Path, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     assert not is_compiled(compiled(tmp_path)(FORM, small))
+    monkeypatch.delenv("CC")
+    assert is_compiled(compiled(tmp_path)(FORM, small))
 
 
 @needs_compiler

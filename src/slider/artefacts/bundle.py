@@ -16,9 +16,11 @@ import yaml
 from rocrate.model import ContextEntity
 from rocrate.rocrate import ROCrate
 
+from slider.artefacts.lineage.ancestry import Made, made
 from slider.artefacts.plan import JobSpec, Plan, write_plan
 from slider.artefacts.recipe import code_of
-from slider.artefacts.store import ARTEFACTS, Manifest, Store, damaged
+from slider.artefacts.source.parts import note_sources
+from slider.artefacts.store import ARTEFACTS, Store, damaged
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -32,21 +34,27 @@ _CITATION = "CITATION.cff"
 
 
 @dataclass(frozen=True)
-class Made:
-    """A job of the bundle: what it is, its result, and the facts noted beside it."""
+class Origin:
+    """Where the results come from.
 
-    spec: JobSpec
-    manifest: Manifest
-    facts: Mapping[str, Any]
+    Attributes:
+        project: folder of the working copy.
+        overrides: of the configuration.
+        command: that leads to the results.
+    """
+
+    project: Path
+    overrides: str
+    command: str
 
 
-def write_bundle(plan: Plan, store: Store, project: Path, licence: str, out: Path) -> int:
+def write_bundle(plan: Plan, store: Store, origin: Origin, licence: str, out: Path) -> int:
     """Write the targets of ``plan``, all in the store, to the empty folder ``out``.
 
     Args:
         plan: of what the bundle has.
         store: where the results are.
-        project: folder of the working copy.
+        origin: working copy and configuration of the results.
         licence: its URL, or a sentence.
         out: folder.
 
@@ -58,23 +66,22 @@ def write_bundle(plan: Plan, store: Store, project: Path, licence: str, out: Pat
     """
     _check_source(plan)
     jobs = {recipe: _made(store, spec) for recipe, spec in plan.jobs.items()}
-    names = _working_copy(project, out)
+    names = _working_copy(origin.project, out)
     _copy_store(jobs.values(), store, Store(out / ARTEFACTS))
+    note_sources(plan, Store(out / ARTEFACTS))
     plan_path = write_plan(plan, out / ARTEFACTS / "plans")
     results = list(_copy_results(plan, jobs, store, out))
     crate = ROCrate(version=VERSION)
     crate.metadata.extra_contexts.append(_TERMS)
     _describe_project(crate, names, out, licence)
-    whole = _run(crate, list(jobs.values()))
-    whole["object"] = [_file(crate, plan_path, out, "What each job computes, with what settings")]
+    whole = _run(crate, list(jobs.values()), origin)
+    whole.append_to(
+        "object", _file(crate, plan_path, out, "What each job computes, with what settings")
+    )
     whole["result"] = [_file(crate, path, out, text) for path, text in results]
     _describe_jobs(crate, jobs, out)
     crate.metadata.write(out)
-    return sum(facts["size"] for made in jobs.values() for facts in _table(made).values())
-
-
-def _table(made: Made) -> files.FileTable:
-    return made.manifest.result.files
+    return sum(facts["size"] for one in jobs.values() for facts in one.result.files.values())
 
 
 def _check_source(plan: Plan) -> None:
@@ -86,11 +93,11 @@ def _check_source(plan: Plan) -> None:
             )
 
 
-def _made(store: Store, spec: JobSpec) -> Made:
-    manifest = store.read_manifest(spec.stage, spec.recipe)
-    if not store.is_whole(manifest.result.object):
-        raise damaged(spec.stage, manifest.result.object)
-    return Made(spec, manifest, store.facts(spec.stage, spec.recipe))
+def _made(store: Store, job: JobSpec) -> Made:
+    digest = store.read_manifest(job.stage, job.recipe).result.object
+    if not store.is_whole(digest):
+        raise damaged(job.stage, digest)
+    return made(store, job)
 
 
 def _working_copy(project: Path, out: Path) -> list[str]:
@@ -112,13 +119,12 @@ def _working_copy(project: Path, out: Path) -> list[str]:
 
 
 def _copy_store(jobs: Iterable[Made], store: Store, target: Store) -> None:
-    for made in jobs:
-        digest = made.manifest.result.object
-        folder = target.object_folder(digest)
+    for one in jobs:
+        folder = target.object_folder(one.result.object)
         if not folder.exists():
-            shutil.copytree(store.object_folder(digest), folder)
-        target.write_manifest(made.manifest)
-        files.write_json(target.sidecar_path(made.spec.stage, made.spec.recipe), made.facts)
+            shutil.copytree(store.object_folder(one.result.object), folder)
+        target.write_manifest(store.read_manifest(one.job.stage, one.job.recipe))
+        files.write_json(target.sidecar_path(one.job.stage, one.job.recipe), one.facts)
 
 
 def _copy_results(
@@ -126,14 +132,24 @@ def _copy_results(
 ) -> Iterator[tuple[Path, str]]:
     """Copy what people look for to folders of the targets' names; yield file and title."""
     wanted = {name: jobs[recipe] for name, recipe in plan.targets.items()}
-    policies = [made for made in jobs.values() if made.spec.stage == "walking"]
-    if policies:
-        wanted["policy"] = policies[-1]  # a fine-tuned one comes after the one that it began with
-    for name, made in wanted.items():
-        folder = store.object_folder(made.manifest.result.object)
+    if policy := _policy(plan):
+        wanted["policy"] = jobs[policy]
+    for name, one in wanted.items():
+        folder = store.object_folder(one.result.object)
         shutil.copytree(folder, out / RESULTS / name)
-        for file in sorted(_table(made)):
+        for file in sorted(one.result.files):
             yield out / RESULTS / name / file, f"{name}: {file}"
+
+
+def _policy(plan: Plan) -> str | None:
+    """Recipe of the training whose policy Table 1, or else the first target with any, is about."""
+    for name in sorted(plan.targets, key=lambda name: name != "table1"):
+        jobs = [plan.jobs[plan.targets[name]]]
+        for job in jobs:  # grows while it is read: a fine-tuning comes before its start
+            if job.stage == "walking":
+                return job.recipe
+            jobs += [item for group in job.inputs.values() for item in group]
+    return None
 
 
 def _describe_project(crate: ROCrate, names: Sequence[str], out: Path, licence: str) -> None:
@@ -172,18 +188,24 @@ def _file(crate: ROCrate, path: Path, out: Path, name: str = "") -> Any:
     return crate.add_file(dest_path=place, properties=facts | {"name": name or place})
 
 
-def _run(crate: ROCrate, jobs: Sequence[Made]) -> Any:
+def _run(crate: ROCrate, jobs: Sequence[Made], origin: Origin) -> Any:
     """The action of the whole workflow, from the first job to the last, and its software."""
     workflow: Any = crate.mainEntity
     versions: dict[str, str] = {}
-    for made in jobs:
-        versions |= made.spec.code.versions
+    for one in jobs:
+        versions |= one.job.code.versions
     workflow["softwareRequirements"] = [
         _software(crate, f"#package-{name}", name, version)
         for name, version in sorted(versions.items())
     ]
-    times = [made.facts[end] for made in jobs for end in ("started", "ended") if end in made.facts]
-    facts = {"name": "The whole run", "instrument": workflow}
+    times = [one.facts[end] for one in jobs for end in ("started", "ended") if end in one.facts]
+    settings = {"name": "overrides", "value": origin.overrides or "none"}
+    facts = {
+        "name": "The whole run",
+        "description": f"`{origin.command}` leads to the results.",
+        "instrument": workflow,
+        "object": [_add(crate, "#overrides", "PropertyValue", settings)],
+    }
     if times:
         facts |= {"startTime": min(times), "endTime": max(times)}
     run = _add(crate, "#run", "CreateAction", facts)
@@ -199,29 +221,29 @@ def _describe_jobs(crate: ROCrate, jobs: Mapping[str, Made], out: Path) -> None:
     """An action per job: its entry point made its object of the objects of its inputs."""
     store = Store(out / ARTEFACTS)
     folders = {
-        recipe: _object(crate, made, store.object_folder(made.manifest.result.object), out)
-        for recipe, made in jobs.items()
+        recipe: _object(crate, one, store.object_folder(one.result.object), out)
+        for recipe, one in jobs.items()
     }
-    for recipe, made in jobs.items():
-        code = made.spec.code
+    for recipe, one in jobs.items():
+        code = one.job.code
         place = f"#{code.entry}"
         instrument = crate.get(place) or _software(crate, place, code.entry, code.source)
-        needed = [folders[item.recipe] for group in made.spec.inputs.values() for item in group]
-        facts = {"name": made.spec.label, "instrument": instrument}
+        needed = [folders[item.recipe] for group in one.job.inputs.values() for item in group]
+        facts = {"name": one.job.label, "instrument": instrument}
         facts |= {"result": folders[recipe], "identifier": recipe}
         facts |= {"object": needed} if needed else {}
         known = {"startTime": "started", "endTime": "ended", "description": "machine"}
-        facts |= {name: made.facts[key] for name, key in known.items() if key in made.facts}
+        facts |= {name: one.facts[key] for name, key in known.items() if key in one.facts}
         action = _add(crate, f"#{recipe}", "CreateAction", facts)
         crate.root_dataset.append_to("mentions", action)
 
 
-def _object(crate: ROCrate, made: Made, folder: Path, out: Path) -> Any:
+def _object(crate: ROCrate, one: Made, folder: Path, out: Path) -> Any:
     place = f"{folder.relative_to(out).as_posix()}/"
     known = crate.get(place)
     if known is not None:  # another job has the same result
         return known
-    facts = {"name": made.spec.label, "identifier": made.manifest.result.object}
+    facts = {"name": one.job.label, "identifier": one.result.object}
     found: Any = crate.add_dataset(dest_path=place, properties=facts)
-    found["hasPart"] = [_file(crate, folder / name, out) for name in sorted(_table(made))]
+    found["hasPart"] = [_file(crate, folder / name, out) for name in sorted(one.result.files)]
     return found

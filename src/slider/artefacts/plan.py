@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.recipe import Code, recipe_digest
+from slider.artefacts.recipe import Code, Groups, recipe_digest
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -39,9 +39,16 @@ class JobSpec:
     recipe: str = ""
 
     def __post_init__(self) -> None:
-        recipes = {name: [job.recipe for job in jobs] for name, jobs in self.inputs.items()}
-        found = recipe_digest(self.stage, self.section, self.code, recipes)
-        object.__setattr__(self, "recipe", found)
+        object.__setattr__(self, "recipe", self.key(self.input_recipes))
+
+    @property
+    def input_recipes(self) -> dict[str, list[str]]:
+        """Recipes of the inputs by name."""
+        return {name: [job.recipe for job in jobs] for name, jobs in self.inputs.items()}
+
+    def key(self, inputs: Groups) -> str:
+        """Key of the index, from the objects of the inputs; from their recipes the recipe."""
+        return recipe_digest(self.stage, self.section, self.code, inputs)
 
 
 @dataclass(frozen=True)
@@ -142,7 +149,7 @@ def _to_values(plan: Plan) -> dict[str, Any]:
             "entry": job.code.entry,
             "label": job.label,
             "section": section,
-            "inputs": {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()},
+            "inputs": job.input_recipes,
             "tracked": job.tracked,
         }
     return {

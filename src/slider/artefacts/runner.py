@@ -16,7 +16,7 @@ from slider.artefacts.circumstances import circumstances
 from slider.artefacts.forecast.times import note
 from slider.artefacts.locks import exclusive
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import SOURCE_ROOT, code_of, recipe_digest
+from slider.artefacts.recipe import SOURCE_ROOT, code_of
 from slider.artefacts.store import Manifest, Result, Store, damaged
 from slider.core import files, numerics
 from slider.core.errors import UserError
@@ -45,8 +45,8 @@ class Runner:
                 libraries have other kernels here.
         """
         with exclusive(self.store.locks, spec.recipe):
-            inputs, found = _input_recipes(spec), self._inputs(spec)
-            key = recipe_digest(spec.stage, spec.section, spec.code, found)
+            inputs, found = spec.input_recipes, self._inputs(spec)
+            key = spec.key(found)
             known = self.store.known(key)
             if known is None:
                 result = self._compute(spec, found)
@@ -203,10 +203,6 @@ def _open_tracker(artefacts: Path, spec: JobSpec) -> Tracker:
 def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
     """What of a result can stand in a column of numbers."""
     return {name: float(value) for name, value in facts.items() if isinstance(value, int | float)}
-
-
-def _input_recipes(spec: JobSpec) -> dict[str, list[str]]:
-    return {name: [job.recipe for job in jobs] for name, jobs in spec.inputs.items()}
 
 
 def _cpu_seconds() -> float:

@@ -1,15 +1,24 @@
 """``slider bundle``: a result with all that it came from, for a paper or another machine."""
 
 import argparse
+import shlex
 import shutil
+import sys
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
+from slider.artefacts.circumstances import circumstances
 from slider.artefacts.current import current_plan, current_result
-from slider.artefacts.plan import build_plan
+from slider.artefacts.lineage.outlines import outlines
+from slider.artefacts.plan import JobSpec, Plan, build_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
+_OTHER = (
+    "conf/, pipeline/ or the kernels here are not those of the run: from the bundle Snakemake "
+    "would compute anew"
+)
 _NO_LICENCE = "No licence has been chosen: all rights are reserved."
 
 
@@ -37,12 +46,19 @@ def run(arguments: argparse.Namespace) -> None:
     for name in arguments.targets:
         if plan and name not in known:
             raise UserError(f"expected a target of {', '.join(known)}, found '{name}'")
-    targets = {name: current_result(store, name, _make(name))[0] for name in arguments.targets}
+    targets = {
+        name: current_result(store, name, f"snakemake -j2 {_file(plan, name)}")[0]
+        for name in arguments.targets
+    }
     try:
-        from slider.artefacts.bundle import write_bundle
+        from slider.artefacts.bundle import Origin, write_bundle
     except ModuleNotFoundError as error:
         install = "pip install -e '.[bundle]' -c constraints.txt"
         raise UserError(f"expected the package {error.name}, found none: {install}") from None
+    overrides, current = _overrides(targets, store)
+    command = " ".join(["snakemake -j2", *dict.fromkeys(_file(plan, name) for name in targets)])
+    command += f" --config hydra={shlex.quote(overrides)}" * bool(overrides)
+    origin = Origin(Path(), overrides, command)
     out = arguments.out or Path("reports") / f"{arguments.targets[0]}.crate.zip"
     if out.is_dir():
         raise UserError(f"--out: expected a file, found the folder {out}")
@@ -53,11 +69,37 @@ def run(arguments: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as place:
         folder = Path(place) / "crate"
         folder.mkdir()
-        size = write_bundle(build_plan(targets), store, Path(), arguments.licence, folder)
+        size = write_bundle(build_plan(targets), store, origin, arguments.licence, folder)
         archive = shutil.make_archive(str(Path(place) / "archive"), "zip", folder)
         Path(archive).replace(out)
     print(f"{out}: {out.stat().st_size / 1e6:.1f} MB, results of {size / 1e6:.1f} MB")
+    print(f"unpacked, this computes nothing: {command}" if current else f"of the run: {command}")
+    if not current:
+        print(f"slider: {_OTHER}", file=sys.stderr)
 
 
-def _make(target: str) -> str:
-    return f"snakemake -j2 reports/{target}.csv" if target == "table1" else "snakemake -j2"
+def _file(plan: Plan | None, target: str) -> str:
+    """What to ask Snakemake for; what Table 1 needs has no files of its own."""
+    table = plan.targets.get("table1") if plan else None
+    needed = build_plan({"": plan.jobs[table]}).jobs if plan and table else {}
+    of_table = target == "table1" or (plan and plan.targets.get(target) in needed)
+    return "reports/table1.csv" if of_table else f"publish_{target}"
+
+
+def _overrides(targets: Mapping[str, JobSpec], store: Store) -> tuple[str, bool]:
+    """Overrides of a run, and whether the working copy has these jobs with them."""
+    facts = [store.facts(job.stage, job.recipe) for job in targets.values()]
+    noted = [str(one.get("overrides", "")) for one in [*facts, circumstances(store.root)]]
+    for text in dict.fromkeys(noted):
+        if all(_leads(text, name, job) for name, job in targets.items()):
+            return text, True
+    return noted[0], False
+
+
+def _leads(overrides: str, target: str, job: JobSpec) -> bool:
+    try:
+        with outlines([overrides], target) as (outline,):
+            plan = current_plan(outline)
+    except UserError:  # the overrides are of an earlier configuration
+        return False
+    return plan is not None and plan.targets.get(target) == job.recipe

@@ -3,11 +3,8 @@
 import argparse
 import json
 import os
-import subprocess
 import sys
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,10 +12,10 @@ from typing import Any
 from slider.artefacts.lineage import text
 from slider.artefacts.lineage.ancestry import everything
 from slider.artefacts.lineage.compare import Difference, compare
+from slider.artefacts.lineage.outlines import outlines
 from slider.artefacts.lineage.pending import Pending, last_result, namesake, pending
 from slider.artefacts.lineage.targets import SHORT, Found, find, layouts, place
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import SOURCE_ROOT
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
@@ -74,7 +71,7 @@ def _print(as_json: bool, values: Callable[[], object], lines: Iterable[str]) ->
 def _why(arguments: argparse.Namespace) -> None:
     store, target = place(arguments.target, arguments.artefacts)
     overrides = " ".join(item.removeprefix("hydra=") for item in arguments.overrides)
-    with _outlines([overrides], target) as (outline,):
+    with outlines([overrides], target) as (outline,):
         wanted = _wanted(target, outline, store)
         last = last_result(wanted, store)
         jobs = pending(wanted, store, last)
@@ -121,15 +118,15 @@ def _diff(arguments: argparse.Namespace) -> int:
     asked = [name for name in names if _is_overrides(name)]
     stored = [_find(name, arguments) for name in names if name not in asked]
     target = arguments.target or (stored[0].name if stored else _DEFAULT)
-    with _outlines(asked, target) as outlines:
+    with outlines(asked, target) as laid_out:
         laid = [
             _same(stored[0], one) if stored else _wanted(target, one, Store(arguments.artefacts))
-            for one in outlines
+            for one in laid_out
         ]
         results = [Found(Store(arguments.artefacts), one.plan, one.job) for one in laid]
         sides = iter(stored), iter(results)
         old, new = (next(sides[name in asked]) for name in names)
-        differences = compare(old, new, outlines)
+        differences = compare(old, new, laid_out)
     objects = [one.manifest and one.manifest.result.object for one in (old, new)]
     alike = None if None in objects else objects[0] == objects[1]
     same = old.job.recipe == new.job.recipe and not differences if alike is None else alike
@@ -169,34 +166,3 @@ def _plain(job: JobSpec) -> dict[str, str]:
 def _is_overrides(name: str) -> bool:
     words = name.split()
     return not os.path.exists(name) and all("=" in w or w[0] == "~" for w in words)
-
-
-@contextmanager
-def _outlines(overrides: Sequence[str], target: str) -> Iterator[list[Store]]:
-    """Stores without results, each with the plan of the working tree and some overrides.
-
-    Raises:
-        UserError: there is no working tree, or the overrides do not compose.
-    """
-    root = SOURCE_ROOT.parent
-    if not overrides:
-        yield []
-        return
-    if not (root / "pipeline").is_dir():
-        raise UserError(f"expected the pipeline beside the package, found none in {root}")
-    with tempfile.TemporaryDirectory() as folder:
-        stores = [Store(Path(folder) / str(number)) for number in range(len(overrides))]
-        pairs = [
-            str(x) for pair in zip((s.root for s in stores), overrides, strict=True) for x in pair
-        ]
-        done = subprocess.run(
-            [sys.executable, "-m", "pipeline.outline", Path(target).stem, *pairs],
-            cwd=root,
-            env=os.environ | {"PYTHONPATH": os.pathsep.join(map(str, (root, SOURCE_ROOT)))},
-            stderr=subprocess.PIPE,
-            text=True,
-            check=False,
-        )
-        if done.returncode != 0:
-            raise UserError(done.stderr.strip().splitlines()[-1])
-        yield stores

@@ -1,19 +1,21 @@
 """The functions of a formulation as machine code, made once and shared by the jobs of all gaits.
 
 CasADi writes them as C. A compiler that neither contracts nor reorders operations keeps every bit
-of what CasADi's interpreter gives, in a fifth of the time. That is checked before the first use;
-without a compiler, or with one that changes a bit, the interpreter evaluates.
+of what CasADi's interpreter gives, in a fifth of the time. That is checked at random points before
+the first use; without a compiler, or with one that changes a bit, the interpreter evaluates. Where
+a compilation fails, the next pipeline run tries again.
 """
 
 import fcntl
 import os
 import platform
+import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -31,7 +33,7 @@ WORTH = 50
 
 _FLAGS = ("-Og", "-ffp-contract=off", "-fPIC", "-shared")  # -O2 compiles ten times as long
 _PATIENCE = 300.0  # of a compilation [s]
-_POINTS = 3  # at which each function is compared
+_SIZES = (1.0, 1.0, 1.0, 100.0)  # of the arguments, at points where each function is compared
 
 
 class Compiled:
@@ -39,33 +41,40 @@ class Compiled:
 
     def __init__(self, job: Job) -> None:
         self._job = job
+        self._run = job.volatile.get("pipeline_started", "")
 
     def __call__(self, form: Formulation, derive: Callable[[], Functions]) -> Functions:
         """Functions of a formulation; ``derive`` makes those that CasADi interprets."""
         if self._job.cache is None:
             return derive()
         path = self._job.cache / f"{_key(form)}.so"
-        if (known := _known(path)) is not None:
+        if (known := _known(path, self._run)) is not None:
             return _load(path, known) or derive()
         made = derive()
-        if self._job.waiting < WORTH:
+        compiler = _compiler()
+        if self._job.waiting < WORTH or not compiler:
             return made
-        with _alone(path) as alone:
-            return (self._compile(path, made) if alone else {}) or made
+        with _alone(path, self._run) as alone:
+            return (self._compile(path, made, compiler) if alone else {}) or made
 
-    def _compile(self, path: Path, functions: Functions) -> Functions:
+    def _compile(self, path: Path, functions: Functions, compiler: Sequence[str]) -> Functions:
         """Compile, compare and keep functions; none, and a note of that, where it fails."""
-        start = time.perf_counter()
+        start, names = time.perf_counter(), list(functions)
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            built = _build(functions, Path(folder))
-            names = list(functions) if built and _agree(functions, built) else []
-            if built and names:
+            built = _build(functions, Path(folder), compiler)
+            loaded = _load(built, names) if built else {}
+            outcome = "interpreted, as they did not compile"
+            if loaded and not _agree(functions, loaded):
+                outcome = "interpreted, as the compiler changes bits"
+                names = []
+            elif built and loaded:
                 built.replace(path)
-        digest = files.digest_file(path) if names else ""
-        files.write_json(_note(path), {"sha256": digest, "functions": names})
-        outcome = f"compiled in {time.perf_counter() - start:.0f} s" if names else "interpreted"
+                outcome = f"compiled in {time.perf_counter() - start:.0f} s"
+        digest = files.digest_file(path) if loaded and names else ""
+        note = {"sha256": digest, "functions": names, "failed_in": None if loaded else self._run}
+        files.write_json(_note(path), note)
         self._job.progress(f"functions of the gaits: {outcome}")
-        return _load(path, names)
+        return _load(path, names) if digest else {}
 
 
 def _key(form: Formulation) -> str:
@@ -78,10 +87,15 @@ def _note(path: Path) -> Path:
     return path.with_suffix(".json")
 
 
-def _known(path: Path) -> list[str] | None:
-    """Names of the functions of a whole library, none if there can be none; None: unknown."""
+def _known(path: Path, run: str) -> list[str] | None:
+    """Names of the functions of a whole library, none if there can be none in a pipeline run.
+
+    None: unknown.
+    """
     with suppress(OSError, ValueError, KeyError, TypeError):
         note = files.read_json(_note(path))
+        if note["failed_in"] == run:
+            return []
         if not note["functions"] or note["sha256"] == files.digest_file(path):
             return note["functions"]
     return None
@@ -96,7 +110,7 @@ def _load(path: Path, names: list[str]) -> Functions:
 
 
 @contextmanager
-def _alone(path: Path) -> Iterator[bool]:
+def _alone(path: Path, run: str) -> Iterator[bool]:
     """Whether no other job compiles this library, nor has meanwhile."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.with_suffix(".lock").open("w") as file:
@@ -105,20 +119,26 @@ def _alone(path: Path) -> Iterator[bool]:
         except OSError:
             yield False
         else:
-            yield _known(path) is None
+            yield _known(path, run) is None
 
 
-def _build(functions: Functions, folder: Path) -> Path | None:
-    """Library of functions; None without a compiler or where it fails."""
-    compiler = shutil.which(os.environ.get("CC", "cc"))
-    if compiler is None:
-        return None
+def _compiler() -> list[str]:
+    """Command of the C compiler; none where there is none."""
+    with suppress(ValueError):  # a quote that nothing closes
+        words = shlex.split(os.environ.get("CC", "cc"))
+        if words and shutil.which(words[0]):
+            return words
+    return []
+
+
+def _build(functions: Functions, folder: Path, compiler: Sequence[str]) -> Path | None:
+    """Library of functions; None where the compiler fails."""
     generator = ca.CodeGenerator("functions.c")
     for function in functions.values():
         generator.add(function)
     generator.generate(f"{folder}{os.sep}")
     source, library = folder / "functions.c", folder / "functions.so"
-    command = [compiler, *_FLAGS, str(source), "-o", str(library), "-lm"]
+    command = [*compiler, *_FLAGS, str(source), "-o", str(library), "-lm"]
     try:
         subprocess.run(command, check=True, timeout=_PATIENCE)
     except (OSError, subprocess.SubprocessError):
@@ -126,21 +146,25 @@ def _build(functions: Functions, folder: Path) -> Path | None:
     return library
 
 
-def _agree(functions: Functions, library: Path) -> bool:
+def _agree(functions: Functions, compiled: Functions) -> bool:
     """Tell whether each function gives the same bits in both ways, at random points."""
-    rng, compiled = np.random.default_rng(0), _load(library, list(functions))
-    return bool(compiled) and all(
+    rng = np.random.default_rng(0)
+    return all(
         _same_bits(one.call(point), compiled[name].call(point))
         for name, one in functions.items()
-        for point in (_point(one, rng) for _ in range(_POINTS))
+        for point in (_point(one, size, rng) for size in _SIZES)
     )
 
 
-def _point(function: ca.Function, rng: np.random.Generator) -> list[np.ndarray]:
-    """Arguments of the size of angles [rad] and of times [s]."""
-    return [rng.uniform(0.1, 1.0, function.size_in(i)) for i in range(function.n_in())]
+def _point(function: ca.Function, size: float, rng: np.random.Generator) -> list[np.ndarray]:
+    """Arguments of both signs."""
+    return [rng.uniform(-size, size, function.size_in(i)) for i in range(function.n_in())]
 
 
 def _same_bits(ones: list[ca.DM], others: list[ca.DM]) -> bool:
-    pairs = zip(ones, others, strict=True)
-    return all(a.full().tobytes() == b.full().tobytes() for a, b in pairs)
+    """Tell whether all bits are the same; one NaN is as good as another."""
+    pairs = ((a.full(), b.full()) for a, b in zip(ones, others, strict=True))
+    return all(
+        np.all((a.view(np.uint64) == b.view(np.uint64)) | (np.isnan(a) & np.isnan(b)))
+        for a, b in pairs
+    )

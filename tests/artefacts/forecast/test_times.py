@@ -2,11 +2,15 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from pipeline.stages import table1_jobs
+from pipeline.gait_study import gait_study_job
+from pipeline.sensitivity import sensitivity_job
+from pipeline.stages import all_jobs, table1_jobs
 from pipeline.stages.entries import ENTRIES
+from pipeline.stages.page import video
 from slider.artefacts.forecast import times
 from slider.artefacts.forecast.times import START, Row, Times
 from slider.artefacts.plan import JobSpec, build_plan
@@ -47,6 +51,12 @@ def test_what_is_remembered_of_a_like_size_comes_first():
     assert known.seconds(evaluation("tuned", 100)) == pytest.approx(START + 30.0)
 
 
+def test_a_job_without_work_takes_as_long_as_an_earlier_one():
+    job = evaluation("hzd", 0)
+    assert Times([Row("baseline hzd", 0.0, 3.0)], []).seconds(job) == START + 3.0
+    assert Times([], [Row("baseline hzd", 0.0, 3.0)]).seconds(evaluation("hzd", 9)) == START + 3.0
+
+
 def test_the_store_remembers_what_was_computed_and_no_load(tmp_path):
     store, jobs = Store(tmp_path), [evaluation("hzd", robots) for robots in range(1, 6)]
     facts = [
@@ -71,8 +81,22 @@ def test_a_table_is_written_as_it_is_read(tmp_path, monkeypatch):
     assert times.shipped() == [Row("b c", 2.0, 90.0), Row("a", 10.0, 5.0)]
 
 
+def test_each_value_that_a_size_is_a_product_of_is_in_the_section_of_its_stage():
+    """One that was renamed would count as 1."""
+    config = compose([], CONF)
+    targets = all_jobs(config)
+    targets |= {"a": sensitivity_job(config, targets["walking"]), "b": gait_study_job(config)}
+    targets |= {"c": video(config, "policy", 0.2, targets)}  # the page has one with a renderer
+    way = {job.stage: job.section for job in build_plan(targets).jobs.values()}
+    for stage, keys in times._FACTORS.items():
+        for key in keys:
+            value: Any = way[stage]
+            for part in key.split("."):
+                value = value[part]
+            assert isinstance(value, int | float | list), (stage, key)
+
+
 def test_the_stages_of_table_1_are_in_the_table_that_ships_in_about_their_size():
-    """A value that the sizes name and that was renamed would count as 1."""
     rows = times.shipped()
     assert {row.kind.partition(" ")[0] for row in rows} <= set(ENTRIES)
     way = {job.stage: job for job in build_plan(table1_jobs(compose([], CONF))).jobs.values()}

@@ -117,7 +117,11 @@ def test_the_machine_is_named_where_the_same_recipe_gave_other_bytes(world, monk
     monkeypatch.setenv("TEST_BITS", "of another processor")
     world.compute(plan, there)
     sidecar = there.sidecar_path("gait", here.job.inputs["library"][0].inputs["gaits"][0].recipe)
-    sidecar.write_text(json.dumps(json.loads(sidecar.read_text()) | {"commit": "c0ffee"}))
+    sidecar.write_text(
+        json.dumps(
+            json.loads(sidecar.read_text()) | {"commit": "c0ffee", "taken_from": "s3://theirs"}
+        )
+    )
     libraries = [world.found(plan, "library", store) for store in (world.store, there)]
     assert compare(*libraries) == []  # they are the same again
     gaits = [job for job in plan.jobs.values() if job.stage == "gait"]

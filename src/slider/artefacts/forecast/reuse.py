@@ -3,7 +3,6 @@
 from collections.abc import Set
 
 from slider.artefacts.plan import Plan
-from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
@@ -23,8 +22,7 @@ def reused_ahead(plan: Plan, store: Store, needed: Set[str]) -> set[str]:
                 continue  # no job of this run needs it
         elif all(item.recipe in objects for jobs in job.inputs.values() for item in jobs):
             found = {name: [objects[i.recipe] for i in jobs] for name, jobs in job.inputs.items()}
-            key = recipe_digest(job.stage, job.section, job.code, found)
-            manifest = store.usable(store.index_path(key))
+            manifest = store.usable(store.index_path(job.key(found)))
             if manifest is not None:
                 objects[recipe] = manifest.result.object
                 known.add(recipe)

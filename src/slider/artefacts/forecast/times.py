@@ -24,7 +24,9 @@ _TRAINING = ("train.robots", "train.steps_per_iteration", "train.iterations")
 _EVALUATION = ("evaluation.trials", "evaluation.robots", "evaluation.duration")
 _FACTORS = {
     "gait": ("formulation.nodes",),
+    "gait_start": ("formulation.nodes",),
     "stability_gaits": ("commands",),
+    "return_maps": ("commands",),
     "verification_gaits": ("commands",),
     "standing": _TRAINING,
     "walking": _TRAINING,
@@ -70,7 +72,12 @@ class Row:
     seconds: float
 
     def scaled(self, size: float) -> float:
-        """Seconds of a job of another size; imports take as long for a small one."""
+        """Seconds of a job of another size; imports take as long for a small one.
+
+        A job without work, such as a training of no iteration, says nothing of larger ones.
+        """
+        if not self.size:
+            return self.seconds
         fixed = min(self.seconds, _IMPORTS)
         return fixed + (self.seconds - fixed) * size / self.size
 

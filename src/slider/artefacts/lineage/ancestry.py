@@ -7,7 +7,7 @@ from typing import Any
 from slider.artefacts.lineage.targets import Found, manifest_of
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.source.parts import known_parts
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import Manifest, Result, Store
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,12 @@ class Made:
     job: JobSpec
     manifest: Manifest | None
     facts: Mapping[str, Any]
+
+    @property
+    def result(self) -> Result:
+        """Result of a job that has one."""
+        assert self.manifest is not None
+        return self.manifest.result
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,6 @@ def everything(found: Found) -> dict[str, Any]:
 
 
 def _plain(one: Made) -> dict[str, Any]:
-    inputs = {name: [item.recipe for item in jobs] for name, jobs in one.job.inputs.items()}
     return {
         "stage": one.job.stage,
         "label": one.job.label,
@@ -80,5 +85,5 @@ def _plain(one: Made) -> dict[str, Any]:
         "object": one.manifest.result.object if one.manifest else None,
         "resumed": bool(one.manifest and one.manifest.result.resumed),
         "noted": dict(one.facts),
-        "inputs": inputs,
+        "inputs": one.job.input_recipes,
     }

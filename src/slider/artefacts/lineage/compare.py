@@ -12,7 +12,10 @@ from slider.artefacts.source.parts import Parts, known_parts
 from slider.artefacts.store import Store
 from slider.core import files
 
-_OF_A_RUN = {"computed", "dirty", "overrides", "reused_from", "started", "ended", "waiting"}
+_OF_A_RUN = {
+    *("computed", "dirty", "overrides", "reused_from", "taken_from", "waiting"),
+    *("started", "ended"),
+}
 """Facts that differ between any two runs, or that the recipe already answers for."""
 
 

@@ -7,7 +7,6 @@ from slider.artefacts.lineage.causes import Cause, Comparison, pairs
 from slider.artefacts.lineage.compare import parts_in
 from slider.artefacts.lineage.targets import Found, Layout, layouts, manifest_of
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.store import Store
 
 NEVER = "never computed"
@@ -174,4 +173,4 @@ def _is_known(job: JobSpec, store: Store) -> bool:
     objects = {name: [digest for digest in group if digest] for name, group in found.items()}
     if objects != found:
         return False
-    return store.known(recipe_digest(job.stage, job.section, job.code, objects)) is not None
+    return store.known(job.key(objects)) is not None

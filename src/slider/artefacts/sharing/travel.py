@@ -14,7 +14,6 @@ from typing import Any
 
 from slider.artefacts.locks import exclusive, if_free
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import recipe_digest
 from slider.artefacts.sharing.archive import DamageError, pack, packed_size, unpack
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.store import Manifest, Store, manifest_from
@@ -152,7 +151,7 @@ def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
         values = json.loads(content)
         found = _Shared(manifest_from(values["manifest"]), values["manifest"], values["facts"])
         told = (found.manifest.stage, found.manifest.recipe, found.manifest.inputs)
-        whole = found.text() == content and told == (job.stage, job.recipe, _inputs(job))
+        whole = found.text() == content and told == (job.stage, job.recipe, job.input_recipes)
         if whole and isinstance(found.facts, dict) and found.manifest.input_objects is not None:
             return found
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
@@ -230,7 +229,7 @@ def _write(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
     """Tell whether an object is now the result of the job's recipe."""
     manifest = found.manifest
     assert manifest.input_objects is not None
-    key = recipe_digest(job.stage, job.section, job.code, manifest.input_objects)
+    key = job.key(manifest.input_objects)
     if store.known(key) is None:
         store.remember(key, manifest)
     waiting = _input_objects(store, job) != manifest.input_objects
@@ -239,10 +238,6 @@ def _write(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
     if not waiting:
         store.write_manifest(manifest)
     return not waiting
-
-
-def _inputs(job: JobSpec) -> dict[str, list[str]]:
-    return {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()}
 
 
 def _input_objects(store: Store, job: JobSpec) -> dict[str, list[str]] | None:

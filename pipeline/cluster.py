@@ -2,7 +2,16 @@
 
 import signal
 import subprocess
+from pathlib import Path
 from typing import Any
+
+from pipeline.entry import PLAN
+
+
+def hand_on(workflow: Any, plan: Path) -> None:
+    """Name the head's plan in the ``--config`` of jobs, which read the Snakefile anew."""
+    settings = workflow.config_settings
+    settings.config_args = [*(settings.config_args or ()), f"{PLAN}={plan}"]
 
 
 def watch_cluster(workflow: Any) -> None:

@@ -1,10 +1,12 @@
 """What the Snakefile takes of the pipeline."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from pipeline.entry import open_pipeline
+from pipeline.cluster import hand_on
+from pipeline.entry import PLAN, open_pipeline
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -26,3 +28,38 @@ def test_a_training_has_a_thread_for_every_eight_cores(
     monkeypatch.chdir(tmp_path)
     opened = open_pipeline({"hydra": f"experiment=test {overrides}"}, CONF)
     assert opened.training_threads(cores) == threads
+
+
+def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = {"hydra": "experiment=test"}
+    head = open_pipeline(settings, CONF)
+    head.manifest("sensitivity")(None)
+    plans = {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()}
+
+    for name in ("ATEN_CPU_CAPABILITY", "ONEDNN_MAX_CPU_ISA", "MKL_CBWR"):
+        monkeypatch.setenv(name, {"MKL_CBWR": "SSE4_2"}.get(name, "default"))
+    job = open_pipeline(settings | {PLAN: str(head.plan_path)}, CONF, head=False)
+    for recipe in head.plan.jobs:
+        wildcards = SimpleNamespace(recipe=recipe)
+        assert job.inputs(wildcards) == head.inputs(wildcards)
+    assert job.run == head.run
+    assert {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()} == plans
+
+    other = open_pipeline(settings, CONF)
+    assert not head.plan.jobs.keys() <= other.plan.jobs.keys()
+
+
+def test_a_job_without_the_plan_of_a_head_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit, match="1"):
+        open_pipeline({}, CONF, head=False)
+    assert capsys.readouterr().err == "slider: expected a plan, found none at None\n"
+
+
+@pytest.mark.parametrize("given", [["hydra=experiment=test"], [], None])
+def test_the_head_names_its_plan_to_its_jobs(given):
+    workflow = SimpleNamespace(config_settings=SimpleNamespace(config_args=given))
+    hand_on(workflow, Path("artefacts/plans/a.json"))
+    named = [*(given or []), "plan=artefacts/plans/a.json"]
+    assert workflow.config_settings.config_args == named

@@ -210,18 +210,20 @@ def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config,
 
 def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
+    folder = store.root / "plans"
     try:
-        return _tend(plan, store, config)
+        path = write_plan(plan, folder)
+        os.utime(path)  # `slider store gc` keeps the latest plans
     except OSError as error:
         if not is_read_only(error):
             raise
-    return plan_path(plan, store.root / "plans")
+        return plan_path(plan, folder)
+    _tend(plan, store, config)
+    return path
 
 
-def _tend(plan: Plan, store: Store, config: Config) -> Path:
-    path = write_plan(plan, store.root / "plans")
+def _tend(plan: Plan, store: Store, config: Config) -> None:
     note_sources(plan, store)
-    os.utime(path)  # `slider store gc` keeps the latest plans
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
         print(f"slider: dropped {name}", file=sys.stderr)
@@ -234,7 +236,6 @@ def _tend(plan: Plan, store: Store, config: Config) -> Path:
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
-    return path
 
 
 def _take(plan: Plan, store: Store, remote: str) -> None:

@@ -1,10 +1,12 @@
 """What the Snakefile takes of the pipeline."""
 
+import errno
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from pipeline import entry
 from pipeline.cluster import hand_on
 from pipeline.entry import PLAN, open_pipeline
 
@@ -63,3 +65,17 @@ def test_the_head_names_its_plan_to_its_jobs(given):
     hand_on(workflow, Path("artefacts/plans/a.json"))
     named = [*(given or []), "plan=artefacts/plans/a.json"]
     assert workflow.config_settings.config_args == named
+
+
+def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(
+    tmp_path, monkeypatch, capsys
+):
+    def fail(*_):
+        raise PermissionError(errno.EACCES, "Permission denied", "artefacts/objects/ab/cd")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(entry, "drop_damaged", fail)
+    with pytest.raises(SystemExit, match="1"):
+        open_pipeline({"hydra": "experiment=test"}, CONF)
+    line = "slider: expected to write artefacts/objects/ab/cd, found: Permission denied\n"
+    assert capsys.readouterr().err == line

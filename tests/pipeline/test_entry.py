@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import pytest
 
 from pipeline import entry
-from pipeline.cluster import hand_on
 from pipeline.entry import PLAN, open_pipeline
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -57,14 +56,6 @@ def test_a_job_without_the_plan_of_a_head_is_one_line(tmp_path, monkeypatch, cap
     with pytest.raises(SystemExit, match="1"):
         open_pipeline({}, CONF, head=False)
     assert capsys.readouterr().err == "slider: expected a plan, found none at None\n"
-
-
-@pytest.mark.parametrize("given", [["hydra=experiment=test"], [], None])
-def test_the_head_names_its_plan_to_its_jobs(given):
-    workflow = SimpleNamespace(config_settings=SimpleNamespace(config_args=given))
-    hand_on(workflow, Path("artefacts/plans/a.json"))
-    named = [*(given or []), "plan=artefacts/plans/a.json"]
-    assert workflow.config_settings.config_args == named
 
 
 def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(

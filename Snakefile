@@ -5,7 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, workflow.basedir)
 
-from pipeline.cluster import cancel_the_rest, watch_cluster
+from pipeline.cluster import cancel_the_rest, lead
 from pipeline.console import Console
 from pipeline.entry import open_pipeline
 
@@ -36,7 +36,7 @@ include: "pipeline/rules/reports.smk"
 
 
 onstart:
-    watch_cluster(workflow)
+    lead(workflow, PIPELINE.plan_path)
     PIPELINE.start()
     CONSOLE.open(PIPELINE.plan, PIPELINE.store)
 

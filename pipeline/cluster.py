@@ -2,17 +2,24 @@
 
 import signal
 import subprocess
+from pathlib import Path
 from typing import Any
 
+from pipeline.entry import PLAN
 
-def watch_cluster(workflow: Any) -> None:
-    """Look for ended jobs every ``seconds-between-status-checks``; let SIGTERM do as Ctrl-C does.
 
-    By itself the executor looks ever less often, up to every three minutes, and ends no sooner;
-    after SIGTERM Snakemake would wait for the jobs that run.
+def lead(workflow: Any, plan: Path) -> None:
+    """Name the plan to the jobs of a cluster, look after them, let SIGTERM do as Ctrl-C does.
+
+    Jobs read the Snakefile anew, with the ``--config`` of the head. Those that ended are looked for
+    every ``seconds-between-status-checks``: by itself the executor looks ever less often, up to
+    every three minutes, and ends no sooner.
+    After SIGTERM Snakemake would wait for the jobs that run.
     """
     if workflow.local_exec:
         return
+    settings = workflow.config_settings
+    settings.config_args = [*(settings.config_args or ()), f"{PLAN}={plan}"]
     period = workflow.remote_execution_settings.seconds_between_status_checks
     executor = type(workflow.scheduler._executor)
     executor.next_seconds_between_status_checks = property(lambda _: period, lambda *_: None)

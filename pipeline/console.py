@@ -32,6 +32,7 @@ _TEXTS = (
 _AT_THE_END = ("Complete log", "Elapsed time")
 _TAIL = 5  # lines of the log of a job that could not speak for itself
 _SPOKE = re.compile(r"^(Traceback \(most recent call last\)|slider: )", re.MULTILINE)
+_log_error = GroupJob.log_error  # Snakemake's own
 _REASON_ENDS = re.compile(r"\n +sbatch call|Detailed failure reason|For further error details")
 
 
@@ -83,7 +84,8 @@ class Console:
 
     def _is_news(self, record: logging.LogRecord) -> bool:
         event = getattr(record, "event", None)
-        _explain(event, vars(record), remote=not self.workflow.local_exec)
+        with self._harmless():
+            _explain(event, vars(record), remote=not self.workflow.local_exec)
         if event in _EVENTS:
             self._follow(event, record)
             return False
@@ -106,10 +108,9 @@ class Console:
 
 def _keep_reasons() -> None:
     """Let the error of a group of jobs say why, as that of a job does."""
-    plain = GroupJob.log_error
 
     def log_error(self: Any, msg: Any = None, aux_logs: Any = None, **kwargs: Any) -> None:
-        plain(self, msg, aux_logs, rule_msg=msg, **kwargs)
+        _log_error(self, msg, aux_logs, rule_msg=msg, **kwargs)
 
     GroupJob.log_error = log_error
 
@@ -151,4 +152,8 @@ def _show_log(log: Path) -> None:
 
 
 def _read(log: Path) -> str:
-    return log.read_text(encoding="utf-8", errors="replace") if log.is_file() else ""
+    """The text of a log; nothing where there is none or it cannot be read."""
+    try:
+        return log.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return ""

@@ -17,7 +17,7 @@ from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
 from slider.artefacts.clock import date_now
 from slider.artefacts.maintenance import drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.sharing.travel import pull
 from slider.artefacts.source.parts import note_sources
@@ -30,7 +30,7 @@ from slider.core.errors import UserError
 from slider.env.terms import checked
 from slider.tracking import session as tracking
 
-OPTION = "hydra"
+OPTION, PLAN = "hydra", "plan"  # of --config; the latter is the head's word to its jobs
 _TITLE = 80  # characters
 _CORES_PER_THREAD, _MOST_THREADS, _MANY = 8, 4, 1024
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
@@ -46,7 +46,6 @@ class Pipeline:
     plan_path: Path
     store: Store
     conf: Path
-    head: bool = True
     session: tracking.Session | None = field(default=None)
 
     @property
@@ -95,9 +94,6 @@ class Pipeline:
         Raises:
             UserError: the recipe is not of the current plan.
         """
-        for target in ON_DEMAND:  # a cluster's job reads the Snakefile anew, without its target
-            if wildcards.recipe not in self.plan.jobs:
-                self._plan_also(target)
         job = self.plan.jobs.get(wildcards.recipe)
         if job is None:
             raise UserError(f"expected a recipe of the current plan, found {wildcards.recipe}")
@@ -113,7 +109,7 @@ class Pipeline:
             return
         job = ON_DEMAND[target](self.config, targets, self.overrides, self.conf)
         self.plan = build_plan(targets | {target: job})
-        self.plan_path = _lay_out(self.plan, self.store, self.config, self.head)
+        self.plan_path = _lay_out(self.plan, self.store, self.config)
 
     def start(self) -> None:
         """Begin this pipeline run; open a session of tracking, if the configuration wants one.
@@ -150,14 +146,14 @@ class Pipeline:
 def open_pipeline(settings: Mapping[str, Any], conf: Path, head: bool = True) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1.
 
-    A job that is not the ``head`` reads the Snakefile once more. It leaves the care of the store,
-    and what ``store.remote`` has, to the head.
+    On a cluster each job reads the Snakefile once more. It is not the ``head``: it takes the head's
+    plan as it is, also where the processor is another one, and leaves the store to the head.
     """
     gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
         with one_line():
             _try_notes(Path(".snakemake"))
-            return _open(parse_overrides(settings), conf, head)
+            return (_open if head else _join)(settings, conf)
     finally:
         gc.enable()
 
@@ -185,11 +181,18 @@ def one_line() -> Iterator[None]:
         raise SystemExit(1) from None
 
 
-def _open(overrides: list[str], conf: Path, head: bool) -> Pipeline:
+def _open(settings: Mapping[str, Any], conf: Path) -> Pipeline:
+    overrides = parse_overrides(settings)
     config, plan = planned(overrides, conf)
     store = Store(Path(ARTEFACTS))
-    path = _lay_out(plan, store, config, head)
-    return Pipeline(config, overrides, plan, path, store, conf, head)
+    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
+
+
+def _join(settings: Mapping[str, Any], conf: Path) -> Pipeline:
+    overrides = parse_overrides({name: settings[name] for name in settings if name != PLAN})
+    path = Path(str(settings.get(PLAN)))
+    store = Store(Path(ARTEFACTS))
+    return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
 
 
 def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config, Plan]:
@@ -205,22 +208,22 @@ def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config,
     return config, build_plan(targets)
 
 
-def _lay_out(plan: Plan, store: Store, config: Config, head: bool) -> Path:
+def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
-    if not head:
-        return write_plan(plan, store.root / "plans")
+    folder = store.root / "plans"
     try:
-        return _tend(plan, store, config)
+        path = write_plan(plan, folder)
+        os.utime(path)  # `slider store gc` keeps the latest plans
     except OSError as error:
         if not is_read_only(error):
             raise
-    return plan_path(plan, store.root / "plans")
+        return plan_path(plan, folder)
+    _tend(plan, store, config)
+    return path
 
 
-def _tend(plan: Plan, store: Store, config: Config) -> Path:
-    path = write_plan(plan, store.root / "plans")
+def _tend(plan: Plan, store: Store, config: Config) -> None:
     note_sources(plan, store)
-    os.utime(path)  # `slider store gc` keeps the latest plans
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
         print(f"slider: dropped {name}", file=sys.stderr)
@@ -233,7 +236,6 @@ def _tend(plan: Plan, store: Store, config: Config) -> Path:
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
-    return path
 
 
 def _take(plan: Plan, store: Store, remote: str) -> None:

@@ -1,5 +1,6 @@
 """The command line: what people are shown, and what the pipeline calls."""
 
+import errno
 import shlex
 import subprocess
 import sys
@@ -39,3 +40,19 @@ def test_a_reader_that_has_seen_enough_gets_no_trace():
     command = f"{shlex.quote(sys.executable)} -m slider.cli config | true"
     done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("artefacts/a", "expected to write artefacts/a, found: Permission denied"),
+        ("ffmpeg", "ffmpeg: Permission denied"),
+    ],
+)
+def test_a_missing_right_is_one_line(monkeypatch, capsys, name, line):
+    def fail(_):
+        raise PermissionError(errno.EACCES, "Permission denied", name)
+
+    monkeypatch.setattr("slider.commands.config.run", fail)
+    assert main(["config"]) == 1
+    assert capsys.readouterr().err == f"slider: {line}\n"

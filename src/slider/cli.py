@@ -11,7 +11,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from slider.core.disk import not_written
+from slider.artefacts.store import ARTEFACTS
+from slider.core.disk import is_read_only, not_written
 from slider.core.errors import UserError
 
 COMMANDS = {
@@ -61,9 +62,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
-        line = not_written(error, Path.cwd())
-        if line is None:
+        line = not_written(error, Path(ARTEFACTS))
+        if line is None and not is_read_only(error):
             raise
+        line = line or f"{error.filename}: {error.strerror}"
         print(f"slider: {line}", file=sys.stderr)
         return 1
 

@@ -54,3 +54,34 @@ def test_a_cause_counts():
 @pytest.mark.parametrize("error", [ValueError("3"), OSError(errno.ENOENT, "none"), OSError("odd")])
 def test_other_errors_are_left_alone(error):
     assert not_written(error, PLACE) is None
+
+
+def denied(name: str) -> PermissionError:
+    return PermissionError(errno.EACCES, "Permission denied", name)
+
+
+@pytest.mark.parametrize("name", ["artefacts/logs/a.log", "reports/a.csv", ".snakemake/tmp"])
+def test_a_missing_right_counts_where_the_pipeline_writes(name):
+    line = f"expected to write {name}, found: Permission denied"
+    assert str(not_written(denied(name), PLACE)) == line
+    assert str(not_written(denied(str(Path(name).absolute())), PLACE)).endswith("denied")
+
+
+@pytest.mark.parametrize("name", ["ffmpeg", ".venv/bin/ffmpeg", "/usr/bin/ffmpeg"])
+def test_a_program_that_may_not_run_is_another_error(name):
+    assert not_written(denied(name), PLACE) is None
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.ENOSPC])
+def test_a_mistake_after_an_error_keeps_its_trace(number):
+    error = KeyError("a")
+    error.__context__ = OSError(number, os.strerror(number), "artefacts/a")
+    assert not_written(error, PLACE) is None
+
+
+def test_an_error_while_another_of_files_is_handled_counts_unless_that_is_hidden():
+    error = OSError(errno.ENOENT, "none")
+    error.__context__ = denied("artefacts/a")
+    assert not_written(error, PLACE) is not None
+    error.__suppress_context__ = True
+    assert not_written(error, PLACE) is None

@@ -1,9 +1,12 @@
 """What of Snakemake's records reaches the terminal, and what follows the jobs."""
 
+import errno
 import logging
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from snakemake.jobs import GroupJob
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
@@ -12,7 +15,7 @@ from pipeline.console import Console
 
 @pytest.fixture
 def console():
-    made = Console(SimpleNamespace(dryrun=False))
+    made = Console(SimpleNamespace(dryrun=False, local_exec=True))
     yield made
     logger.removeFilter(made._is_news)
 
@@ -26,7 +29,7 @@ def passes(console: Console, text: str = "", **facts) -> bool:
 def test_chatter_is_dropped_and_errors_stay(console):
     assert not passes(console, "Building DAG of jobs...")
     assert not passes(console, "Job stats: ...", event=LogEvent.RUN_INFO)
-    assert passes(console, "Error in rule walking:", event=LogEvent.JOB_ERROR)
+    assert passes(console, "Error in rule walking:", event=LogEvent.JOB_ERROR, log=[])
     assert passes(console, "Exiting because a job execution failed.")
     assert passes(console, "Complete log(s): x.log")
     console.close(succeeded=True)
@@ -62,3 +65,24 @@ def test_a_line_that_cannot_be_written_ends_no_run(console, capsys):
     assert console.progress is None
     assert hushed
     assert "no terminal" in capsys.readouterr().err
+
+
+def test_a_log_that_cannot_be_read_ends_no_run(console, capsys, monkeypatch, tmp_path):
+    def fail(*_, **__):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    log = tmp_path / "walking.log"
+    log.touch()
+    monkeypatch.setattr(Path, "read_text", fail)
+    assert passes(console, event=LogEvent.JOB_ERROR, log=[str(log)], indent=False)
+    assert capsys.readouterr().err == f"slider: the job's log is {log}\n"
+
+
+def test_what_an_error_lacks_ends_no_run(console):
+    assert passes(console, "Error in group x:", event=LogEvent.GROUP_ERROR)
+
+
+def test_a_second_console_leaves_the_errors_of_groups_as_they_are(console):
+    logger.removeFilter(Console(console.workflow)._is_news)
+    group = SimpleNamespace(jobs=[], groupid="x")
+    GroupJob.log_error(group, msg="sbatch failed")

@@ -1,10 +1,13 @@
 """What the Snakefile takes of the pipeline."""
 
+import errno
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from pipeline.entry import open_pipeline
+from pipeline import entry
+from pipeline.entry import PLAN, open_pipeline
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -26,3 +29,44 @@ def test_a_training_has_a_thread_for_every_eight_cores(
     monkeypatch.chdir(tmp_path)
     opened = open_pipeline({"hydra": f"experiment=test {overrides}"}, CONF)
     assert opened.training_threads(cores) == threads
+
+
+def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = {"hydra": "experiment=test"}
+    head = open_pipeline(settings, CONF)
+    head.manifest("sensitivity")(None)
+    plans = {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()}
+
+    for name in ("ATEN_CPU_CAPABILITY", "ONEDNN_MAX_CPU_ISA", "MKL_CBWR"):
+        monkeypatch.setenv(name, {"MKL_CBWR": "SSE4_2"}.get(name, "default"))
+    job = open_pipeline(settings | {PLAN: str(head.plan_path)}, CONF, head=False)
+    for recipe in head.plan.jobs:
+        wildcards = SimpleNamespace(recipe=recipe)
+        assert job.inputs(wildcards) == head.inputs(wildcards)
+    assert job.run == head.run
+    assert {path: path.stat().st_mtime_ns for path in Path("artefacts/plans").iterdir()} == plans
+
+    other = open_pipeline(settings, CONF)
+    assert not head.plan.jobs.keys() <= other.plan.jobs.keys()
+
+
+def test_a_job_without_the_plan_of_a_head_is_one_line(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit, match="1"):
+        open_pipeline({}, CONF, head=False)
+    assert capsys.readouterr().err == "slider: expected a plan, found none at None\n"
+
+
+def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(
+    tmp_path, monkeypatch, capsys
+):
+    def fail(*_):
+        raise PermissionError(errno.EACCES, "Permission denied", "artefacts/objects/ab/cd")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(entry, "drop_damaged", fail)
+    with pytest.raises(SystemExit, match="1"):
+        open_pipeline({"hydra": "experiment=test"}, CONF)
+    line = "slider: expected to write artefacts/objects/ab/cd, found: Permission denied\n"
+    assert capsys.readouterr().err == line

@@ -1,14 +1,16 @@
 """Places that cannot be written, in one line: full or read-only disks, quotas, missing rights."""
 
 import errno
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from slider.core.errors import UserError
 
-_READ_ONLY = (errno.EROFS, errno.EACCES, errno.EPERM)
-_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
+_FOLDERS = ("reports", ".snakemake")
 # What numpy and torch say of a full disk, without its number.
 _SHORT = re.compile(
     r"requested and \d+ written|PytorchStreamWriter failed|inline_container.*unexpected pos"
@@ -17,24 +19,36 @@ _SHORT = re.compile(
 
 def is_read_only(error: BaseException) -> bool:
     """Tell whether something may be read but not written."""
-    return isinstance(error, OSError) and error.errno in _READ_ONLY
+    return isinstance(error, OSError) and error.errno in (errno.EROFS, *_OF_RIGHTS)
 
 
 def not_written(error: BaseException, place: Path) -> UserError | None:
     """What to say if an error comes from a place that cannot be written, else nothing.
 
-    ``place`` is named where the error names none.
+    ``place`` is named where the error names none. A missing right counts below ``place`` and the
+    other folders that the pipeline writes: elsewhere it may be that of a program.
     """
     for found in _chain(error):
-        if isinstance(found, OSError) and found.errno in (*_READ_ONLY, *_FULL):
-            where = found.filename2 or found.filename or place
-            return UserError(f"expected to write {where}, found: {found.strerror}")
+        if isinstance(found, OSError):
+            where = found.filename2 or found.filename
+            own = found.errno in _OF_RIGHTS and _is_ours(where, place)
+            if own or found.errno in _OF_DISKS:
+                return UserError(f"expected to write {where or place}, found: {found.strerror}")
         if _SHORT.search(str(found)):
             return UserError(f"expected to write {place}, found: No space left on device")
     return None
 
 
+def _is_ours(where: object, place: Path) -> bool:
+    if not isinstance(where, str | os.PathLike):
+        return False
+    folders = (Path(folder).resolve() for folder in (place, *_FOLDERS))  # the store may be a link
+    return any(map(Path(where).resolve().is_relative_to, folders))
+
+
 def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An error and its causes; what another kind of error came up beside is none."""
     while error is not None:
         yield error
-        error = error.__cause__ or error.__context__
+        beside = isinstance(error, OSError) and not error.__suppress_context__
+        error = error.__cause__ or (error.__context__ if beside else None)

@@ -100,7 +100,7 @@ def test_the_stages_of_table_1_are_in_the_table_that_ships_in_about_their_size()
     rows = times.shipped()
     assert {row.kind.partition(" ")[0] for row in rows} <= set(ENTRIES)
     way = {job.stage: job for job in build_plan(table1_jobs(compose([], CONF))).jobs.values()}
-    for stage in way.keys() - {"return_maps", "stability", "stability_figures", "basin"}:
+    for stage in way.keys() - {"stability", "stability_figures", "basin"}:
         sizes = [row.size for row in rows if row.kind.partition(" ")[0] == stage]
         assert sizes, stage
         assert all(size / 4 <= times.size(way[stage]) <= 4 * size for size in sizes), stage

@@ -247,7 +247,7 @@ def test_a_place_that_cannot_be_written_is_one_line(project, capsys, monkeypatch
         raise OSError(errno.ENOSPC, "No space left on device")  # names no file
 
     monkeypatch.setattr("slider.artefacts.bundle.write_bundle", fill)
-    expected = f"slider: expected to write {project}, found: No space left on device"
+    expected = "slider: expected to write artefacts, found: No space left on device"
     assert said(capsys, "table1") == expected
 
 

@@ -152,7 +152,6 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path, head: bool = True) ->
     gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
         with one_line():
-            _try_notes(Path(".snakemake"))
             return (_open if head else _join)(settings, conf)
     finally:
         gc.enable()
@@ -184,6 +183,7 @@ def one_line() -> Iterator[None]:
 def _open(settings: Mapping[str, Any], conf: Path) -> Pipeline:
     overrides = parse_overrides(settings)
     config, plan = planned(overrides, conf)
+    _try_notes(Path(".snakemake"))
     store = Store(Path(ARTEFACTS))
     return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
 

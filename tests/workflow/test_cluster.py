@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from shlex import quote
 
 import pytest
 
@@ -22,7 +23,7 @@ PLUGIN = "snakemake_executor_plugin_slurm"
 pytestmark = [
     pytest.mark.workflow,
     pytest.mark.skipif(bool(missing()), reason=f"no {', '.join(missing())}: apt install slurm-wlm"),
-    pytest.mark.skipif("'" in sys.executable, reason="Snakemake does not quote the folder's name"),
+    pytest.mark.skipif(quote(sys.executable) != sys.executable, reason="such a path is not quoted"),
     pytest.mark.skipif(importlib.util.find_spec(PLUGIN) is None, reason=f"no {PLUGIN}"),
 ]
 HOSTILE = 'a "gäit" $(touch pwned)'  # without the quote at which Snakemake fails on a cluster

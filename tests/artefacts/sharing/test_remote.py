@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import re
+import shlex
 import socket
 import sys
 import time
@@ -53,8 +54,7 @@ def test_a_host_that_nobody_knows_is_refused(tmp_path):
             Remote(f"{url}{tmp_path}/remote").open()
 
 
-PROXY = """#!{python}
-import os, socket, sys, threading
+PROXY = """import os, socket, sys, threading
 from pathlib import Path
 
 Path({log!r}).write_text(" ".join(sys.argv[1:]))
@@ -82,7 +82,9 @@ def test_a_host_behind_another(line, expected, tmp_path, monkeypatch):
         port = re.findall(r"Port (\d+)", config.read_text())[0]
         config.write_text(f"{config.read_text()}  {line}\n")
         program, log = tmp_path / "ssh", str(tmp_path / "log")
-        program.write_text(PROXY.format(python=sys.executable, log=log, port=port))
+        (tmp_path / "proxy.py").write_text(PROXY.format(log=log, port=port))
+        words = shlex.join([sys.executable, str(tmp_path / "proxy.py")])
+        program.write_text(f'#!/bin/sh\nexec {words} "$@"\n')
         program.chmod(0o755)
         monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
         remote = Remote(f"{url}{tmp_path}/remote")

@@ -55,8 +55,8 @@ lint: $(TOOLS)
 test: lint # each process takes whole files, in the order of tests/conftest.py
 	$(RUN) pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
 
-faults: $(STAMP) # kills, full disks and damage, some minutes
-	$(BIN)/python -m pytest -m faults -s tests/faults
+faults: $(TOOLS) # kills, full disks and damage, some minutes
+	$(RUN) pytest -m faults -s tests/faults
 
 clean: # what is left of interrupted jobs and of forgotten configurations
 	$(RUN) slider.cli store gc

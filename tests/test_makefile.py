@@ -66,3 +66,9 @@ def test_the_tools_bring_what_table_1_needs(folder):
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
     assert make(folder, "table1")[1] == "snakemake"
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
+
+
+@pytest.mark.parametrize("target", ["test", "faults"])
+def test_who_tests_gets_the_tools_first(folder, target):
+    assert make(folder, target)[:2] == ["-m", "pytest"]
+    assert ".[test]" in (folder / "all.txt").read_text().splitlines()

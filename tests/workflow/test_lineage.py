@@ -11,8 +11,7 @@ from tests.workflow.workspace import (
     QUIET,
     TABLE,
     Workspace,
-    copy_repository,
-    with_dummies,
+    dummies_that_ran,
 )
 
 pytestmark = pytest.mark.workflow
@@ -22,10 +21,7 @@ LONGER = "train.walking.iterations=5"
 
 @pytest.fixture(scope="module")
 def once(tmp_path_factory) -> Workspace:
-    """A pipeline of dummies that ran from nothing to its table, to be copied."""
-    workspace = with_dummies(copy_repository(tmp_path_factory.mktemp("lineage")))
-    assert workspace.computed() == EVERYTHING
-    return workspace
+    return dummies_that_ran(tmp_path_factory.mktemp("lineage"))
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from tests.workflow.workspace import (
     TABLE,
     Workspace,
     copy_repository,
+    dummies_that_ran,
     with_dummies,
 )
 
@@ -38,10 +39,7 @@ LONGER = f"{QUIET} train.walking.iterations=5"
 
 @pytest.fixture(scope="module")
 def once(tmp_path_factory) -> Workspace:
-    """A pipeline of dummies that ran from nothing to its table, to be copied."""
-    workspace = with_dummies(copy_repository(tmp_path_factory.mktemp("machinery")))
-    assert workspace.computed() == EVERYTHING
-    return workspace
+    return dummies_that_ran(tmp_path_factory.mktemp("machinery"))
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ from tests.workflow.workspace import (
     TABLE,
     Workspace,
     copy_repository,
+    dummies_that_ran,
     with_dummies,
 )
 
@@ -19,8 +20,7 @@ NOTHING = "Nothing to be done"
 @pytest.fixture(scope="module")
 def giver(tmp_path_factory) -> Workspace:
     """A pipeline of dummies that ran and pushed all to a folder beside it."""
-    workspace = with_dummies(copy_repository(tmp_path_factory.mktemp("giver")))
-    assert workspace.computed() == EVERYTHING
+    workspace = dummies_that_ran(tmp_path_factory.mktemp("giver"))
     pushed = workspace.slider("store", "push", str(workspace.folder / "remote"))
     assert pushed.stdout.startswith(f"push to {workspace.folder}/remote: {len(EVERYTHING)} sent (")
     return workspace

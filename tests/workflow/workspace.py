@@ -278,3 +278,10 @@ def with_dummies(workspace: Workspace) -> Workspace:
         "def speed(section):\n    return sum(section['command'])\n"
     )
     return workspace
+
+
+def dummies_that_ran(folder: Path) -> Workspace:
+    """A pipeline of dummies that ran from nothing to its table, to be copied."""
+    workspace = with_dummies(copy_repository(folder))
+    assert workspace.computed() == EVERYTHING
+    return workspace

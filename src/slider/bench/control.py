@@ -10,8 +10,9 @@ import argparse
 import os
 import time
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
+from slider.bench.stopwatch import replaced
 from slider.config.control import HzdControlConfig
 from slider.config.env import PlantConfig
 from slider.config.hzd import enforced_section
@@ -154,26 +156,16 @@ def _step(physics: BatchedPhysics, steps: list[tuple[np.ndarray, np.ndarray]]) -
         pool.rollout(physics.model, data, state, np.repeat(torques[:, None], substeps, axis=1))
 
 
-@contextmanager
-def _noted(owner: Any, name: str, note: Callable[..., None]):
+def _noted(owner: Any, name: str, note: Callable[..., None]) -> AbstractContextManager[None]:
     """Let ``note`` have the arguments of every ``_EVERY``-th call of a function."""
-    original, own, calls = getattr(owner, name), name in vars(owner), 0
+    original, calls = getattr(owner, name), count()
 
     def noted(*arguments: Any) -> Any:
-        nonlocal calls
-        calls += 1
-        if calls % _EVERY == 1:
+        if next(calls) % _EVERY == 0:
             note(*arguments)
         return original(*arguments)
 
-    setattr(owner, name, noted)
-    try:
-        yield
-    finally:
-        if own:
-            setattr(owner, name, original)
-        else:
-            delattr(owner, name)
+    return replaced(owner, name, noted)
 
 
 def _seconds(work: Callable[[], object]) -> float:

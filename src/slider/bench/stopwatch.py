@@ -7,6 +7,21 @@ from contextlib import ExitStack, contextmanager
 from typing import Any
 
 
+@contextmanager
+def replaced(owner: object, name: str, function: Callable[..., Any]) -> Iterator[None]:
+    """Put a function in the place of a method or a module's function until the block ends."""
+    own = name in vars(owner)  # or of its class
+    original = getattr(owner, name)
+    setattr(owner, name, function)
+    try:
+        yield
+    finally:
+        if own:
+            setattr(owner, name, original)
+        else:
+            delattr(owner, name)
+
+
 class Stopwatch:
     """Adds up the processor time [s] of all threads; what a part calls counts for that part only.
 
@@ -24,21 +39,9 @@ class Stopwatch:
         """Time methods, given as owner and name by part, until the block ends."""
         with ExitStack() as stack:
             for part, (owner, name) in methods.items():
-                stack.enter_context(self._replaced(owner, name, part))
+                timed = self._timed(getattr(owner, name), part)
+                stack.enter_context(replaced(owner, name, timed))
             yield
-
-    @contextmanager
-    def _replaced(self, owner: object, name: str, part: str) -> Iterator[None]:
-        own = name in vars(owner)  # or of its class
-        original = getattr(owner, name)
-        setattr(owner, name, self._timed(original, part))
-        try:
-            yield
-        finally:
-            if own:
-                setattr(owner, name, original)
-            else:
-                delattr(owner, name)
 
     def _timed(self, function: Callable[..., Any], part: str) -> Callable[..., Any]:
         def timed(*arguments: Any, **options: Any) -> Any:

@@ -31,15 +31,29 @@ class Measurement:
     build: float
     solves: list[Solve]
 
+    @property
+    def cpu(self) -> np.ndarray:
+        """Of each solve [s]."""
+        return np.array([solve.cpu for solve in self.solves])
+
+    @property
+    def iterations(self) -> np.ndarray:
+        """Of each solve, over its attempts."""
+        return np.array([sum(a.iterations for a in solve.attempts) for solve in self.solves])
+
+    @property
+    def iteration(self) -> float:
+        """Mean of an iteration [s]."""
+        return float(self.cpu.sum() / self.iterations.sum())
+
     def line(self) -> str:
         """One row of the table."""
-        cpu = np.array([solve.cpu for solve in self.solves])
-        iterations = np.array([sum(a.iterations for a in solve.attempts) for solve in self.solves])
         functions = sum(sum(solve.evaluations.values()) for solve in self.solves)
         return (
-            f"{self.nodes:5d}  {len(cpu):5d}  {self.build:5.2f}  {np.median(cpu):12.2f} / "
-            f"{cpu.max():<10.2f}  {np.median(iterations):10.0f}  "
-            f"{1e3 * cpu.sum() / iterations.sum():10.1f} ms  {functions / cpu.sum():10.0%}"
+            f"{self.nodes:5d}  {len(self.cpu):5d}  {self.build:5.2f}  "
+            f"{np.median(self.cpu):12.2f} / {self.cpu.max():<10.2f}  "
+            f"{np.median(self.iterations):10.0f}  {1e3 * self.iteration:10.1f} ms  "
+            f"{functions / self.cpu.sum():10.0%}"
         )
 
 

@@ -75,7 +75,7 @@ class _Filling:
 
     def _make(self, name: str) -> tuple[str, str, bool] | None:
         table = TABLES[name]
-        report, target = self._reports / table.report, f"{REPORTS}/{table.target}"
+        report = self._reports / table.report
         try:
             if not report.is_file():
                 raise Unmade(f"{report} is missing")
@@ -83,7 +83,7 @@ class _Filling:
             text = table.make(report, self._store)
         except Unmade as error:
             print(
-                f"slider results: {name} stays as it is, {error}: snakemake -j2 {target}",
+                f"slider results: {name} stays as it is, {error}: {table.command}",
                 file=sys.stderr,
             )
             return None
@@ -91,4 +91,4 @@ class _Filling:
             raise UserError(
                 f"expected a column {error} in {report}, found none: it is of another version"
             ) from None
-        return text, line(report, target, origin), origin is not None
+        return text, line(report, table.command, origin), origin is not None

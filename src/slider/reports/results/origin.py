@@ -46,7 +46,7 @@ def _read(path: Path, store: Store) -> Made:
     return Made(manifest, files.read_json(sidecar) if sidecar.is_file() else {})
 
 
-def line(report: Path, target: str, found: Made | None) -> str:
+def line(report: Path, command: str, found: Made | None) -> str:
     """What stands below a table: command, commit, date, machine.
 
     A report that is in no store counts as made here, when the file was written.
@@ -56,8 +56,7 @@ def line(report: Path, target: str, found: Made | None) -> str:
     config = f" --config hydra='{hydra}'" if hydra else ""
     date = str(facts.get("ended", "unknown"))[:10]
     return (
-        f"Made by `snakemake -j2 {target}{config}`, {_commit(facts)}, {date}, "
-        f"{facts.get('machine', machine())}."
+        f"Made by `{command}{config}`, {_commit(facts)}, {date}, {facts.get('machine', machine())}."
     )
 
 

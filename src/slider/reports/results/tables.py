@@ -83,23 +83,24 @@ class ResultTable:
     Attributes:
         report: file of ``reports/`` that it is made from.
         make: Markdown from that file; the store says more where the file is not enough.
-        target: file to ask Snakemake for.
+        command: that makes the file.
     """
 
     report: str
     make: Callable[[Path, Store], str]
-    target: str
+    command: str
 
 
 TABLES: dict[str, ResultTable] = {}
 _Make = Callable[[Path, Store], str]
 
 
-def block(report: str, target: str = "") -> Callable[[_Make], _Make]:
-    """Declare the block that is called as the function."""
+def block(report: str, target: str = "", command: str = "") -> Callable[[_Make], _Make]:
+    """Declare the block that is called as the function; Snakemake makes its file or ``target``."""
 
     def declare(make: _Make) -> _Make:
-        TABLES[make.__name__] = ResultTable(report, make, target or report)
+        usual = f"snakemake -j2 reports/{target or report}"
+        TABLES[make.__name__] = ResultTable(report, make, command or usual)
         return make
 
     return declare
@@ -276,6 +277,20 @@ def times(report: Path, store: Store) -> str:
         )
     heads = ["stage", "jobs", "threads of a job", "wall time of all jobs [min]"]
     return grid([*heads, "processor time [min]"], body).markdown
+
+
+@block("growth.csv", command="slider benchmark-growth --out reports/growth.csv")
+def growth(report: Path, store: Store) -> str:
+    """A table per curve: what grows across, quantities down."""
+    shown = []
+    for curve, rows in by(read(report), "curve").items():
+        counts = distinct(rows, "count")
+        body = []
+        for name, own in by(rows, "name").items():
+            found = {row["count"]: f"{row['value']:.3g}" for row in own}
+            body.append([name, *(found.get(count, "") for count in counts)])
+        shown.append(grid([curve, *(f"{count:g}" for count in counts)], body).markdown)
+    return "\n\n".join(shown)
 
 
 _Line = tuple[str, str, Sequence[Row], str]

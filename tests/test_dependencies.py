@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import tomllib
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -44,9 +45,12 @@ def imported(*folders: str) -> set[str]:
     return found - OURS - sys.stdlib_module_names
 
 
+packages = cache(metadata.packages_distributions)
+
+
 def providers(package: str) -> set[str]:
     """Distributions with a package: several share a name space such as ``mlflow``."""
-    known = metadata.packages_distributions().get(package)
+    known = packages().get(package)
     found = None if known else distribution(package)
     return set(map(normal, known or ([found.name] if found else [])))
 
@@ -64,9 +68,9 @@ def test_table_1_needs_no_extra():
         job.stage for job in build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
     }
     modules = [ENTRIES[stage].partition(":")[0] for stage in stages]
-    packages = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))
-    assert {"torch", "casadi", "snakemake"} <= packages
-    assert {name for name in packages if not providers(name) & names(REQUIRED)} == set()
+    used = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))
+    assert {"torch", "casadi", "snakemake"} <= used
+    assert {name for name in used if not providers(name) & names(REQUIRED)} == set()
 
 
 def test_what_tests_import_is_declared():

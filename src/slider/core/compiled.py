@@ -1,0 +1,105 @@
+"""Functions over arrays as machine code, compiled by numba once per source and kept.
+
+There is no fast-math and no contraction, so that each operation rounds as IEEE 754 says, and the
+target is one and the same for all x86-64 processors with AVX2: results are those of any of them.
+
+What is compiled lies beside the source, where Python keeps its bytecode, or in
+``NUMBA_CACHE_DIR``. Jobs that start at once compile each for itself, and one of the results stays.
+A damaged file is compiled anew; where nothing can be written, every process compiles.
+"""
+
+import hashlib
+import os
+import pickle
+import sys
+import tempfile
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import llvmlite
+import numba
+from numba.core import serialize
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
+
+from slider.core.machine import cpuinfo
+
+F = TypeVar("F", bound=Callable[..., Any])
+_TARGET = {"x86_64": ("haswell", "+avx,+avx2,+bmi,+bmi2,+fma,+lzcnt,+movbe,+popcnt,+sse4.2")}
+
+
+def compiled(function: F) -> F:
+    """Compile a function for the types of its arguments when it is first called.
+
+    It may use constants and other compiled functions of its own module only: the source of that
+    is what tells whether the machine code is up to date.
+    """
+    _fix_target()
+    dispatcher = numba.njit(function, error_model="numpy")
+    dispatcher._cache = _Kept(function)
+    return cast(F, dispatcher)
+
+
+part = cast(Callable[[F], F], partial(numba.njit, error_model="numpy"))
+"""Of compiled functions: compiled with each that calls it."""
+
+
+def _fix_target() -> None:
+    if os.uname().machine == "x86_64" and "avx2" in cpuinfo("flags").split():
+        numba.config.CPU_NAME, numba.config.CPU_FEATURES = _TARGET["x86_64"]
+
+
+class _Kept(_Cache):
+    """Machine code of a function, a file for each signature: digest of what follows, pickle."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        source = Path(function.__code__.co_filename)
+        self._source, self._name = source, f"{source.stem}.{function.__qualname__}"
+        self._folder = Path(os.environ.get("NUMBA_CACHE_DIR") or source.parent / "__pycache__")
+
+    @property
+    def cache_path(self) -> str:
+        """Folder."""
+        return str(self._folder)
+
+    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
+        """What is kept for a signature; none where there is none, or it is damaged."""
+        target_context.refresh()
+        with suppress(OSError):
+            digest, content = _split(self._path(sig).read_bytes())
+            if digest == hashlib.sha256(content).digest():
+                return CompileResult._rebuild(target_context, *pickle.loads(content))
+        return None
+
+    def save_overload(self, sig: Any, data: CompileResult) -> None:
+        """Keep it, if that is possible."""
+        content = serialize.dumps(data._reduce())
+        with suppress(OSError):
+            self._folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile(dir=self._folder, delete=False) as file:
+                file.write(hashlib.sha256(content).digest() + content)
+            os.replace(file.name, self._path(sig))
+
+    def _path(self, sig: Any) -> Path:
+        target = numba.config.CPU_NAME, numba.config.CPU_FEATURES
+        versions = numba.__version__, llvmlite.__version__, sys.version
+        facts = self._source.read_bytes(), str(sig), str((*target, *versions))
+        digest = hashlib.sha256(b"\0".join(f.encode() if isinstance(f, str) else f for f in facts))
+        return self._folder / f"{self._name}-{digest.hexdigest()[:16]}.machine"
+
+    def enable(self) -> None:
+        """Nothing: it always is."""
+
+    def disable(self) -> None:
+        """Nothing."""
+
+    def flush(self) -> None:
+        """Nothing: what is out of date has another name."""
+
+
+def _split(content: bytes) -> tuple[bytes, bytes]:
+    size = hashlib.sha256().digest_size
+    return content[:size], content[size:]

@@ -2,10 +2,11 @@
 
 There is no fast-math and no contraction, so that each operation rounds as IEEE 754 says, and the
 target is one and the same for all x86-64 processors with AVX2: results are those of any of them.
+Products of matrices are those of SciPy's BLAS (``slider.core.numerics``).
 
-What is compiled lies beside the source, where Python keeps its bytecode, or in
-``NUMBA_CACHE_DIR``. Jobs that start at once compile each for itself, and one of the results stays.
-A damaged file is compiled anew; where nothing can be written, every process compiles.
+What is compiled lies in ``NUMBA_CACHE_DIR``, or beside the source, where Python keeps its bytecode.
+Jobs that start at once compile each for itself, and one of the results stays. A damaged file is
+compiled anew; where nothing can be written, every process compiles.
 """
 
 import hashlib
@@ -21,6 +22,8 @@ from typing import Any, TypeVar, cast
 
 import llvmlite
 import numba
+import numpy as np
+import scipy
 from numba.core import serialize
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
@@ -28,14 +31,14 @@ from numba.core.compiler import CompileResult
 from slider.core.machine import cpuinfo
 
 F = TypeVar("F", bound=Callable[..., Any])
-_TARGET = {"x86_64": ("haswell", "+avx,+avx2,+bmi,+bmi2,+fma,+lzcnt,+movbe,+popcnt,+sse4.2")}
+_TARGET = "haswell", "+avx,+avx2,+bmi,+bmi2,+fma,+lzcnt,+movbe,+popcnt,+sse4.2"
 
 
 def compiled(function: F) -> F:
     """Compile a function for the types of its arguments when it is first called.
 
-    It may use constants and other compiled functions of its own module only: the source of that
-    is what tells whether the machine code is up to date.
+    It may use numbers, arrays and ``part``s of its own module only: these and the source of the
+    module tell whether the machine code is up to date.
     """
     _fix_target()
     dispatcher = numba.njit(function, error_model="numpy")
@@ -44,12 +47,14 @@ def compiled(function: F) -> F:
 
 
 part = cast(Callable[[F], F], partial(numba.njit, error_model="numpy"))
-"""Of compiled functions: compiled with each that calls it."""
+"""A function that compiled ones of its module call: compiled with each of them."""
 
 
 def _fix_target() -> None:
+    """Through the environment: numba reads its settings anew whenever that changes."""
     if os.uname().machine == "x86_64" and "avx2" in cpuinfo("flags").split():
-        numba.config.CPU_NAME, numba.config.CPU_FEATURES = _TARGET["x86_64"]
+        os.environ.update(NUMBA_CPU_NAME=_TARGET[0], NUMBA_CPU_FEATURES=_TARGET[1])
+        numba.config.reload_config()
 
 
 class _Kept(_Cache):
@@ -58,6 +63,7 @@ class _Kept(_Cache):
     def __init__(self, function: Callable[..., Any]) -> None:
         source = Path(function.__code__.co_filename)
         self._source, self._name = source, f"{source.stem}.{function.__qualname__}"
+        self._values = function.__globals__
         self._folder = Path(os.environ.get("NUMBA_CACHE_DIR") or source.parent / "__pycache__")
 
     @property
@@ -84,11 +90,14 @@ class _Kept(_Cache):
             os.replace(file.name, self._path(sig))
 
     def _path(self, sig: Any) -> Path:
+        kinds = int, float, tuple, np.ndarray
+        constants = {n: v for n, v in self._values.items() if isinstance(v, kinds)}
+        values = {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in constants.items()}
+        versions = numba.__version__, llvmlite.__version__, scipy.__version__, sys.version
         target = numba.config.CPU_NAME, numba.config.CPU_FEATURES
-        versions = numba.__version__, llvmlite.__version__, sys.version
-        facts = self._source.read_bytes(), str(sig), str((*target, *versions))
-        digest = hashlib.sha256(b"\0".join(f.encode() if isinstance(f, str) else f for f in facts))
-        return self._folder / f"{self._name}-{digest.hexdigest()[:16]}.machine"
+        facts = repr((str(sig), values, *versions, *target)).encode()
+        digest = hashlib.sha256(self._source.read_bytes() + facts).hexdigest()
+        return self._folder / f"{self._name}-{digest[:16]}.machine"
 
     def enable(self) -> None:
         """Nothing: it always is."""

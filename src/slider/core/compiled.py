@@ -13,7 +13,6 @@ import hashlib
 import os
 import pickle
 import sys
-import tempfile
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
@@ -83,11 +82,12 @@ class _Kept(_Cache):
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         """Keep it, if that is possible."""
         content = serialize.dumps(data._reduce())
+        path = self._path(sig)
+        part = path.with_name(f".{path.name}.{os.getpid()}.part")  # files.TEMPORARY_PATTERN
         with suppress(OSError):
-            self._folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(dir=self._folder, delete=False) as file:
-                file.write(hashlib.sha256(content).digest() + content)
-            os.replace(file.name, self._path(sig))
+            path.parent.mkdir(parents=True, exist_ok=True)
+            part.write_bytes(hashlib.sha256(content).digest() + content)
+            part.replace(path)
 
     def _path(self, sig: Any) -> Path:
         kinds = int, float, tuple, np.ndarray

@@ -82,8 +82,8 @@ class NominalModel:
         n, copies = len(qvel), self._copies
         qvel = np.ascontiguousarray(qvel)
         mass, bias = np.empty((n, NUM_DOFS, NUM_DOFS)), np.empty((n, NUM_DOFS))
-        com, turn = np.empty((n, 3)), np.empty((n, 3, 3))
-        soles, turns = np.empty((n, 2, 3)), np.empty((n, 2, 3, 3))
+        com, turn = np.empty((n, 3)), np.empty((n, 9))
+        soles, turns = np.empty((n, 2, 3)), np.empty((n, 2, 9))
         jacobians, rates = np.empty((n, 2, 6, NUM_DOFS)), np.empty((n, 2, 6))
         places = copies.soles, copies.bodies
         found = mass, bias, com, turn, soles, turns, jacobians, rates
@@ -100,10 +100,10 @@ class NominalModel:
             com_velocity=np.einsum("nij,nj->ni", com_jacobian, qvel),
             com_jacobian=com_jacobian,
             com_bias=bias[:, :3] / self.mass - [0.0, 0.0, names.GRAVITY],
-            base_rotation=turn,
+            base_rotation=turn.reshape(n, 3, 3),
             base_quaternion=qpos[:, 3:7],
             foot_positions=soles,
-            foot_rotations=turns,
+            foot_rotations=turns.reshape(n, 2, 3, 3),
             foot_jacobians=jacobians,
             foot_bias=rates,
         )
@@ -132,12 +132,13 @@ def _read(
         for place, value in enumerate(sparse[copy]):
             row, column = rows[place], columns[place]
             mass[robot, row, column] = mass[robot, column, row] = value
-        bias[robot], com[robot] = forces[copy], coms[copy, 0]
-        rotation[robot] = rotations[copy, 0].reshape(3, 3)
+        _copy(bias[robot], forces[copy])
+        _copy(com[robot], coms[copy, 0])
+        _copy(rotation[robot], rotations[copy, 0])
         _turn_with_base(axes[copy], twists[copy, bodies[0]], rates[copy])
         for leg, site in enumerate(own_sites):
-            soles[robot, leg] = sites[copy, site]
-            sole_rotations[robot, leg] = site_rotations[copy, site].reshape(3, 3)
+            _copy(soles[robot, leg], sites[copy, site])
+            _copy(sole_rotations[robot, leg], site_rotations[copy, site])
             twist = twists[copy, bodies[1 + leg]]
             for k in range(3):
                 offset[k] = sites[copy, site, k] - com[robot, k]
@@ -150,6 +151,12 @@ def _read(
                 for dof in range(first, last):
                     motion = axes[copy, dof], rates[copy, dof], qvel[robot, dof]
                     _add_motion(motion, offset, speed, jacobian[:, dof], rate)
+
+
+@part
+def _copy(target: np.ndarray, source: np.ndarray) -> None:
+    for k in range(len(source)):  # an assignment of slices takes a second to compile
+        target[k] = source[k]
 
 
 @part

@@ -160,12 +160,12 @@ def _stance(
                     rows[axis, dof] = own[axis, dof]
                 rows[3, dof] = (x * own[4, dof] - y * own[3, dof]) / length
                 rows[4, dof] = own[5, dof]
-            rate[:3], rate[3], rate[4] = bias[:3], (x * bias[4] - y * bias[3]) / length, bias[5]
+            for axis in range(3):
+                rate[axis] = -bias[axis]
+            rate[3], rate[4] = -(x * bias[4] - y * bias[3]) / length, -bias[5]
+            rate[_UP] -= kd * sinking[robot, place]
             for row in range(_LINE):
-                speed = np.dot(rows[row], qvel[robot])
-                if row == _UP:
-                    speed += sinking[robot, place]
-                rate[row] = -kd * speed - rate[row]
+                rate[row] -= kd * np.dot(rows[row], qvel[robot])
 
 
 def join(parts: list[Part]) -> Tasks:

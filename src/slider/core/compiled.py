@@ -15,7 +15,6 @@ import pickle
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -39,14 +38,14 @@ def compiled(function: F) -> F:
     It may use numbers, arrays and ``part``s of its own module only: these and the source of the
     module tell whether the machine code is up to date.
     """
-    _fix_target()
     dispatcher = numba.njit(function, error_model="numpy")
     dispatcher._cache = _Kept(function)
     return cast(F, dispatcher)
 
 
-part = cast(Callable[[F], F], partial(numba.njit, error_model="numpy"))
-"""A function that compiled ones of its module call: compiled with each of them."""
+def part(function: F) -> F:
+    """Let compiled functions of the module call a function: it is compiled with each of them."""
+    return cast(F, numba.njit(function, error_model="numpy"))
 
 
 def _fix_target() -> None:
@@ -54,6 +53,9 @@ def _fix_target() -> None:
     if os.uname().machine == "x86_64" and "avx2" in cpuinfo("flags").split():
         os.environ.update(NUMBA_CPU_NAME=_TARGET[0], NUMBA_CPU_FEATURES=_TARGET[1])
         numba.config.reload_config()
+
+
+_fix_target()  # before numba makes anything
 
 
 class _Kept(_Cache):

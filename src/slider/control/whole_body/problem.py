@@ -171,22 +171,15 @@ def _reduce(
     Mₐᵤ S y + Mₐₐ q̈ₐ + hₐ − Jₐᵀ f.
     """
     (mass, bias, contact), (jacobian, desired, root), (damping, to_motors) = terms, wanted, settings
-    ranks, size, count = contact.shape[1], hessian.shape[1], len(root)
-    square = np.empty((len(_UNACTUATED), len(_UNACTUATED)))
-    follows = np.empty((len(_UNACTUATED), size + 1))  # S
-    free, coupling = np.empty((count, len(_UNACTUATED))), np.empty((NUM_ACTUATED, len(_UNACTUATED)))
-    image, scaled, target = np.empty((count, size + 1)), np.empty((count, size)), np.empty(count)
-    motors = np.empty((NUM_ACTUATED, size + 1))
+    size, count, free = hessian.shape[1], len(root), len(_UNACTUATED)
+    square, follows = np.empty((free, free)), np.empty((free, size + 1))  # Mᵤᵤ, S
+    shares, scaled, target = np.empty((count, free)), np.empty((count, size)), np.empty(count)
+    image, coupling = np.empty((count, size + 1)), np.empty((NUM_ACTUATED, free))
+    motors, driven = np.empty((NUM_ACTUATED, size + 1)), np.empty((NUM_ACTUATED, NUM_DOFS))
     for robot in range(len(mass)):
         _eliminate(mass[robot], bias[robot], contact[robot], square, follows)
-
+        _image(jacobian[robot], follows, shares, image)
         for row in range(count):
-            for place, dof in enumerate(_UNACTUATED):
-                free[row, place] = jacobian[robot, row, dof]
-        np.dot(free, follows, image)
-        for row in range(count):
-            for place, dof in enumerate(_ACTUATED):
-                image[row, ranks + place] += jacobian[robot, row, dof]
             for column in range(size):
                 scaled[row, column] = root[row] * image[row, column]
             target[row] = root[row] * (desired[robot, row] - image[row, size])
@@ -195,23 +188,33 @@ def _reduce(
         for place in range(size):
             hessian[robot, place, place] += damping[place]
             gradient[robot, place] *= -1.0
-
-        for row, joint in enumerate(_ACTUATED):
-            for place, dof in enumerate(_UNACTUATED):
-                coupling[row, place] = mass[robot, joint, dof]
         effort = efforts[robot]
-        np.dot(coupling, follows, effort)
         for row, joint in enumerate(_ACTUATED):
-            for column in range(ranks):
+            for dof in range(NUM_DOFS):
+                driven[row, dof] = mass[robot, joint, dof]
+        _image(driven, follows, coupling, effort)
+        for row, joint in enumerate(_ACTUATED):
+            for column in range(contact.shape[1]):
                 effort[row, column] -= contact[robot, column, joint]
-            for place, dof in enumerate(_ACTUATED):
-                effort[row, ranks + place] += mass[robot, joint, dof]
             effort[row, size] += bias[robot, joint]
         np.dot(to_motors, effort, motors)
         for row in range(NUM_ACTUATED):
             for column in range(size):
                 rows[robot, row, column] = motors[row, column]
             still[robot, row] = motors[row, size]
+
+
+@part
+def _image(matrix: np.ndarray, follows: np.ndarray, shares: np.ndarray, image: np.ndarray) -> None:
+    """``matrix`` (r, 18) q̈ of (f, q̈ₐ, 1), by way of the columns ``shares`` (r, 8) of q̈ᵤ."""
+    first = follows.shape[1] - 1 - NUM_ACTUATED
+    for row in range(len(matrix)):
+        for place, dof in enumerate(_UNACTUATED):
+            shares[row, place] = matrix[row, dof]
+    np.dot(shares, follows, image)
+    for row in range(len(matrix)):
+        for place, dof in enumerate(_ACTUATED):
+            image[row, first + place] += matrix[row, dof]
 
 
 @part

@@ -7,6 +7,8 @@ import pytest
 
 from slider.artefacts.runner import limit_threads
 
+# Machine code is compiled once for all stores that tests make.
+os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parent / "__pycache__"))
 limit_threads(1)  # before torch and casadi are imported: `make test` has a process per core
 
 

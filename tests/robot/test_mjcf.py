@@ -295,3 +295,19 @@ def test_the_friction_of_legs_is_the_feets(model):
     assert model.npair == len(names.LEG_PAIRS) + len(names.BASE_PAIRS)
     np.testing.assert_array_equal(model.pair_friction[:, :2], 0.75)
     np.testing.assert_array_equal(model.pair_dim, 3)
+
+
+def test_a_search_for_islands_would_change_no_bit():
+    """Of a robot that falls onto its feet and over."""
+    model, searching = (build_model(ROBOT, SimulationOptions()) for _ in range(2))
+    searching.opt.disableflags = 0
+    states = []
+    for one in (model, searching):
+        data = mujoco.MjData(one)
+        data.qpos[:] = nominal_qpos(ROBOT)
+        data.qvel[:] = np.random.default_rng(0).normal(size=18)
+        for _ in range(200):
+            mujoco.mj_step(one, data)
+        states.append(np.concatenate([data.qpos, data.qvel]))
+    assert model.opt.disableflags
+    np.testing.assert_array_equal(*states)

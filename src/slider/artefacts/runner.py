@@ -77,6 +77,7 @@ class Runner:
         section = copy.deepcopy(dict(spec.section))
         chosen = section.pop("numerics", {})
         numerics.impose(chosen)
+        os.environ.setdefault("NUMBA_CACHE_DIR", str(self.store.cache_folder("compiled")))
         function = _load(spec)
         numerics.check(chosen)
         job = self._job(spec)

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.core.compiled import compiled, part
+
 Orders = tuple[np.ndarray, np.ndarray, np.ndarray]
 """A value and its first and second derivatives."""
 
@@ -34,6 +36,7 @@ def smooth_step(u: np.ndarray) -> Orders:
 _EASE = 0.1  # of a step
 
 
+@compiled
 def extended(inside: Orders, beyond: np.ndarray) -> Orders:
     """Values (n, m), with two derivatives, ``beyond`` (n,) the phases at which they are known.
 
@@ -41,12 +44,25 @@ def extended(inside: Orders, beyond: np.ndarray) -> Orders:
     continuous, so that a return map has a derivative where steps end at the end of the phase.
     """
     value, slope, curve = inside
-    ahead = np.abs(beyond)
-    u = np.minimum(ahead / _EASE, 1.0)
+    found = np.empty_like(value), np.empty_like(value), np.empty_like(value)
+    for robot in range(value.shape[0]):
+        for k in range(value.shape[1]):
+            here = value[robot, k], slope[robot, k], curve[robot, k]
+            found[0][robot, k], found[1][robot, k], found[2][robot, k] = _onward(
+                here, beyond[robot]
+            )
+    return found
+
+
+@part
+def _onward(here: tuple[float, float, float], beyond: float) -> tuple[float, float, float]:
+    value, slope, curve = here
+    ahead = abs(beyond)
+    u = min(ahead / _EASE, 1.0)
     turned = _EASE * (u - u**2 / 2)
     moved = _EASE**2 * (u**2 / 2 - u**3 / 6) + turned * (ahead - _EASE * u)
-    turned, moved, left = ((f[:, None]) for f in (np.sign(beyond) * turned, moved, 1.0 - u))
-    return value + beyond[:, None] * slope + moved * curve, slope + turned * curve, left * curve
+    bent = np.sign(beyond) * turned
+    return value + beyond * slope + moved * curve, slope + bent * curve, (1.0 - u) * curve
 
 
 @dataclass(frozen=True)
@@ -76,31 +92,39 @@ class NodeTable:
 
         Outside [0, 1] it goes on as ``extended`` does.
         """
-        within = np.clip(phase, 0.0, 1.0)
-        return extended(self._within(within), phase - within)
+        return _interpolated(self.values, self.slopes, self.curvatures, phase)
 
-    def _within(self, phase: np.ndarray) -> Orders:
-        pieces = self.values.shape[1] - 1
-        place = phase * pieces
+
+@compiled
+def _interpolated(
+    values: np.ndarray, slopes: np.ndarray, curvatures: np.ndarray | None, phase: np.ndarray
+) -> Orders:
+    shape, pieces = (values.shape[0], values.shape[2]), values.shape[1] - 1
+    found = np.empty(shape), np.empty(shape), np.empty(shape)
+    for robot in range(shape[0]):
+        within = min(max(phase[robot], 0.0), 1.0)
+        place = within * pieces
         # A robot that is lost has no phase, and gets no value.
-        left = np.fmin(place, pieces - 1).astype(int)
-        u, rows = (place - left)[:, None], np.arange(len(phase))
-        ends = [rows, left], [rows, left + 1]
-        a, b = (self.values[tuple(end)] for end in ends)
-        da, db = (self.slopes[tuple(end)] / pieces for end in ends)
-        if self.curvatures is None:
-            c2, c3 = 3 * (b - a) - 2 * da - db, 2 * (a - b) + da + db
-            factors = [a, da, c2, c3]
-        else:
-            dda, ddb = (self.curvatures[tuple(end)] / pieces**2 for end in ends)
-            rise, rate, bend = b - a - da - dda / 2, db - da - dda, ddb - dda
-            c3 = 10 * rise - 4 * rate + bend / 2
-            c4 = -15 * rise + 7 * rate - bend
-            c5 = 6 * rise - 3 * rate + bend / 2
-            factors = [a, da, dda / 2, c3, c4, c5]
-        powers = [u**k for k in range(len(factors))]
-        value = sum(c * power for c, power in zip(factors, powers, strict=True))
-        rising, bending = list(enumerate(factors))[1:], list(enumerate(factors))[2:]
-        slope = sum(k * c * power for (k, c), power in zip(rising, powers, strict=False))
-        curve = sum(k * (k - 1) * c * power for (k, c), power in zip(bending, powers, strict=False))
-        return np.asarray(value), np.asarray(slope) * pieces, np.asarray(curve) * pieces**2
+        left = int(place) if place < pieces else pieces - 1
+        u = place - left
+        for k in range(shape[1]):
+            a, b = values[robot, left, k], values[robot, left + 1, k]
+            da, db = slopes[robot, left, k] / pieces, slopes[robot, left + 1, k] / pieces
+            if curvatures is None:
+                dda = 6 * (b - a) - 4 * da - 2 * db
+                c3, c4, c5 = 2 * (a - b) + da + db, 0.0, 0.0
+            else:
+                dda = curvatures[robot, left, k] / pieces**2
+                ddb = curvatures[robot, left + 1, k] / pieces**2
+                rise, rate, bend = b - a - da - dda / 2, db - da - dda, ddb - dda
+                c3 = 10 * rise - 4 * rate + bend / 2
+                c4 = -15 * rise + 7 * rate - bend
+                c5 = 6 * rise - 3 * rate + bend / 2
+            value = a + u * (da + u * (dda / 2 + u * (c3 + u * (c4 + u * c5))))
+            slope = da + u * (dda + u * (3 * c3 + u * (4 * c4 + u * 5 * c5)))
+            curve = dda + u * (6 * c3 + u * (12 * c4 + u * 20 * c5))
+            inside = value, slope * pieces, curve * pieces**2
+            found[0][robot, k], found[1][robot, k], found[2][robot, k] = _onward(
+                inside, phase[robot] - within
+            )
+    return found

@@ -92,6 +92,8 @@ def _set_options(spec: mujoco.MjSpec, options: SimulationOptions) -> None:
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.iterations = options.solver_iterations
     spec.option.ls_iterations = options.line_search_iterations
+    # Robots are one island: to look for others takes time, and the numbers are the same.
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_ISLAND
     # MuJoCo 4.0.0 has wrong accelerations with its sparse factor (google-deepmind/mujoco#3767).
     spec.option.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
 

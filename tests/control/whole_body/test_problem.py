@@ -45,6 +45,19 @@ def build(dynamics: Dynamics, feet: np.ndarray, acceleration=(0.0, 0.0, 0.0), se
     return body, tasks, body.build(dynamics, tasks, feet, np.ones(feet.shape, dtype=bool))
 
 
+DRIVEN = np.array([6, 7, 8, 9, 10, 12, 13, 14, 15, 16])
+FREE = np.array([0, 1, 2, 3, 4, 5, 11, 17])  # base and upper feet
+
+
+def follows(dynamics: Dynamics, contact: np.ndarray, i: int) -> np.ndarray:
+    """q̈ (18, size + 1) of robot ``i`` from (f, q̈ₐ, 1), by the equations of motion."""
+    mass, jacobian, driven = dynamics.mass_matrix[i], contact[i], np.eye(18)[:, DRIVEN]
+    right = np.hstack([jacobian.T, -mass @ driven, -dynamics.bias[i][:, None]])[FREE]
+    found = np.hstack([np.zeros((18, len(jacobian))), driven, np.zeros((18, 1))])
+    found[FREE] = np.linalg.inv(mass[np.ix_(FREE, FREE)]) @ right
+    return found
+
+
 BOTH, LEFT = np.tile([0, 1], (COUNT, 1)), np.zeros((COUNT, 1), dtype=int)
 
 
@@ -63,12 +76,41 @@ def test_equations_of_motion_hold_exactly(dynamics, feet):
     contact = body.contact_jacobian(dynamics, feet)
     for i in range(COUNT):
         y = solution(problem, i)
-        acceleration = problem.to_acceleration[i] @ np.append(y, 1.0)
+        acceleration = follows(dynamics, contact, i) @ np.append(y, 1.0)
         force = contact[i].T @ y[: contact.shape[1]]
         force[6:] += torques[i]
         left = dynamics.mass_matrix[i] @ acceleration + dynamics.bias[i]
         np.testing.assert_allclose(left, force, atol=1e-7)
     assert not torques[:, [5, 11]].any(), "upper feet have no drive"
+
+
+@pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])
+def test_cost_and_limits_are_those_of_the_full_accelerations(dynamics, feet):
+    """Σ w (J q̈ − b)² + ρ y², and motor torques of M q̈ + h − Jᵀf, of any y."""
+    body, tasks, problem = build(dynamics, feet, (0.5, 0.1, 0.0))
+    contact, (of_joints, of_forces) = body.contact_jacobian(dynamics, feet), CONTROL.regularisation
+    ranks, rng = contact.shape[1], np.random.default_rng(2)
+    damping = np.array([of_forces] * ranks + [of_joints] * 10)
+
+    def cost(i: int, y: np.ndarray) -> float:
+        error = tasks.jacobian[i] @ (follows(dynamics, contact, i) @ np.append(y, 1.0))
+        error -= tasks.desired[i]
+        return 0.5 * (tasks.weight @ error**2 + damping @ y**2)
+
+    for i in range(COUNT):
+        hessian, gradient = problem.hessian[i], problem.gradient[i]
+        for y in rng.normal(size=(3, ranks + 10)):
+            change = cost(i, y) - cost(i, np.zeros_like(y))
+            assert 0.5 * y @ hessian @ y + gradient @ y == pytest.approx(change, rel=1e-9)
+            acceleration = follows(dynamics, contact, i) @ np.append(y, 1.0)
+            efforts = dynamics.mass_matrix[i] @ acceleration + dynamics.bias[i]
+            efforts -= contact[i].T @ y[:ranks]
+            found = problem.efforts[i] @ np.append(y, 1.0)
+            np.testing.assert_allclose(found, efforts[DRIVEN], rtol=1e-9, atol=1e-9)
+            # The motors turn slowly: the limits are those of the torque.
+            left = problem.upper[i, ranks : ranks + 10] - problem.rows[i, :10] @ y
+            torques = motor_torques(efforts[None, 6:])[0]
+            np.testing.assert_allclose(TORQUE_LIMITS - left, torques, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("feet", [BOTH, LEFT], ids=["both", "left"])
@@ -83,9 +125,10 @@ def test_optimality_conditions(dynamics, feet):
 
 def test_tasks_are_met_where_they_can_be(dynamics):
     """Four tasks of both feet and the base, and the centre of mass: the accelerations follow."""
-    _, tasks, problem = build(dynamics, BOTH, acceleration=(0.3, -0.2, 0.4))
+    body, tasks, problem = build(dynamics, BOTH, acceleration=(0.3, -0.2, 0.4))
+    contact = body.contact_jacobian(dynamics, BOTH)
     for i in range(COUNT):
-        acceleration = problem.to_acceleration[i] @ np.append(solution(problem, i), 1.0)
+        acceleration = follows(dynamics, contact, i) @ np.append(solution(problem, i), 1.0)
         found = tasks.jacobian[i] @ acceleration
         np.testing.assert_allclose(found, tasks.desired[i], atol=0.02)
 

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.copies import Copies, Terms
+from slider.control.whole_body.copies import Copies
+from slider.core.compiled import compiled, part
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 
 NUM_DOFS = 6 + names.NUM_JOINTS
 _BASE_BODY = 1
-_FLOATING, _BASE_TURN = slice(0, 6), slice(3, 6)
-_LEGS = slice(6, 11), slice(12, 17)  # without the upper feet, which move no sole
+_FLOATING, _BASE_TURN = 6, 3  # degrees of freedom of the base; from here on they are its rotation
+_LEGS = ((6, 11), (12, 17))  # without the upper feet, which move no sole
 
 
 @dataclass(frozen=True)
@@ -78,61 +79,115 @@ class NominalModel:
 
     def evaluate(self, qpos: np.ndarray, qvel: np.ndarray) -> Dynamics:
         """Terms at positions (n, 19) and velocities (n, 18)."""
-        terms = self._copies.evaluate(qpos, qvel)
-        mass, bias = terms.mass_matrix, terms.bias
+        n, copies = len(qvel), self._copies
+        qvel = np.ascontiguousarray(qvel)
+        mass, bias = np.empty((n, NUM_DOFS, NUM_DOFS)), np.empty((n, NUM_DOFS))
+        com, turn = np.empty((n, 3)), np.empty((n, 9))
+        soles, turns = np.empty((n, 2, 3)), np.empty((n, 2, 9))
+        jacobians, rates = np.empty((n, 2, 6, NUM_DOFS)), np.empty((n, 2, 6))
+        places = copies.soles, copies.bodies
+        found = mass, bias, com, turn, soles, turns, jacobians, rates
+        for start in copies.evaluate(qpos, qvel):
+            _read(copies.terms, copies.entries, places, start, qvel, found)
         com_jacobian = mass[:, :3] / self.mass  # momentum = mass × velocity of the centre of mass
-        com_bias = bias[:, :3] / self.mass - [0.0, 0.0, names.GRAVITY]
-        jacobians, rates = _foot_jacobians(terms)
         return Dynamics(
             base_position=qpos[:, :3],
             joints=qpos[:, 7:],
             qvel=qvel,
             mass_matrix=mass,
             bias=bias + self._damping * qvel,
-            com=terms.com,
+            com=com,
             com_velocity=np.einsum("nij,nj->ni", com_jacobian, qvel),
             com_jacobian=com_jacobian,
-            com_bias=com_bias,
-            base_rotation=terms.base_rotation,
+            com_bias=bias[:, :3] / self.mass - [0.0, 0.0, names.GRAVITY],
+            base_rotation=turn.reshape(n, 3, 3),
             base_quaternion=qpos[:, 3:7],
-            foot_positions=terms.soles,
-            foot_rotations=terms.sole_rotations,
+            foot_positions=soles,
+            foot_rotations=turns.reshape(n, 2, 3, 3),
             foot_jacobians=jacobians,
-            foot_bias=(rates @ qvel[:, None, :, None])[..., 0],
+            foot_bias=rates,
         )
 
 
-def _foot_jacobians(terms: Terms) -> tuple[np.ndarray, np.ndarray]:
-    """Of the soles, linear above angular, and their derivatives (n, 2, 6, 18); as ``mj_jac``."""
-    n = len(terms.com)
-    jacobians, rates = np.zeros((2, n, 2, 6, NUM_DOFS))
-    turn, move = terms.axes[:3], terms.axes[3:]
-    turn_rate, move_rate = _axis_rates(terms)
-    offsets = (terms.soles - terms.com[:, None]).T  # (3, 2, n)
-    for leg, own in enumerate(_LEGS):
-        offset, twist = offsets[:, leg], terms.twists[:, 1 + leg]
-        speed = [twist[3 + k] - _cross(offset, twist[:3], k) for k in range(3)]
-        for dofs in (_FLOATING, own):
-            axis, rate = turn[:, dofs], turn_rate[:, dofs]
+_Arrays = tuple[np.ndarray, ...]
+
+
+@compiled
+def _read(
+    terms: _Arrays,
+    entries: _Arrays,
+    places: _Arrays,
+    start: int,
+    qvel: np.ndarray,
+    found: _Arrays,
+) -> None:
+    """Terms of the robots from ``start`` on, of as many as there are copies; see ``Copies``."""
+    sparse, forces, coms, rotations, sites, site_rotations, twists, axes, rates = terms
+    mass, bias, com, rotation, soles, sole_rotations, jacobians, foot_bias = found
+    (rows, columns), (own_sites, bodies) = entries, places
+    offset, speed = np.empty(3), np.empty(3)
+    for copy in range(min(len(sparse), len(qvel) - start)):
+        robot = start + copy
+        mass[robot] = 0.0
+        for place, value in enumerate(sparse[copy]):
+            row, column = rows[place], columns[place]
+            mass[robot, row, column] = mass[robot, column, row] = value
+        _copy(bias[robot], forces[copy])
+        _copy(com[robot], coms[copy, 0])
+        _copy(rotation[robot], rotations[copy, 0])
+        _turn_with_base(axes[copy], twists[copy, bodies[0]], rates[copy])
+        for leg, site in enumerate(own_sites):
+            _copy(soles[robot, leg], sites[copy, site])
+            _copy(sole_rotations[robot, leg], site_rotations[copy, site])
+            twist = twists[copy, bodies[1 + leg]]
             for k in range(3):
-                linear = move[k, dofs] + _cross(axis, offset, k)
-                jacobians[:, leg, k, dofs], jacobians[:, leg, 3 + k, dofs] = linear.T, axis[k].T
-                linear = move_rate[k, dofs] + _cross(rate, offset, k) + _cross(axis, speed, k)
-                rates[:, leg, k, dofs], rates[:, leg, 3 + k, dofs] = linear.T, rate[k].T
-    return jacobians, rates
+                offset[k] = sites[copy, site, k] - com[robot, k]
+            for k in range(3):
+                speed[k] = twist[3 + k] - _cross(offset, twist[:3], k)
+            jacobian, rate = jacobians[robot, leg], foot_bias[robot, leg]
+            jacobian[:] = 0.0
+            rate[:] = 0.0
+            for first, last in ((0, _FLOATING), _LEGS[leg]):
+                for dof in range(first, last):
+                    motion = axes[copy, dof], rates[copy, dof], qvel[robot, dof]
+                    _add_motion(motion, offset, speed, jacobian[:, dof], rate)
 
 
-def _axis_rates(terms: Terms) -> tuple[np.ndarray, np.ndarray]:
-    """Angular and linear part (3, 18, n); those of the base's rotation turn with the base."""
-    axes, rates, twist = terms.axes[:, _BASE_TURN], terms.axis_rates.copy(), terms.twists[:, 0]
+@part
+def _copy(target: np.ndarray, source: np.ndarray) -> None:
+    for k in range(len(source)):  # an assignment of slices takes a second to compile
+        target[k] = source[k]
+
+
+@part
+def _turn_with_base(axes: np.ndarray, twist: np.ndarray, rates: np.ndarray) -> None:
+    """Derivatives of the axes (d, 6) of the base's rotation, which turn with it."""
+    for dof in range(_BASE_TURN, _FLOATING):
+        turn, move = axes[dof, :3], axes[dof, 3:]
+        for k in range(3):
+            rates[dof, k] = _cross(twist[:3], turn, k)
+            rates[dof, 3 + k] = _cross(twist[:3], move, k) + _cross(twist[3:], turn, k)
+
+
+@part
+def _add_motion(
+    motion: tuple[np.ndarray, np.ndarray, float],
+    offset: np.ndarray,
+    speed: np.ndarray,
+    column: np.ndarray,
+    bias: np.ndarray,
+) -> None:
+    """What one degree of freedom moves of a sole at ``offset`` with ``speed``; as ``mj_jac``."""
+    (axis, rate, velocity), turn, turn_rate = motion, motion[0][:3], motion[1][:3]
     for k in range(3):
-        rates[k, _BASE_TURN] = _cross(twist[:3], axes[:3], k)
-        moved = _cross(twist[:3], axes[3:], k) + _cross(twist[3:], axes[:3], k)
-        rates[3 + k, _BASE_TURN] = moved
-    return rates[:3], rates[3:]
+        column[k], column[3 + k] = axis[3 + k] + _cross(turn, offset, k), turn[k]
+        linear = rate[3 + k] + _cross(turn_rate, offset, k) + _cross(turn, speed, k)
+        bias[k] += linear * velocity
+        bias[3 + k] += turn_rate[k] * velocity
 
 
-def _cross(a: np.ndarray, b: np.ndarray | list[np.ndarray], k: int) -> np.ndarray:
-    """Component ``k`` of a × b, of components first."""
+@part
+def _cross(a: np.ndarray, b: np.ndarray, k: int) -> float:
+    """Component ``k`` of a × b."""
     i, j = (k + 1) % 3, (k + 2) % 3
     return a[i] * b[j] - a[j] * b[i]

@@ -15,6 +15,7 @@ from slider.config.control import WholeBodyConfig
 from slider.config.robot import RobotConfig
 from slider.control.whole_body import qp
 from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
+from slider.core.compiled import compiled, part
 from slider.robot import names
 from slider.robot.transmission import Transmission
 
@@ -42,9 +43,9 @@ class Tasks:
 
 @dataclass(frozen=True)
 class Problem:
-    """One QP per robot: min ½ yᵀHy + gᵀy, lower ≤ (f, rows·y) ≤ upper; effort = map·y + offset.
+    """One QP per robot: min ½ yᵀHy + gᵀy, lower ≤ (f, rows·y) ≤ upper.
 
-    ``to_acceleration`` (n, 18, size + 1) gives q̈ from (y, 1).
+    ``efforts`` (n, 10, size + 1) gives those of the actuated joints from (y, 1).
     """
 
     hessian: np.ndarray
@@ -52,9 +53,7 @@ class Problem:
     rows: np.ndarray
     lower: np.ndarray
     upper: np.ndarray
-    torque_map: np.ndarray
-    torque_offset: np.ndarray
-    to_acceleration: np.ndarray
+    efforts: np.ndarray
 
 
 class WholeBody:
@@ -69,72 +68,37 @@ class WholeBody:
 
     def contact_jacobian(self, dynamics: Dynamics, feet: np.ndarray) -> np.ndarray:
         """Jacobian (n, 6 · feet, 18) of heel and toe of the stance ``feet`` (n, k)."""
-        n, count = feet.shape
-        robots = np.arange(n)[:, None]
-        jacobian = dynamics.foot_jacobians[robots, feet]  # (n, k, 6, 18)
-        along = dynamics.foot_rotations[robots, feet][..., 0]  # (n, k, 3)
-        points = np.empty((n, count, 2, 3, NUM_DOFS))
-        for axis in range(3):
-            one, other = (axis + 1) % 3, (axis + 2) % 3
-            turned = jacobian[:, :, 3 + one] * along[:, :, other, None]  # ω × r per unit length
-            turned -= jacobian[:, :, 3 + other] * along[:, :, one, None]
-            for end, length in enumerate(self._half_line):
-                points[:, :, end, axis] = jacobian[:, :, axis] + length * turned
-        return points.reshape(n, 6 * count, NUM_DOFS)
+        points = np.empty((*feet.shape, len(self._half_line), 3, NUM_DOFS))
+        terms = dynamics.foot_jacobians, dynamics.foot_rotations
+        _line_ends(*terms, feet, self._half_line, points)
+        return points.reshape(len(feet), -1, NUM_DOFS)
 
     def build(
         self, dynamics: Dynamics, tasks: Tasks, feet: np.ndarray, loaded: np.ndarray
     ) -> Problem:
         """QPs of n robots with ``feet`` (n, k) in stance; those not ``loaded`` get no force."""
         contact = self.contact_jacobian(dynamics, feet)
-        transform = self._eliminate(dynamics, contact)
-        hessian, gradient = self._cost(tasks, transform)
-        ranks = contact.shape[1]
-        map_, offset = self._torques(dynamics, contact, transform)
+        n, ranks = contact.shape[:2]
+        size, cone = ranks + NUM_ACTUATED, self._cone(ranks)
+        hessian, gradient = np.empty((n, size, size)), np.empty((n, size))
+        efforts = np.empty((n, NUM_ACTUATED, size + 1))
+        rows, still = np.empty((n, NUM_ACTUATED + len(cone), size)), np.empty((n, NUM_ACTUATED))
+        rows[:, NUM_ACTUATED:] = cone
+        terms = dynamics.mass_matrix, dynamics.bias, contact
+        wanted = tasks.jacobian, tasks.desired, np.sqrt(tasks.weight)
+        settings = self._damping(ranks), self._to_motors
+        _reduce(terms, wanted, settings, hessian, gradient, efforts, rows, still)
         low, high = self._motors.torque_limits(self._motors.angles(dynamics.qvel[:, _BASE:]))
-        torque, still = self._to_motors @ map_, offset @ self._to_motors.T
-        cone = self._cone(ranks)
-        n = len(map_)
-        rows = np.concatenate([torque, np.broadcast_to(cone, (n, *cone.shape))], axis=1)
         force_low, force_high = self._force_bounds(loaded)
         zero = np.zeros((n, len(cone)))
         lower = np.concatenate([force_low, low - still, zero - qp.UNBOUNDED], axis=1)
         upper = np.concatenate([force_high, high - still, zero], axis=1)
-        return Problem(hessian, gradient, rows, lower, upper, map_, offset, transform)
+        return Problem(hessian, gradient, rows, lower, upper, efforts)
 
-    def _eliminate(self, dynamics: Dynamics, contact: np.ndarray) -> np.ndarray:
-        """q̈ (n, 18) as a linear function of (f, q̈ₐ, 1)."""
-        n, ranks = contact.shape[:2]
-        mass, bias = dynamics.mass_matrix, dynamics.bias
-        right = np.empty((n, len(_UNACTUATED), ranks + NUM_ACTUATED + 1))
-        right[:, :, :ranks] = contact[:, :, _UNACTUATED].swapaxes(1, 2)
-        right[:, :, ranks:-1] = -mass[:, _UNACTUATED[:, None], _ACTUATED]
-        right[:, :, -1] = -bias[:, _UNACTUATED]
-        transform = np.zeros((n, NUM_DOFS, ranks + NUM_ACTUATED + 1))
-        square = mass[:, _UNACTUATED[:, None], _UNACTUATED]
-        transform[:, _UNACTUATED] = np.linalg.solve(square, right)
-        transform[:, _ACTUATED, ranks + np.arange(NUM_ACTUATED)] = 1.0
-        return transform
-
-    def _cost(self, tasks: Tasks, transform: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        image = tasks.jacobian @ transform
-        rows, offset = image[:, :, :-1], tasks.desired - image[:, :, -1]
-        weighted = rows.swapaxes(1, 2) * tasks.weight
-        hessian = weighted @ rows
-        size = hessian.shape[1]
-        damping = np.full(size, self._config.regularisation[1])
-        damping[-NUM_ACTUATED:] = self._config.regularisation[0]
-        hessian[:, np.arange(size), np.arange(size)] += damping
-        return hessian, -(weighted @ offset[:, :, None])[..., 0]
-
-    def _torques(
-        self, dynamics: Dynamics, contact: np.ndarray, transform: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Torques (n, 10) of the actuated joints as a linear function of y."""
-        ranks = contact.shape[1]
-        image = dynamics.mass_matrix[:, _ACTUATED] @ transform
-        image[:, :, :ranks] -= contact[:, :, _ACTUATED].swapaxes(1, 2)
-        return image[:, :, :-1], image[:, :, -1] + dynamics.bias[:, _ACTUATED]
+    def _damping(self, ranks: int) -> np.ndarray:
+        """ρ (size,) of forces and accelerations."""
+        accelerations, forces = self._config.regularisation
+        return np.repeat([forces, accelerations], [ranks, NUM_ACTUATED])
 
     def _cone(self, ranks: int) -> np.ndarray:
         """Rows (4 · points, size) of ±fx − μ' fz ≤ 0 and ±fy − μ' fz ≤ 0, μ' = μ/√2."""
@@ -160,7 +124,134 @@ class WholeBody:
             problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper
         )
         torques = np.zeros((len(found), names.NUM_JOINTS))
-        torques[:, _JOINTS] = (problem.torque_map @ found[:, :, None])[..., 0]
-        torques[:, _JOINTS] += problem.torque_offset
+        maps, offsets = problem.efforts[:, :, :-1], problem.efforts[:, :, -1]
+        torques[:, _JOINTS] = (maps @ found[:, :, None])[..., 0] + offsets
         torques[~solved] = 0.0
         return torques, solved
+
+
+@compiled
+def _line_ends(
+    jacobians: np.ndarray,
+    rotations: np.ndarray,
+    feet: np.ndarray,
+    lengths: np.ndarray,
+    points: np.ndarray,
+) -> None:
+    """Points (n, k, ends, 3, 18) at ``lengths`` along a foot's line: J + ω × r."""
+    for robot in range(len(feet)):
+        for place, foot in enumerate(feet[robot]):
+            jacobian, along = jacobians[robot, foot], rotations[robot, foot, :, 0]
+            for axis in range(3):
+                one, other = (axis + 1) % 3, (axis + 2) % 3
+                for dof in range(NUM_DOFS):
+                    turned = jacobian[3 + one, dof] * along[other]
+                    turned -= jacobian[3 + other, dof] * along[one]
+                    for end, length in enumerate(lengths):
+                        points[robot, place, end, axis, dof] = jacobian[axis, dof] + length * turned
+
+
+_Arrays = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+@compiled
+def _reduce(
+    terms: _Arrays,
+    wanted: _Arrays,
+    settings: tuple[np.ndarray, np.ndarray],
+    hessian: np.ndarray,
+    gradient: np.ndarray,
+    efforts: np.ndarray,
+    rows: np.ndarray,
+    still: np.ndarray,
+) -> None:
+    """Cost, efforts and motor torques ``rows`` y + ``still`` in the unknowns y = (f, q̈ₐ).
+
+    With q̈ᵤ = S (y, 1), the cost is Σ (√w (Jᵤ S y + Jₐ q̈ₐ − b))² + ρ y² and the efforts are
+    Mₐᵤ S y + Mₐₐ q̈ₐ + hₐ − Jₐᵀ f.
+    """
+    (mass, bias, contact), (jacobian, desired, root), (damping, to_motors) = terms, wanted, settings
+    size, count, free = hessian.shape[1], len(root), len(_UNACTUATED)
+    square, follows = np.empty((free, free)), np.empty((free, size + 1))  # Mᵤᵤ, S
+    shares, scaled, target = np.empty((count, free)), np.empty((count, size)), np.empty(count)
+    image, coupling = np.empty((count, size + 1)), np.empty((NUM_ACTUATED, free))
+    motors, driven = np.empty((NUM_ACTUATED, size + 1)), np.empty((NUM_ACTUATED, NUM_DOFS))
+    for robot in range(len(mass)):
+        _eliminate(mass[robot], bias[robot], contact[robot], square, follows)
+        _image(jacobian[robot], follows, shares, image)
+        for row in range(count):
+            for column in range(size):
+                scaled[row, column] = root[row] * image[row, column]
+            target[row] = root[row] * (desired[robot, row] - image[row, size])
+        np.dot(scaled.T, scaled, hessian[robot])
+        np.dot(scaled.T, target, gradient[robot])
+        for place in range(size):
+            hessian[robot, place, place] += damping[place]
+            gradient[robot, place] *= -1.0
+        effort = efforts[robot]
+        for row, joint in enumerate(_ACTUATED):
+            for dof in range(NUM_DOFS):
+                driven[row, dof] = mass[robot, joint, dof]
+        _image(driven, follows, coupling, effort)
+        for row, joint in enumerate(_ACTUATED):
+            for column in range(contact.shape[1]):
+                effort[row, column] -= contact[robot, column, joint]
+            effort[row, size] += bias[robot, joint]
+        np.dot(to_motors, effort, motors)
+        for row in range(NUM_ACTUATED):
+            for column in range(size):
+                rows[robot, row, column] = motors[row, column]
+            still[robot, row] = motors[row, size]
+
+
+@part
+def _image(matrix: np.ndarray, follows: np.ndarray, shares: np.ndarray, image: np.ndarray) -> None:
+    """``matrix`` (r, 18) q̈ of (f, q̈ₐ, 1), by way of the columns ``shares`` (r, 8) of q̈ᵤ."""
+    first = follows.shape[1] - 1 - NUM_ACTUATED
+    for row in range(len(matrix)):
+        for place, dof in enumerate(_UNACTUATED):
+            shares[row, place] = matrix[row, dof]
+    np.dot(shares, follows, image)
+    for row in range(len(matrix)):
+        for place, dof in enumerate(_ACTUATED):
+            image[row, first + place] += matrix[row, dof]
+
+
+@part
+def _eliminate(
+    mass: np.ndarray,
+    bias: np.ndarray,
+    contact: np.ndarray,
+    square: np.ndarray,
+    follows: np.ndarray,
+) -> None:
+    """Unactuated accelerations q̈ᵤ = S (f, q̈ₐ, 1): Mᵤᵤ S = (Jᵤᵀ, −Mᵤₐ, −hᵤ)."""
+    ranks = len(contact)
+    for row, joint in enumerate(_UNACTUATED):
+        for column in range(ranks):
+            follows[row, column] = contact[column, joint]
+        for place, dof in enumerate(_ACTUATED):
+            follows[row, ranks + place] = -mass[joint, dof]
+        follows[row, ranks + NUM_ACTUATED] = -bias[joint]
+        for place, dof in enumerate(_UNACTUATED):
+            square[row, place] = mass[joint, dof]
+    _solve(square, follows)
+
+
+@part
+def _solve(square: np.ndarray, right: np.ndarray) -> None:
+    """Solve for the columns of ``right``; in place, by the upper triangle of L D Lᵀ."""
+    size = len(square)
+    for pivot in range(size):
+        for row in range(pivot + 1, size):
+            factor = square[pivot, row] / square[pivot, pivot]
+            for column in range(row, size):
+                square[row, column] -= factor * square[pivot, column]
+            for column in range(right.shape[1]):
+                right[row, column] -= factor * right[pivot, column]
+    for row in range(size - 1, -1, -1):
+        for other in range(row + 1, size):
+            for column in range(right.shape[1]):
+                right[row, column] -= square[row, other] * right[other, column]
+        for column in range(right.shape[1]):
+            right[row, column] /= square[row, row]

@@ -5,14 +5,18 @@ and under the MIT licence. quadprog is as fast (23 against 26 µs on these QPs),
 Arnström, Bemporad and Axehill, "A dual active-set solver for embedded quadratic programming
 using recursive LDLᵀ updates", IEEE TAC 2022.
 
-It is called through its C interface (``api.h`` and ``types.h`` of DAQP 0.11): the Python one takes
-as long for each QP as the solver itself.
+It is called through its C interface (``api.h`` and ``types.h`` of DAQP 0.11), in a compiled loop:
+the Python one takes as long for each QP as the solver itself.
 """
 
 import ctypes
 
 import daqp
+import llvmlite.binding
 import numpy as np
+from numba import types
+
+from slider.core.compiled import compiled
 
 UNBOUNDED = 1e30  # DAQP's infinity
 _SOLVED = 1
@@ -31,12 +35,10 @@ _RESULT = np.dtype(
     + [(name, float) for name in ("solve_time", "setup_time")],
     align=True,
 )
-_DAQP = ctypes.PyDLL(daqp.__file__)  # PyDLL: to let other threads run between QPs costs more
-_DAQP.daqp_default_settings.argtypes = [ctypes.c_void_p]
-_DAQP.daqp_quadprog.argtypes = [ctypes.c_void_p] * 3
-_DAQP.daqp_quadprog.restype = None
 _SETTINGS = ctypes.create_string_buffer(256)  # 136 bytes, which DAQP fills
-_DAQP.daqp_default_settings(_SETTINGS)
+ctypes.CDLL(daqp.__file__).daqp_default_settings(_SETTINGS)
+llvmlite.binding.load_library_permanently(daqp.__file__)
+_quadprog = types.ExternalFunction("daqp_quadprog", types.void(*[types.uintp] * 3))
 
 
 def solve(
@@ -70,12 +72,16 @@ def solve(
     for name, part in parts.items():
         problems[name] = _addresses(part)
     results["x"], results["multipliers"] = _addresses(x), _addresses(multipliers)
-    places = _addresses(results).tolist(), _addresses(problems).tolist()
-    for result, problem in zip(*places, strict=True):
-        _DAQP.daqp_quadprog(result, problem, _SETTINGS)
+    _each(_addresses(results), _addresses(problems), np.uintp(ctypes.addressof(_SETTINGS)))
     solved = results["flag"] == _SOLVED
     x[~solved] = 0.0
     return x, solved
+
+
+@compiled
+def _each(results: np.ndarray, problems: np.ndarray, settings: np.uintp) -> None:
+    for i in range(len(results)):
+        _quadprog(results[i], problems[i], settings)
 
 
 def _addresses(array: np.ndarray) -> np.ndarray:

@@ -11,8 +11,10 @@ from slider.control.whole_body.clock import TickClock
 from slider.control.whole_body.memory import FEET, Memory
 from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
 from slider.control.whole_body.problem import Tasks, WholeBody
+from slider.core.compiled import compiled
 from slider.robot.kinematics import about_z
 
+_LINE, _UP = 5, 2  # coordinates of a foot's line: place, pitch, yaw; its height
 Part = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Jacobian (n, r, 18), desired acceleration less the bias (n, r), weight (r,)."""
 Solved = tuple[np.ndarray, np.ndarray]
@@ -127,18 +129,43 @@ class BodyTasks:
     def stance(self, dynamics: Dynamics, feet: np.ndarray, sinking: np.ndarray) -> Part:
         """The lines of ``feet`` (n, k) do not move; those in the air sink (n, k) [m/s]."""
         n, count = feet.shape
-        robots = np.arange(n)[:, None]
-        axes = np.zeros((n, count, 5, 6))
-        axes[:, :, :3, :3] = np.eye(3)
-        axes[:, :, 3:, 3:] = pitch_and_yaw(dynamics.foot_rotations[robots, feet])
-        jacobian = (axes @ dynamics.foot_jacobians[robots, feet]).reshape(n, -1, NUM_DOFS)
-        bias = (axes @ dynamics.foot_bias[robots, feet][..., None]).reshape(n, -1)
-        rate = -point_velocity(jacobian, dynamics.qvel).reshape(n, count, 5)
-        rate[:, :, 2] -= sinking
+        jacobian, desired = np.empty((n, count, _LINE, NUM_DOFS)), np.empty((n, count, _LINE))
+        terms = dynamics.foot_jacobians, dynamics.foot_bias, dynamics.foot_rotations
         task = self._config.stance
-        desired = task.kd * rate.reshape(n, -1) - bias
+        _stance(terms, dynamics.qvel, feet, sinking, task.kd, jacobian, desired)
         weight = np.tile([task.weight[0]] * 3 + [task.weight[1], task.weight[2]], count)
-        return jacobian, desired, weight
+        return jacobian.reshape(n, -1, NUM_DOFS), desired.reshape(n, -1), weight
+
+
+@compiled
+def _stance(
+    terms: tuple[np.ndarray, np.ndarray, np.ndarray],
+    qvel: np.ndarray,
+    feet: np.ndarray,
+    sinking: np.ndarray,
+    kd: float,
+    jacobian: np.ndarray,
+    desired: np.ndarray,
+) -> None:
+    """J (n, k, 5, 18) of place, pitch and yaw of lines, and −kd (J q̇ + sinking) − J̇ q̇."""
+    jacobians, biases, rotations = terms
+    for robot in range(len(feet)):
+        for place, foot in enumerate(feet[robot]):
+            own, bias = jacobians[robot, foot], biases[robot, foot]
+            x, y = rotations[robot, foot, 0, 0], rotations[robot, foot, 1, 0]
+            length = np.sqrt(x * x + y * y)
+            rows, rate = jacobian[robot, place], desired[robot, place]
+            for dof in range(NUM_DOFS):
+                for axis in range(3):
+                    rows[axis, dof] = own[axis, dof]
+                rows[3, dof] = (x * own[4, dof] - y * own[3, dof]) / length
+                rows[4, dof] = own[5, dof]
+            for axis in range(3):
+                rate[axis] = -bias[axis]
+            rate[3], rate[4] = -(x * bias[4] - y * bias[3]) / length, -bias[5]
+            rate[_UP] -= kd * sinking[robot, place]
+            for row in range(_LINE):
+                rate[row] -= kd * np.dot(rows[row], qvel[robot])
 
 
 def join(parts: list[Part]) -> Tasks:

@@ -2,7 +2,7 @@
 
 from pipeline.stages.entries import OF_HZD, job
 from pipeline.stages.evaluation import check_walkable, controlled, first_hzd
-from pipeline.stages.numerics import BFLOAT16, numerics, with_precision
+from pipeline.stages.numerics import of_training, resolved
 from pipeline.stages.sections import only, origin, simulation
 from pipeline.stages.stability import stability_jobs
 from slider.artefacts.plan import JobSpec
@@ -54,10 +54,8 @@ def _job(
         UserError: actions are on top of ``hzd``, and there is no such controller for these gaits.
     """
     check_clock(config.env, train, label)
-    train = with_precision(config, train)
-    section = simulation(config) | {"train": to_dict(train)}
-    if train.ppo.precision == "bfloat16":
-        section |= numerics(config, BFLOAT16)
+    train = resolved(config, train)
+    section = simulation(config) | {"train": to_dict(train)} | of_training(config, train)
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:
         inputs["start"] = [start]

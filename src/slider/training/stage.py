@@ -1,6 +1,7 @@
 """The stages ``standing`` and ``walking``."""
 
 from pathlib import Path
+from typing import Any
 
 from slider.config.convert import from_dict
 from slider.config.env import EnvConfig
@@ -10,6 +11,8 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.task import Task, task_of
 from slider.env.underlying import Underlying
 from slider.library.reader import STORE
+from slider.training import checkpoint
+from slider.training.distributed import launch, rank
 from slider.training.trainer import WEIGHTS, Trainer
 
 
@@ -25,11 +28,21 @@ def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summar
 
 def train(task: Task, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Train, from the weights of another training where given, and export the best policy."""
+    start = inputs["start"][0] / WEIGHTS if "start" in inputs else None
+    if task.train.gpus > 1:  # a damaged checkpoint is set aside before several processes look
+        checkpoint.read(job.work, job.progress)
+    summary, facts = launch(task.train.gpus, _train, task, start, out, job)
+    job.volatile.update(facts)
+    return summary
+
+
+def _train(task: Task, start: Path | None, out: Path, job: Job) -> tuple[Summary, dict[str, Any]]:
+    """The part of one process; its facts, of which the first process writes files."""
     trainer = Trainer(task, job)
-    if "start" in inputs:
-        trainer.start_from(inputs["start"][0] / WEIGHTS)
+    if start is not None:
+        trainer.start_from(start)
     trainer.run()
-    return trainer.export(out)
+    return trainer.export(out) if rank() == 0 else {}, job.volatile
 
 
 def task(

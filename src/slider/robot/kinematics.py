@@ -3,6 +3,7 @@
 import numpy as np
 
 from slider.config.robot import Geometry
+from slider.core.arrays import namespace
 from slider.robot.names import LEG_JOINTS
 
 _YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (
@@ -14,22 +15,17 @@ _YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (
 def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
     """Rotation matrices (N, 3, 3), body to world, of unit quaternions (N, 4) as w, x, y, z."""
     w, x, y, z = quaternion.T
-    rotation = np.empty((len(quaternion), 3, 3))
-    rotation[:, 0, 0] = 1 - 2 * (y * y + z * z)
-    rotation[:, 0, 1] = 2 * (x * y - w * z)
-    rotation[:, 0, 2] = 2 * (x * z + w * y)
-    rotation[:, 1, 0] = 2 * (x * y + w * z)
-    rotation[:, 1, 1] = 1 - 2 * (x * x + z * z)
-    rotation[:, 1, 2] = 2 * (y * z - w * x)
-    rotation[:, 2, 0] = 2 * (x * z - w * y)
-    rotation[:, 2, 1] = 2 * (y * z + w * x)
-    rotation[:, 2, 2] = 1 - 2 * (x * x + y * y)
-    return rotation
+    entries = (
+        *(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        *(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        *(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return namespace(quaternion).stack(entries, -1).reshape(-1, 3, 3)
 
 
 def yaw_of(rotation: np.ndarray) -> np.ndarray:
     """Yaws (N,) [rad] of rotations (N, 3, 3), body to world: where x points to on the ground."""
-    return np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+    return namespace(rotation).arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
 
 
 def turn_to_heading(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
@@ -37,8 +33,9 @@ def turn_to_heading(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
 
     With −yaw it is the way back: world components of forward and leftward ones.
     """
-    x, y, cosine, sine = vectors[..., 0], vectors[..., 1], np.cos(yaw), np.sin(yaw)
-    return np.stack([cosine * x + sine * y, -sine * x + cosine * y], axis=-1)
+    xp = namespace(vectors)
+    x, y, cosine, sine = vectors[..., 0], vectors[..., 1], xp.cos(yaw), xp.sin(yaw)
+    return xp.stack([cosine * x + sine * y, -sine * x + cosine * y], -1)
 
 
 def quaternion_from_tilt(roll: np.ndarray, pitch: np.ndarray) -> np.ndarray:

@@ -4,9 +4,9 @@
 # pyright: reportAttributeAccessIssue=false
 
 from collections.abc import Sequence
+from typing import Any
 
 import mujoco
-import numpy as np
 
 from slider.core.arrays import namespace
 from slider.env.state import RobotState
@@ -39,13 +39,13 @@ class SensorIndex:
 
 
 def read(
-    qpos: np.ndarray,
-    qvel: np.ndarray,
-    sensors: np.ndarray,
+    qpos: Any,
+    qvel: Any,
+    sensors: Any,
     index: SensorIndex,
-    diverged: np.ndarray,
+    diverged: Any,
 ) -> RobotState:
-    """Name the quantities of N robots, as copies.
+    """Name the quantities of N robots, as copies: arrays of arrays, tensors of tensors.
 
     Args:
         qpos: (N, 19), and velocities ``qvel`` (N, 18).

@@ -8,7 +8,7 @@ at no cost in time.
 # pyright: reportAttributeAccessIssue=false
 
 import copy
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -25,7 +25,7 @@ SLIDING = 0
 
 
 class Drawn(NamedTuple):
-    """What makes N robots differ.
+    """What makes N robots differ, as arrays or tensors.
 
     Attributes:
         mass: (N,) of all bodies, relative to the nominal one [-].
@@ -34,13 +34,13 @@ class Drawn(NamedTuple):
         gain: (N, 10) torque of the motors, relative to the nominal one [-].
     """
 
-    mass: np.ndarray
-    friction: np.ndarray | None
-    shift: np.ndarray
-    gain: np.ndarray
+    mass: Any
+    friction: Any
+    shift: Any
+    gain: Any
 
 
-def drawn(config: DisturbanceConfig, uniform: np.ndarray) -> Drawn:
+def drawn(config: DisturbanceConfig, uniform: Any) -> Drawn:
     """Robots of numbers (N, COLUMNS) in [0, 1), an array or a tensor."""
     friction = config.friction
     return Drawn(
@@ -108,5 +108,5 @@ class Machines:
         model.actuator_forcerange[:] = nominal.actuator_forcerange * gain[:, None]
 
 
-def _within(interval: Interval, uniform: np.ndarray) -> np.ndarray:
+def _within(interval: Interval, uniform: Any) -> Any:
     return interval.lower + (interval.upper - interval.lower) * uniform

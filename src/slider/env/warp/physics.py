@@ -164,7 +164,7 @@ class WarpPhysics:
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
-        return read(self.qpos, self.qvel, self._sensors, self._index, self._diverged)  # type: ignore[arg-type]
+        return read(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
 
     def measure(self, state: RobotState) -> RobotState:
         """The state as a controller receives it: with sensor noise."""

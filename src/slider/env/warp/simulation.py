@@ -23,7 +23,7 @@ except ModuleNotFoundError as error:
     raise UserError(found) from error
 
 CONTACTS = 16  # per robot, on average over all: a robot that stands has 4
-ROWS = 96  # of constraints per robot: 16 in stance, up to 64 with all contacts, limits of 12 joints
+ROWS = 64  # of constraints per robot: 16 in stance, 26 where robots lie on the ground and kick
 _DERIVED = ("body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0")
 # Solver and line search stop at their limit as MuJoCo's own do, which says nothing either.
 _LIMITS = mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS

@@ -1,6 +1,6 @@
 """Pre-training, training, and the policy for others."""
 
-from pipeline.stages.entries import OF_HZD, job
+from pipeline.stages.entries import ENTRIES, OF_HZD, OF_WARP, job
 from pipeline.stages.evaluation import check_walkable, controlled, first_hzd
 from pipeline.stages.numerics import of_training, resolved
 from pipeline.stages.sections import only, origin, simulation
@@ -60,7 +60,8 @@ def _job(
     if start is not None:
         inputs["start"] = [start]
     if config.env.action.offset != "hzd":
-        return job(stage, label, section, inputs)
+        entries = OF_WARP if train.simulator == "mujoco_warp" else ENTRIES
+        return job(stage, label, section, inputs, entries=entries)
     name = first_hzd(config)
     check_walkable(config, "env.action.offset", [name])
     section |= only(controlled(config, name, None), "hzd", "control")

@@ -1,7 +1,7 @@
 """Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -15,6 +15,7 @@ from slider.control.network import UNVARIED, from_actor
 from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
+from slider.env.underlying import build_physics
 from slider.env.vec_env import WalkingEnv
 from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
@@ -42,7 +43,7 @@ class Trainer:
         selector: scores policies.
     """
 
-    def __init__(self, task: Task, job: Job) -> None:
+    def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] = build_physics) -> None:
         train = task.train
         set_up_torch()
         self._task, self._job = task, job
@@ -50,7 +51,8 @@ class Trainer:
         self._checkpoint = checkpoint.read(job.work, job.progress)
         seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0), rank())
         torch.manual_seed(seed)
-        self.env = WalkingEnv(replace(task, train=replace(train, seed=seed)), job.threads)
+        own = replace(task, train=replace(train, seed=seed))
+        self.env = WalkingEnv(own, job.threads, simulate)
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
         device = device_of(train.device)

@@ -280,7 +280,8 @@ def foot_slip(r: RewardView, loaded: Newtons, width: _Metres2PerSecond2) -> Arra
 @reward()
 def airborne(r: RewardView, unloaded: Newtons) -> Array:
     """1 where both feet carry less than ``unloaded``."""
-    return 1.0 * (r.state.foot_forces < unloaded).all(axis=1)
+    free = r.state.foot_forces < unloaded
+    return 1.0 * (free[:, 0] & free[:, 1])
 
 
 @reward()

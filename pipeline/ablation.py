@@ -104,4 +104,4 @@ def _trained(train: TrainConfig, samples: int, settings: AblationConfig, seed: i
 
 def _batch(train: TrainConfig) -> int:
     """Samples of one iteration."""
-    return train.robots * train.steps_per_iteration
+    return train.gpus * train.robots * train.steps_per_iteration

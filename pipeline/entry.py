@@ -74,6 +74,11 @@ class Pipeline:
             return self.config.resources.threads
         return min(max(1, (cores or _MANY) // _CORES_PER_THREAD), _MOST_THREADS)
 
+    def gpus(self, wildcards: Any) -> int:
+        """GPUs that the job of a recipe needs."""
+        train = self.plan.jobs[wildcards.recipe].section["train"]
+        return train["gpus"] if train["device"] == "cuda" else 0
+
     def manifest(self, target: str) -> Callable[[Any], str]:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.
 

@@ -56,7 +56,7 @@ def providers(package: str) -> set[str]:
 
 
 def test_what_is_imported_is_declared():
-    extras = ("verify", "bundle", "remote")
+    extras = ("verify", "bundle", "remote", "gpu")
     declared = names(REQUIRED).union(*(names(EXTRAS[extra]) for extra in extras))
     missing = {name for name in imported("src", "pipeline") if not providers(name) & declared}
     assert missing == set()

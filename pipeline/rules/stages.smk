@@ -22,6 +22,8 @@ for stage in ENTRIES:
             f"artefacts/logs/{stage}/{{recipe}}.log",
         priority: PRIORITIES.get(stage, 0)
         threads: PIPELINE.training_threads(workflow.resource_settings.cores) if stage in TRAININGS else 1
+        resources:
+            gpu=PIPELINE.gpus if stage in TRAININGS else 0,
         shell:
             "{PIPELINE.run} {wildcards.recipe} --threads {threads}"
 

@@ -48,6 +48,12 @@ OF_HZD = {
 }
 """The same where ``hzd`` walks, alone or below the actions: no other job depends on its source."""
 
+OF_WARP = {
+    "standing": "slider.training.warp:run_standing",
+    "walking": "slider.training.warp:run_walking",
+}
+"""The same with MuJoCo Warp, whose version is in no other recipe."""
+
 
 def job(
     stage: str,

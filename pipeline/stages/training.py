@@ -1,8 +1,8 @@
 """Pre-training, training, and the policy for others."""
 
-from pipeline.stages.entries import OF_HZD, job
+from pipeline.stages.entries import ENTRIES, OF_HZD, OF_WARP, job
 from pipeline.stages.evaluation import check_walkable, controlled, first_hzd
-from pipeline.stages.numerics import BFLOAT16, numerics, with_precision
+from pipeline.stages.numerics import of_training, resolved
 from pipeline.stages.sections import only, origin, simulation
 from pipeline.stages.stability import stability_jobs
 from slider.artefacts.plan import JobSpec
@@ -54,15 +54,14 @@ def _job(
         UserError: actions are on top of ``hzd``, and there is no such controller for these gaits.
     """
     check_clock(config.env, train, label)
-    train = with_precision(config, train)
-    section = simulation(config) | {"train": to_dict(train)}
-    if train.ppo.precision == "bfloat16":
-        section |= numerics(config, BFLOAT16)
+    train = resolved(config, train)
+    section = simulation(config) | {"train": to_dict(train)} | of_training(config, train)
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:
         inputs["start"] = [start]
     if config.env.action.offset != "hzd":
-        return job(stage, label, section, inputs)
+        entries = OF_WARP if train.simulator == "mujoco_warp" else ENTRIES
+        return job(stage, label, section, inputs, entries=entries)
     name = first_hzd(config)
     check_walkable(config, "env.action.offset", [name])
     section |= only(controlled(config, name, None), "hzd", "control")

@@ -57,6 +57,22 @@ def test_it_runs_with_the_default_configuration(tmp_path, capsys):
     assert re.search(r"^ +4  float32 ", shown, re.MULTILINE)
 
 
+def test_warp_alone_repeats_the_recorded_steps(bench):
+    pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
+    from slider.bench.warp import BareWarp
+
+    bare = BareWarp(bench._task, "cpu", bench.recorded)
+    assert bare() == 24 * 8
+    following = np.concatenate([state[:, 1:] for state, _ in bench.recorded[1:]])
+    bare._recorded = bare._recorded[:-1]
+    ends = []
+    step = bare._simulation.step
+    bare._simulation.step = lambda: (step(), ends.append(bare._simulation.qpos.clone()))  # type: ignore
+    bare()
+    same = np.abs(np.concatenate(ends) - following[:, :19]).max(axis=1) < 1e-4
+    assert same.mean() > 0.7
+
+
 def test_the_environment_is_left_as_it_was(bench):
     assert "step" not in vars(bench.env)
     assert "step" not in vars(bench.env.physics)

@@ -9,7 +9,7 @@ import pytest
 
 from slider.core import numerics
 from slider.core.errors import UserError
-from slider.core.numerics import check, impose, kernels, precision
+from slider.core.numerics import check, device, impose, kernels, precision
 
 AVX2 = "avx2 fma"
 AVX512 = f"{AVX2} avx512f avx512bw avx512dq avx512vl"
@@ -113,6 +113,36 @@ def test_auto_is_bfloat16_where_the_processor_has_it(processor, flags, found):
     assert precision("auto", kernels()) == found
     assert precision("float32", kernels()) == "float32"
     assert precision("bfloat16", kernels()) == "bfloat16"
+
+
+@pytest.fixture
+def cuda(monkeypatch):
+    """Pretend that torch finds a GPU, or none."""
+    import torch
+
+    return lambda there: monkeypatch.setattr(torch.cuda, "is_available", lambda: there)
+
+
+@pytest.mark.parametrize(("there", "found"), [(True, "cuda"), (False, "cpu")])
+def test_auto_is_the_device_that_torch_finds(cuda, there, found):
+    cuda(there)
+    assert device("auto") == found
+    assert (device("cpu"), device("cuda")) == ("cpu", "cuda")
+
+
+def test_a_device_does_not_have_the_precision_of_the_processor(processor):
+    processor(AMX)
+    assert precision("auto", kernels(), "cuda") == "float32"
+    assert precision("bfloat16", kernels(), "cuda") == "bfloat16"
+
+
+def test_a_machine_without_the_device_of_the_recipe_is_refused(cuda):
+    cuda(True)
+    check({"device": "cuda"})
+    cuda(False)
+    check({"device": "cpu"})
+    with pytest.raises(UserError, match=r"^device: expected cuda, found none on "):
+        check({"device": "cuda"})
 
 
 def test_portable_needs_avx2_and_no_more(processor):

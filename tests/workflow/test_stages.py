@@ -253,6 +253,32 @@ def test_a_training_has_the_precision_of_the_processor(processor):
     assert trained["AMX"].recipe != trained["AVX2"].recipe
 
 
+GPU = ("train.walking.simulator=mujoco_warp", "train.walking.device=cuda")
+
+
+def test_a_training_on_a_gpu_is_another_recipe_and_all_else_the_same():
+    plain, own = jobs_of(), jobs_of(*GPU)
+    for stage in ("standing", "walking"):
+        section = own[stage].section
+        assert section["numerics"]["device"] == section["train"]["device"] == "cuda"
+        assert section["train"]["ppo"]["precision"] == "float32"
+        assert plain[stage].section["numerics"]["device"] == "cpu"
+        assert not {"warp", "mujoco_warp"} & plain[stage].code.versions.keys()
+    assert own["library"].recipe == plain["library"].recipe
+    sections = [made["walking"].section["env"] for made in (own, plain)]
+    assert sections[0] == sections[1]
+
+
+def test_auto_is_the_recipe_of_the_device_that_was_found(monkeypatch):
+    import torch
+
+    for there, device in ((True, "cuda"), (False, "cpu")):
+        monkeypatch.setattr(torch.cuda, "is_available", lambda there=there: there)
+        found = jobs_of(GPU[0], "train.walking.device=auto")["walking"]
+        explicit = jobs_of(GPU[0], f"train.walking.device={device}")["walking"]
+        assert found.recipe == explicit.recipe
+
+
 def test_portable_has_the_same_recipes_on_every_processor(processor):
     found = []
     for level in ("AMX", "AVX2"):

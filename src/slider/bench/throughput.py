@@ -47,6 +47,7 @@ class Throughput:
 
     Attributes:
         bare: ``mujoco.rollout`` alone.
+        warp: MuJoCo Warp alone on a device; none where none was asked for.
         environment: the environment's ``step``.
         loop: training iterations, everything included.
         environment_share, loop_share: of the bare rate, in processor time.
@@ -61,6 +62,7 @@ class Throughput:
     environment_share: float
     loop_share: float
     parts: dict[str, float]
+    warp: Rate | None = None
 
 
 class Bench:
@@ -70,7 +72,7 @@ class Bench:
         recorded: states (N, 38) and motor angles (N, 10) that the bare physics repeats.
     """
 
-    def __init__(self, task: Task, threads: int, work: Path) -> None:
+    def __init__(self, task: Task, threads: int, work: Path, device: str | None = None) -> None:
         set_up_torch()
         torch.manual_seed(task.train.seed)
         self._task, self._work = task, work
@@ -82,12 +84,19 @@ class Bench:
         self._pool = rollout.Rollout(nthread=threads)
         self._data = [mujoco.MjData(self._physics.model) for _ in range(threads)]
         self.recorded = self._record()
+        self._bare_warp: Callable[[], int] | None = None
+        if device is not None:
+            from slider.bench.warp import BareWarp
+
+            self._bare_warp = BareWarp(task, device, self.recorded)
 
     def measure(self, precisions: list[str], seconds: float, rounds: int) -> list[Throughput]:
         """Measure all by turns, ``rounds`` times, at least ``seconds`` [s] each."""
         runners = {name: self._runner(name) for name in precisions}
         watches = {name: Stopwatch() for name in precisions}
         work: dict[str, Callable[[], int]] = {"bare": self._bare, "environment": self._step}
+        if self._bare_warp is not None:
+            work["warp"] = self._bare_warp
         work |= {name: self._learn(runner, watches[name]) for name, runner in runners.items()}
         for once in work.values():  # first calls allocate
             once()
@@ -113,6 +122,7 @@ class Bench:
             environment_share=_share(environment, bare),
             loop_share=_share(loop, bare),
             parts={name: seconds / total for name, seconds in watch.seconds.items()},
+            warp=_median(rates["warp"]) if "warp" in rates else None,
         )
 
     def _record(self) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -43,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seconds", type=float, default=2.0, help="per measurement (default: 2)")
     parser.add_argument("--rounds", type=int, default=3, help="median of so many (default: 3)")
     parser.add_argument("--threads", type=int, help="default: resources.threads, else 1")
+    parser.add_argument("--device", help="also MuJoCo Warp alone there, such as cuda:0 or cpu")
     add_library_arguments(parser)
 
 
@@ -65,6 +66,10 @@ def run(arguments: argparse.Namespace) -> None:
         for row in _measure(arguments, config, library, threads, num_envs):
             found.append(row)
             print(line(row), flush=True)
+    if arguments.device:
+        print(f"\nMuJoCo Warp alone on {arguments.device}, thousands of control steps per second")
+        for num_envs, rate in {row.num_envs: row.warp for row in found}.items():
+            print(f"{num_envs:6d}  {_rate(rate)}")
     print("\nwhere the processor time of the training goes")
     for row in found:
         print(f"{row.num_envs:6d}  {row.precision:<9}  {_parts(row.parts)}")
@@ -96,7 +101,7 @@ def _measure(
     fastest = PRECISIONS.index(precision("auto", kernels()))
     precisions = arguments.precision or PRECISIONS[: fastest + 1]
     with tempfile.TemporaryDirectory() as work:
-        bench = Bench(task, threads, Path(work))
+        bench = Bench(task, threads, Path(work), arguments.device)
         return bench.measure(list(precisions), arguments.seconds, arguments.rounds)
 
 

@@ -9,6 +9,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import TextIO
 
@@ -98,13 +99,13 @@ def _waiting(store: Store, plan: Plan, stage: str) -> int:
 
 def progress_lines(path: Path) -> Callable[[str], None]:
     """All progress goes to the log; the latest line to a file, for who shows the run."""
+    return partial(_show, path)  # the processes of a training get it, too
 
-    def show(message: str) -> None:
-        print(message, flush=True)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(message, encoding="utf-8")
 
-    return show
+def _show(path: Path, message: str) -> None:
+    print(message, flush=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(message, encoding="utf-8")
 
 
 def _tail(log: Path) -> str:

@@ -86,5 +86,6 @@ class Config:
     @property
     def trainings(self) -> dict[str, TrainConfig]:
         """Trainings by their keys."""
-        found = {"train.standing": self.train.standing, "train.walking": self.train.walking}
+        # Values of the standing training refer to the walking training: mistakes are found there.
+        found = {"train.walking": self.train.walking, "train.standing": self.train.standing}
         return found | ({"finetuning": self.finetuning} if self.finetuning else {})

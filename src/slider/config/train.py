@@ -149,7 +149,7 @@ class PpoConfig:
     max_grad_norm: Positive[Number]
     """gradients are cut to this norm"""
     precision: Literal["auto", "float32", "bfloat16"]
-    """of the update; auto: bfloat16 where the processor has it, found when jobs are laid out"""
+    """of the update; auto: bfloat16 on a processor that has it, found when jobs are laid out"""
     symmetry: Literal["none", "augmentation", "loss"]
     """left and right: reflected samples too, or a mirror loss; with env.phase.mirror=false"""
     symmetry_weight: Factor
@@ -185,6 +185,12 @@ class TrainConfig:
 
     iterations: Annotated[int, Field(ge=0, le=10_000_000)]
     """updates; samples = iterations × robots × steps_per_iteration"""
+    simulator: Literal["mujoco", "mujoco_warp"]
+    """mujoco: on the processor; mujoco_warp: all robots at once on the device, extra gpu"""
+    device: Literal["cpu", "cuda", "auto"]
+    """of physics and networks; auto: cuda where there is one, found when jobs are laid out"""
+    gpus: Annotated[Count, Field(le=64)]
+    """of one machine, each with a process and ``robots`` of its own; gradients are averaged"""
     robots: Count
     """robots simulated at once"""
     steps_per_iteration: Annotated[Count, Field(le=100_000)]

@@ -63,10 +63,19 @@ def kernels(mode: Mode = AUTO) -> Kernels:
     return _PORTABLE
 
 
-def precision(wanted: str, chosen: Mapping[str, str]) -> str:
+def device(wanted: str) -> str:
+    """``cpu`` or ``cuda``; ``auto`` is cuda where torch finds one here."""
+    if wanted != AUTO:
+        return wanted
+    return "cuda" if _has_cuda() else "cpu"
+
+
+def precision(wanted: str, chosen: Mapping[str, str], device: str = "cpu") -> str:
     """``bfloat16`` or ``float32``; ``auto`` is bfloat16 where oneDNN has fast kernels for it."""
     if wanted != AUTO:
         return wanted
+    if device != "cpu":  # whoever lays out the jobs need not have one
+        return "float32"
     return "bfloat16" if chosen["onednn"] in _BFLOAT16 else "float32"
 
 
@@ -89,10 +98,16 @@ def check(expected: Mapping[str, str]) -> None:
     """
     if not expected:
         return
+    if expected.get("device") == "cuda" and not _has_cuda():
+        raise UserError(f"device: expected cuda, found none on {platform.node()}")
     found = _by_report()
     if _is_x86() and "torch" in sys.modules:
         found["aten"] = sys.modules["torch"].backends.cpu.get_cpu_capability()
     _compare(expected, found)
+
+
+def _has_cuda() -> bool:
+    return importlib.import_module("torch").cuda.is_available()
 
 
 def _compare(expected: Mapping[str, str], found: Mapping[str, str]) -> None:

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from enum import Flag, auto
 from typing import Any, TypeVar
 
-import numpy as np
-
+from slider.core.arrays import Array
 from slider.core.errors import UserError
 
 
@@ -32,7 +31,7 @@ class Term:
         needs: without which it is worth nothing.
     """
 
-    function: Callable[..., np.ndarray]
+    function: Callable[..., Array]
     needs: Needs
 
     @property
@@ -43,7 +42,7 @@ class Term:
 
 
 AnyTerm = TypeVar("AnyTerm", bound=Term)
-Function = TypeVar("Function", bound=Callable[..., np.ndarray])
+Function = TypeVar("Function", bound=Callable[..., Array])
 
 
 def register(

@@ -6,6 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from slider.config.disturbance import GroundConfig
+from slider.core.arrays import Array, namespace, zeros
 
 
 class Ground(Protocol):
@@ -16,7 +17,7 @@ class Ground(Protocol):
         """Whether it is z = 0 everywhere."""
         ...
 
-    def height(self, points: np.ndarray) -> np.ndarray:
+    def height(self, points: Array) -> Array:
         """Heights (N, ...) [m] at points (N, ..., 2) of the world [m]."""
         ...
 
@@ -27,9 +28,9 @@ class FlatGround:
 
     flat: bool = True
 
-    def height(self, points: np.ndarray) -> np.ndarray:
+    def height(self, points: Array) -> Array:
         """Zeros (N, ...) for points (N, ..., 2)."""
-        return np.zeros(points.shape[:-1])
+        return zeros(points.shape[:-1], points)
 
 
 FLAT = FlatGround()
@@ -45,27 +46,28 @@ class UnevenGround:
         offset: (N, 2) the world's origin of a robot lies at minus this on the grid [m].
     """
 
-    tile: np.ndarray
+    tile: Array
     cell: float
-    offset: np.ndarray
+    offset: Array
     flat: bool = False
 
-    def height(self, points: np.ndarray) -> np.ndarray:
+    def height(self, points: Array) -> Array:
         """Heights (N, ...) [m] at points (N, ..., 2) [m], on the triangles that MuJoCo makes."""
         shape = (len(points),) + (1,) * (points.ndim - 2) + (2,)
         scaled = (points - self.offset.reshape(shape)) / self.cell
-        column, row = np.moveaxis(np.floor(scaled).astype(int), -1, 0)
-        x, y = np.moveaxis(scaled - np.floor(scaled), -1, 0)
+        xp = namespace(scaled)
+        place, share = xp.astype(xp.floor(scaled), xp.int64), scaled - xp.floor(scaled)
+        column, row, x, y = place[..., 0], place[..., 1], share[..., 0], share[..., 1]
         a, b = self._at(row, column), self._at(row, column + 1)
         c, d = self._at(row + 1, column), self._at(row + 1, column + 1)
         # The edge between the triangles of a cell goes from a to d.
-        return np.where(x >= y, a + x * (b - a) + y * (d - b), a + y * (c - a) + x * (d - c))
+        return xp.where(x >= y, a + x * (b - a) + y * (d - b), a + y * (c - a) + x * (d - c))
 
-    def _at(self, row: np.ndarray, column: np.ndarray) -> np.ndarray:
+    def _at(self, row: Array, column: Array) -> Array:
         return self.tile[row % len(self.tile), column % len(self.tile)]
 
 
-def random_tile(config: GroundConfig, rng: np.random.Generator) -> np.ndarray:
+def random_tile(config: GroundConfig, rng: np.random.Generator) -> Array:
     """Heights [m] of one period (n, n), uniform within ± the amplitude."""
     points = round(config.period / config.cell)
     return config.amplitude * rng.uniform(-1.0, 1.0, (points, points))

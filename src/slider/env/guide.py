@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.view import View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
@@ -11,10 +12,10 @@ _PASSIVE = np.array([("upper_foot" in name) for name in CHANNELS])
 _HIP_YAWS = [JOINTS.index(f"{side}_hip_yaw") for side in SIDES]
 
 
-def observed_channels(view: View) -> np.ndarray:
+def observed_channels(view: View) -> Array:
     """Ô of eq. 3: joint positions, joint velocities, forward and leftward velocity (N, 26)."""
     state = view.state
-    return np.concatenate(
+    return namespace(state.yaw).concat(
         [state.joint_positions, state.joint_velocities, state.heading_velocity], axis=1
     )
 
@@ -31,28 +32,35 @@ class Guide:
         self._library = library
         self._table = table
         self._nearest = gait == "nearest"
-        samples = library.samples.astype(np.float32)
+        xp = namespace(table.reference)
+        samples = xp.astype(asarray(library.samples, table.reference), xp.float32)
         self._samples = samples
-        self._active = ~_PASSIVE
+        self._active = asarray(np.flatnonzero(~_PASSIVE), samples)
+        self._commands = asarray(library.commands, table.reference)
         self._norms = {
             False: (samples**2).sum(axis=2),
             True: (samples[:, :, self._active] ** 2).sum(axis=2),
         }
 
-    def at_phase(self, view: View) -> np.ndarray:
+    def at_phase(self, view: View) -> Array:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
 
         Where the clock is halted: standing on both feet, at rest.
         """
         command = view.reference_command
         if self._nearest:
-            command = self._library.commands[self._library.nearest(command)]
+            command = self._commands[self._nearest_gait(command)]
         reference = self._table.at(command, view.phase)
-        if view.halted.any():
-            reference[view.halted] = self._table.standing
-        return reference
+        return namespace(reference).where(view.halted[:, None], self._table.standing, reference)
 
-    def turn(self, view: View) -> np.ndarray:
+    def _nearest_gait(self, command: Array) -> Array:
+        """Index (N,) of the gait nearest to each command (N, 3)."""
+        if isinstance(command, np.ndarray):
+            return self._library.nearest(command)  # a tree, by the same distance
+        away = command[:, None] - self._commands
+        return namespace(command).argmin((away**2).sum(axis=2), axis=1)
+
+    def turn(self, view: View) -> Array:
         """What a commanded yaw rate adds to the joints of the gait (N, 12) [rad].
 
         A library of gaits that turn has the yaw rate, or a part of it, in the gait itself. The
@@ -63,49 +71,53 @@ class Guide:
         progress = (2.0 * view.phase) % 1.0
         missing = command[:, 2] - times.inside(command)[:, 2]
         stance = missing * times.at(command) * (0.5 - progress)
-        left = np.where(view.phase < 0.5, stance, -stance)
-        result = np.zeros((len(left), NUM_JOINTS))
-        result[:, _HIP_YAWS] = np.stack([left, -left], axis=1)
+        left = namespace(stance).where(view.phase < 0.5, stance, -stance)
+        result = zeros((len(left), NUM_JOINTS), left)
+        result[:, _HIP_YAWS[0]], result[:, _HIP_YAWS[1]] = left, -left
         return result
 
-    def states(self, command: np.ndarray, phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def states(self, command: Array, phase: Array) -> tuple[Array, Array]:
         """Physics states on the gaits: positions (n, 19) at x = y = 0, velocities (n, 18).
 
         A start has the commanded velocity, whichever gait guides: it is interpolated.
         """
         reference = self._table.at(command, phase)
         joints, base = reference[:, : 2 * NUM_JOINTS], reference[:, NUM_CHANNELS:]
-        qpos = np.concatenate([base[:, :7], joints[:, :NUM_JOINTS]], axis=1)
+        xp = namespace(reference)
+        qpos = xp.concat([base[:, :7], joints[:, :NUM_JOINTS]], axis=1)
         qpos[:, :2] = 0.0
-        return qpos, np.concatenate([base[:, 7:13], joints[:, NUM_JOINTS:]], axis=1)
+        return qpos, xp.concat([base[:, 7:13], joints[:, NUM_JOINTS:]], axis=1)
 
-    def course(self, command: np.ndarray, phase: np.ndarray) -> np.ndarray:
+    def course(self, command: Array, phase: Array) -> Array:
         """Heading (n,) [rad] of the walks of :meth:`states`; their bases' yaw swings about it."""
         times = self._table.times
         return times.inside(command)[:, 2] * times.at(command) * (2.0 * phase - 0.5)
 
-    def nearest_distance(self, view: View, masked: bool) -> np.ndarray:
+    def nearest_distance(self, view: View, masked: bool) -> Array:
         """‖Ô − Ĝ‖ (N,) to the nearest sample of the gait in use (eq. 3: the nearest gait).
 
         Args:
             view: N robots.
             masked: leave the passive channels out.
         """
-        observed = observed_channels(view).astype(np.float32)
+        xp = namespace(view.state.yaw)
+        observed = xp.astype(observed_channels(view), xp.float32)
         samples, norms = self._samples_for(view, masked)
         if masked:
             observed, samples = observed[:, self._active], samples[:, :, self._active]
         # ‖o − g‖² = ‖o‖² − 2 o·g + ‖g‖², which needs no (N, 42, 26) difference.
-        product = np.einsum("nk,nsk->ns", observed, samples)
+        product = xp.einsum("nk,nsk->ns", observed, samples)
         square = (observed**2).sum(axis=1)[:, None] - 2.0 * product + norms
-        return np.sqrt(np.maximum(square.min(axis=1), 0.0)).astype(np.float64)
+        least = xp.min(square, axis=1).clip(min=0.0)
+        return xp.astype(xp.sqrt(least), view.state.yaw.dtype)
 
-    def _samples_for(self, view: View, masked: bool) -> tuple[np.ndarray, np.ndarray]:
+    def _samples_for(self, view: View, masked: bool) -> tuple[Array, Array]:
         """Samples (N, S, 26) of the robots' gaits and their squared norms (N, S)."""
         command = view.reference_command
         if self._nearest:
-            gait = self._library.nearest(command)
+            gait = self._nearest_gait(command)
             return self._samples[gait], self._norms[masked][gait]
-        samples = self._table.channels(command).astype(np.float32)
+        xp = namespace(command)
+        samples = xp.astype(self._table.channels(command), xp.float32)
         counted = samples[:, :, self._active] if masked else samples
         return samples, (counted**2).sum(axis=2)

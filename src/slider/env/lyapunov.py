@@ -1,8 +1,11 @@
 """The control Lyapunov function of outputs whose dynamics are double integrators."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+
+from slider.core.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -29,9 +32,9 @@ class Lyapunov:
     @property
     def largest(self) -> float:
         """λ_max(P) = ‖P‖."""
-        return np.sqrt(self.rate_weight + 2.0) + 1.0
+        return math.sqrt(self.rate_weight + 2.0) + 1.0
 
-    def value(self, outputs: np.ndarray) -> np.ndarray:
+    def value(self, outputs: Array) -> Array:
         """V (N,) of outputs (N, 2, K), K values [rad] and their rates [rad/s]; in rad²."""
         y, rate = outputs[:, 0], outputs[:, 1] / self.bandwidth
         diagonal = self.largest - 1.0

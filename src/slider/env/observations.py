@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from slider.config.env import ObservationConfig
+from slider.core.arrays import Array, constant, namespace
 from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.view import View
 from slider.robot.kinematics import turn_to_heading
@@ -91,31 +92,33 @@ def observation(
 
 
 @observation(_XYZ, "m/s", "base", _POLAR)
-def base_linear_velocity(view: View) -> np.ndarray:
+def base_linear_velocity(view: View) -> Array:
     """Velocity of the base's origin, in axes of the base."""
     return view.state.linear_velocity
 
 
 @observation(("vx", "vy", "0"), "m/s", "heading", _POLAR)
-def target_linear_velocity(view: View) -> np.ndarray:
+def target_linear_velocity(view: View) -> Array:
     """Commanded velocity, and 0."""
-    return np.pad(view.command[:, :2], ((0, 0), (0, 1)))
+    xp, velocity = namespace(view.command), view.command[:, :2]
+    return xp.concat([velocity, xp.zeros_like(velocity[:, :1])], axis=1)
 
 
 @observation(_XYZ, "rad/s", "base", _AXIAL)
-def base_angular_velocity(view: View) -> np.ndarray:
+def base_angular_velocity(view: View) -> Array:
     """Angular velocity of the base, in axes of the base (gyroscope)."""
     return view.state.angular_velocity
 
 
 @observation(("0", "0", "yaw_rate"), "rad/s", "base", _AXIAL)
-def target_angular_velocity(view: View) -> np.ndarray:
+def target_angular_velocity(view: View) -> Array:
     """0, 0 and the commanded yaw rate."""
-    return np.pad(view.command[:, 2:3], ((0, 0), (2, 0)))
+    xp, rate = namespace(view.command), view.command[:, 2:3]
+    return xp.concat([xp.zeros_like(view.command[:, :2]), rate], axis=1)
 
 
 @observation(_XYZ, "-", "base", _POLAR)
-def projected_gravity(view: View) -> np.ndarray:
+def projected_gravity(view: View) -> Array:
     """Unit vector of gravity in axes of the base: (0, 0, -1) when upright."""
     return view.state.gravity
 
@@ -126,7 +129,7 @@ def projected_gravity(view: View) -> np.ndarray:
     "heading",
     Mirror.of(1.0, -1.0, -1.0, -1.0),
 )
-def command(view: View) -> np.ndarray:
+def command(view: View) -> Array:
     """Commands; heading_error = (target - yaw) wrapped to [-pi, pi).
 
     The target starts at the yaw of the start and moves on by yaw_rate times control_period each
@@ -136,25 +139,25 @@ def command(view: View) -> np.ndarray:
 
 
 @observation(JOINTS, CHANNEL_UNITS[:NUM_JOINTS], "none", _LEGS)
-def joint_positions(view: View) -> np.ndarray:
+def joint_positions(view: View) -> Array:
     """Joint position minus action.joints[i].nominal."""
     return view.state.joint_positions - view.nominal
 
 
 @observation(JOINTS, CHANNEL_UNITS[NUM_JOINTS : 2 * NUM_JOINTS], "none", _LEGS)
-def joint_velocities(view: View) -> np.ndarray:
+def joint_velocities(view: View) -> Array:
     """Joint velocity."""
     return view.state.joint_velocities
 
 
 @observation(JOINTS, "-", "none", _LEGS)
-def previous_action(view: View) -> np.ndarray:
+def previous_action(view: View) -> Array:
     """The last action: clipped, reflected back, 0 where its scale is 0."""
     return view.action
 
 
 @observation(JOINTS, "-", "none", _LEGS)
-def action_before_previous(view: View) -> np.ndarray:
+def action_before_previous(view: View) -> Array:
     """The action before the last one, likewise; 0 at the start.
 
     With a delay it may still be on its way.
@@ -163,13 +166,13 @@ def action_before_previous(view: View) -> np.ndarray:
 
 
 @observation(("z",), "m", "world", Mirror.of(1.0))
-def base_height(view: View) -> np.ndarray:
+def base_height(view: View) -> Array:
     """Height of the base's origin above the ground minus nominal_height."""
     return view.state.base_height[:, None] - view.nominal_height
 
 
 @observation(("forward", "leftward"), "m/s", "heading", _LEVEL)
-def filtered_velocity(view: View) -> np.ndarray:
+def filtered_velocity(view: View) -> Array:
     """Low-passed velocity f of the base.
 
     f += velocity_filter.gain * (v - f) each control step but the first, f = 0 at the start; v is
@@ -179,27 +182,29 @@ def filtered_velocity(view: View) -> np.ndarray:
 
 
 @observation(("vx", "vy"), "m/s", "heading", _LEVEL)
-def reference_velocity(view: View) -> np.ndarray:
+def reference_velocity(view: View) -> Array:
     """The reference velocity, from one command to the next; see reference.meaning."""
     return view.reference_velocity
 
 
 @observation(("forward", "leftward"), "-", "heading", _LEVEL)
-def velocity_error(view: View) -> np.ndarray:
+def velocity_error(view: View) -> Array:
     """tanh((filtered_velocity - expected) / velocity_error.range).
 
     Each control step but the first, after the reference velocity has moved, expected +=
     velocity_filter.gain * (reference velocity - expected), 0 at the start. It says little new, but
     in one number: networks find small differences of large inputs late.
     """
-    return np.tanh((view.filtered_velocity - view.expected_velocity) / VELOCITY_ERROR_RANGE)
+    error = view.filtered_velocity - view.expected_velocity
+    return namespace(error).tanh(error / VELOCITY_ERROR_RANGE)
 
 
 @observation(("sin", "cos"), "-", "none", Mirror.of(-1.0, -1.0), Needs.CLOCK)
-def phase(view: View) -> np.ndarray:
+def phase(view: View) -> Array:
     """Sine and cosine of 2 pi times the clock; 0, 0 when halted."""
     angle = 2.0 * np.pi * view.phase  # half a walk later the other leg is in stance: signs flip
-    return np.stack([np.sin(angle), np.cos(angle)], axis=1) * ~view.halted[:, None]
+    xp = namespace(angle)
+    return xp.stack([xp.sin(angle), xp.cos(angle)], axis=1) * ~view.halted[:, None]
 
 
 def _mirrored_grid(config: ObservationConfig) -> Mirror:
@@ -209,18 +214,18 @@ def _mirrored_grid(config: ObservationConfig) -> Mirror:
 
 
 @observation((), "m", "heading", _mirrored_grid)
-def height_scan(view: View) -> np.ndarray:
+def height_scan(view: View) -> Array:
     """Height of the base's origin above points of a grid around it; see height_scan.
 
     From back to front, in each row from right to left.
     """
     state, (nx, ny) = view.state, view.scan_points
     if state.ground.flat:
-        return np.repeat(state.base_position[:, 2:3], nx * ny, axis=1)
+        return namespace(state.yaw).tile(state.base_position[:, 2:3], (1, nx * ny))
     grid = [view.scan_spacing * (np.arange(n) - 0.5 * (n - 1)) for n in (nx, ny)]
     x, y = (values.ravel() for values in np.meshgrid(*grid, indexing="ij"))
-    points = turn_to_heading(np.stack([x, y], axis=-1), -state.yaw[:, None])
-    points += state.base_position[:, None, :2]
+    grid = constant(np.stack([x, y], axis=-1), state.yaw)
+    points = turn_to_heading(grid, -state.yaw[:, None]) + state.base_position[:, None, :2]
     return state.base_position[:, 2:3] - state.ground.height(points)
 
 
@@ -246,9 +251,16 @@ class Observer:
         starts = np.cumsum([0, *self.layout.values()])[:-1]
         return np.concatenate([p + start for p, start in zip(permutations, starts, strict=True)])
 
-    def __call__(self, view: View, mirrored: np.ndarray) -> np.ndarray:
+    def __call__(self, view: View, mirrored: Array) -> Array:
         """Observations (N, size) float32; those of ``mirrored`` (N,) robots are reflected."""
         parts = [function(view) * scale for function, scale in self._terms]
-        values = np.concatenate(parts, axis=1)
-        values[mirrored] = values[mirrored][:, self.permutation] * self.sign
-        return np.clip(values, -self._clip, self._clip).astype(np.float32)
+        xp = namespace(*parts)
+        values = reflect(xp.concat(parts, axis=1), mirrored, self.permutation, self.sign)
+        return xp.astype(values.clip(-self._clip, self._clip), xp.float32)
+
+
+def reflect(values: Array, mirrored: Array, permutation: np.ndarray, sign: np.ndarray) -> Array:
+    """Values (N, K), with those of ``mirrored`` (N,) robots reflected."""
+    xp = namespace(values)
+    reflected = xp.take(values, constant(permutation, values), axis=1) * constant(sign, values)
+    return xp.where(mirrored[:, None], reflected, values)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slider.config.env import HaltConfig
+from slider.core.arrays import Array
 
 if TYPE_CHECKING:
     from slider.env.underlying import UnderlyingController
@@ -118,6 +119,6 @@ class StepClock:
         """The controller moves on, tick by tick."""
 
 
-def standing(command: np.ndarray) -> np.ndarray:
+def standing(command: Array) -> Array:
     """Which commands (N, ≥ 3) of vx, vy and yaw rate mean to stand (N,)."""
     return (command[:, :3] == 0.0).all(axis=1)

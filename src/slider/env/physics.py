@@ -3,7 +3,6 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from collections.abc import Sequence
 from functools import partial
 
 import mujoco
@@ -16,14 +15,13 @@ from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
 from slider.env.ground import FLAT
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
+from slider.env.reading import SPEED_LIMIT, SensorIndex, columns_of, read
 from slider.env.state import RobotState
 from slider.robot import names
-from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
-_SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
 _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
 
 
@@ -78,7 +76,7 @@ class BatchedPhysics:
         self._series = self._state[:, None], self._sensors[:, None]
         self._diverged = np.zeros(num_robots, dtype=bool)
         self._retired = np.zeros(num_robots, dtype=bool)
-        self._index = _SensorIndex(self.model)
+        self._index = SensorIndex(self.model)
         self._instruments = _Instruments(self.model) if instruments else None
         self._motors = Transmission.of(robot)
         self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
@@ -160,7 +158,7 @@ class BatchedPhysics:
         late = np.abs(state[:, 0] - _START_TIME - self.period) > 1e-9
         wild = ~np.isfinite(state).all(axis=1)
         with np.errstate(invalid="ignore"):
-            fast = np.abs(state[:, 1 + self.model.nq :]).max(axis=1) > _SPEED_LIMIT
+            fast = np.abs(state[:, 1 + self.model.nq :]).max(axis=1) > SPEED_LIMIT
         return late | wild | fast
 
     def loads(self) -> DriveLoads:
@@ -204,27 +202,7 @@ class BatchedPhysics:
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
-        qpos, qvel, sensors, index = self.qpos, self.qvel, self._sensors, self._index
-        rotation = rotation_from_quaternion(qpos[:, 3:7])
-        yaw = yaw_of(rotation)
-        state = RobotState(
-            base_position=qpos[:, :3].copy(),
-            quaternion=qpos[:, 3:7].copy(),
-            rotation=rotation,
-            yaw=yaw,
-            linear_velocity=np.einsum("nij,ni->nj", rotation, qvel[:, :3]),
-            angular_velocity=qvel[:, 3:6].copy(),
-            heading_velocity=turn_to_heading(qvel, yaw),
-            gravity=-rotation[:, 2, :],
-            joint_positions=qpos[:, 7:].copy(),
-            joint_velocities=qvel[:, 6:].copy(),
-            motor_torques=sensors[:, index.torques],
-            foot_positions=sensors[:, index.soles].reshape(-1, 2, 3),
-            foot_velocities=sensors[:, index.sole_velocities].reshape(-1, 2, 3),
-            foot_forces=np.abs(sensors[:, index.forces]),
-            body_contacts=sensors[:, index.contacts].sum(axis=1),
-            diverged=self._diverged.copy(),
-        )
+        state = read(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
         return state if self._disturber is None else self._disturber.in_world(state)
 
     def measure(self, state: RobotState) -> RobotState:
@@ -244,29 +222,11 @@ class BatchedPhysics:
         return self._disturber.masses
 
 
-def _columns(model: mujoco.MjModel, sensor: str) -> Sequence[int]:
-    start = int(model.sensor(sensor).adr[0])
-    return range(start, start + int(model.sensor(sensor).dim[0]))
-
-
-class _SensorIndex:
-    """Columns of the sensor array."""
-
-    def __init__(self, model: mujoco.MjModel) -> None:
-        columns, sides = partial(_columns, model), names.SIDES
-        self.torques = [columns(f"{motor}_torque")[0] for motor in names.MOTORS]
-        self.soles = [c for side in sides for c in columns(f"{side}_sole_position")]
-        self.sole_velocities = [c for side in sides for c in columns(f"{side}_sole_velocity")]
-        self.forces = [columns(f"{side}_foot_force")[2] for side in sides]  # z of the net force
-        bodies = (names.BASE, *(names.tube(side) for side in sides))
-        self.contacts = [columns(f"{body}_contact")[0] for body in bodies]
-
-
 class _Instruments:
     """Columns of the sensors that metrics alone need."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        columns, sides = partial(_columns, model), names.SIDES
+        columns, sides = partial(columns_of, model), names.SIDES
         ends = [names.foot_end(side, end) for side in sides for end in names.FOOT_ENDS]
         self._positions = [c for end in ends for c in columns(f"{end}_position")]
         self._velocities = [c for end in ends for c in columns(f"{end}_velocity")]

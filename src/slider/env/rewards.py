@@ -22,6 +22,7 @@ from slider.config.types import (
     Share,
     Unit,
 )
+from slider.core.arrays import Array, constant, namespace
 from slider.core.errors import UserError
 from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.lyapunov import Lyapunov
@@ -57,9 +58,7 @@ class RewardView:
         before: ``outputs`` (N, 2, 10) of the control step before, infinite where an episode begins.
     """
 
-    def __init__(
-        self, view: View, guide: "Guide | None", before: np.ndarray | float = np.inf
-    ) -> None:
+    def __init__(self, view: View, guide: "Guide | None", before: Array | float = np.inf) -> None:
         self.view = view
         self.state = view.state
         self._guide = guide
@@ -73,25 +72,27 @@ class RewardView:
         return self._guide
 
     @cached_property
-    def reference(self) -> np.ndarray:
+    def reference(self) -> Array:
         """Reference channels and base motion (N, 39)."""
         return self.guide.at_phase(self.view)
 
     @cached_property
-    def outputs(self) -> np.ndarray:
+    def outputs(self) -> Array:
         """y and ẏ (N, 2, 10) [rad, rad/s]: y = √w (q − gait(phase)) of the driven joints.
 
         With the guide's weights w a metre of slide counts like √40 rad.
         """
         desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
         measured = [self.state.joint_positions, self.state.joint_velocities]
-        error = np.stack(measured, axis=1) - desired
-        return (np.sqrt(_GUIDE_WEIGHT) * error)[:, :, _DRIVEN]
+        error = namespace(desired).stack(measured, axis=1) - desired
+        weighted = constant(np.sqrt(_GUIDE_WEIGHT), error) * error
+        return weighted[:, :, constant(_DRIVEN, error)]
 
     @property
-    def outputs_before(self) -> np.ndarray:
+    def outputs_before(self) -> Array:
         """``outputs`` of the control step before, infinite where an episode begins."""
-        return np.broadcast_to(self._before, self.outputs.shape)
+        xp = namespace(self.outputs)
+        return xp.broadcast_to(xp.asarray(self._before), self.outputs.shape)
 
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
@@ -99,28 +100,32 @@ def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
     return register(TERMS, lambda function: Term(function, needs))
 
 
-def _kernel(square: np.ndarray, width: np.ndarray | float) -> np.ndarray:
-    return np.exp(-square / width)
+def _kernel(square: Array, width: Array | float) -> Array:
+    return namespace(square).exp(-square / width)
 
 
-def _norm(values: np.ndarray) -> np.ndarray:
-    return np.sqrt((values**2).sum(axis=1))
+def _norm(values: Array) -> Array:
+    return namespace(values).sqrt((values**2).sum(axis=1))
+
+
+def _tanh(values: Array) -> Array:
+    return namespace(values).tanh(values)
 
 
 @reward()
-def alive(r: RewardView) -> np.ndarray:
+def alive(r: RewardView) -> Array:
     """1."""
-    return np.ones(r.state.num_robots)
+    return namespace(r.state.yaw).ones_like(r.state.yaw)
 
 
 @reward()
-def forward_velocity(r: RewardView) -> np.ndarray:
+def forward_velocity(r: RewardView) -> Array:
     """1 − tanh|vx − reference|: a gradient at every distance."""
     error = r.state.heading_velocity - r.view.reference_velocity
-    return 1.0 - np.tanh(np.abs(error[:, 0]))
+    return 1.0 - _tanh(abs(error[:, 0]))
 
 
-def _filtered_error(view: View) -> np.ndarray:
+def _filtered_error(view: View) -> Array:
     """Low-passed velocity minus low-passed reference (N, 2) [m/s]."""
     return view.filtered_velocity - view.expected_velocity
 
@@ -128,42 +133,42 @@ def _filtered_error(view: View) -> np.ndarray:
 @reward()
 def forward_velocity_filtered(
     r: RewardView, width: _Metres2PerSecond2, relative: NonNegative[Number]
-) -> np.ndarray:
+) -> Array:
     """exp(−e²/(width + relative·vx²)), low-passed forward velocity minus reference."""
     error = _filtered_error(r.view)[:, 0]
     return _kernel(error**2, width + relative * r.view.expected_velocity[:, 0] ** 2)
 
 
 @reward()
-def lateral_velocity_filtered(r: RewardView, width: Positive[MetresPerSecond]) -> np.ndarray:
+def lateral_velocity_filtered(r: RewardView, width: Positive[MetresPerSecond]) -> Array:
     """1 − tanh(|e|/width), low-passed leftward velocity minus reference."""
-    return 1.0 - np.tanh(np.abs(_filtered_error(r.view)[:, 1]) / width)
+    return 1.0 - _tanh(abs(_filtered_error(r.view)[:, 1]) / width)
 
 
 @reward()
-def yaw_rate(r: RewardView, width: _Radians2PerSecond2) -> np.ndarray:
+def yaw_rate(r: RewardView, width: _Radians2PerSecond2) -> Array:
     """exp(−e²/width) of the yaw rate."""
     return _kernel((r.state.angular_velocity[:, 2] - r.view.command[:, 2]) ** 2, width)
 
 
 @reward()
-def heading(r: RewardView, width: _Radians2) -> np.ndarray:
+def heading(r: RewardView, width: _Radians2) -> Array:
     """exp(−e²/width) of the heading error."""
     return _kernel(r.view.command[:, 3] ** 2, width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
-def guide_phase(r: RewardView, width: _Radians2) -> np.ndarray:
+def guide_phase(r: RewardView, width: _Radians2) -> Array:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS]
-    return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
+    return _kernel((constant(_GUIDE_WEIGHT, error) * error**2).sum(axis=1), width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
-def guide_phase_turning(r: RewardView, width: _Radians2) -> np.ndarray:
+def guide_phase_turning(r: RewardView, width: _Radians2) -> Array:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
-    return _kernel((_GUIDE_WEIGHT * error**2).sum(axis=1), width)
+    return _kernel((constant(_GUIDE_WEIGHT, error) * error**2).sum(axis=1), width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
@@ -172,7 +177,7 @@ def clf_value(
     bandwidth: Positive[RadiansPerSecond],
     rate_weight: NonNegative[Number],
     eta_max: Positive[Radians],
-) -> np.ndarray:
+) -> Array:
     """exp(−V/σ) of the outputs' control Lyapunov function, σ = λ_max(P) η_max² (CLF-RL)."""
     clf = Lyapunov(bandwidth, rate_weight)
     return _kernel(clf.value(r.outputs), clf.largest * eta_max**2)
@@ -186,7 +191,7 @@ def clf_decrease(
     eta_max: Positive[Radians],
     eta_dot_max: Positive[RadiansPerSecond],
     decay: _PerSecond,
-) -> np.ndarray:
+) -> Array:
     """Violation of V̇ + decay·V ≤ 0 in units of σ', at most 1 (CLF-RL).
 
     V̇ is the change over a control step; σ' = 2‖P‖ η_max η̇_max + decay λ_max(P) η_max². Nothing is
@@ -195,19 +200,19 @@ def clf_decrease(
     clf = Lyapunov(bandwidth, rate_weight)
     value, before = clf.value(r.outputs), clf.value(r.outputs_before)
     scale = clf.largest * eta_max * (2.0 * eta_dot_max + decay * eta_max)
-    return np.clip(((value - before) / r.view.period + decay * value) / scale, 0.0, 1.0)
+    return (((value - before) / r.view.period + decay * value) / scale).clip(0.0, 1.0)
 
 
 @reward()
-def stand_still(r: RewardView, loaded: Newtons, width: _Radians2PerSecond2) -> np.ndarray:
+def stand_still(r: RewardView, loaded: Newtons, width: _Radians2PerSecond2) -> Array:
     """At zero command: share of feet with more than ``loaded``, times exp(−‖q̇‖²/width)."""
-    share = (r.state.foot_forces > loaded).mean(axis=1)
+    share = (1.0 * (r.state.foot_forces > loaded)).mean(axis=1)
     speed = (r.state.joint_velocities**2).sum(axis=1)
     return standing(r.view.command) * share * _kernel(speed, width)
 
 
 @reward(Needs.LIBRARY)
-def guide_nearest(r: RewardView, masked: Share) -> np.ndarray:
+def guide_nearest(r: RewardView, masked: Share) -> Array:
     """−‖Ô − Ĝ‖ to the nearest sample (eq. 3); ``masked`` 1 leaves the upper feet out."""
     return -r.guide.nearest_distance(r.view, masked > 0)
 
@@ -215,112 +220,113 @@ def guide_nearest(r: RewardView, masked: Share) -> np.ndarray:
 @reward(Needs.CLOCK)
 def contact_schedule(
     r: RewardView, loaded: Newtons, unloaded: Newtons, margin: Annotated[Share, Field(le=0.5)]
-) -> np.ndarray:
+) -> Array:
     """Half for a loaded stance foot, half for a free swing foot, away from the switches.
 
     ``margin``: share of a step at either end in which nothing is asked.
     """
-    left = r.view.phase < 0.5
+    xp, left = namespace(r.view.phase), r.view.phase < 0.5
     forces = r.state.foot_forces
-    stance = np.where(left, forces[:, 0], forces[:, 1])
-    swing = np.where(left, forces[:, 1], forces[:, 0])
+    stance = xp.where(left, forces[:, 0], forces[:, 1])
+    swing = xp.where(left, forces[:, 1], forces[:, 0])
     progress = (2.0 * r.view.phase) % 1.0
     asked = (progress > margin) & (progress < 1.0 - margin)
-    return np.where(asked, 0.5 * (stance > loaded) + 0.5 * (swing < unloaded), 1.0)
+    return xp.where(asked, 0.5 * (stance > loaded) + 0.5 * (swing < unloaded), 1.0)
 
 
 @reward()
-def upright(r: RewardView, width: Positive[Number]) -> np.ndarray:
+def upright(r: RewardView, width: Positive[Number]) -> Array:
     """exp(−(g_x² + g_y²)/width) of the projected gravity."""
     return _kernel((r.state.gravity[:, :2] ** 2).sum(axis=1), width)
 
 
 @reward()
-def height(r: RewardView, width: _Metres2) -> np.ndarray:
+def height(r: RewardView, width: _Metres2) -> Array:
     """exp(−(z − nominal)²/width) of the base height."""
     return _kernel((r.state.base_height - r.view.nominal_height) ** 2, width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
-def guide_height(r: RewardView, width: _Metres2) -> np.ndarray:
+def guide_height(r: RewardView, width: _Metres2) -> Array:
     """exp(−(z − gait(phase))²/width) of the base height."""
     return _kernel((r.state.base_height - r.reference[:, _BASE_HEIGHT]) ** 2, width)
 
 
 @reward()
-def action_rate(r: RewardView) -> np.ndarray:
+def action_rate(r: RewardView) -> Array:
     """Σ (a − a_previous)²."""
     return ((r.view.action - r.view.previous_action) ** 2).sum(axis=1)
 
 
 @reward()
-def roll_pitch_rate(r: RewardView) -> np.ndarray:
+def roll_pitch_rate(r: RewardView) -> Array:
     """ω_x² + ω_y² [rad²/s²]."""
     return (r.state.angular_velocity[:, :2] ** 2).sum(axis=1)
 
 
 @reward()
-def effort(r: RewardView) -> np.ndarray:
+def effort(r: RewardView) -> Array:
     """Σ (motor torque/limit)²."""
     return ((r.state.motor_torques / r.view.torque_limits) ** 2).sum(axis=1)
 
 
 @reward()
-def foot_slip(r: RewardView, loaded: Newtons, width: _Metres2PerSecond2) -> np.ndarray:
+def foot_slip(r: RewardView, loaded: Newtons, width: _Metres2PerSecond2) -> Array:
     """Σ over loaded feet of 1 − exp(−v²/width), v the horizontal speed of the sole."""
     square = (r.state.foot_velocities[:, :, :2] ** 2).sum(axis=2)
     return ((1.0 - _kernel(square, width)) * (r.state.foot_forces > loaded)).sum(axis=1)
 
 
 @reward()
-def airborne(r: RewardView, unloaded: Newtons) -> np.ndarray:
+def airborne(r: RewardView, unloaded: Newtons) -> Array:
     """1 where both feet carry less than ``unloaded``."""
-    return (r.state.foot_forces < unloaded).all(axis=1).astype(float)
+    free = r.state.foot_forces < unloaded
+    return 1.0 * (free[:, 0] & free[:, 1])
 
 
 @reward()
-def feet_close(r: RewardView, least: Positive[Metres]) -> np.ndarray:
+def feet_close(r: RewardView, least: Positive[Metres]) -> Array:
     """Share by which the lateral distance of the soles, left from right, is below ``least``."""
     way = r.state.foot_positions[:, 0] - r.state.foot_positions[:, 1]
     distance = turn_to_heading(way, r.state.yaw)[:, 1]
-    return np.maximum(0.0, 1.0 - distance / least)
+    return (1.0 - distance / least).clip(min=0.0)
 
 
 @reward()
-def torque_tanh(r: RewardView) -> np.ndarray:
+def torque_tanh(r: RewardView) -> Array:
     """tanh‖τ‖ of the motors (paper)."""
-    return np.tanh(_norm(r.state.motor_torques))
+    return _tanh(_norm(r.state.motor_torques))
 
 
 @reward()
-def angular_velocity_tanh(r: RewardView) -> np.ndarray:
+def angular_velocity_tanh(r: RewardView) -> Array:
     """tanh‖ω‖ (paper)."""
-    return np.tanh(_norm(r.state.angular_velocity))
+    return _tanh(_norm(r.state.angular_velocity))
 
 
 @reward()
-def linear_error_tanh(r: RewardView) -> np.ndarray:
+def linear_error_tanh(r: RewardView) -> Array:
     """tanh‖v − v_des‖, base frame, three components (paper)."""
-    return np.tanh(_norm(r.state.linear_velocity - target_linear_velocity(r.view)))
+    return _tanh(_norm(r.state.linear_velocity - target_linear_velocity(r.view)))
 
 
 @reward()
-def angular_error_tanh(r: RewardView) -> np.ndarray:
+def angular_error_tanh(r: RewardView) -> Array:
     """tanh‖ω − ω_des‖ (paper)."""
-    return np.tanh(_norm(r.state.angular_velocity - target_angular_velocity(r.view)))
+    return _tanh(_norm(r.state.angular_velocity - target_angular_velocity(r.view)))
 
 
 @reward()
-def height_tanh(r: RewardView) -> np.ndarray:
+def height_tanh(r: RewardView) -> Array:
     """tanh(H) of the base height [m] (paper)."""
-    return np.tanh(r.state.base_height)
+    return _tanh(r.state.base_height)
 
 
 @reward()
-def action_rate_tanh(r: RewardView) -> np.ndarray:
+def action_rate_tanh(r: RewardView) -> Array:
     """tanh‖A − A_previous‖, A the position commands [rad or m] (paper)."""
     change = r.view.action - r.view.previous_action
-    return np.tanh(_norm(r.view.action_scale * change))
+    return _tanh(_norm(r.view.action_scale * change))
 
 
 class Reward:
@@ -335,11 +341,12 @@ class Reward:
         self._config = config
         self.needs = reduce(or_, (TERMS[name].needs for name in config.active), Needs.NOTHING)
 
-    def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    def __call__(self, r: RewardView, fell: Array) -> tuple[Array, dict[str, Array]]:
         """Reward (N,) and the weighted terms by name, each (N,)."""
         config = self._config
         parts = {n: t.weight * TERMS[n].function(r, **t.params) for n, t in config.active.items()}
-        total = np.maximum(sum(parts.values()), config.floor) * config.scale
+        nothing = namespace(r.state.yaw).zeros_like(r.state.yaw)
+        total = sum(parts.values(), start=nothing).clip(min=config.floor) * config.scale
         return total + config.on_fall * fell, parts
 
 

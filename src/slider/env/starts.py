@@ -4,6 +4,7 @@ import numpy as np
 
 from slider.config.env import StartNoise
 from slider.config.robot import RobotConfig
+from slider.core.arrays import NUMPY, Array, constant, namespace, zeros
 from slider.robot.kinematics import (
     quaternion_from_tilt,
     rotation_from_quaternion,
@@ -25,44 +26,49 @@ _SLIDES = np.array([name.endswith("slide") for name in JOINTS])
 
 
 def at_rest(
-    robot: RobotConfig, noise: StartNoise, rng: np.random.Generator, count: int
-) -> tuple[np.ndarray, np.ndarray]:
+    robot: RobotConfig,
+    noise: StartNoise,
+    rng: np.random.Generator,
+    count: int,
+    like: Array = NUMPY,
+) -> tuple[Array, Array]:
     """Positions (count, 19) and velocities (count, 18) about the nominal pose.
 
     The lowest foot point touches the ground, whatever the noise.
     """
-    qpos = np.tile(nominal_qpos(robot), (count, 1))
-    qvel = np.zeros((count, 6 + NUM_JOINTS))
+    xp, nominal = namespace(like), constant(nominal_qpos(robot), like)
+    qpos, qvel = xp.tile(nominal, (count, 1)), zeros((count, 6 + NUM_JOINTS), like)
     perturb(qpos, qvel, robot, noise, rng)
     qpos[:, 2] = _standing_heights(robot, qpos)
     return qpos, qvel
 
 
 def about(
-    states: tuple[np.ndarray, np.ndarray],
+    states: tuple[Array, Array],
     robot: RobotConfig,
     noise: StartNoise,
     rng: np.random.Generator,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Array, Array]:
     """Positions (n, 19) and velocities (n, 18) about ``states`` of a gait.
 
     Robots keep the gait's height, but where a foot would be inside the ground they are lifted.
     """
-    qpos, qvel = (values.copy() for values in states)
+    xp = namespace(*states)
+    qpos, qvel = (xp.asarray(values, copy=True) for values in states)
     perturb(qpos, qvel, robot, noise, rng)
-    qpos[:, 2] = np.maximum(qpos[:, 2], _standing_heights(robot, qpos))
+    qpos[:, 2] = xp.maximum(qpos[:, 2], _standing_heights(robot, qpos))
     return qpos, qvel
 
 
-def _standing_heights(robot: RobotConfig, qpos: np.ndarray) -> np.ndarray:
+def _standing_heights(robot: RobotConfig, qpos: Array) -> Array:
     """Base heights (n,) [m] at which the lowest foot point touches the ground."""
     rotation = rotation_from_quaternion(qpos[:, 3:7])
     return standing_height(robot.geometry, rotation, qpos[:, 7:])
 
 
 def perturb(
-    qpos: np.ndarray,
-    qvel: np.ndarray,
+    qpos: Array,
+    qvel: Array,
     robot: RobotConfig,
     noise: StartNoise,
     rng: np.random.Generator,
@@ -72,24 +78,26 @@ def perturb(
     tilt = noise.tilt * rng.standard_normal((count, 2))
     qpos[:, 3:7] = multiply_quaternions(qpos[:, 3:7], quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
     spread = np.where(_SLIDES, noise.slide_position, noise.joint_position)
-    qpos[:, 7:] += spread * rng.standard_normal((count, NUM_JOINTS))
-    lower, upper = joint_range(robot)
-    np.clip(qpos[:, 7:], lower, upper, out=qpos[:, 7:])
+    qpos[:, 7:] += constant(spread, qpos) * rng.standard_normal((count, NUM_JOINTS))
+    lower, upper = (constant(limit, qpos) for limit in joint_range(robot))
+    qpos[:, 7:] = qpos[:, 7:].clip(lower, upper)
     qvel[:, :3] += noise.linear_velocity * rng.standard_normal((count, 3))
     qvel[:, 3:6] += noise.angular_velocity * rng.standard_normal((count, 3))
-    share = np.where(_SLIDES, 0.2, 1.0)  # a slide's m/s weigh more than a hinge's rad/s
+    share = constant(
+        np.where(_SLIDES, 0.2, 1.0), qpos
+    )  # a slide's m/s weigh more than a hinge's rad/s
     qvel[:, 6:] += noise.joint_velocity * share * rng.standard_normal((count, NUM_JOINTS))
 
 
-def joint_range(robot: RobotConfig) -> tuple[np.ndarray, np.ndarray]:
+def joint_range(robot: RobotConfig) -> tuple[Array, Array]:
     """Lower and upper joint limits (12,) [rad or m]."""
     joints = [robot.joints[leg_joint(name)] for name in JOINTS]
     return np.array([x.lower for x in joints]), np.array([x.upper for x in joints])
 
 
-def multiply_quaternions(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def multiply_quaternions(a: Array, b: Array) -> Array:
     """Products (N, 4) of quaternions (N, 4) as w, x, y, z."""
-    w, v = a[:, :1], a[:, 1:]
+    xp, w, v = namespace(a), a[:, :1], a[:, 1:]
     scalar = w[:, 0] * b[:, 0] - (v * b[:, 1:]).sum(axis=1)
-    vector = w * b[:, 1:] + b[:, :1] * v + np.cross(v, b[:, 1:])
-    return np.concatenate([scalar[:, None], vector], axis=1)
+    vector = w * b[:, 1:] + b[:, :1] * v + xp.linalg.cross(v, b[:, 1:])
+    return xp.concat([scalar[:, None], vector], axis=1)

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from slider.core.arrays import Array, namespace
 from slider.env.ground import FLAT, Ground
 
 
@@ -33,22 +32,22 @@ class RobotState:
         ground: on which the robots are.
     """
 
-    base_position: np.ndarray
-    quaternion: np.ndarray
-    rotation: np.ndarray
-    yaw: np.ndarray
-    linear_velocity: np.ndarray
-    angular_velocity: np.ndarray
-    heading_velocity: np.ndarray
-    gravity: np.ndarray
-    joint_positions: np.ndarray
-    joint_velocities: np.ndarray
-    motor_torques: np.ndarray
-    foot_positions: np.ndarray
-    foot_velocities: np.ndarray
-    foot_forces: np.ndarray
-    body_contacts: np.ndarray
-    diverged: np.ndarray
+    base_position: Array
+    quaternion: Array
+    rotation: Array
+    yaw: Array
+    linear_velocity: Array
+    angular_velocity: Array
+    heading_velocity: Array
+    gravity: Array
+    joint_positions: Array
+    joint_velocities: Array
+    motor_torques: Array
+    foot_positions: Array
+    foot_velocities: Array
+    foot_forces: Array
+    body_contacts: Array
+    diverged: Array
     ground: Ground = FLAT
 
     @property
@@ -57,17 +56,19 @@ class RobotState:
         return len(self.yaw)
 
     @property
-    def base_height(self) -> np.ndarray:
+    def base_height(self) -> Array:
         """Height of the base above the ground below it (N,) [m]."""
         return self.base_position[:, 2] - self.ground.height(self.base_position[:, :2])
 
     @property
-    def qpos(self) -> np.ndarray:
+    def qpos(self) -> Array:
         """MuJoCo's generalised positions (N, 19)."""
-        return np.concatenate([self.base_position, self.quaternion, self.joint_positions], axis=1)
+        parts = [self.base_position, self.quaternion, self.joint_positions]
+        return namespace(*parts).concat(parts, axis=1)
 
     @property
-    def qvel(self) -> np.ndarray:
+    def qvel(self) -> Array:
         """MuJoCo's generalised velocities (N, 18): linear world, angular base frame."""
-        linear = np.einsum("nij,nj->ni", self.rotation, self.linear_velocity)
-        return np.concatenate([linear, self.angular_velocity, self.joint_velocities], axis=1)
+        xp = namespace(self.rotation)
+        linear = xp.einsum("nij,nj->ni", self.rotation, self.linear_velocity)
+        return xp.concat([linear, self.angular_velocity, self.joint_velocities], axis=1)

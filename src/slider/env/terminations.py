@@ -9,6 +9,7 @@ from pydantic import Field
 
 from slider.config.convert import from_dict
 from slider.config.types import Metres, NonNegative, Number, Positive, Radians
+from slider.core.arrays import Array
 from slider.env.declaration import Function, Needs, Term, check_names, register
 from slider.env.state import RobotState
 
@@ -21,19 +22,19 @@ def termination(function: Function) -> Function:
 
 
 @termination
-def base_height(state: RobotState, minimum: NonNegative[Metres]) -> np.ndarray:
+def base_height(state: RobotState, minimum: NonNegative[Metres]) -> Array:
     """Base less than ``minimum`` above the ground."""
     return state.base_height < minimum
 
 
 @termination
-def tilt(state: RobotState, maximum: Annotated[Positive[Radians], Field(le=math.pi)]) -> np.ndarray:
+def tilt(state: RobotState, maximum: Annotated[Positive[Radians], Field(le=math.pi)]) -> Array:
     """Base tilted by more than ``maximum``."""
-    return -state.gravity[:, 2] < np.cos(maximum)
+    return -state.gravity[:, 2] < float(np.cos(maximum))
 
 
 @termination
-def body_contact(state: RobotState, maximum: NonNegative[Number]) -> np.ndarray:
+def body_contact(state: RobotState, maximum: NonNegative[Number]) -> Array:
     """More than ``maximum`` contacts of a body other than a foot with the ground."""
     return state.body_contacts > maximum
 
@@ -51,9 +52,9 @@ def check(terms: Mapping[str, float]) -> None:
         from_dict(parameter, value, f"{key}.{name}")
 
 
-def failed(state: RobotState, terms: Mapping[str, float]) -> np.ndarray:
+def failed(state: RobotState, terms: Mapping[str, float]) -> Array:
     """Robots (N,) that failed by any of the terms, or whose simulation blew up."""
-    result = state.diverged.copy()
+    result = state.diverged
     for name, parameter in terms.items():
-        result |= TERMS[name].function(state, parameter)
+        result = result | TERMS[name].function(state, parameter)
     return result

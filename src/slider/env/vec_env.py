@@ -1,6 +1,8 @@
 """The training environment: batched physics behind rsl-rl's ``VecEnv`` contract."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import torch
@@ -44,7 +46,9 @@ class WalkingEnv(VecEnv):
         total_diverged: simulations that blew up so far.
     """
 
-    def __init__(self, task: Task, threads: int = 1) -> None:
+    def __init__(
+        self, task: Task, threads: int = 1, simulate: Callable[..., Any] = build_physics
+    ) -> None:
         robot, config, train = task.robot, task.env, task.train
         terminations.check(config.termination.terms)
         self.num_envs = train.robots
@@ -57,7 +61,7 @@ class WalkingEnv(VecEnv):
         self._robot, self._config, self._train = robot, config, train
         self._rng = np.random.default_rng(train.seed)
         self._guide = task.guide
-        self.physics = build_physics(
+        self.physics = simulate(
             robot,
             config.physics,
             self.num_envs,

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from slider.core.arrays import Array, namespace
 from slider.env.state import RobotState
 
 
@@ -30,23 +29,24 @@ class View:
     """
 
     state: RobotState
-    command: np.ndarray
-    action: np.ndarray
-    previous_action: np.ndarray
-    action_scale: np.ndarray
-    filtered_velocity: np.ndarray
-    reference_velocity: np.ndarray
-    expected_velocity: np.ndarray
-    phase: np.ndarray
-    halted: np.ndarray
-    nominal: np.ndarray
+    command: Array
+    action: Array
+    previous_action: Array
+    action_scale: Array
+    filtered_velocity: Array
+    reference_velocity: Array
+    expected_velocity: Array
+    phase: Array
+    halted: Array
+    nominal: Array
     nominal_height: float
-    torque_limits: np.ndarray
+    torque_limits: Array
     period: float
     scan_points: tuple[int, int]
     scan_spacing: float
 
     @property
-    def reference_command(self) -> np.ndarray:
+    def reference_command(self) -> Array:
         """Command (N, 3) of the gait in use: reference velocity, commanded yaw rate."""
-        return np.column_stack([self.reference_velocity, self.command[:, 2]])
+        parts = [self.reference_velocity, self.command[:, 2:3]]
+        return namespace(*parts).concat(parts, axis=1)

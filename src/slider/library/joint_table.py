@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
+from slider.core.arrays import Array, constant, namespace, zeros
 from slider.library.mesh import corners
 from slider.library.step_times import StepTimes
 
@@ -19,29 +18,28 @@ class JointTable:
     """
 
     times: StepTimes
-    positions: np.ndarray
+    positions: Array
 
-    def at(self, command: np.ndarray, phase: np.ndarray) -> np.ndarray:
+    def at(self, command: Array, phase: Array) -> Array:
         """Joint positions (N, 12) of commands (N, 3) at phases (N,) in [0, 1)."""
         return at_phase(self.times, self.positions, command, phase)
 
     @cached_property
-    def standing(self) -> np.ndarray:
+    def standing(self) -> Array:
         """Joint positions (12,) on both feet at rest: see :func:`standing`."""
         return standing(self.times, self.positions)
 
 
-def standing(times: StepTimes, table: np.ndarray) -> np.ndarray:
+def standing(times: StepTimes, table: Array) -> Array:
     """Row (channels,) of a table (nx, ny, nw, S, channels) for standing on both feet.
 
     The mean of the two changes of feet of the gait in place, which are reflections of each other.
     """
-    return at_phase(times, table, np.zeros((2, 3)), np.array([0.0, 0.5])).mean(axis=0)
+    place, phase = zeros((2, 3), table), constant([0.0, 0.5], table)
+    return at_phase(times, table, place, phase).mean(axis=0)
 
 
-def at_phase(
-    times: StepTimes, table: np.ndarray, command: np.ndarray, phase: np.ndarray
-) -> np.ndarray:
+def at_phase(times: StepTimes, table: Array, command: Array, phase: Array) -> Array:
     """Rows (N, channels) of a table (nx, ny, nw, S, channels) at commands (N, 3), phases (N,).
 
     Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
@@ -49,18 +47,20 @@ def at_phase(
     samples, channels = table.shape[3:]
     k, c = _sample(phase, samples)
     flat = table.reshape(-1, channels)
-    result = np.zeros((len(command), channels))
-    for node, weight in corners(times, command):
-        row = np.ravel_multi_index(node, times.shape) * samples + k
+    result = zeros((len(command), channels), command)
+    _, ny, nw = times.shape
+    for (x, y, yaw_rate), weight in corners(times, command):
+        row = ((x * ny + y) * nw + yaw_rate) * samples + k
         result += (weight * (1 - c))[:, None] * flat[row]
         result += (weight * c)[:, None] * flat[row + 1]
     return result
 
 
-def _sample(phase: np.ndarray, samples: int) -> tuple[np.ndarray, np.ndarray]:
+def _sample(phase: Array, samples: int) -> tuple[Array, Array]:
     """Index of the sample before a phase, and the fraction of the way to the next."""
     per_step = samples // 2
-    step = (phase >= 0.5).astype(int)
+    xp = namespace(phase)
+    step = xp.astype(phase >= 0.5, xp.int64)
     position = (2.0 * phase - step) * (per_step - 1)
-    node = np.clip(position.astype(int), 0, per_step - 2)
+    node = xp.astype(position, xp.int64).clip(0, per_step - 2)
     return step * per_step + node, position - node

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from slider.core.arrays import Array, zeros
 from slider.library.joint_table import JointTable, at_phase, standing
 from slider.library.mesh import aligned, corners, normalise
 from slider.library.reader import GaitLibrary
@@ -22,7 +23,7 @@ class GaitTable:
     """
 
     times: StepTimes
-    reference: np.ndarray
+    reference: Array
 
     @classmethod
     def from_library(cls, library: GaitLibrary) -> "GaitTable":
@@ -38,7 +39,7 @@ class GaitTable:
         """The joint positions alone."""
         return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
 
-    def at(self, command: np.ndarray, phase: np.ndarray) -> np.ndarray:
+    def at(self, command: Array, phase: Array) -> Array:
         """Channels and base motion (N, 39) of commands (N, 3) at phases (N,) in [0, 1).
 
         Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
@@ -48,7 +49,7 @@ class GaitTable:
         return result
 
     @cached_property
-    def standing(self) -> np.ndarray:
+    def standing(self) -> Array:
         """Channels and base motion (39,) of a robot that stands on both feet, at rest."""
         result = standing(self.times, self.reference)
         result[NUM_JOINTS:NUM_CHANNELS] = 0.0
@@ -56,7 +57,7 @@ class GaitTable:
         normalise(result[None, NUM_CHANNELS:])
         return result
 
-    def channels(self, command: np.ndarray) -> np.ndarray:
+    def channels(self, command: Array) -> Array:
         """Channels (N, S, 26) of all samples of the walks at commands (N, 3)."""
         samples = self.reference[..., :NUM_CHANNELS]
         return sum(
@@ -64,5 +65,5 @@ class GaitTable:
                 weight[:, None, None] * samples[node]
                 for node, weight in corners(self.times, command)
             ),
-            start=np.zeros((len(command), *samples.shape[3:])),
+            start=zeros((len(command), *samples.shape[3:]), command),
         )

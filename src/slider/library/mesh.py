@@ -15,9 +15,11 @@ from itertools import product
 
 import numpy as np
 
+from slider.core.arrays import Array, namespace
+
 _QUATERNION = slice(3, 7)  # of the 13 columns of the base's motion
 
-Node = tuple[np.ndarray, np.ndarray, np.ndarray]
+Node = tuple[Array, Array, Array]
 """Places (N,) along vx, vy and yaw rate."""
 
 
@@ -25,9 +27,9 @@ Node = tuple[np.ndarray, np.ndarray, np.ndarray]
 class Axes:
     """Increasing commands of a grid: vx (nx,), vy (ny,) [m/s] and yaw rate (nw,) [rad/s]."""
 
-    vx: np.ndarray
-    vy: np.ndarray
-    yaw_rate: np.ndarray
+    vx: Array
+    vy: Array
+    yaw_rate: Array
 
     def __iter__(self) -> Iterator[np.ndarray]:
         """The three axes."""
@@ -38,9 +40,11 @@ class Axes:
         """Number of values of each axis."""
         return tuple(len(axis) for axis in self)
 
-    def inside(self, command: np.ndarray) -> np.ndarray:
+    def inside(self, command: Array) -> Array:
         """Nearest commands (..., 3) that the grid has."""
-        return np.clip(command, [axis[0] for axis in self], [axis[-1] for axis in self])
+        xp = namespace(command)
+        lower, upper = (xp.stack([axis[end] for axis in self]) for end in (0, -1))
+        return command.clip(lower, upper)
 
 
 @dataclass(frozen=True)
@@ -75,26 +79,30 @@ class CommandMesh(Axes):
         return np.asarray(result)
 
 
-def cell(axis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def cell(axis: Array, value: Array) -> tuple[Array, Array]:
     """Index (N,) of the grid value below and the fraction (N,) above it; clamped outside."""
-    if len(axis) == 1:
-        return np.zeros(len(value), dtype=int), np.zeros(len(value))
-    position = np.interp(value, axis, np.arange(len(axis)))
-    index = np.minimum(position.astype(int), len(axis) - 2)
+    xp, last = namespace(value), len(axis) - 1
+    if not last:
+        return xp.astype(xp.zeros_like(value), xp.int64), xp.zeros_like(value)
+    inside = value.clip(axis[0], axis[-1])
+    below = (xp.searchsorted(axis, inside, side="right") - 1).clip(0, last)
+    slope = xp.concat([1.0 / (axis[1:] - axis[:-1]), xp.zeros_like(axis[:1])])
+    position = slope[below] * (inside - axis[below]) + below
+    index = xp.astype(position, xp.int64).clip(None, last - 1)
     return index, position - index
 
 
-def corners(axes: Axes, command: np.ndarray) -> list[tuple[Node, np.ndarray]]:
+def corners(axes: Axes, command: Array) -> list[tuple[Node, Array]]:
     """The nodes around commands (N, 3), up to eight: their indices and trilinear weights (N,)."""
     sides = [_sides(axis, value) for axis, value in zip(axes, command.T, strict=True)]
     return [((i, j, k), wx * wy * wz) for (i, wx), (j, wy), (k, wz) in product(*sides)]
 
 
-def _sides(axis: np.ndarray, value: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+def _sides(axis: Array, value: Array) -> list[tuple[Array, Array]]:
     """Places (N,) below and above along an axis, and their weights; one place if it has no more."""
     below, share = cell(axis, value)
     if len(axis) == 1:
-        return [(below, np.ones(len(value)))]
+        return [(below, namespace(value).ones_like(value))]
     return [(below, 1 - share), (below + 1, share)]
 
 
@@ -146,5 +154,6 @@ def aligned(base: np.ndarray) -> np.ndarray:
 def normalise(base: np.ndarray) -> np.ndarray:
     """Make the quaternions of blended motion (..., 13) unit again, in place; return it."""
     quaternion = base[..., _QUATERNION]
-    quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
+    norm = namespace(quaternion).linalg.vector_norm(quaternion, axis=-1, keepdims=True)
+    quaternion /= norm
     return base

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.core.arrays import Array, zeros
 from slider.library.mesh import Axes, corners
 
 
@@ -15,16 +16,16 @@ class StepTimes(Axes):
         step_time: (nx, ny, nw) [s].
     """
 
-    step_time: np.ndarray
+    step_time: Array
 
     @classmethod
     def constant(cls, step_time: float) -> "StepTimes":
         """The same step time [s] at every command."""
         return cls(np.zeros(1), np.zeros(1), np.zeros(1), np.full((1, 1, 1), step_time))
 
-    def at(self, command: np.ndarray) -> np.ndarray:
+    def at(self, command: Array) -> Array:
         """Trilinear step times (N,) [s] of commands (N, 3); outside the grid its border's."""
-        result = np.zeros(len(command))
+        result = zeros(len(command), command)
         for node, weight in corners(self, command):
             result += weight * self.step_time[node]
         return result

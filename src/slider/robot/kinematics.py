@@ -1,8 +1,7 @@
 """Forward kinematics of the prismatic legs, vectorised over robots."""
 
-import numpy as np
-
 from slider.config.robot import Geometry
+from slider.core.arrays import Array, constant, namespace, zeros
 from slider.robot.names import LEG_JOINTS
 
 _YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (
@@ -11,10 +10,10 @@ _YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (
 )
 
 
-def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
+def rotation_from_quaternion(quaternion: Array) -> Array:
     """Rotation matrices (N, 3, 3), body to world, of unit quaternions (N, 4) as w, x, y, z."""
     w, x, y, z = quaternion.T
-    rotation = np.empty((len(quaternion), 3, 3))
+    rotation = zeros((len(quaternion), 3, 3), quaternion)
     rotation[:, 0, 0] = 1 - 2 * (y * y + z * z)
     rotation[:, 0, 1] = 2 * (x * y - w * z)
     rotation[:, 0, 2] = 2 * (x * z + w * y)
@@ -27,28 +26,30 @@ def rotation_from_quaternion(quaternion: np.ndarray) -> np.ndarray:
     return rotation
 
 
-def yaw_of(rotation: np.ndarray) -> np.ndarray:
+def yaw_of(rotation: Array) -> Array:
     """Yaws (N,) [rad] of rotations (N, 3, 3), body to world: where x points to on the ground."""
-    return np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+    return namespace(rotation).atan2(rotation[:, 1, 0], rotation[:, 0, 0])
 
 
-def turn_to_heading(vectors: np.ndarray, yaw: np.ndarray) -> np.ndarray:
+def turn_to_heading(vectors: Array, yaw: Array) -> Array:
     """Forward and leftward components (..., 2) of world vectors (..., ≥ 2) at yaws (...) [rad].
 
     With −yaw it is the way back: world components of forward and leftward ones.
     """
-    x, y, cosine, sine = vectors[..., 0], vectors[..., 1], np.cos(yaw), np.sin(yaw)
-    return np.stack([cosine * x + sine * y, -sine * x + cosine * y], axis=-1)
+    xp = namespace(vectors)
+    x, y, cosine, sine = vectors[..., 0], vectors[..., 1], xp.cos(yaw), xp.sin(yaw)
+    return xp.stack([cosine * x + sine * y, -sine * x + cosine * y], axis=-1)
 
 
-def quaternion_from_tilt(roll: np.ndarray, pitch: np.ndarray) -> np.ndarray:
+def quaternion_from_tilt(roll: Array, pitch: Array) -> Array:
     """Unit quaternions (N, 4), pitch about y after roll about x, both (N,) in rad."""
-    cr, sr = np.cos(roll / 2), np.sin(roll / 2)
-    cp, sp = np.cos(pitch / 2), np.sin(pitch / 2)
-    return np.stack([cp * cr, cp * sr, sp * cr, -sp * sr], axis=1)
+    xp = namespace(roll)
+    cr, sr = xp.cos(roll / 2), xp.sin(roll / 2)
+    cp, sp = xp.cos(pitch / 2), xp.sin(pitch / 2)
+    return xp.stack([cp * cr, cp * sr, sp * cr, -sp * sr], axis=1)
 
 
-def foot_ends(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> np.ndarray:
+def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """Lowest points of heel and toe of both feet relative to the base origin, in world axes [m].
 
     Args:
@@ -58,17 +59,18 @@ def foot_ends(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> n
     Returns:
         (N, 2, 2, 3): foot (left, right), end (heel, toe), coordinate.
     """
-    ends = np.empty((len(joints), 2, 2, 3))
+    ends = zeros((len(joints), 2, 2, 3), joints)
     for leg in range(2):
         _, ankle, tube = _leg(geometry, rotation, joints, leg)
         foot = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _ANKLE])
         for end, x in enumerate((-geometry.heel, geometry.toe)):
-            centre = foot @ np.array([x, 0.0, geometry.foot_radius - geometry.ankle_height])
-            ends[:, leg, end] = ankle + centre - [0.0, 0.0, geometry.foot_radius]
+            height = geometry.foot_radius - geometry.ankle_height
+            centre = foot @ constant([x, 0.0, height], joints)
+            ends[:, leg, end] = ankle + centre - constant([0.0, 0.0, geometry.foot_radius], joints)
     return ends
 
 
-def leg_points(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> np.ndarray:
+def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """Hip, ankle, top of the tube, and ends of the upper foot, relative to the base origin [m].
 
     Args:
@@ -78,49 +80,51 @@ def leg_points(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> 
     Returns:
         (N, 2, 5, 3): foot (left, right); hip, ankle, top, back and front of the upper foot, world.
     """
-    points = np.empty((len(joints), 2, 5, 3))
+    points = zeros((len(joints), 2, 5, 3), joints)
     for leg in range(2):
         hip, ankle, tube = _leg(geometry, rotation, joints, leg)
         top = ankle + tube[:, :, 2] * (geometry.leg_length + geometry.upper_foot_height)
         upper = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _UPPER_FOOT])
         points[:, leg, 0], points[:, leg, 1], points[:, leg, 2] = hip, ankle, top
         for end, x in ((3, -geometry.heel), (4, geometry.toe)):
-            points[:, leg, end] = top + upper @ np.array([x, 0.0, geometry.ankle_height])
+            points[:, leg, end] = top + upper @ constant([x, 0.0, geometry.ankle_height], joints)
     return points
 
 
 def _leg(
-    geometry: Geometry, rotation: np.ndarray, joints: np.ndarray, leg: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    geometry: Geometry, rotation: Array, joints: Array, leg: int
+) -> tuple[Array, Array, Array]:
     """Hip (N, 3) and ankle (N, 3) relative to the base origin, rotation of the tube (N, 3, 3)."""
     q = joints[:, leg * len(LEG_JOINTS) :]
     tube = rotation @ about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
-    hip = rotation @ np.array([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0])
+    hip = rotation @ constant([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0], joints)
     return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
 
 
-def standing_height(geometry: Geometry, rotation: np.ndarray, joints: np.ndarray) -> np.ndarray:
+def standing_height(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """Height of the base [m] (N,) at which the lowest foot point touches flat ground."""
-    return -foot_ends(geometry, rotation, joints)[..., 2].min(axis=(1, 2))
+    heights = foot_ends(geometry, rotation, joints)[..., 2]
+    return -namespace(heights).min(heights, axis=(1, 2))
 
 
-def about_z(angle: np.ndarray) -> np.ndarray:
+def about_z(angle: Array) -> Array:
     """Rotations (N, 3, 3) about the vertical by angles (N,) [rad]."""
     return _rotation(angle, 0, 1)
 
 
-def _about_x(angle: np.ndarray) -> np.ndarray:
+def _about_x(angle: Array) -> Array:
     return _rotation(angle, 1, 2)
 
 
-def _about_y(angle: np.ndarray) -> np.ndarray:
+def _about_y(angle: Array) -> Array:
     return _rotation(angle, 2, 0)
 
 
-def _rotation(angle: np.ndarray, first: int, second: int) -> np.ndarray:
+def _rotation(angle: Array, first: int, second: int) -> Array:
     """Rotation by an angle that turns axis ``first`` towards axis ``second``."""
-    matrix = np.tile(np.eye(3), (len(angle), 1, 1))
-    cosine, sine = np.cos(angle), np.sin(angle)
+    xp, matrix = namespace(angle), zeros((len(angle), 3, 3), angle)
+    cosine, sine = xp.cos(angle), xp.sin(angle)
+    matrix[:, 3 - first - second, 3 - first - second] = 1.0
     matrix[:, first, first] = matrix[:, second, second] = cosine
     matrix[:, first, second], matrix[:, second, first] = -sine, sine
     return matrix

@@ -9,11 +9,13 @@ follows from the matrix.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
 from slider.config.robot import Capstan, Mechanism
+from slider.core.arrays import Array, namespace
 from slider.robot.names import ACTUATED, LEG_JOINTS, LEG_MOTORS, NUM_JOINTS, SIDES
 
 _DRIVEN = np.array(ACTUATED)
@@ -53,11 +55,11 @@ class Transmission:
         inertia: of the rotors (10,) [kg m²].
     """
 
-    matrix: np.ndarray
-    torque: np.ndarray
-    stall: np.ndarray
-    speed: np.ndarray
-    inertia: np.ndarray
+    matrix: Array
+    torque: Array
+    stall: Array
+    speed: Array
+    inertia: Array
 
     @classmethod
     def of(cls, robot: Mechanism) -> "Transmission":
@@ -71,32 +73,33 @@ class Transmission:
         )
         return cls(matrix, torque, ratio * torque, speed, inertia)
 
-    @property
-    def inverse(self) -> np.ndarray:
+    @cached_property
+    def inverse(self) -> Array:
         """Motor torques per joint effort (10, 12); passive joints have none."""
-        inverse = np.zeros_like(self.matrix)
-        inverse[:, _DRIVEN] = np.linalg.inv(self.matrix[:, _DRIVEN]).T
+        xp, driven = namespace(self.matrix), list(ACTUATED)
+        inverse = xp.zeros_like(self.matrix)
+        inverse[:, driven] = xp.linalg.inv(self.matrix[:, driven]).T
         return inverse
 
-    def angles(self, joints: np.ndarray) -> np.ndarray:
+    def angles(self, joints: Array) -> Array:
         """Motor angles or speeds (..., 10) [rad, rad/s] of joint positions or speeds (..., 12)."""
         return joints @ self.matrix.T
 
-    def torques(self, efforts: np.ndarray) -> np.ndarray:
+    def torques(self, efforts: Array) -> Array:
         """Motor torques (..., 10) [N m] that make joint efforts (..., 12) [N m or N]."""
         return efforts @ self.inverse.T
 
-    def efforts(self, torques: np.ndarray) -> np.ndarray:
+    def efforts(self, torques: Array) -> Array:
         """Joint efforts (..., 12) [N m or N] of motor torques (..., 10) [N m]."""
         return torques @ self.matrix
 
-    def torque_limits(self, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def torque_limits(self, speeds: Array) -> tuple[Array, Array]:
         """Least and greatest torque (..., 10) [N m] at motor speeds (..., 10) [rad/s]."""
-        upper = np.clip(self.stall * (1 - speeds / self.speed), -self.torque, self.torque)
-        lower = np.clip(-self.stall * (1 + speeds / self.speed), -self.torque, self.torque)
+        upper = (self.stall * (1 - speeds / self.speed)).clip(-self.torque, self.torque)
+        lower = (-self.stall * (1 + speeds / self.speed)).clip(-self.torque, self.torque)
         return lower, upper
 
-    def shares(self, efforts: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def shares(self, efforts: Array, speeds: Array) -> tuple[Array, Array]:
         """Torque / limit and voltage / bus voltage (..., 10) of joint efforts and speeds.
 
         A motor makes a torque at a speed where both are within ±1; the voltage share is

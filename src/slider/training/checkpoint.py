@@ -57,7 +57,7 @@ def _content(path: Path) -> dict[str, Any] | None:
         return None
     if digest != _digest(data):
         return None
-    return torch.load(io.BytesIO(data), weights_only=True)
+    return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
 
 
 def _digest(data: bytes | memoryview) -> bytes:

@@ -1,6 +1,8 @@
 """The stages ``standing`` and ``walking``."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from slider.config.convert import from_dict
 from slider.config.env import EnvConfig
@@ -8,9 +10,13 @@ from slider.config.robot import RobotConfig
 from slider.config.train import TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.task import Task, task_of
-from slider.env.underlying import Underlying
+from slider.env.underlying import Underlying, build_physics
 from slider.library.reader import STORE
+from slider.training import checkpoint
+from slider.training.distributed import launch, rank
 from slider.training.trainer import WEIGHTS, Trainer
+
+Simulate = Callable[..., Any]
 
 
 def run_standing(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -23,13 +29,27 @@ def run_walking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summar
     return train(task(section, inputs, guided=True), inputs, out, job)
 
 
-def train(task: Task, inputs: Inputs, out: Path, job: Job) -> Summary:
+def train(
+    task: Task, inputs: Inputs, out: Path, job: Job, simulate: Simulate = build_physics
+) -> Summary:
     """Train, from the weights of another training where given, and export the best policy."""
-    trainer = Trainer(task, job)
-    if "start" in inputs:
-        trainer.start_from(inputs["start"][0] / WEIGHTS)
+    start = inputs["start"][0] / WEIGHTS if "start" in inputs else None
+    if task.train.gpus > 1:  # a damaged checkpoint is set aside before several processes look
+        checkpoint.read(job.work, job.progress)
+    summary, facts = launch(task.train.gpus, _train, task, start, out, job, simulate)
+    job.volatile.update(facts)
+    return summary
+
+
+def _train(
+    task: Task, start: Path | None, out: Path, job: Job, simulate: Simulate
+) -> tuple[Summary, dict[str, Any]]:
+    """The part of one process; its facts, of which the first process writes files."""
+    trainer = Trainer(task, job, simulate)
+    if start is not None:
+        trainer.start_from(start)
     trainer.run()
-    return trainer.export(out)
+    return trainer.export(out) if rank() == 0 else {}, job.volatile
 
 
 def task(

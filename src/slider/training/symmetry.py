@@ -41,5 +41,5 @@ def with_reflections(
 
 
 def _reflect(values: torch.Tensor, permutation: Any, sign: Any) -> torch.Tensor:
-    index = torch.as_tensor(permutation, dtype=torch.long)
-    return values[:, index] * torch.as_tensor(sign, dtype=values.dtype)
+    index = torch.as_tensor(permutation, dtype=torch.long, device=values.device)
+    return values[:, index] * torch.as_tensor(sign, dtype=values.dtype, device=values.device)

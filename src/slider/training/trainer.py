@@ -1,7 +1,7 @@
 """Train a policy with PPO in chunks: after each one a check and a checkpoint; keep the best."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -15,9 +15,11 @@ from slider.control.network import UNVARIED, from_actor
 from slider.control.policy_file import Policy, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
+from slider.env.underlying import build_physics
 from slider.env.vec_env import WalkingEnv
 from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
+from slider.training.distributed import device_of, rank
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
@@ -41,18 +43,20 @@ class Trainer:
         selector: scores policies.
     """
 
-    def __init__(self, task: Task, job: Job) -> None:
+    def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] = build_physics) -> None:
         train = task.train
         set_up_torch()
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)
         self._checkpoint = checkpoint.read(job.work, job.progress)
-        seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0))
+        seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0), rank())
         torch.manual_seed(seed)
-        self.env = WalkingEnv(replace(task, train=replace(train, seed=seed)), job.threads)
+        own = replace(task, train=replace(train, seed=seed))
+        self.env = WalkingEnv(own, job.threads, simulate)
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
-        self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device="cpu")
+        device = device_of(train.device)
+        self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=device)
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
         self._shrink_first_actions()
         self.selector = Selector(task, job.threads)
@@ -90,11 +94,13 @@ class Trainer:
             # a trained policy rarely falls: robots of one age would all be reset at once
             self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
             self._iteration += chunk
+            if rank() > 0:  # the first process checks and writes for all
+                continue
             score = self._check()
             self._save_checkpoint()
             pace = (time.monotonic() - started) / (self._iteration - done_before)
             self._report(score, pace)
-        if not self._best:
+        if not self._best and rank() == 0:
             self._check()
         self._job.volatile["blow_ups"] = self.env.total_diverged
 
@@ -119,7 +125,7 @@ class Trainer:
     def _report(self, score: Score, pace: float) -> None:
         train = self._task.train
         left = pace * (train.iterations - self._iteration)
-        rate = train.robots * train.steps_per_iteration / pace
+        rate = train.gpus * train.robots * train.steps_per_iteration / pace
         error = f"speed error {score.speed_error:.3f} m/s, score {score.value:.3f}"
         self._job.progress(
             f"iteration {self._iteration}/{train.iterations}, {rate / 1e3:.1f} k steps/s, "
@@ -184,19 +190,20 @@ def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tens
     return {**state, **{name: torch.where(unvaried, 1.0, state[name]) for name in names}}
 
 
-def _noise_seed(seed: int, iteration: int) -> int:
-    """Of networks, environments and noise from an iteration on.
+def _noise_seed(seed: int, iteration: int, process: int) -> int:
+    """Of networks, environments and noise from an iteration on, in a process of some.
 
     The states of environments and generators are not in a checkpoint: a resumed training goes on
     with other noise, rather than with that of its first iterations once more.
     """
-    if iteration == 0:
+    parts = [seed, iteration, process] if process else [seed, iteration]
+    if parts == [seed, 0]:
         return seed
-    return int(np.random.SeedSequence([seed, iteration]).generate_state(1)[0])
+    return int(np.random.SeedSequence(parts).generate_state(1)[0])
 
 
 def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    return {name: value.detach().clone() for name, value in state.items()}
+    return {name: value.detach().cpu().clone() for name, value in state.items()}
 
 
 def _write_rows(rows: list[dict[str, float]], path: Path) -> None:

@@ -40,8 +40,13 @@ _FACTORS = {
 
 
 def kind(job: JobSpec) -> str:
-    """Jobs of a kind take equally long but for their size: the stage, and who is evaluated."""
-    return " ".join(filter(None, (job.stage, job.section.get("controller"))))
+    """Jobs of a kind take equally long but for their size.
+
+    It is the stage, who is evaluated, and the device of a training that uses no processor.
+    """
+    device = job.section.get("numerics", {}).get("device", "cpu")
+    of_device = None if device == "cpu" else device
+    return " ".join(filter(None, (job.stage, job.section.get("controller"), of_device)))
 
 
 def size(job: JobSpec) -> float:

@@ -17,10 +17,27 @@ def check_trainings(config: Config) -> None:
         if train is not standing or config.train.pretraining:
             _same_network(walking.network, train.network, key)
         _train(train, config.env, key)
-        precise = config.numerics != "portable" or train.ppo.precision != "bfloat16"
-        expected = "auto or float32 with numerics=portable"
-        require(precise, f"{key}.ppo.precision", expected, train.ppo.precision)
+        _machine(train, config, key)
         check_disturbance(train.disturbance, config.env, f"{key}.disturbance")
+
+
+def _machine(train: TrainConfig, config: Config, key: str) -> None:
+    """Physics, device and precision that go together."""
+    portable = config.numerics == "portable"
+    precise = not portable or train.ppo.precision != "bfloat16"
+    expected = "auto or float32 with numerics=portable"
+    require(precise, f"{key}.ppo.precision", expected, train.ppo.precision)
+    own = {
+        "numerics=portable": portable,
+        "env.action.offset=hzd": config.env.action.offset == "hzd",
+    }
+    for setting, chosen in own.items():
+        possible = train.simulator == "mujoco" or not chosen
+        require(possible, f"{key}.simulator", f"mujoco with {setting}", train.simulator)
+    possible = train.simulator == "mujoco_warp" or train.device == "cpu"
+    require(possible, f"{key}.device", f"cpu with simulator={train.simulator}", train.device)
+    possible = train.device == "cuda" or train.gpus == 1
+    require(possible, f"{key}.gpus", f"1 with device={train.device}", train.gpus)
 
 
 def _same_network(walking: NetworkConfig, other: NetworkConfig, key: str) -> None:

@@ -8,6 +8,7 @@ at no cost in time.
 # pyright: reportAttributeAccessIssue=false
 
 import copy
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -19,8 +20,41 @@ from slider.robot import names
 _DRIVES = len(names.MOTORS)
 COLUMNS = 5 + _DRIVES  # uniform numbers per robot: mass, friction, centre of mass, motors
 # Places of a DC motor's parameters: resistance, position gain and velocity gain.
-_RESISTANCE, _KP, _KD = 0, 4, 6
-_SLIDING = 0
+RESISTANCE, GAIN_COLUMNS = 0, [4, 6]
+SLIDING = 0
+
+
+class Drawn(NamedTuple):
+    """What makes N robots differ, as arrays or tensors.
+
+    Attributes:
+        mass: (N,) of all bodies, relative to the nominal one [-].
+        friction: (N,) of the feet [-]; the nominal one if none.
+        shift: (N, 3) of the base's centre of mass [m].
+        gain: (N, 10) torque of the motors, relative to the nominal one [-].
+    """
+
+    mass: Any
+    friction: Any
+    shift: Any
+    gain: Any
+
+
+def drawn(config: DisturbanceConfig, uniform: Any) -> Drawn:
+    """Robots of numbers (N, COLUMNS) in [0, 1), an array or a tensor."""
+    friction = config.friction
+    return Drawn(
+        mass=_within(config.mass, uniform[:, 0]),
+        friction=None if friction is None else _within(friction, uniform[:, 1]),
+        shift=config.centre_of_mass * (2.0 * uniform[:, 2:5] - 1.0),
+        gain=_within(config.motor_gain, uniform[:, 5:]),
+    )
+
+
+def feet(model: mujoco.MjModel) -> np.ndarray:
+    """Geoms of the feet."""
+    bodies = [model.body(names.foot(side)).id for side in names.SIDES]
+    return np.flatnonzero(np.isin(model.geom_bodyid, bodies))
 
 
 def vary(config: DisturbanceConfig) -> bool:
@@ -38,23 +72,19 @@ class Machines:
         self._nominal, self._config = nominal, config
         self._data = mujoco.MjData(nominal)
         self._base = nominal.body(names.BASE).id
-        feet = [nominal.body(names.foot(side)).id for side in names.SIDES]
-        self._feet = np.flatnonzero(np.isin(nominal.geom_bodyid, feet))
+        self._feet = feet(nominal)
 
     def draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
         """Make robots ``index`` anew from numbers (N, COLUMNS) in [0, 1)."""
-        config = self._config
-        mass, gain = _within(config.mass, uniform[:, 0]), _within(config.motor_gain, uniform[:, 5:])
-        shift = config.centre_of_mass * (2.0 * uniform[:, 2:5] - 1.0)
+        new = drawn(self._config, uniform)
         for i in index:
             model = self.models[i]
-            self._set_inertia(model, float(mass[i]), shift[i])
-            self._set_motors(model, gain[i])
-            if config.friction is not None:
-                friction = _within(config.friction, uniform[i, 1])
-                model.geom_friction[self._feet, _SLIDING] = friction
+            self._set_inertia(model, float(new.mass[i]), new.shift[i])
+            self._set_motors(model, new.gain[i])
+            if new.friction is not None:
+                model.geom_friction[self._feet, SLIDING] = new.friction[i]
             mujoco.mj_setConst(model, self._data)
-        self.motor_gain[index] = gain[index]
+        self.motor_gain[index] = new.gain[index]
 
     def masses(self, index: np.ndarray) -> np.ndarray:
         """Masses of robots ``index`` (n,) [kg]."""
@@ -72,11 +102,11 @@ class Machines:
         for that. A demanded torque is scaled by the caller instead.
         """
         nominal = self._nominal
-        model.actuator_gainprm[:, _RESISTANCE] = nominal.actuator_gainprm[:, _RESISTANCE] / gain
-        for column in (_KP, _KD):
+        model.actuator_gainprm[:, RESISTANCE] = nominal.actuator_gainprm[:, RESISTANCE] / gain
+        for column in GAIN_COLUMNS:
             model.actuator_gainprm[:, column] = nominal.actuator_gainprm[:, column] * gain
         model.actuator_forcerange[:] = nominal.actuator_forcerange * gain[:, None]
 
 
-def _within(interval: Interval, uniform: np.ndarray) -> np.ndarray:
+def _within(interval: Interval, uniform: Any) -> Any:
     return interval.lower + (interval.upper - interval.lower) * uniform

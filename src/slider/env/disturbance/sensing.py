@@ -8,6 +8,7 @@ from dataclasses import astuple, replace
 import numpy as np
 
 from slider.config.disturbance import SensingConfig
+from slider.core.arrays import Array, constant, namespace
 from slider.env.starts import multiply_quaternions
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
@@ -22,21 +23,23 @@ def noisy(config: SensingConfig) -> bool:
     return any(astuple(config))
 
 
-def measure(state: RobotState, config: SensingConfig, normal: np.ndarray) -> RobotState:
+def measure(state: RobotState, config: SensingConfig, normal: Array) -> RobotState:
     """The state as sensed, with standard normal numbers (N, COLUMNS).
 
     The orientation is turned about the base's axes, and everything that follows from it as well.
     The horizontal place of the base, feet and contacts are as they are.
     """
-    positions, velocities, base = np.split(normal, [NUM_JOINTS, 2 * NUM_JOINTS], axis=1)
+    xp, base = namespace(normal), normal[:, 2 * NUM_JOINTS :]
+    positions, velocities = normal[:, :NUM_JOINTS], normal[:, NUM_JOINTS : 2 * NUM_JOINTS]
     quaternion = _turned(state.quaternion, config.orientation * base[:, :3])
     rotation = rotation_from_quaternion(quaternion)
     yaw = yaw_of(rotation)
     linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]
-    position = state.base_position.copy()
+    position = xp.asarray(state.base_position, copy=True)
     position[:, 2] += config.base_height * base[:, 9]
     spread = np.where(_SLIDES, config.slide_position, config.joint_position)
     rate = np.where(_SLIDES, config.slide_velocity, config.joint_velocity)
+    spread, rate = constant(spread, normal), constant(rate, normal)
     return replace(
         state,
         base_position=position,
@@ -45,15 +48,16 @@ def measure(state: RobotState, config: SensingConfig, normal: np.ndarray) -> Rob
         yaw=yaw,
         linear_velocity=linear,
         angular_velocity=state.angular_velocity + config.angular_velocity * base[:, 6:9],
-        heading_velocity=turn_to_heading(np.einsum("nij,nj->ni", rotation, linear), yaw),
+        heading_velocity=turn_to_heading(xp.einsum("nij,nj->ni", rotation, linear), yaw),
         gravity=-rotation[:, 2, :],
         joint_positions=state.joint_positions + spread * positions,
         joint_velocities=state.joint_velocities + rate * velocities,
     )
 
 
-def _turned(quaternion: np.ndarray, angles: np.ndarray) -> np.ndarray:
+def _turned(quaternion: Array, angles: Array) -> Array:
     """Orientations (N, 4) turned by small angles (N, 3) [rad] about the body's own axes."""
-    small = np.concatenate([np.ones((len(angles), 1)), 0.5 * angles], axis=1)
-    small /= np.linalg.norm(small, axis=1, keepdims=True)
+    xp = namespace(angles)
+    small = xp.concat([xp.ones_like(angles[:, :1]), 0.5 * angles], axis=1)
+    small /= xp.linalg.vector_norm(small, axis=1, keepdims=True)
     return multiply_quaternions(quaternion, small)

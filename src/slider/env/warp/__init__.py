@@ -1,0 +1,1 @@
+"""Physics on MuJoCo Warp: torch tensors on a device, for training; needs the extra ``gpu``."""

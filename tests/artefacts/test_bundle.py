@@ -18,10 +18,10 @@ from rocrate_validator.utils.http import HttpRequester
 
 import slider.commands.bundle as bundling
 from slider.artefacts.bundle import PROFILE_VERSION, RESULTS
+from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, code_of
-from slider.artefacts.source.parts import known_parts
 from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
@@ -130,7 +130,9 @@ def test_the_unpacked_store_is_whole(project):
     assert main(["bundle", "table1"]) == 0
     store = Store(unpacked(project) / "artefacts")
     assert verify(store) == Removed([], [])
-    assert known_parts(store, CODE.source)
+    plan = current_plan(store)
+    assert plan is not None
+    assert all(job.code.parts for job in plan.jobs.values())
     assert all(store.read_manifest(job.stage, job.recipe) for job in PLAN.jobs.values())
 
 

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from slider.artefacts.source.parts import note_sources
+
 from pipeline.entry import one_line
 from pipeline.reports import refresh_marker
 from slider.artefacts import runner
@@ -17,7 +19,6 @@ from slider.artefacts.clock import date_now
 from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import code_of
-from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import Store
 from slider.cli import main
 

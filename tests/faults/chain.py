@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from slider.artefacts.source.parts import note_sources
-
 from pipeline.entry import one_line
 from pipeline.reports import refresh_marker
 from slider.artefacts import runner
@@ -97,7 +95,6 @@ class Chain:
     def lay_out(self) -> int:
         with one_line():
             write_plan(self.plan, self.store.root / "plans")
-            note_sources(self.plan, self.store, runner.SOURCE_ROOT)
             paths = [self.store.manifest_path(j.stage, j.recipe) for j in self.plan.jobs.values()]
             drop_damaged(self.store, paths)
             date_now(self.store, [*paths, *self.store.root.glob("current/*")])

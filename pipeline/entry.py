@@ -20,7 +20,6 @@ from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.sharing.travel import pull
-from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
@@ -102,7 +101,7 @@ class Pipeline:
         job = self.plan.jobs.get(wildcards.recipe)
         if job is None:
             raise UserError(f"expected a recipe of the current plan, found {wildcards.recipe}")
-        return [self._manifest(item) for jobs in job.inputs.values() for item in jobs]
+        return [self._manifest(item) for item in job.needs]
 
     def _manifest(self, job: JobSpec) -> str:
         return str(self.store.manifest_path(job.stage, job.recipe))
@@ -218,7 +217,6 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     folder = store.root / "plans"
     try:
         path = write_plan(plan, folder)
-        os.utime(path)  # `slider store gc` keeps the latest plans
     except OSError as error:
         if not is_read_only(error):
             raise
@@ -228,7 +226,6 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
 
 
 def _tend(plan: Plan, store: Store, config: Config) -> None:
-    note_sources(plan, store)
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
         print(f"slider: dropped {name}", file=sys.stderr)

@@ -1,7 +1,7 @@
 """Lay out configurations without a store of results, for ``slider lineage``.
 
-``python -m pipeline.outline TARGET FOLDER OVERRIDES ...`` writes the plan of each configuration,
-with its sources, below its folder, as Snakemake does below ``artefacts/``.
+``python -m pipeline.outline TARGET FOLDER OVERRIDES ...`` writes the plan of each configuration
+below its folder, as Snakemake does below ``artefacts/``.
 """
 
 import sys
@@ -9,8 +9,6 @@ from pathlib import Path
 
 from pipeline.entry import OPTION, parse_overrides, planned
 from slider.artefacts.plan import write_plan
-from slider.artefacts.source.parts import note_sources
-from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
 _CONF = Path(__file__).parents[1] / "conf"
@@ -25,10 +23,8 @@ def main(target: str, *outlines: str) -> int:
     """
     try:
         for folder, text in zip(outlines[::2], outlines[1::2], strict=True):
-            store = Store(Path(folder))
             _, plan = planned(parse_overrides({OPTION: text}), _CONF, target)
-            write_plan(plan, store.root / "plans")
-            note_sources(plan, store)
+            write_plan(plan, Path(folder) / "plans")
     except UserError as error:
         print(error, file=sys.stderr)
         return 1

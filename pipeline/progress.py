@@ -159,7 +159,7 @@ def forecast(plan: Plan, store: Store, needed: list[Needed], cores: int) -> Fore
     works = {}
     for job, one in zip(jobs, needed, strict=True):
         seconds = START if job.recipe in known else expected.seconds(job)
-        inputs = [item.recipe for group in job.inputs.values() for item in group]
+        inputs = [item.recipe for item in job.needs]
         name = "reused" if job.recipe in known else kind(job)
         works[job.recipe] = Work(name, seconds, inputs, one.priority, min(one.threads, cores))
     return Forecast(works, cores)

@@ -2,6 +2,7 @@
 
 import errno
 import json
+import shlex
 import subprocess
 import zipfile
 from collections.abc import Iterator, Sequence
@@ -15,13 +16,14 @@ import pytest
 from rocrate import data
 from rocrate_validator import models, services
 from rocrate_validator.utils.http import HttpRequester
+from snakemake.cli import parse_config
 
 import slider.commands.bundle as bundling
 from slider.artefacts.bundle import PROFILE_VERSION, RESULTS
+from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, code_of
-from slider.artefacts.source.parts import known_parts
 from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
@@ -130,7 +132,9 @@ def test_the_unpacked_store_is_whole(project):
     assert main(["bundle", "table1"]) == 0
     store = Store(unpacked(project) / "artefacts")
     assert verify(store) == Removed([], [])
-    assert known_parts(store, CODE.source)
+    plan = current_plan(store)
+    assert plan is not None
+    assert all(job.code.parts for job in plan.jobs.values())
     assert all(store.read_manifest(job.stage, job.recipe) for job in PLAN.jobs.values())
 
 
@@ -144,6 +148,14 @@ def test_it_says_how_to_get_the_same_plan(project, capsys):
     assert line in found["#run"]["description"]
     assert {"@id": "#overrides"} in found["#run"]["object"]
     assert found["#overrides"]["value"] == OVERRIDES
+
+
+def test_blanks_in_quotes_survive_the_shell_and_snakemake(project, capsys, monkeypatch):
+    monkeypatch.setitem(globals(), "OVERRIDES", "train.seed=2 report.title='two words'")
+    lay_out(Store(project / "artefacts"), PLAN)
+    assert main(["bundle", "table1"]) == 0
+    command = shlex.split(capsys.readouterr().out.splitlines()[-1])
+    assert parse_config(command[-1:]) == {"hydra": OVERRIDES}
 
 
 def test_a_configuration_that_was_edited_since_is_told(project, capsys, monkeypatch):

@@ -1,5 +1,6 @@
 """Commit and pipeline run: facts for display, beside results and in no recipe."""
 
+import shlex
 import subprocess
 
 import pytest
@@ -47,5 +48,10 @@ def test_jobs_belong_to_the_pipeline_run_that_began_last(repository, tmp_path):
     assert first == circumstances.circumstances(tmp_path)
     assert first["pipeline_started"].endswith("+00:00")
     assert first["overrides"] == "gait.cost=torque env=paper"
+    blanks = ["a.label=two words", "b.terms=[x,y]", "c='"]
+    circumstances.note_start(tmp_path, blanks)
+    noted = circumstances.circumstances(tmp_path)["overrides"]
+    assert noted.startswith("a.label='two words' b.terms=[x,y] c=")
+    assert shlex.split(noted) == blanks
     (tmp_path / "current" / "started").write_bytes(b"\xff\n")
     assert circumstances.circumstances(tmp_path)["overrides"] == ""

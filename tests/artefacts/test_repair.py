@@ -11,14 +11,12 @@ from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, build_plan, read_plan, write_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.source.closure import digest_parts
 from slider.artefacts.store import Manifest, Store
 from slider.cli import main
 from slider.core import files
 
 JOB = JobSpec("gait", "a gait", Code("slider.none:run", "abc", {}), {"value": 1})
 PLAN = build_plan({"table1": JOB})
-PARTS = {"slider.none": "abc"}
 
 
 @pytest.fixture
@@ -34,7 +32,6 @@ def store(tmp_path: Path) -> Store:
     files.write_json(store.sidecar_path("gait", JOB.recipe), {"wall_s": 1.0})
     files.write_atomic(store.root / "current" / "table1", f"{JOB.recipe}\n")
     write_plan(PLAN, store.root / "plans")
-    files.write_json(store.parts_path(digest_parts(PARTS)), PARTS)
     assert verify(store) == Removed([], [])
     return store
 
@@ -57,13 +54,12 @@ GARBAGE = (b"\xff\xfe", b"", b"{}", b"[]", b"null", b"3", b'{"jobs": {"a": 3}}',
 READ = ("plans/*.json", "index/*/*.json", f"gait/{JOB.recipe}.json", "gait/*.run.json")
 CHANGES = [
     *((place, garbage(content)) for place in READ[:3] for content in GARBAGE),
-    *(("sources/*.json", garbage(content)) for content in GARBAGE),
     *((READ[3], garbage(content)) for content in (b"\xff\xfe", b"", b"[]", b"3")),
-    *((place, a_folder) for place in (*READ, "current/table1", "sources/*.json")),
+    *((place, a_folder) for place in (*READ, "current/table1")),
     ("current/table1", garbage(b"\xff\xfe")),
     ("locks/all.lock", a_folder),
     *((place, a_file) for place in ("objects/*", "index/*", "gait", "locks", "tmp")),
-    *((place, a_file) for place in ("objects", "index", "plans", "current", "sources")),
+    *((place, a_file) for place in ("objects", "index", "plans", "current")),
 ]
 
 

@@ -17,7 +17,6 @@ from slider.artefacts.clock import date_now
 from slider.artefacts.maintenance import drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import code_of
-from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import Store
 from slider.cli import main
 
@@ -96,7 +95,6 @@ class Chain:
     def lay_out(self) -> int:
         with one_line():
             write_plan(self.plan, self.store.root / "plans")
-            note_sources(self.plan, self.store, runner.SOURCE_ROOT)
             paths = [self.store.manifest_path(j.stage, j.recipe) for j in self.plan.jobs.values()]
             drop_damaged(self.store, paths)
             date_now(self.store, [*paths, *self.store.root.glob("current/*")])

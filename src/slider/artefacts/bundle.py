@@ -16,10 +16,9 @@ import yaml
 from rocrate.model import ContextEntity
 from rocrate.rocrate import ROCrate
 
-from slider.artefacts.lineage.ancestry import Made, made
-from slider.artefacts.plan import JobSpec, Plan, write_plan
+from slider.artefacts.lineage.targets import Found
+from slider.artefacts.plan import Plan, write_plan
 from slider.artefacts.recipe import code_of
-from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import ARTEFACTS, Store, damaged
 from slider.core import files
 from slider.core.errors import UserError
@@ -65,10 +64,11 @@ def write_bundle(plan: Plan, store: Store, origin: Origin, licence: str, out: Pa
         UserError: a result is missing or damaged, or the source is no longer that of the plan.
     """
     _check_source(plan)
-    jobs = {recipe: _made(store, spec) for recipe, spec in plan.jobs.items()}
+    jobs = {recipe: Found(store, plan, spec) for recipe, spec in plan.jobs.items()}
+    for one in jobs.values():
+        _check_result(one)
     names = _working_copy(origin.project, out)
     _copy_store(jobs.values(), store, Store(out / ARTEFACTS))
-    note_sources(plan, Store(out / ARTEFACTS))
     plan_path = write_plan(plan, out / ARTEFACTS / "plans")
     results = list(_copy_results(plan, jobs, store, out))
     crate = ROCrate(version=VERSION)
@@ -93,11 +93,10 @@ def _check_source(plan: Plan) -> None:
             )
 
 
-def _made(store: Store, job: JobSpec) -> Made:
-    digest = store.read_manifest(job.stage, job.recipe).result.object
-    if not store.is_whole(digest):
-        raise damaged(job.stage, digest)
-    return made(store, job)
+def _check_result(one: Found) -> None:
+    digest = one.store.read_manifest(one.job.stage, one.job.recipe).result.object
+    if not one.store.is_whole(digest):
+        raise damaged(one.job.stage, digest)
 
 
 def _working_copy(project: Path, out: Path) -> list[str]:
@@ -118,7 +117,7 @@ def _working_copy(project: Path, out: Path) -> list[str]:
     return files.list_files(out)
 
 
-def _copy_store(jobs: Iterable[Made], store: Store, target: Store) -> None:
+def _copy_store(jobs: Iterable[Found], store: Store, target: Store) -> None:
     for one in jobs:
         folder = target.object_folder(one.result.object)
         if not folder.exists():
@@ -128,7 +127,7 @@ def _copy_store(jobs: Iterable[Made], store: Store, target: Store) -> None:
 
 
 def _copy_results(
-    plan: Plan, jobs: Mapping[str, Made], store: Store, out: Path
+    plan: Plan, jobs: Mapping[str, Found], store: Store, out: Path
 ) -> Iterator[tuple[Path, str]]:
     """Copy what people look for to folders of the targets' names; yield file and title."""
     wanted = {name: jobs[recipe] for name, recipe in plan.targets.items()}
@@ -148,7 +147,7 @@ def _policy(plan: Plan) -> str | None:
         for job in jobs:  # grows while it is read: a fine-tuning comes before its start
             if job.stage == "walking":
                 return job.recipe
-            jobs += [item for group in job.inputs.values() for item in group]
+            jobs += job.needs
     return None
 
 
@@ -188,7 +187,7 @@ def _file(crate: ROCrate, path: Path, out: Path, name: str = "") -> Any:
     return crate.add_file(dest_path=place, properties=facts | {"name": name or place})
 
 
-def _run(crate: ROCrate, jobs: Sequence[Made], origin: Origin) -> Any:
+def _run(crate: ROCrate, jobs: Sequence[Found], origin: Origin) -> Any:
     """The action of the whole workflow, from the first job to the last, and its software."""
     workflow: Any = crate.mainEntity
     versions: dict[str, str] = {}
@@ -217,7 +216,7 @@ def _software(crate: ROCrate, place: str, name: str, version: str) -> Any:
     return _add(crate, place, "SoftwareApplication", {"name": name, "softwareVersion": version})
 
 
-def _describe_jobs(crate: ROCrate, jobs: Mapping[str, Made], out: Path) -> None:
+def _describe_jobs(crate: ROCrate, jobs: Mapping[str, Found], out: Path) -> None:
     """An action per job: its entry point made its object of the objects of its inputs."""
     store = Store(out / ARTEFACTS)
     folders = {
@@ -228,7 +227,7 @@ def _describe_jobs(crate: ROCrate, jobs: Mapping[str, Made], out: Path) -> None:
         code = one.job.code
         place = f"#{code.entry}"
         instrument = crate.get(place) or _software(crate, place, code.entry, code.source)
-        needed = [folders[item.recipe] for group in one.job.inputs.values() for item in group]
+        needed = [folders[item.recipe] for item in one.job.needs]
         facts = {"name": one.job.label, "instrument": instrument}
         facts |= {"result": folders[recipe], "identifier": recipe}
         facts |= {"object": needed} if needed else {}
@@ -238,7 +237,7 @@ def _describe_jobs(crate: ROCrate, jobs: Mapping[str, Made], out: Path) -> None:
         crate.root_dataset.append_to("mentions", action)
 
 
-def _object(crate: ROCrate, one: Made, folder: Path, out: Path) -> Any:
+def _object(crate: ROCrate, one: Found, folder: Path, out: Path) -> Any:
     place = f"{folder.relative_to(out).as_posix()}/"
     known = crate.get(place)
     if known is not None:  # another job has the same result

@@ -3,6 +3,7 @@
 The runner notes these facts beside each result, so that the page can say what produced it.
 """
 
+import shlex
 import subprocess
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -28,7 +29,13 @@ def revision() -> dict[str, str]:
 def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:
     """Begin a pipeline run with overrides of the configuration: jobs from here on belong to it."""
     now = datetime.now(UTC).isoformat(timespec="milliseconds")
-    files.write_atomic(_start_path(artefacts), f"{now}\n{' '.join(overrides)}\n")
+    files.write_atomic(_start_path(artefacts), f"{now}\n{' '.join(map(_quoted, overrides))}\n")
+
+
+def _quoted(override: str) -> str:
+    """The same for ``--config hydra=``, which takes quotes off both ends: none at the beginning."""
+    name, equals, value = override.partition("=")
+    return f"{name}={shlex.quote(value)}" if equals and set(value) & set(" \t\n'\"\\") else override
 
 
 def circumstances(artefacts: Path) -> dict[str, str]:

@@ -2,15 +2,15 @@
 
 from pathlib import Path
 
-from slider.artefacts.plan import JobSpec, Plan, read_plan
+from slider.artefacts.plan import JobSpec, Plan, plan_paths, read_plan
 from slider.artefacts.store import Manifest, Store
 from slider.core.errors import UserError
 
 
 def current_plan(store: Store) -> Plan | None:
     """The plan that was laid out last, if there is any."""
-    plans = sorted((store.root / "plans").glob("*.json"), key=lambda path: path.stat().st_mtime)
-    return read_plan(plans[-1]) if plans else None
+    plans = plan_paths(store.root / "plans")
+    return read_plan(plans[0]) if plans else None
 
 
 def current_result(store: Store, target: str, command: str) -> tuple[JobSpec, Manifest]:

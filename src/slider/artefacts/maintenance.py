@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from slider.artefacts.locks import nobody_else
-from slider.artefacts.plan import plan_recipes, plan_sources
+from slider.artefacts.plan import plan_paths, plan_recipes
 from slider.artefacts.recipe import Groups
 from slider.artefacts.repair import drop_unreadable, free_places
-from slider.artefacts.store import Manifest, Store, parse_manifest
+from slider.artefacts.store import Store, readable
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -112,7 +112,7 @@ def _derived(store: Store, corrupt: set[str], checked: bool) -> list[Path]:
         corrupt: the objects.
         checked: also those whose inputs were checked when they were computed.
     """
-    known = {path: _readable(path) for path in (*store.manifests(), *store.index())}
+    known = {path: readable(path) for path in (*store.manifests(), *store.index())}
     left = {path: manifest for path, manifest in known.items() if manifest}
     recipes = {m.recipe for m in left.values() if m.result.object in corrupt}
     left = {path: m for path, m in left.items() if m.result.object not in corrupt}
@@ -134,13 +134,6 @@ def _meets(groups: Groups, digests: set[str]) -> bool:
     return any(not digests.isdisjoint(group) for group in groups.values())
 
 
-def _readable(path: Path) -> Manifest | None:
-    try:
-        return parse_manifest(path)
-    except UserError:
-        return None
-
-
 def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
     """Remove objects and manifests that none of the ``keep`` latest plans reaches, and litter.
 
@@ -150,7 +143,7 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
     if keep < 1:
         raise UserError(f"--keep: expected at least 1 plan, found {keep}")
     with nobody_else(store.locks):
-        plans = sorted(_plans(store), key=lambda path: path.stat().st_mtime, reverse=True)
+        plans = plan_paths(store.root / "plans")
         recipes = set().union(*map(plan_recipes, plans[:keep]))
         manifests = [path for path in store.manifests() if path.stem not in recipes]
         reached = (store.usable(path) for path in store.manifests() if path.stem in recipes)
@@ -163,13 +156,12 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
                 store.drop_object(digest)
             _drop_dangling(store)
             _drop_litter(store, recipes)
-            _drop_sources(store, set().union(*map(plan_sources, plans[:keep])))
         return Removed(objects, _names(store, manifests))
 
 
 def _drop_litter(store: Store, recipes: set[str]) -> None:
     """Unfinished results, caches, half-written files; work, logs, facts of forgotten recipes."""
-    for name in ("tmp", "cache"):
+    for name in ("tmp", "cache", "sources"):  # the last of an earlier version
         shutil.rmtree(store.root / name, ignore_errors=True)
     for path in store.root.rglob(files.TEMPORARY_PATTERN):
         path.unlink(missing_ok=True)
@@ -178,12 +170,6 @@ def _drop_litter(store: Store, recipes: set[str]) -> None:
             shutil.rmtree(path)
     for path in (*store.root.glob("logs/*/*.log"), *store.root.glob("*/*.run.json")):
         if path.name.partition(".")[0] not in recipes:
-            path.unlink(missing_ok=True)
-
-
-def _drop_sources(store: Store, kept: set[str]) -> None:
-    for path in (store.root / "sources").glob("*.json"):
-        if path.stem not in kept:
             path.unlink(missing_ok=True)
 
 
@@ -200,7 +186,3 @@ def _names(store: Store, paths: Iterable[Path]) -> list[str]:
 def _objects(store: Store) -> list[str]:
     """Names of objects, whatever is in them."""
     return sorted(path.name for path in (store.root / "objects").glob("*/*"))
-
-
-def _plans(store: Store) -> list[Path]:
-    return list((store.root / "plans").glob("*.json"))

@@ -4,8 +4,11 @@ Written when the workflow is read, so that a job depends neither on Hydra nor on
 the configuration files later.
 """
 
+import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +30,6 @@ class JobSpec:
         section: the stage's own part of the configuration.
         inputs: name → jobs, in a fixed order.
         tracked: whether the job is a run of its own in MLflow.
-        recipe: digest of all of these but ``label`` and ``tracked``.
     """
 
     stage: str
@@ -36,15 +38,26 @@ class JobSpec:
     section: Mapping[str, Any]
     inputs: Mapping[str, Sequence["JobSpec"]] = field(default_factory=dict)
     tracked: bool = True
-    recipe: str = ""
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "recipe", self.key(self.input_recipes))
+    @cached_property
+    def recipe(self) -> str:
+        """Digest of all attributes but ``label`` and ``tracked``."""
+        return self.key(self.input_recipes)
 
     @property
     def input_recipes(self) -> dict[str, list[str]]:
         """Recipes of the inputs by name."""
         return {name: [job.recipe for job in jobs] for name, jobs in self.inputs.items()}
+
+    @property
+    def needs(self) -> list["JobSpec"]:
+        """All inputs, in their order."""
+        return [job for jobs in self.inputs.values() for job in jobs]
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Stage, label and recipe, for programs."""
+        return {"stage": self.stage, "label": self.label, "recipe": self.recipe}
 
     def key(self, inputs: Groups) -> str:
         """Key of the index, from the objects of the inputs; from their recipes the recipe."""
@@ -71,9 +84,8 @@ def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
     def visit(job: JobSpec) -> None:
         if job.recipe in jobs:
             return
-        for group in job.inputs.values():
-            for item in group:
-                visit(item)
+        for item in job.needs:
+            visit(item)
         jobs[job.recipe] = job
 
     for target in targets:
@@ -90,26 +102,34 @@ def _path_of(text: str, folder: Path) -> Path:
     return folder / f"{files.digest_text(text)}.json"
 
 
+def plan_paths(folder: Path) -> list[Path]:
+    """Files of plans, the latest first."""
+    return sorted(folder.glob("*.json"), key=lambda path: path.stat().st_mtime, reverse=True)
+
+
 def write_plan(plan: Plan, folder: Path) -> Path:
-    """Write a plan under the digest of its content, if it is not there whole."""
+    """Write a plan under the digest of its content, if it is not there whole, as the latest."""
     text = files.canonical(_to_values(plan))
     path = _path_of(text, folder)
     if not path.is_file() or path.read_bytes() != f"{text}\n".encode():
         files.write_atomic(path, f"{text}\n")
+    os.utime(path)
     return path
 
 
 def read_plan(path: Path) -> Plan:
-    """Read a plan.
+    """Read a plan; its recipes are those with which it was laid out.
 
     Raises:
-        UserError: the file is missing or is no plan.
+        UserError: the file is missing or is not the plan that its name says.
     """
     try:
-        values = files.read_json(path)
-        return _from_values(values)
+        text = path.read_text(encoding="utf-8").removesuffix("\n")
+        if files.digest_text(text) == path.stem:
+            return _from_values(json.loads(text))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise UserError(f"expected a plan, found none at {path}") from None
+        pass
+    raise UserError(f"expected a plan, found none at {path}")
 
 
 def plan_recipes(path: Path) -> set[str]:
@@ -124,26 +144,14 @@ def plan_recipes(path: Path) -> set[str]:
         raise UserError(f"expected a plan, found none at {path}") from None
 
 
-def plan_sources(path: Path) -> set[str]:
-    """Source digests of a plan; none where it has no such table.
-
-    Raises:
-        UserError: the file is no plan.
-    """
-    try:
-        return {code["source"] for code in files.read_json(path).get("codes", {}).values()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise UserError(f"expected a plan, found none at {path}") from None
-
-
 def _to_values(plan: Plan) -> dict[str, Any]:
     """Plain values. Parts of sections are stored once: all gaits share all but the velocity."""
     part_of = _PartDigests()
-    codes: dict[str, Any] = {}
+    codes = {job.code.entry: asdict(job.code) for job in plan.jobs.values()}
+    sources = {code["source"]: code.pop("parts") for code in codes.values()}
     jobs = {}
     for recipe, job in plan.jobs.items():
         section = {name: part_of(value) for name, value in job.section.items()}
-        codes[job.code.entry] = asdict(job.code)
         jobs[recipe] = {
             "stage": job.stage,
             "entry": job.code.entry,
@@ -156,6 +164,7 @@ def _to_values(plan: Plan) -> dict[str, Any]:
         "schema": SCHEMA,
         "targets": dict(plan.targets),
         "codes": codes,
+        "sources": sources,
         "parts": part_of.values,
         "jobs": jobs,
     }
@@ -178,16 +187,20 @@ class _PartDigests:
 
 
 def _from_values(values: Mapping[str, Any]) -> Plan:
+    sources = values.get("sources", {})  # earlier versions noted them elsewhere
+    codes = {
+        entry: Code(**code, parts=sources.get(code["source"], {}))
+        for entry, code in values["codes"].items()
+    }
     jobs: dict[str, JobSpec] = {}
     for recipe, job in values["jobs"].items():
         jobs[recipe] = JobSpec(
             stage=job["stage"],
             label=job["label"],
-            code=Code(**values["codes"][job["entry"]]),
+            code=codes[job["entry"]],
             section={name: values["parts"][part] for name, part in job["section"].items()},
             inputs={name: [jobs[item] for item in items] for name, items in job["inputs"].items()},
             tracked=job["tracked"],
         )
-        if jobs[recipe].recipe != recipe:
-            raise ValueError(f"recipe {recipe} does not match its job")
+        vars(jobs[recipe])["recipe"] = recipe  # to compute them all takes most of the time
     return Plan(jobs, values["targets"])

@@ -3,7 +3,7 @@
 import importlib.util
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
 from pathlib import Path
@@ -23,11 +23,15 @@ Groups = Mapping[str, Sequence[str]]
 
 @dataclass(frozen=True)
 class Code:
-    """What runs: the entry point ``module:function``, its source digest, third-party versions."""
+    """What runs: the entry point ``module:function``, its source digest, third-party versions.
+
+    ``parts`` are the digests of the modules and data files behind ``source``, where they are known.
+    """
 
     entry: str
     source: str
     versions: dict[str, str]
+    parts: Mapping[str, str] = field(default_factory=dict, compare=False, repr=False)
 
 
 @cache
@@ -38,7 +42,7 @@ def code_of(entry: str, root: Path = SOURCE_ROOT) -> Code:
         UserError: the module does not exist, does not parse or imports an unknown package.
     """
     found = closure(entry.partition(":")[0], root)
-    return Code(entry, found.digest, versions(found.third_party))
+    return Code(entry, found.digest, versions(found.third_party), found.parts)
 
 
 def recipe_digest(stage: str, section: Any, code: Code, inputs: Groups) -> str:

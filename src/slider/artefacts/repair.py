@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from slider.artefacts.plan import plan_recipes
-from slider.artefacts.source.parts import read_parts
 from slider.artefacts.store import Store, parse_manifest
 from slider.core import files
 from slider.core.errors import UserError
 
 _FOLDERS = (
-    *("objects", "index", "seals", "plans", "sources", "current", "locks", "work", "logs", "tmp"),
+    *("objects", "index", "seals", "plans", "current", "locks", "work", "logs", "tmp"),
     *("objects/*", "index/*", "work/*", "work/*/*", "tracking", "cache", "cache/*"),
 )
 
@@ -49,7 +48,6 @@ def drop_unreadable(store: Store) -> list[Path]:
 
 def _readers(store: Store) -> Iterator[tuple[list[Path], Callable[[Path], Any]]]:
     yield sorted((store.root / "plans").glob("*.json")), _read_plan
-    yield sorted((store.root / "sources").glob("*.json")), read_parts
     yield store.manifests(), _read_manifest
     yield store.index(), parse_manifest
     yield sorted(store.root.glob("*/*.run.json")), _read_facts

@@ -195,7 +195,7 @@ def _open_tracker(artefacts: Path, spec: JobSpec) -> Tracker:
     if session is None:
         return NoTracker()
     tracker = JournalTracker(session / f"{spec.stage}-{spec.recipe[:16]}.jsonl")
-    needs = dict.fromkeys(job.stage for jobs in spec.inputs.values() for job in jobs)
+    needs = dict.fromkeys(job.stage for job in spec.needs)
     tracker.begin(spec.label, {"stage": spec.stage, "recipe": spec.recipe}, list(needs))
     tracker.log_params(spec.section)
     return tracker

@@ -90,10 +90,6 @@ class Store:
         """Folder of what jobs of the same source and versions share and can make again."""
         return self.root / "cache" / code
 
-    def parts_path(self, source: str) -> Path:
-        """File with the modules of a source digest and their digests."""
-        return self.root / "sources" / f"{source}.json"
-
     def progress_path(self, stage: str, recipe: str) -> Path:
         """The latest line that a running job says of itself."""
         return self.work_folder(stage, recipe) / "progress.txt"
@@ -186,20 +182,23 @@ class Store:
 
     def known(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
-        found = self.usable(self.index_path(key))
-        return found if found and self.is_whole(found.result.object) else None
+        return self._whole(self.index_path(key))
 
     def usable(self, path: Path) -> Manifest | None:
         """A manifest whose object is there with all files in their sizes."""
-        try:
-            manifest = parse_manifest(path)
-        except UserError:
-            return None
-        return manifest if self.has(manifest.result) else None
+        manifest = readable(path)
+        return manifest if manifest and self._has(manifest.result) else None
 
-    def has(self, result: Result) -> bool:
-        """Tell whether the object of a result is there with all files in their sizes."""
+    def _has(self, result: Result) -> bool:
         return files.has_files(self.object_folder(result.object), result.files)
+
+    def whole(self, stage: str, recipe: str) -> Manifest | None:
+        """Manifest of a recipe, if its object is whole."""
+        return self._whole(self.manifest_path(stage, recipe))
+
+    def _whole(self, path: Path) -> Manifest | None:
+        found = self.usable(path)
+        return found if found and self.is_whole(found.result.object) else None
 
     def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
         """Remove the manifests whose object is gone, so that nobody trusts them; list them."""
@@ -229,6 +228,14 @@ def parse_manifest(path: Path) -> Manifest:
         raise UserError(f"expected a manifest, found none at {path}") from None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise UserError(f"expected a manifest, found something else in {path}") from None
+
+
+def readable(path: Path) -> Manifest | None:
+    """A manifest file, if it is one of ours."""
+    try:
+        return parse_manifest(path)
+    except UserError:
+        return None
 
 
 def manifest_from(values: Any) -> Manifest:

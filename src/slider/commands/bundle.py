@@ -57,7 +57,8 @@ def run(arguments: argparse.Namespace) -> None:
         raise UserError(f"expected the package {error.name}, found none: {install}") from None
     overrides, current = _overrides(targets, store)
     command = " ".join(["snakemake -j2", *dict.fromkeys(_file(plan, name) for name in targets)])
-    command += f" --config hydra={shlex.quote(overrides)}" * bool(overrides)
+    asked = overrides + " " * overrides.endswith("'")  # Snakemake takes quotes off both ends
+    command += f" --config hydra={shlex.quote(asked)}" * bool(overrides)
     origin = Origin(Path(), overrides, command)
     out = arguments.out or Path("reports") / f"{arguments.targets[0]}.crate.zip"
     if out.is_dir():

@@ -14,8 +14,7 @@ from slider.artefacts.lineage.ancestry import everything
 from slider.artefacts.lineage.compare import Difference, compare
 from slider.artefacts.lineage.outlines import outlines
 from slider.artefacts.lineage.pending import Pending, last_result, namesake, pending
-from slider.artefacts.lineage.targets import SHORT, Found, find, layouts, place
-from slider.artefacts.plan import JobSpec
+from slider.artefacts.lineage.targets import SHORT, Found, find, known_plans, place
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
@@ -78,7 +77,7 @@ def _why(arguments: argparse.Namespace) -> None:
 
     def values() -> dict[str, Any]:
         known = {"name": wanted.name, "last": last.job.recipe if last else None}
-        return known | _plain(wanted.job) | {"jobs": [_waiting(one) for one in jobs]}
+        return known | wanted.job.names | {"jobs": [_waiting(one) for one in jobs]}
 
     _print(arguments.json, values, _reasons(wanted, jobs))
 
@@ -106,11 +105,11 @@ def _wanted(target: str, outline: Store, store: Store) -> Found:
 
 
 def _same(there: Found, outline: Store) -> Found:
-    layout = next(layouts(outline))
-    recipe = namesake(there, layout)
-    if recipe is None:
+    plan = next(known_plans(outline))
+    job = namesake(there, plan)
+    if job is None:
         raise UserError(f"expected a configuration with {there.name}, found one without")
-    return Found(outline, layout.plan, layout.plan.jobs[recipe])
+    return Found(outline, plan, job)
 
 
 def _diff(arguments: argparse.Namespace) -> int:
@@ -126,8 +125,8 @@ def _diff(arguments: argparse.Namespace) -> int:
         results = [Found(Store(arguments.artefacts), one.plan, one.job) for one in laid]
         sides = iter(stored), iter(results)
         old, new = (next(sides[name in asked]) for name in names)
-        differences = compare(old, new, laid_out)
-    objects = [one.manifest and one.manifest.result.object for one in (old, new)]
+        differences = compare(old, new)
+    objects = [old.object, new.object]
     alike = None if None in objects else objects[0] == objects[1]
     same = old.job.recipe == new.job.recipe and not differences if alike is None else alike
 
@@ -150,17 +149,13 @@ def _verdict(
 
 
 def _difference(one: Difference) -> dict[str, Any]:
-    return asdict(one.cause) | {"jobs": [_plain(job) for job in one.jobs]}
+    return asdict(one.cause) | {"jobs": [job.names for job in one.jobs]}
 
 
 def _waiting(one: Pending) -> dict[str, Any]:
     causes = [asdict(cause) for cause in one.causes]
     reasons = {"causes": causes, "inputs": one.inputs, "state": one.state, "reused": one.reused}
-    return _plain(one.job) | reasons
-
-
-def _plain(job: JobSpec) -> dict[str, str]:
-    return {"stage": job.stage, "label": job.label, "recipe": job.recipe}
+    return one.job.names | reasons
 
 
 def _is_overrides(name: str) -> bool:

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the job; on failure show the end of its log and where the log is."""
     plan = read_plan(arguments.plan)
     spec = plan.jobs.get(arguments.recipe)
-    if spec is None:
+    if spec is None or spec.key(spec.input_recipes) != spec.recipe:
         raise UserError(f"expected a recipe of {arguments.plan}, found {arguments.recipe}")
     store = Store(arguments.artefacts)
     log = store.log_path(spec.stage, spec.recipe)

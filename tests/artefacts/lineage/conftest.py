@@ -14,7 +14,6 @@ from slider.artefacts.lineage.targets import Found
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.runner import Runner
-from slider.artefacts.source.parts import note_sources
 from slider.artefacts.store import Store
 
 FILES = {
@@ -78,7 +77,6 @@ class World:
         path = write_plan(plan, store.root / "plans")
         times = [other.stat().st_mtime for other in path.parent.glob("*.json")]
         os.utime(path, (max(times) + 1,) * 2)
-        note_sources(plan, store, self.root)
         return plan
 
     def compute(self, plan: Plan, store: Store | None = None) -> Found:

@@ -9,7 +9,9 @@ from slider.artefacts import runner
 from slider.artefacts.lineage.compare import compare
 from slider.artefacts.lineage.targets import Found
 from slider.artefacts.lineage.text import differing
+from slider.artefacts.plan import read_plan, write_plan
 from slider.artefacts.store import Store
+from slider.core import files
 
 OTHER = "def cost(mass):\n    return mass // 10 + 1\n"
 
@@ -65,10 +67,14 @@ def test_a_comment_is_no_difference(world):
 
 
 def test_a_module_that_nobody_noted_is_the_source(world):
-    old = world.compute(world.plan())
-    shutil.rmtree(world.store.root / "sources")
+    plan = world.plan()
+    path = write_plan(plan, world.store.root / "plans")
+    text = files.canonical(files.read_json(path) | {"sources": {}})
+    earlier = path.with_stem(files.digest_text(text))
+    earlier.write_text(text)
+    old = world.found(read_plan(earlier))
     world.edit("solve.py", OTHER)
-    new = world.compute(world.plan())
+    new = world.found(world.plan())
     assert lines(old, new) == ["gait × 2: source changed"]
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from slider.artefacts.source.closure import closure
+from slider.core import files
 from slider.core.errors import UserError
 
 FILES = {
@@ -124,3 +125,11 @@ def test_names_the_missing_module_and_the_line_that_does_not_parse(root):
     (root / "slider/robot/names.py").write_text("JOINTS =\n")
     with pytest.raises(UserError, match=r"slider\.robot\.names, line 1"):
         digest(root)
+
+
+def test_data_files_are_parts(tmp_path):
+    (tmp_path / "pack").mkdir()
+    (tmp_path / "pack" / "__init__.py").write_text("")
+    (tmp_path / "pack" / "table.csv").write_text("1\n")
+    found = closure("pack", tmp_path).parts
+    assert found["pack/table.csv"] == files.digest_file(tmp_path / "pack" / "table.csv")

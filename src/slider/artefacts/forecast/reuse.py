@@ -3,27 +3,25 @@
 from collections.abc import Set
 
 from slider.artefacts.plan import Plan
-from slider.artefacts.store import Store
-from slider.core.errors import UserError
+from slider.artefacts.store import Store, readable
 
 
 def reused_ahead(plan: Plan, store: Store, needed: Set[str]) -> set[str]:
     """Recipes among the needed ones whose key the index knows, with the inputs that they will have.
 
-    A look at names and sizes alone: the jobs themselves check the content.
+    What no job of the run needs may lack a manifest.
     """
     objects: dict[str, str] = {}
     known: set[str] = set()
     for recipe, job in plan.jobs.items():  # inputs come first
         if recipe not in needed:
-            try:
-                objects[recipe] = store.read_manifest(job.stage, recipe).result.object
-            except UserError:
-                continue  # no job of this run needs it
-        elif all(item.recipe in objects for jobs in job.inputs.values() for item in jobs):
+            manifest = readable(store.manifest_path(job.stage, recipe))
+        elif all(item.recipe in objects for item in job.needs):
             found = {name: [objects[i.recipe] for i in jobs] for name, jobs in job.inputs.items()}
-            manifest = store.usable(store.index_path(job.key(found)))
-            if manifest is not None:
-                objects[recipe] = manifest.result.object
-                known.add(recipe)
+            manifest = store.known(job.key(found))
+            known |= {recipe} if manifest else set()
+        else:
+            continue
+        if manifest is not None:
+            objects[recipe] = manifest.result.object
     return known

@@ -1,28 +1,11 @@
 """A result and all that it was made from, jobs of one stage together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from slider.artefacts.lineage.targets import Found, manifest_of
+from slider.artefacts.lineage.targets import Found
 from slider.artefacts.plan import JobSpec, build_plan
-from slider.artefacts.source.parts import known_parts
-from slider.artefacts.store import Manifest, Result, Store
-
-
-@dataclass(frozen=True)
-class Made:
-    """A job, its manifest if it has a result, and what is noted beside that."""
-
-    job: JobSpec
-    manifest: Manifest | None
-    facts: Mapping[str, Any]
-
-    @property
-    def result(self) -> Result:
-        """Result of a job that has one."""
-        assert self.manifest is not None
-        return self.manifest.result
 
 
 @dataclass(frozen=True)
@@ -33,57 +16,52 @@ class Step:
     """
 
     stage: str
-    made: tuple[Made, ...]
+    made: tuple[Found, ...]
     inputs: list["Step"] = field(default_factory=list)
     known: bool = False
 
 
-def made(store: Store, job: JobSpec) -> Made:
-    """A job with its manifest and facts."""
-    return Made(job, manifest_of(store, job), store.facts(job.stage, job.recipe))
-
-
 def steps(found: Found) -> Step:
     """Tree of the stages behind a result."""
-    return _step(found.store, [found.job], set())
+    return _step([found], set())
 
 
-def _step(store: Store, jobs: Sequence[JobSpec], seen: set[frozenset[str]]) -> Step:
-    recipes = frozenset(job.recipe for job in jobs)
-    own = tuple(made(store, job) for job in jobs)
+def _step(made: Sequence[Found], seen: set[frozenset[str]]) -> Step:
+    step = Step(made[0].job.stage, tuple(made))
+    recipes = frozenset(one.job.recipe for one in made)
     if recipes in seen:
-        return Step(jobs[0].stage, own, known=True)
+        return Step(step.stage, step.made, known=True)
     seen.add(recipes)
-    groups: dict[str, dict[str, JobSpec]] = {}
-    for item in (item for job in jobs for group in job.inputs.values() for item in group):
-        groups.setdefault(item.stage, {})[item.recipe] = item
-    inputs = [_step(store, [*group.values()], seen) for group in groups.values()]
-    return Step(jobs[0].stage, own, inputs)
+    groups: dict[str, dict[str, Found]] = {}
+    for one in made:
+        for item in one.inputs:
+            groups.setdefault(item.job.stage, {})[item.job.recipe] = item
+    step.inputs.extend(_step([*group.values()], seen) for group in groups.values())
+    return step
 
 
 def everything(found: Found) -> dict[str, Any]:
     """All that is known of a result, and its ancestors by recipe, as plain values."""
-    one = made(found.store, found.job)
-    jobs = build_plan({found.name: found.job}).jobs.values()
+    result = found.manifest.result if found.manifest else None
+    code = asdict(found.job.code)
+    ancestors: Sequence[JobSpec] = [*build_plan({found.name: found.job}).jobs.values()]
     return {
         "name": found.name,
-        **_plain(one),
-        "files": one.manifest.result.files if one.manifest else {},
-        "summary": one.manifest.result.summary if one.manifest else {},
+        **_plain(found),
+        "files": result.files if result else {},
+        "summary": result.summary if result else {},
         "configuration": dict(found.job.section),
-        "code": asdict(found.job.code),
-        "modules": known_parts(found.store, found.job.code.source),
-        "jobs": {job.recipe: _plain(made(found.store, job)) for job in jobs},
+        "modules": code.pop("parts") or None,
+        "code": code,
+        "jobs": {job.recipe: _plain(Found(found.store, found.plan, job)) for job in ancestors},
     }
 
 
-def _plain(one: Made) -> dict[str, Any]:
+def _plain(one: Found) -> dict[str, Any]:
     return {
-        "stage": one.job.stage,
-        "label": one.job.label,
-        "recipe": one.job.recipe,
-        "object": one.manifest.result.object if one.manifest else None,
+        **one.job.names,
+        "object": one.object,
         "resumed": bool(one.manifest and one.manifest.result.resumed),
-        "noted": dict(one.facts),
+        "noted": one.facts,
         "inputs": one.job.input_recipes,
     }

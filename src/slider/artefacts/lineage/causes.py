@@ -1,18 +1,17 @@
 """What differs between two jobs: a configuration key, a source module, a package, an input."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 from slider.artefacts.plan import JobSpec, Plan
-from slider.artefacts.source.parts import Parts
+from slider.artefacts.recipe import Code
 from slider.core.files import canonical
 
 _ABSENT = object()
 _WIDTH = 40  # characters of a value
-PartsOf = Callable[[str], Parts | None]
-"""Source digest → its modules, if they are known."""
 Leaf = tuple[tuple[str, ...], Any, Any]
 """Path of a value that differs, before, after."""
 
@@ -67,11 +66,9 @@ class Comparison:
     Args:
         old, new: the plans. Sections have names of their own; the configuration that the page
             shows, a job of either plan, gives the keys that people set.
-        parts: modules of a source digest, if they are known.
     """
 
-    def __init__(self, old: Plan, new: Plan, parts: PartsOf) -> None:
-        self._parts = parts
+    def __init__(self, old: Plan, new: Plan) -> None:
         before, after = _configuration(old), _configuration(new)
         self._keys = list(_leaves(before, after)) if before and after else []
         self._used: set[str] = set()
@@ -81,41 +78,40 @@ class Comparison:
         if old.stage != new.stage:
             return [Cause("stage", "", old.stage, new.stage)]
         return [
-            *(self._cause(new.stage, leaf) for leaf in _leaves(old.section, new.section)),
-            *self._source(old, new),
+            *(
+                _configured(self._key(new.stage, leaf), leaf)
+                for leaf in _leaves(old.section, new.section)
+            ),
+            *_source(old.code, new.code),
             *_changes("package", old.code.versions, new.code.versions),
         ]
 
-    def _cause(self, stage: str, leaf: Leaf) -> Cause:
-        path, old, new = leaf
-        return Cause(
-            "configuration", self._key(stage, leaf) or ".".join(path), _text(old), new=_text(new)
-        )
-
     def shaping(self) -> list[Cause]:
         """Keys that differ and that no job seen so far holds: they tell which jobs there are."""
-        causes = (Cause("configuration", ".".join(p), _text(a), _text(b)) for p, a, b in self._keys)
-        return [cause for cause in causes if cause.name not in self._used]
+        keys = ((".".join(leaf[0]), leaf) for leaf in self._keys)
+        return [_configured(name, leaf) for name, leaf in keys if name not in self._used]
 
-    def _key(self, stage: str, leaf: Leaf) -> str | None:
+    def _key(self, stage: str, leaf: Leaf) -> str:
         """The key with the same last name and the same two values that is most like the path."""
         path, *values = leaf
         same = [p for p, *found in self._keys if p[-1] == path[-1] and found == values]
         near = {*path, *stage.split("_")}
-        best = max(same, key=lambda p: len(near.intersection(p)) - len(p) / 100, default=None)
-        if best is None:
-            return None
-        self._used.add(".".join(best))
+        best = max(same, key=lambda p: len(near.intersection(p)) - len(p) / 100, default=path)
+        self._used |= {".".join(best)} if same else set()
         return ".".join(best)
 
-    def _source(self, old: JobSpec, new: JobSpec) -> list[Cause]:
-        if old.code.entry != new.code.entry:
-            return [Cause("source", new.code.entry, old.code.entry, new.code.entry)]
-        if old.code.source == new.code.source:
-            return []
-        before, after = self._parts(old.code.source), self._parts(new.code.source)
-        known = list(_changes("source", before, after)) if before and after else []
-        return known or [Cause("source", "", old.code.source, new.code.source)]
+
+def _configured(name: str, leaf: Leaf) -> Cause:
+    return Cause("configuration", name, _text(leaf[1]), _text(leaf[2]))
+
+
+def _source(old: Code, new: Code) -> list[Cause]:
+    if old.entry != new.entry:
+        return [Cause("source", new.entry, old.entry, new.entry)]
+    if old.source == new.source:
+        return []
+    known = list(_changes("source", old.parts, new.parts)) if old.parts and new.parts else []
+    return known or [Cause("source", "", old.source, new.source)]
 
 
 def _changes(kind: str, old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Cause]:
@@ -137,13 +133,15 @@ def _matched(
     old: Sequence[JobSpec], new: Sequence[JobSpec]
 ) -> Iterator[tuple[JobSpec | None, JobSpec | None]]:
     left, right = list(old), list(new)
-    for key in (_recipe, _label, _stage if len(old) == len(new) == 1 else _label):
+    alone = len(old) == len(new) == 1
+    for key in ("recipe", "stage label", "stage" if alone else "stage label"):
+        get = attrgetter(*key.split())
         waiting: dict[Any, list[JobSpec]] = {}
         for job in left:
-            waiting.setdefault(key(job), []).append(job)
+            waiting.setdefault(get(job), []).append(job)
         rest = []
         for job in right:
-            same = waiting.get(key(job))
+            same = waiting.get(get(job))
             if same:
                 yield same.pop(0), job
             else:
@@ -151,18 +149,6 @@ def _matched(
         left, right = [job for jobs in waiting.values() for job in jobs], rest
     yield from ((job, None) for job in left)
     yield from ((None, job) for job in right)
-
-
-def _recipe(job: JobSpec) -> str:
-    return job.recipe
-
-
-def _label(job: JobSpec) -> tuple[str, str]:
-    return job.stage, job.label
-
-
-def _stage(job: JobSpec) -> str:
-    return job.stage
 
 
 def _configuration(plan: Plan) -> Mapping[str, Any]:

@@ -1,15 +1,12 @@
 """Two results beside each other: the root causes of their difference, inputs first."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
-from slider.artefacts.lineage.causes import Cause, Comparison, PartsOf, pairs
-from slider.artefacts.lineage.targets import Found, manifest_of
+from slider.artefacts.lineage.causes import Cause, Comparison, pairs
+from slider.artefacts.lineage.targets import Found
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.source.parts import Parts, known_parts
-from slider.artefacts.store import Store
 from slider.core import files
 
 _OF_A_RUN = {
@@ -27,36 +24,21 @@ class Difference:
     jobs: tuple[JobSpec, ...]
 
 
-def compare(old: Found, new: Found, noted: Sequence[Store] = ()) -> list[Difference]:
+def compare(old: Found, new: Found) -> list[Difference]:
     """Root causes of the difference of two jobs, in the order from the first input to them.
 
     Jobs of the same recipe differ only if their results do: then it is said what is noted of how
     they were computed.
-
-    Args:
-        old: one job.
-        new: the other.
-        noted: further stores that know the modules of a source digest.
     """
-    return _Walk(old, new, parts_in(old.store, new.store, *noted)).differences()
-
-
-def parts_in(*stores: Store) -> PartsOf:
-    """Function that gives the modules of a source digest, if one of the stores has them."""
-
-    @cache
-    def find(source: str) -> Parts | None:
-        return next(filter(None, (known_parts(store, source) for store in stores)), None)
-
-    return find
+    return _Walk(old, new).differences()
 
 
 class _Walk:
     """Goes through pairs of jobs and collects causes; each pair once."""
 
-    def __init__(self, old: Found, new: Found, parts: PartsOf) -> None:
+    def __init__(self, old: Found, new: Found) -> None:
         self._old, self._new = old, new
-        self._comparison = Comparison(old.plan, new.plan, parts)
+        self._comparison = Comparison(old.plan, new.plan)
         self._found: dict[Cause, dict[str, JobSpec]] = {}
         self._seen: set[tuple[str, str]] = set()
         self._other: dict[str, bool] = {}
@@ -64,9 +46,8 @@ class _Walk:
     def differences(self) -> list[Difference]:
         self._visit(self._old.job, self._new.job)
         found = [Difference(cause, tuple(jobs.values())) for cause, jobs in self._found.items()]
-        inputs = [one for one in found if one.cause.kind == "input"]
-        jobs = tuple(job for one in inputs for job in one.jobs)
-        shaping = self._comparison.shaping() if inputs else []
+        jobs = tuple(job for one in found if one.cause.kind == "input" for job in one.jobs)
+        shaping = self._comparison.shaping() if jobs else []
         return [*(Difference(cause, jobs) for cause in shaping), *found]
 
     def _visit(self, old: JobSpec, new: JobSpec) -> None:
@@ -96,26 +77,21 @@ class _Walk:
         return self._other[job.recipe]
 
     def _begins(self, job: JobSpec) -> bool:
-        stores = self._old.store, self._new.store
-        old, new = (manifest_of(store, job) for store in stores)
-        if old is None or new is None or old.result.object == new.result.object:
+        sides = [Found(side.store, side.plan, job) for side in (self._old, self._new)]
+        if None in (objects := {side.object for side in sides}) or len(objects) == 1:
             return False
-        inputs = [item for group in job.inputs.values() for item in group]
-        earlier = [self._has_other_bytes(item) for item in inputs]  # all, not the first alone
-        if any(earlier):
-            return True
-        noted = [
-            _noted(store.facts(job.stage, job.recipe)) | {"resumed": manifest.result.resumed}
-            for store, manifest in zip(stores, (old, new), strict=True)
-        ]
-        names = [n for n in {**noted[0], **noted[1]} if noted[0].get(n) != noted[1].get(n)]
-        for name in names or [""]:
-            values = [files.canonical(facts.get(name)) for facts in noted]
-            self._note(Cause("circumstance", name, *values), job)
+        earlier = [self._has_other_bytes(item) for item in job.needs]  # all, not the first alone
+        if not any(earlier):
+            old, new = map(_noted, sides)
+            for name in [n for n in {**old, **new} if old.get(n) != new.get(n)] or [""]:
+                values = [files.canonical(facts.get(name)) for facts in (old, new)]
+                self._note(Cause("circumstance", name, *values), job)
         return True
 
 
-def _noted(facts: Mapping[str, Any]) -> dict[str, Any]:
+def _noted(side: Found) -> Mapping[str, Any]:
     """What is the same in two runs of one job under the same circumstances."""
     measured = ("_s", "_at_start", "_started")
-    return {k: v for k, v in facts.items() if k not in _OF_A_RUN and not k.endswith(measured)}
+    facts = {k: v for k, v in side.facts.items() if not k.endswith(measured)}
+    resumed = side.manifest is not None and side.manifest.result.resumed
+    return {k: v for k, v in facts.items() if k not in _OF_A_RUN} | {"resumed": resumed}

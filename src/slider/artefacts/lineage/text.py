@@ -4,13 +4,12 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from slider.artefacts.lineage.ancestry import Made, Step, made, steps
+from slider.artefacts.lineage.ancestry import Step, steps
 from slider.artefacts.lineage.causes import Cause
 from slider.artefacts.lineage.compare import Difference
 from slider.artefacts.lineage.pending import Pending
 from slider.artefacts.lineage.targets import SHORT, Found
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.source.parts import known_parts
 
 _WIDTH = 80  # characters of the values of a table
 _MODULES = 3  # of one stage
@@ -18,15 +17,14 @@ _MODULES = 3  # of one stage
 
 def shown(found: Found) -> Iterator[str]:
     """What a result is, how it was computed, and the tree of what it was made from."""
-    one, code = made(found.store, found.job), found.job.code
-    parts = known_parts(found.store, code.source)
-    modules = f", {len(parts)} modules and files" if parts else ""
+    code = found.job.code
+    modules = f", {len(code.parts)} modules and files" if code.parts else ""
     yield f"{found.name}: {found.job.label}"
     yield from _rows(
         {
             "recipe": found.job.recipe,
-            "object": _object(one),
-            **_noted(one.facts),
+            "object": _object(found),
+            **_noted(found.facts),
             "source": f"{code.entry}, {code.source[:SHORT]}{modules}",
             "packages": ", ".join(f"{name} {version}" for name, version in code.versions.items()),
         }
@@ -43,7 +41,7 @@ def _rows(rows: Mapping[str, str]) -> Iterator[str]:
     yield from (f"  {name:<{width}}  {value}" for name, value in rows.items() if value)
 
 
-def _object(one: Made) -> str:
+def _object(one: Found) -> str:
     if one.manifest is None:
         return "none: not computed"
     result = one.manifest.result
@@ -116,10 +114,10 @@ def _cells(step: Step) -> tuple[str, ...]:
 
 def _digests(step: Step) -> tuple[str, str]:
     if len(step.made) > 1:
-        objects = {one.manifest.result.object for one in step.made if one.manifest}
+        objects = {one.object for one in step.made} - {None}
         return f"{len(step.made)} recipes", f"{len(objects)} objects"
     one = next(iter(step.made))
-    return one.job.recipe[:SHORT], one.manifest.result.object[:SHORT] if one.manifest else ""
+    return one.job.recipe[:SHORT], (one.object or "")[:SHORT]
 
 
 def differing(differences: Sequence[Difference]) -> Iterator[str]:

@@ -29,6 +29,7 @@ from numba.core.compiler import CompileResult
 from slider.core.machine import cpuinfo
 
 F = TypeVar("F", bound=Callable[..., Any])
+_SETTINGS = cast(Any, numba).config  # without type stubs
 _TARGET = "haswell", "+avx,+avx2,+bmi,+bmi2,+fma,+lzcnt,+movbe,+popcnt,+sse4.2"
 
 
@@ -38,9 +39,9 @@ def compiled(function: F) -> F:
     It may use numbers, arrays and ``part``s of its own module only: these and the source of the
     module tell whether the machine code is up to date.
     """
-    dispatcher = numba.njit(function, error_model="numpy")
+    dispatcher = cast(Any, numba.njit(function, error_model="numpy"))
     dispatcher._cache = _Kept(function)
-    return cast(F, dispatcher)
+    return dispatcher
 
 
 def part(function: F) -> F:
@@ -52,7 +53,7 @@ def _fix_target() -> None:
     """Through the environment: numba reads its settings anew whenever that changes."""
     if os.uname().machine == "x86_64" and "avx2" in cpuinfo("flags").split():
         os.environ.update(NUMBA_CPU_NAME=_TARGET[0], NUMBA_CPU_FEATURES=_TARGET[1])
-        numba.config.reload_config()
+        _SETTINGS.reload_config()
 
 
 _fix_target()  # before numba makes anything
@@ -96,7 +97,7 @@ class _Kept(_Cache):
         constants = {n: v for n, v in self._values.items() if isinstance(v, kinds)}
         values = {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in constants.items()}
         versions = numba.__version__, llvmlite.__version__, scipy.__version__, sys.version
-        target = numba.config.CPU_NAME, numba.config.CPU_FEATURES
+        target = _SETTINGS.CPU_NAME, _SETTINGS.CPU_FEATURES
         facts = repr((str(sig), values, *versions, *target)).encode()
         digest = hashlib.sha256(self._source.read_bytes() + facts).hexdigest()
         return self._folder / f"{self._name}-{digest[:16]}.machine"

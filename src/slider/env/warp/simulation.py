@@ -9,6 +9,7 @@ thirtieth of the time that launching its kernels one by one takes.
 
 from collections.abc import Callable, Collection
 from pathlib import Path
+from typing import cast
 
 import mujoco
 import torch
@@ -126,7 +127,7 @@ class Simulation:
         # MuJoCo's rollout keeps no warm start between control steps either.
         self._data.qacc_warmstart.zero_()
         for inputs in self._inputs:
-            wp.copy(self._data.ctrl, inputs)
+            wp.copy(self._data.ctrl, cast(wp.array, inputs))
             mjw.step(self._model, self._data)
 
     def _set_constants(self) -> None:
@@ -139,7 +140,7 @@ class Simulation:
             with wp.ScopedCapture() as capture:
                 work()
             wp.synchronize_device()
-        return capture.graph
+        return cast(wp.Graph, capture.graph)
 
     def _launch(self, graph: "wp.Graph") -> None:
         """Run a graph in the order of torch's own work on the device."""

@@ -1,15 +1,29 @@
 """For all tests: one thread per process, long files first, results that all processes share."""
 
 import os
+import shutil
+import tempfile
 from pathlib import Path
 
 import pytest
 
 from slider.artefacts.runner import limit_threads
+from tests import shared
 
 # Machine code is compiled once for all stores that tests make.
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parent / "__pycache__"))
+os.environ.setdefault("WARP_CACHE_PATH", str(Path.home() / ".cache" / "warp"))  # as Warp's own
 limit_threads(1)  # before torch and casadi are imported: `make test` has a process per core
+
+
+def pytest_configure() -> None:
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        os.environ[shared.FOLDER] = tempfile.mkdtemp(prefix="slider-tests-")
+
+
+def pytest_unconfigure() -> None:
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        shutil.rmtree(shared.folder(), ignore_errors=True)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

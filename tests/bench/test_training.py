@@ -16,9 +16,13 @@ from tests.training.test_trainer import TINY, task
 
 
 @pytest.fixture(scope="module")
-def bench(tmp_path_factory):
-    """Without disturbances: delays come before the physics."""
-    calm = config(*TINY, "train/walking/disturbance=none").train.walking.disturbance
+def calm():
+    """No disturbances: delays come before the physics."""
+    return config(*TINY, "train/walking/disturbance=none").train.walking.disturbance
+
+
+@pytest.fixture(scope="module")
+def bench(calm, tmp_path_factory):
     settings = task(robots=8, disturbance=calm)
     return Bench(settings, threads=1, work=tmp_path_factory.mktemp("work"))
 
@@ -57,20 +61,19 @@ def test_it_runs_with_the_default_configuration(tmp_path, capsys):
     assert re.search(r"^ +4  float32 ", shown, re.MULTILINE)
 
 
-def test_warp_alone_repeats_the_recorded_steps(bench):
+def test_with_warp_all_three_run_on_the_device(calm, tmp_path):
     pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
-    from slider.bench.warp import BareWarp
-
-    bare = BareWarp(bench._task, "cpu", bench.recorded)
-    assert bare() == 24 * 8
-    following = np.concatenate([state[:, 1:] for state, _ in bench.recorded[1:]])
-    bare._recorded = bare._recorded[:-1]
-    ends = []
-    step = bare._simulation.step
-    bare._simulation.step = lambda: (step(), ends.append(bare._simulation.qpos.clone()))  # type: ignore
-    bare()
-    same = np.abs(np.concatenate(ends) - following[:, :19]).max(axis=1) < 1e-4
-    assert same.mean() > 0.7
+    settings = task(robots=8, disturbance=calm, simulator="mujoco_warp")
+    bench = Bench(settings, threads=1, work=tmp_path)
+    following, ends = [qpos for qpos, *_ in bench.recorded[1:]], []
+    simulation = bench._bare.simulation  # type: ignore[attr-defined]
+    step = simulation.step
+    simulation.step = lambda: (step(), ends.append(simulation.qpos.clone()))
+    assert bench._bare() == 24 * 8
+    same = [(a == b).all(dim=1) for a, b in zip(ends, following, strict=False)]
+    assert np.mean(np.stack(same)) > 0.8  # resets apart
+    (row,) = bench.measure(["float32"], seconds=0.01, rounds=1)
+    assert row.bare.cpu > row.environment.cpu > row.loop.cpu > 0
 
 
 def test_the_environment_is_left_as_it_was(bench):

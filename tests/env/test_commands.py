@@ -62,12 +62,14 @@ def test_a_share_of_the_ranges_about_zero(rng):
 
 def test_the_share_grows_with_success_only():
     curriculum = Curriculum(CurriculumConfig(start=0.4, growth=0.35, success=0.9), window=10)
-    curriculum.note(ended=9, fallen=0)
-    assert curriculum.share == 0.4, "the window is not full"
-    curriculum.note(ended=1, fallen=1)
-    assert curriculum.share == pytest.approx(0.75)
-    curriculum.note(ended=10, fallen=2)
-    assert curriculum.share == pytest.approx(0.75)
-    curriculum.note(ended=10, fallen=0)
-    curriculum.note(ended=10, fallen=0)
-    assert curriculum.share == 1.0
+
+    def note(ended: int, fallen: int) -> float:
+        robots = np.arange(10)
+        curriculum.note(robots < ended, robots < fallen)
+        return curriculum.share.item()
+
+    assert note(ended=9, fallen=0) == 0.4, "the window is not full"
+    assert note(ended=1, fallen=1) == pytest.approx(0.75)
+    assert note(ended=10, fallen=2) == pytest.approx(0.75)
+    assert note(ended=10, fallen=0) == 1.0
+    assert note(ended=10, fallen=0) == 1.0

@@ -196,3 +196,12 @@ def test_a_base_faster_than_anything_real_counts_as_blown_up():
     physics.qvel[:, 2] = [900.0, 1100.0]
     physics.step(np.zeros((2, NUM_JOINTS)))
     assert physics.read().diverged.tolist() == [False, True]
+
+
+def test_mujoco_takes_no_times():
+    physics = make_physics(1)
+    data = mujoco.MjData(physics.model)
+    mujoco.mj_step(physics.model, data)
+    timer = data.timer[mujoco.mjtTimer.mjTIMER_STEP]
+    assert timer.number == 1
+    assert timer.duration == 0.0

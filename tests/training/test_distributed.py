@@ -1,17 +1,26 @@
-"""Several processes train one policy. Processors with gloo stand for GPUs with NCCL."""
+"""Several processes train one policy on MuJoCo Warp; the processor and gloo stand for GPUs."""
 
 import os
+import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import pytest
 import torch
 from rsl_rl.runners import OnPolicyRunner
 
+from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.training.distributed import device_of, launch, rank
 from slider.training.results import SELECTION
 from slider.training.trainer import Trainer
 from tests.training.test_trainer import actor, same, task
+
+pytest.importorskip("mujoco_warp", reason="no extra gpu")
+from slider.training.warp import build_physics
+
+SIMULATE = partial(build_physics, "cpu")
 
 
 def of_processors(runner: OnPolicyRunner) -> None:
@@ -26,8 +35,8 @@ def of_processors(runner: OnPolicyRunner) -> None:
 def train(folder: Path) -> dict[str, Any]:
     OnPolicyRunner._configure_multi_gpu = of_processors  # type: ignore[method-assign]
     made = Job(folder)
-    trainer = Trainer(task(iterations=2), made)
-    first = trainer.env.agent.command.copy()
+    trainer = Trainer(task(iterations=2), made, SIMULATE)
+    first = trainer.env.agent.command.clone()
     trainer.run()
     here = {"actor": actor(trainer), "commands": first, "checks": len(trainer._history)}
     everyone: list[Any] = [None, None]
@@ -39,13 +48,24 @@ def test_processes_share_a_policy_but_no_robots(tmp_path):
     found = launch(2, train, tmp_path)
     one, other = found["all"]
     assert same(one["actor"], other["actor"])
-    alone = Trainer(task(iterations=2), Job(tmp_path / "alone"))
+    alone = Trainer(task(iterations=2), Job(tmp_path / "alone"), SIMULATE)
     alone.run()
     assert not same(one["actor"], actor(alone))
     assert not (one["commands"] == other["commands"]).all()
     assert (one["checks"], other["checks"]) == (2, 0)  # the first judges and writes for all
     assert found["summary"]["iteration"] in (1, 2)
     assert len((tmp_path / SELECTION).read_text().splitlines()) == 3
+
+
+def overflow() -> None:
+    if rank() == 1:
+        raise UserError("MuJoCo Warp: expected no overflow, found 3")
+    time.sleep(60)
+
+
+def test_what_one_process_says_is_one_line():
+    with pytest.raises(UserError, match=r"process 1 of 2: .*expected no overflow, found 3$"):
+        launch(2, overflow)
 
 
 def test_one_process_is_this_one():

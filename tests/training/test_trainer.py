@@ -13,6 +13,7 @@ import torch
 from slider.config.train import TrainConfig
 from slider.control import POLICY_FILE
 from slider.control.policy_file import load_policy
+from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
 from slider.env.task import Task
 from slider.training import checkpoint
@@ -362,6 +363,19 @@ def test_blow_ups_are_reported_outside_the_result(tmp_path):
     trainer.env.physics.qvel[3, 6:] = 1e9
     trainer.run()
     assert made.volatile["blow_ups"] == 1
+
+
+def test_an_error_of_the_simulation_ends_the_training_before_its_checkpoint(tmp_path):
+    """Such as lost contacts on a device, which nobody looks for in a control step."""
+    trainer = Trainer(task(iterations=1), job(tmp_path))
+
+    def check() -> None:
+        raise UserError("expected no overflow")
+
+    trainer.env.physics.check = check
+    with pytest.raises(UserError, match="expected no overflow"):
+        trainer.run()
+    assert not list(tmp_path.glob("checkpoint*"))
 
 
 def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):

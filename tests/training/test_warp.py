@@ -1,24 +1,70 @@
 """A training with MuJoCo Warp: the same networks, checks and files."""
 
-from functools import partial
+from pathlib import Path
 
 import pytest
+import torch
 
+from slider.config.convert import to_dict
 from slider.control import POLICY_FILE
 from slider.control.policy_file import load_policy
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation import stage as evaluation
+from slider.training.results import CURVE
+from slider.training.selection import Selector
+from slider.training.stage import task
+from tests.env.synthetic import config
+from tests.env.test_libraries import NoWaiting
+from tests.library.gaits import write_store
+from tests.training.test_stage import section
+from tests.training.test_trainer import TINY
 
 pytest.importorskip("mujoco_warp", reason="no extra gpu")
-from slider.training.trainer import Trainer
-from slider.training.warp import build_physics
-from tests.training.test_trainer import job, task
+from slider.env.vec_env import WalkingEnv
+from slider.training.warp import run_walking
+
+WARP = (
+    "train.walking.simulator=mujoco_warp",
+    "train.walking.steps_per_iteration=4",
+    "train/walking/disturbance=robust",
+)
 
 
-def test_a_policy_of_warp_is_judged_and_exported_as_any_other(tmp_path):
-    trainer = Trainer(task(iterations=2), job(tmp_path), partial(build_physics, "cpu"))
-    trainer.run()
-    facts = trainer.export(tmp_path)
-    assert trainer.env.total_diverged == 0
-    assert trainer.env.agent.command.any()
-    assert (
-        trainer.selector.score(load_policy(tmp_path / POLICY_FILE).network).value == facts["value"]
-    )
+def settings(iterations: int) -> Section:
+    return section(*WARP, f"train.walking.iterations={iterations}")
+
+
+def train(work: Path, inputs: Inputs, iterations: int) -> tuple[Path, Job, Summary]:
+    out, job = work / f"out_{iterations}", Job(work)
+    out.mkdir()
+    return out, job, run_walking(settings(iterations), inputs, out, job)
+
+
+def test_a_policy_of_warp_is_resumed_and_evaluated_as_any_other(tmp_path, monkeypatch):
+    """Robots that vary and are pushed; all is computed with tensors, and no step waits."""
+    seen, real = [], WalkingEnv.step
+
+    def step(env: WalkingEnv, actions: torch.Tensor) -> tuple:
+        seen.append(env.agent.command)
+        with NoWaiting():
+            return real(env, actions)
+
+    monkeypatch.setattr(WalkingEnv, "step", step)
+    inputs = {"library": [write_store(tmp_path / "library", [(0.0, 0.0), (0.5, 0.0)]).parent]}
+    first, job, _ = train(tmp_path, inputs, 1)
+    assert "resumed" not in job.volatile
+    out, job, facts = train(tmp_path, inputs, 2)
+    assert job.volatile["resumed"] is True
+    assert job.volatile["blow_ups"] == 0
+    before, after = ((path / CURVE).read_text().splitlines() for path in (first, out))
+    assert after[: len(before)] == before
+    assert [row.split(",")[0] for row in after[1:]] == ["0", "1"]
+    assert [command.dtype for command in seen] == 8 * [torch.float32]
+    policy = load_policy(out / POLICY_FILE).network
+    assert Selector(task(settings(2), inputs, True), 1).score(policy).value == facts["value"]
+    own = settings(2) | {"controller": "policy", "command": 0.2}
+    own["evaluation"] = to_dict(config(*TINY, "evaluation.duration=0.4").evaluation)
+    (tmp_path / "evaluated").mkdir()
+    found = evaluation.run(own, {"walking": [out]}, tmp_path / "evaluated", Job(tmp_path))
+    assert found["blow_ups"] == 0
+    assert (tmp_path / "evaluated" / "robots.csv").exists()

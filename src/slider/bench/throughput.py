@@ -1,7 +1,8 @@
 """How many control steps per second: bare physics, the environment, the whole training.
 
 All three do the same work: the physics' states and inputs are recorded from the environment, and
-the environment gets actions as noisy as an untrained policy's.
+the environment gets actions as noisy as an untrained policy's. Physics are those of the training's
+``simulator``, on its ``device``.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -10,10 +11,13 @@ the environment gets actions as noisy as an untrained policy's.
 import contextlib
 import io
 import statistics
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -22,11 +26,13 @@ from mujoco import rollout
 from rsl_rl.runners import OnPolicyRunner
 
 from slider.bench.stopwatch import Stopwatch
+from slider.config.schema import Config
 from slider.core.job import NoTracker
-from slider.env.task import Task
+from slider.env.task import Task, task_of
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
+from slider.training.distributed import device_of
 from slider.training.ppo import runner_config
 from slider.training.trainer import set_up_torch
 
@@ -46,11 +52,10 @@ class Throughput:
     """Medians over rounds for one number of environments and one precision of the update.
 
     Attributes:
-        bare: ``mujoco.rollout`` alone.
-        warp: MuJoCo Warp alone on a device; none where none was asked for.
+        bare: ``mujoco.rollout`` or MuJoCo Warp alone.
         environment: the environment's ``step``.
         loop: training iterations, everything included.
-        environment_share, loop_share: of the bare rate, in processor time.
+        environment_share, loop_share: of the bare rate, in processor time; on a GPU in time.
         parts: share of the training's processor time by part.
     """
 
@@ -62,41 +67,75 @@ class Throughput:
     environment_share: float
     loop_share: float
     parts: dict[str, float]
-    warp: Rate | None = None
+
+
+def measure(
+    config: Config,
+    library: Path,
+    threads: int,
+    num_envs: int,
+    precisions: Sequence[str],
+    seconds: float,
+    rounds: int,
+) -> list[Throughput]:
+    """Measure the walking training with ``num_envs`` robots, once for each precision."""
+    train = replace(config.train.walking, robots=num_envs)
+    task = task_of(config.robot, config.env, train, library)
+    with tempfile.TemporaryDirectory() as work:
+        return Bench(task, threads, Path(work)).measure(precisions, seconds, rounds)
 
 
 class Bench:
     """Physics, environment and training of one task, each to be run for a while.
 
     Attributes:
-        recorded: states (N, 38) and motor angles (N, 10) that the bare physics repeats.
+        env: the environment.
+        recorded: control steps that the bare physics repeats: states (N, 38) and motor angles
+            (N, 10) of MuJoCo, or those of :mod:`slider.bench.warp`.
     """
 
-    def __init__(self, task: Task, threads: int, work: Path, device: str | None = None) -> None:
+    def __init__(self, task: Task, threads: int, work: Path) -> None:
         set_up_torch()
         torch.manual_seed(task.train.seed)
         self._task, self._work = task, work
-        self.env = WalkingEnv(task, threads)
+        self._device = device_of(task.train.device)
+        with_warp = task.train.simulator == "mujoco_warp"
+        self.env = self._warp_env(threads) if with_warp else WalkingEnv(task, threads)
+        self._physics = self.env.physics
         self._actions = task.train.network.initial_std * torch.randn(
             _RECORDED, task.train.robots, NUM_JOINTS
-        )
-        self._physics = self.env.physics
-        self._pool = rollout.Rollout(nthread=threads)
-        self._data = [mujoco.MjData(self._physics.model) for _ in range(threads)]
-        self.recorded = self._record()
-        self._bare_warp: Callable[[], int] | None = None
-        if device is not None:
-            from slider.bench.warp import BareWarp
+        ).to(self._device)
+        self.recorded: list[Any] = []
+        self._bare = self._bare_warp() if with_warp else self._bare_rollout(threads)
 
-            self._bare_warp = BareWarp(task, device, self.recorded)
+    def _warp_env(self, threads: int) -> WalkingEnv:
+        from slider.training.warp import build_physics
 
-    def measure(self, precisions: list[str], seconds: float, rounds: int) -> list[Throughput]:
+        return WalkingEnv(self._task, threads, partial(build_physics, self._task.train.device))
+
+    def _bare_warp(self) -> Callable[[], int]:
+        from slider.bench.warp import BareWarp, record
+
+        self.recorded = record(self._physics.simulation, self._step)
+        return BareWarp(self._task, self.recorded)
+
+    def _bare_rollout(self, threads: int) -> Callable[[], int]:
+        self.recorded, pool = self._record(), rollout.Rollout(nthread=threads)
+        model, substeps = self._physics.model, self._task.env.physics.substeps
+        data = [mujoco.MjData(model) for _ in range(threads)]
+
+        def roll_out() -> int:
+            for state, angles in self.recorded:
+                pool.rollout(model, data, state, np.repeat(angles[:, None], substeps, axis=1))
+            return len(self.recorded) * len(self._actions[0])
+
+        return roll_out
+
+    def measure(self, precisions: Sequence[str], seconds: float, rounds: int) -> list[Throughput]:
         """Measure all by turns, ``rounds`` times, at least ``seconds`` [s] each."""
         runners = {name: self._runner(name) for name in precisions}
         watches = {name: Stopwatch() for name in precisions}
         work: dict[str, Callable[[], int]] = {"bare": self._bare, "environment": self._step}
-        if self._bare_warp is not None:
-            work["warp"] = self._bare_warp
         work |= {name: self._learn(runner, watches[name]) for name, runner in runners.items()}
         for once in work.values():  # first calls allocate
             once()
@@ -119,11 +158,16 @@ class Bench:
             bare=_median(bare),
             environment=_median(environment),
             loop=_median(loop),
-            environment_share=_share(environment, bare),
-            loop_share=_share(loop, bare),
+            environment_share=self._share(environment, bare),
+            loop_share=self._share(loop, bare),
             parts={name: seconds / total for name, seconds in watch.seconds.items()},
-            warp=_median(rates["warp"]) if "warp" in rates else None,
         )
+
+    def _share(self, part: list[Rate], whole: list[Rate]) -> float:
+        """Median over rounds: what slows one round down slows all its measurements down."""
+        clock = "cpu" if self._device == "cpu" else "wall"
+        pairs = zip(part, whole, strict=True)
+        return statistics.median(getattr(p, clock) / getattr(w, clock) for p, w in pairs)
 
     def _record(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """States and inputs of the motors in some steps of the environment."""
@@ -139,17 +183,11 @@ class Bench:
         del self._physics.step
         return recorded
 
-    def _bare(self) -> int:
-        substeps = self._task.env.physics.substeps
-        for state, angles in self.recorded:
-            control = np.repeat(angles[:, None], substeps, axis=1)
-            self._pool.rollout(self._physics.model, self._data, state, control)
-        return len(self.recorded) * len(self._actions[0])
-
     def _step(self) -> int:
         with torch.inference_mode():
             for actions in self._actions:
-                self.env.step(actions)
+                rewards = self.env.step(actions)[1]
+            float(rewards.sum())  # waits for the device
         return len(self._actions) * len(self._actions[0])
 
     def _runner(self, precision: str) -> OnPolicyRunner:
@@ -157,7 +195,7 @@ class Bench:
         train = replace(train, ppo=replace(train.ppo, precision=precision))
         config = runner_config(train, NoTracker(), [])
         with contextlib.redirect_stdout(io.StringIO()):
-            runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device="cpu")
+            runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device=self._device)
         runner.save = lambda *_, **__: None  # a training saves once in many iterations
         return runner
 
@@ -191,8 +229,3 @@ def _median(rates: list[Rate]) -> Rate:
         statistics.median(rate.wall for rate in rates),
         statistics.median(rate.cpu for rate in rates),
     )
-
-
-def _share(part: list[Rate], whole: list[Rate]) -> float:
-    """Median over rounds: what slows one round down slows all its measurements down."""
-    return statistics.median(p.cpu / w.cpu for p, w in zip(part, whole, strict=True))

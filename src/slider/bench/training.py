@@ -4,8 +4,6 @@ import argparse
 import math
 import os
 import resource
-import tempfile
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,12 +12,11 @@ from slider.library.choose import add_library_arguments, library_path
 
 if TYPE_CHECKING:
     from slider.bench.throughput import Rate, Throughput
-    from slider.config.schema import Config
 
 PRECISIONS = ("float32", "bfloat16")
 _HEADER = (
-    "                      control steps per second, thousands            of bare rollout\n"
-    "  envs  precision        bare rollout      environment    whole loop      environment    loop"
+    "                      control steps per second, thousands            of bare physics\n"
+    "  envs  precision        bare physics      environment    whole loop      environment    loop"
 )
 
 
@@ -43,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seconds", type=float, default=2.0, help="per measurement (default: 2)")
     parser.add_argument("--rounds", type=int, default=3, help="median of so many (default: 3)")
     parser.add_argument("--threads", type=int, help="default: resources.threads, else 1")
-    parser.add_argument("--device", help="also MuJoCo Warp alone there, such as cuda:0 or cpu")
+    parser.add_argument("--device", choices=("cpu", "cuda"), help="with MuJoCo Warp on it")
     add_library_arguments(parser)
 
 
@@ -55,24 +52,26 @@ def run(arguments: argparse.Namespace) -> None:
     from slider.core.machine import machine
     from slider.env.terms import checked
 
-    config = checked(compose(arguments.overrides, arguments.conf))
+    overrides = [*arguments.overrides, *_on(arguments.device)]
+    config = checked(compose(overrides, arguments.conf))
     library = library_path(arguments)
     threads = arguments.threads or config.resources.threads or 1
     limit_threads(threads)  # before torch, as for a job of the pipeline
+    from slider.bench.throughput import measure
+
     print(f"{machine()}; {threads} threads, load {os.getloadavg()[0]:.1f} before the start")
     print(_HEADER, flush=True)
-    found = []
+    on_processor = config.train.walking.device == "cpu"
+    precisions, found = arguments.precision or _precisions(on_processor), []
     for num_envs in arguments.envs:
-        for row in _measure(arguments, config, library, threads, num_envs):
+        how = precisions, arguments.seconds, arguments.rounds
+        for row in measure(config, library, threads, num_envs, *how):
             found.append(row)
             print(line(row), flush=True)
-    if arguments.device:
-        print(f"\nMuJoCo Warp alone on {arguments.device}, thousands of control steps per second")
-        for num_envs, rate in {row.num_envs: row.warp for row in found}.items():
-            print(f"{num_envs:6d}  {_rate(rate)}")
-    print("\nwhere the processor time of the training goes")
-    for row in found:
-        print(f"{row.num_envs:6d}  {row.precision:<9}  {_parts(row.parts)}")
+    if on_processor:  # on a GPU the host's time is that of launches
+        print("\nwhere the processor time of the training goes")
+        for row in found:
+            print(f"{row.num_envs:6d}  {row.precision:<9}  {_parts(row.parts)}")
     print(f"\nlargest memory {_peak():.2f} GiB, load {os.getloadavg()[0]:.1f} at the end")
 
 
@@ -89,20 +88,19 @@ def _check(arguments: argparse.Namespace) -> None:
         raise UserError(f"--seconds: expected a positive number, found {arguments.seconds}")
 
 
-def _measure(
-    arguments: argparse.Namespace, config: "Config", path: Path, threads: int, num_envs: int
-) -> list["Throughput"]:
-    from slider.bench.throughput import Bench
-    from slider.core.numerics import kernels, precision
-    from slider.env.task import task_of
+def _on(device: str | None) -> list[str]:
+    """What trains with MuJoCo Warp there."""
+    key = "train.walking"
+    return [f"{key}.simulator=mujoco_warp", f"{key}.device={device}"] if device else []
 
-    train = replace(config.train.walking, robots=num_envs)
-    task = task_of(config.robot, config.env, train, path)
-    fastest = PRECISIONS.index(precision("auto", kernels()))
-    precisions = arguments.precision or PRECISIONS[: fastest + 1]
-    with tempfile.TemporaryDirectory() as work:
-        bench = Bench(task, threads, Path(work), arguments.device)
-        return bench.measure(list(precisions), arguments.seconds, arguments.rounds)
+
+def _precisions(on_processor: bool) -> tuple[str, ...]:
+    """Those that the processor has; on a GPU what ``auto`` means there."""
+    from slider.core.numerics import kernels, precision
+
+    if not on_processor:
+        return PRECISIONS[:1]
+    return PRECISIONS[: PRECISIONS.index(precision("auto", kernels())) + 1]
 
 
 def line(row: "Throughput") -> str:

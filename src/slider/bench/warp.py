@@ -1,41 +1,54 @@
-"""Control steps per second of MuJoCo Warp alone."""
+"""Control steps of MuJoCo Warp, recorded and repeated without anything else."""
 
-import numpy as np
+from collections.abc import Callable
+
 import torch
 
+from slider.bench.stopwatch import replaced
 from slider.env.task import Task
 from slider.env.warp.physics import WarpPhysics
+from slider.env.warp.simulation import Simulation
+from slider.training.distributed import device_of
+
+Step = tuple[torch.Tensor, torch.Tensor, torch.Tensor]
+"""Positions (N, 19), velocities (N, 18) and inputs of the motors (S, N, 10) of a control step."""
+
+
+def record(simulation: Simulation, work: Callable[[], object]) -> list[Step]:
+    """The control steps that ``work`` simulates."""
+    steps, real = [], simulation.step
+
+    def step() -> None:
+        steps.append(
+            tuple(x.clone() for x in (simulation.qpos, simulation.qvel, simulation.control))
+        )
+        real()
+
+    with replaced(simulation, "step", step):
+        work()
+    return steps
 
 
 class BareWarp:
-    """Repeats recorded control steps on a device.
+    """Repeats recorded control steps with the nominal robot.
 
     Args:
-        task: whose robots they are.
-        device: such as ``cpu`` or ``cuda:0``.
-        recorded: MuJoCo's full states (N, 38) and motor angles (N, 10).
+        task: whose robots they are, on its device.
+        recorded: what to repeat.
     """
 
-    def __init__(
-        self, task: Task, device: str, recorded: list[tuple[np.ndarray, np.ndarray]]
-    ) -> None:
-        physics = WarpPhysics(task.robot, task.env.physics, task.train.robots, device)
-        self._simulation, positions = physics.simulation, physics.model.nq
-        self._recorded = [
-            tuple(
-                torch.as_tensor(values, dtype=torch.float32, device=physics.device)
-                for values in (state[:, 1 : 1 + positions], state[:, 1 + positions :], angles)
-            )
-            for state, angles in recorded
-        ]
+    def __init__(self, task: Task, recorded: list[Step]) -> None:
+        train = task.train
+        physics = WarpPhysics(task.robot, task.env.physics, train.robots, device_of(train.device))
+        self.simulation, self._recorded = physics.simulation, recorded
 
     def __call__(self) -> int:
         """Simulate them all; the number of control steps of one robot."""
-        simulation = self._simulation
-        for qpos, qvel, angles in self._recorded:
+        simulation = self.simulation
+        for qpos, qvel, control in self._recorded:
             simulation.qpos.copy_(qpos)
             simulation.qvel.copy_(qvel)
-            simulation.control.copy_(angles)
+            simulation.control.copy_(control)
             simulation.step()
         simulation.check()  # waits for the device
         return len(self._recorded) * len(simulation.qpos)

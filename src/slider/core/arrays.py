@@ -7,9 +7,10 @@ Some robots out of N are an *index*: with NumPy the numbers (n,) of these robots
 (N,), so that shapes never depend on values, and the rows that belong to it are those of all robots.
 """
 
+import weakref
 from dataclasses import fields, is_dataclass, replace
-from functools import cache
-from typing import Any, TypeVar
+from functools import lru_cache
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from array_api_compat import array_namespace
@@ -17,6 +18,20 @@ from array_api_compat import array_namespace
 Array = np.ndarray  # for type checkers; a tensor has the same operators
 NUMPY = np.zeros(0)  # to be like
 T = TypeVar("T")
+_CONSTANTS: dict[tuple[int, Any, Any], Array] = {}  # by the identity of arrays that live on
+
+
+class Random(Protocol):
+    """Random numbers: NumPy's generator, or one of a device with these methods of it.
+
+    Numbers for an index have ``len(index)`` rows: n with NumPy, N with torch.
+    """
+
+    def uniform(self, low: Any = 0.0, high: Any = 1.0, size: Any = None) -> Any:
+        """Uniform numbers in [low, high) of a shape."""
+
+    def standard_normal(self, size: Any = None) -> Any:
+        """Standard normal numbers of a shape."""
 
 
 def namespace(*arrays: Array) -> Any:
@@ -35,15 +50,22 @@ def asarray(values: Any, like: Array) -> Array:
 
 def constant(values: Any, like: Array) -> Array:
     """As :func:`asarray`, of values that never change: they go to a device once."""
-    values = np.asarray(values)
     if isinstance(like, np.ndarray):
-        return values
-    return _constant(
-        values.tobytes(), values.shape, values.dtype, namespace(like), like.dtype, like.device
+        return np.asarray(values)
+    key = id(values), like.dtype, like.device
+    if key in _CONSTANTS:
+        return _CONSTANTS[key]
+    array = np.asarray(values)
+    found = _constant(
+        array.tobytes(), array.shape, array.dtype, namespace(like), like.dtype, like.device
     )
+    if array is values:
+        _CONSTANTS[key] = found
+        weakref.finalize(values, _CONSTANTS.pop, key, None)
+    return found
 
 
-@cache
+@lru_cache(256)
 def _constant(
     content: bytes, shape: tuple[int, ...], kind: np.dtype, library: Any, dtype: Any, device: Any
 ) -> Array:
@@ -72,17 +94,22 @@ def zeros(shape: tuple[int, ...] | int, like: Array, dtype: Any = None) -> Array
     return namespace(like).zeros(shape, dtype=dtype or like.dtype, device=like.device)
 
 
-def which(mask: Array) -> Array:
+def which(mask: Any) -> Any:
     """The index of the robots that a mask (N,) has."""
     return np.flatnonzero(mask) if isinstance(mask, np.ndarray) else mask
 
 
-def rows(array: Array, index: Array) -> Array:
+def everyone(count: int, like: Any) -> Any:
+    """The index of all robots."""
+    return which(zeros(count, like) == 0)
+
+
+def rows(array: Any, index: Any) -> Any:
     """The rows that belong to an index."""
     return array if _is_mask(index) else array[index]
 
 
-def put(array: Array, index: Array, values: Array | float) -> None:
+def put(array: Any, index: Any, values: Any) -> None:
     """Overwrite the rows of some robots, in place."""
     if _is_mask(index):
         mask = index.reshape(index.shape + (1,) * (array.ndim - 1))

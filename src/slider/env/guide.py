@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.core.arrays import Array, asarray, namespace, zeros
+from slider.core.arrays import Array, asarray, beside, namespace, zeros
 from slider.env.view import View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
@@ -31,7 +31,7 @@ class Guide:
     def __init__(self, library: GaitLibrary, table: GaitTable, gait: str = "interpolated") -> None:
         self._library = library
         self._table = table
-        self._nearest = gait == "nearest"
+        self._gait, self._nearest = gait, gait == "nearest"
         xp = namespace(table.reference)
         samples = xp.astype(asarray(library.samples, table.reference), xp.float32)
         self._samples = samples
@@ -41,6 +41,12 @@ class Guide:
             False: (samples**2).sum(axis=2),
             True: (samples[:, :, self._active] ** 2).sum(axis=2),
         }
+
+    def beside(self, like: Array) -> "Guide":
+        """The same guide with its arrays beside ``like``."""
+        if isinstance(like, np.ndarray):
+            return self
+        return Guide(self._library, beside(self._table, like), self._gait)
 
     def at_phase(self, view: View) -> Array:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).

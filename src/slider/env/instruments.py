@@ -53,11 +53,13 @@ def observe(
     """
     # MuJoCo's contacts begin at a height of 0; a foot that carries 60 N sinks in by about 1 mm.
     height = ends[..., 2] - ground.height(ends[..., :2])
-    touching = (height <= 0.0) | (height == height.min(axis=-1, keepdims=True))
+    lower = np.minimum(height[..., 0], height[..., 1])[..., None]
+    touching = (height <= 0.0) | (height == lower)
+    forward, left = velocities[..., 0], velocities[..., 1]
     series = (
         forces.astype(np.float32),
         (forces > CONTACT_FORCE)[..., None] & touching,
-        np.linalg.norm(velocities[..., :2], axis=-1).astype(np.float32),
+        np.sqrt(forward * forward + left * left).astype(np.float32),
         distances.min(axis=-1).astype(np.float32),
     )
     return Contacts(*(np.swapaxes(values, 0, 1) for values in series))
@@ -83,9 +85,15 @@ def touchdowns(forces: np.ndarray, timestep: float) -> np.ndarray:
 
     Bounces are left out; see :func:`down`. A foot that is down at first does not come down.
     """
-    contact = down(forces, timestep)
-    before = np.concatenate([contact[:1], contact[:-1]])
-    return contact & ~before
+    return landings(down(forces, timestep))
+
+
+def landings(contact: np.ndarray) -> np.ndarray:
+    """Where a foot that is down, ``contact`` (T, N, 2), was up one simulation step before."""
+    found = contact.copy()
+    found[1:] &= ~contact[:-1]
+    found[:1] = False
+    return found
 
 
 def _without_gaps(flags: np.ndarray, length: float) -> np.ndarray:

@@ -1,15 +1,17 @@
 """The agent's side of the robot: from state to observation, from action to the plant's inputs.
 
-Training and evaluation use this same object, so that observations agree.
+Training and evaluation use this same object, so that observations agree. A controller under the
+actions computes with NumPy; everything else with the library of the arrays that it is given.
 """
 
 import numpy as np
 
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
+from slider.core.arrays import NUMPY, Array, asarray, beside, namespace, put, rows, zeros
 from slider.core.errors import UserError
-from slider.env.observations import Observer
-from slider.env.phase import Clock, StepClock
+from slider.env.observations import Observer, reflect
+from slider.env.phase import Clock, StepClock, gait_command
 from slider.env.starts import joint_range
 from slider.env.state import RobotState
 from slider.env.underlying import NOBODY, Underlying, UnderlyingController
@@ -40,6 +42,7 @@ class AgentInterface:
         times: step times for the clock, if there is one.
         reference: joint positions of the gaits, if actions are about the gait.
         underlying: the controller under the actions, if there is one.
+        like: an array of the library, and on the device, to compute with.
 
     Raises:
         UserError: the configuration needs step times, gaits or a controller that are not given.
@@ -57,6 +60,7 @@ class AgentInterface:
         times: StepTimes | None,
         reference: JointTable | None = None,
         underlying: Underlying | None = None,
+        like: Array = NUMPY,
     ) -> None:
         if config.action.offset == "hzd" and underlying is None:
             raise UserError("env.action.offset=hzd: expected that controller, found none")
@@ -65,15 +69,16 @@ class AgentInterface:
         about_gait = config.action.offset == "gait"
         if about_gait and reference is None:
             raise UserError("env.action.offset=gait: expected the gaits of a library, found none")
-        self._reference = reference if about_gait else None
+        self._reference = beside(reference, like) if about_gait else None
         self.observer = Observer(config.observation)
         self.num_robots = num_robots
         self._config = config
         nominal = nominal_qpos(robot)
-        self.nominal, self.nominal_height = nominal[7:], float(nominal[2])
-        self._scale = np.array([config.action.scale[leg_joint(name)] for name in JOINTS])
-        self._lower, self._upper = joint_range(robot)
-        self._motors = Transmission.of(robot)
+        self.nominal, self.nominal_height = asarray(nominal[7:], like), float(nominal[2])
+        scale = np.array([config.action.scale[leg_joint(name)] for name in JOINTS])
+        self._scale = asarray(scale, like)
+        self._lower, self._upper = (asarray(limit, like) for limit in joint_range(robot))
+        self._motors = beside(Transmission.of(robot), like)
         self._stiffness = np.array([gain.kp for gain in by_motor(robot.gains) * len(SIDES)])
         self.ticks = 1
         self.controller: UnderlyingController | None = None
@@ -85,23 +90,25 @@ class AgentInterface:
             self.controller.allocate(num_robots)
             self.clock = StepClock(self.controller)
         elif config.phase.enabled and times is not None:
-            self.clock = Clock(times, config.control_period, num_robots, config.phase.halt)
-        self.command = np.zeros((num_robots, 4))
-        self.action = np.zeros((num_robots, NUM_JOINTS))
-        self.previous_action = np.zeros((num_robots, NUM_JOINTS))
-        self.filtered_velocity = np.zeros((num_robots, 2))
-        self.reference_velocity = np.zeros((num_robots, 2))
-        self.expected_velocity = np.zeros((num_robots, 2))
-        self.heading_target = np.zeros(num_robots)
+            self.clock = Clock(times, config.control_period, num_robots, config.phase.halt, like)
+        self.command = zeros((num_robots, 4), like)
+        self.action = zeros((num_robots, NUM_JOINTS), like)
+        self.previous_action = zeros((num_robots, NUM_JOINTS), like)
+        self.filtered_velocity = zeros((num_robots, 2), like)
+        self.reference_velocity = zeros((num_robots, 2), like)
+        self.expected_velocity = zeros((num_robots, 2), like)
+        self.heading_target = zeros(num_robots, like)
+        self._no_phase = zeros(num_robots, like)
+        self._nobody = self._no_phase != 0
 
     def reset(
         self,
-        index: np.ndarray,
+        index: Array,
         state: RobotState,
-        phase: np.ndarray | float = 0.0,
-        velocity: np.ndarray | float = 0.0,
-        heading: np.ndarray | None = None,
-        walking: np.ndarray | bool = False,
+        phase: Array | float = 0.0,
+        velocity: Array | float = 0.0,
+        heading: Array | None = None,
+        walking: Array | bool = False,
     ) -> None:
         """Forget the past of robots ``index``.
 
@@ -114,68 +121,68 @@ class AgentInterface:
             walking: whether a controller under the actions begins at once with the step that
                 ``phase`` is in (n,); else it starts at rest.
         """
-        self.action[index] = 0.0
-        self.previous_action[index] = 0.0
-        self.reference_velocity[index] = self.command[index, :2] if self._at_once else velocity
-        self.filtered_velocity[index] = self.expected_velocity[index] = velocity
-        self.heading_target[index] = state.yaw[index] if heading is None else heading
+        command, yaw = rows(self.command, index), rows(state.yaw, index)
+        for array in (self.action, self.previous_action):
+            put(array, index, 0.0)
+        for array in (self.reference_velocity, self.filtered_velocity, self.expected_velocity):
+            put(array, index, velocity)
+        if self._at_once:
+            put(self.reference_velocity, index, command[:, :2])
+        put(self.heading_target, index, yaw if heading is None else heading)
         if self.clock is not None:
-            speed = np.hypot(*self.filtered_velocity[index].T)
-            self.clock.reset(index, phase, self.command[index], speed)
+            speed = _norm(rows(self.filtered_velocity, index))
+            self.clock.reset(index, phase, command, speed)
         if self.controller is not None:
             foot = np.broadcast_to(phase, index.shape) >= 0.5
             stance = np.where(walking, foot, NOBODY)
-            velocity, target = self.command[index, :3], self.heading_target[index]
-            self.controller.restart(index, state, velocity, target, stance)
+            target = self.heading_target[index]
+            self.controller.restart(index, state, command[:, :3], target, stance)
 
-    def set_velocity_command(self, index: np.ndarray, velocity: np.ndarray) -> None:
+    def set_velocity_command(self, index: Array, velocity: Array) -> None:
         """Command vx, vy [m/s] and yaw rate [rad/s], (n, 3), to robots ``index``."""
-        self.command[index, :3] = velocity
+        put(self.command[:, :3], index, velocity)
         if self._at_once:
-            self.reference_velocity[index] = velocity[:, :2]
+            put(self.reference_velocity, index, velocity[:, :2])
         if self.controller is not None:
             self.controller.command(self.command[:, :3].copy())
 
-    def act(self, action: np.ndarray) -> np.ndarray:
+    def act(self, action: Array) -> Array:
         """Joint targets (N, 12) [rad or m] of the agent's actions (N, 12).
 
         With a controller under the actions joint efforts [N m or N] that add to its own: those by
         which the motors' position loops would change if their targets moved as far.
         """
-        action = np.clip(action, -self._config.action.clip, self._config.action.clip)
-        mirrored = self._mirrored()
-        action[mirrored] = action[mirrored][:, _PERMUTATION] * _SIGN
+        action = action.clip(-self._config.action.clip, self._config.action.clip)
+        action = reflect(action, self._mirrored(), _PERMUTATION, _SIGN)
         self.previous_action = self.action
-        self.action = np.where(self._scale > 0, action, 0.0)
+        self.action = namespace(action).where(self._scale > 0, action, 0.0)
         moved = self._scale * self.action
         if self.controller is not None:
             return self._motors.efforts(self._stiffness * self._motors.angles(moved))
-        return np.clip(self._origin() + moved, self._lower, self._upper)
+        return (self._origin() + moved).clip(self._lower, self._upper)
 
-    def inputs(self, acted: np.ndarray, state: RobotState) -> np.ndarray:
+    def inputs(self, acted: Array, state: RobotState) -> Array:
         """The plant's inputs (N, 12) at a tick, from those of :meth:`act` and the state."""
         return acted if self.controller is None else acted + self.controller.control(state)
 
-    def _origin(self) -> np.ndarray:
+    def _origin(self) -> Array:
         """Joint positions of a zero action: (12,), or (N, 12) on gaits or standing."""
         if self._reference is None or self.clock is None:
             return self.nominal
-        command = np.column_stack([self.reference_velocity, self.command[:, 2]])
-        origin = self._reference.at(command, self.clock.phase)
-        if self.clock.halted.any():
-            origin[self.clock.halted] = self._reference.standing
-        return origin
+        command = gait_command(self.reference_velocity, self.command)
+        origin, halted = self._reference.at(command, self.clock.phase), self.clock.halted
+        return namespace(origin).where(halted[:, None], self._reference.standing, origin)
 
     def advance(self, state: RobotState) -> None:
         """Move clock, heading target, reference and velocity filters on by one control period."""
         period = self._config.control_period
         if self.clock is not None:
-            speeds = (np.hypot(*v.T) for v in (self.filtered_velocity, state.heading_velocity))
+            speeds = (_norm(v) for v in (self.filtered_velocity, state.heading_velocity))
             self.clock.advance(self.command, self.reference_velocity, *speeds)
         self.heading_target += self.command[:, 2] * period
         change = self._config.reference.acceleration * period
         way = self.command[:, :2] - self.reference_velocity
-        self.reference_velocity += way if self._at_once else np.clip(way, -change, change)
+        self.reference_velocity += way if self._at_once else way.clip(-change, change)
         gain = self._config.observation.filter_gain(period)
         self.filtered_velocity += gain * (state.heading_velocity - self.filtered_velocity)
         self.expected_velocity += gain * (self.reference_velocity - self.expected_velocity)
@@ -202,8 +209,8 @@ class AgentInterface:
             filtered_velocity=self.filtered_velocity,
             reference_velocity=self.reference_velocity,
             expected_velocity=self.expected_velocity,
-            phase=np.zeros(self.num_robots) if self.clock is None else self.clock.phase,
-            halted=self._halted(),
+            phase=self._no_phase if self.clock is None else self.clock.phase,
+            halted=self._nobody if self.clock is None else self.clock.halted,
             nominal=self.nominal,
             nominal_height=self.nominal_height,
             torque_limits=self._motors.torque,
@@ -212,17 +219,17 @@ class AgentInterface:
             scan_spacing=scan.spacing,
         )
 
-    def observe(self, state: RobotState) -> np.ndarray:
+    def observe(self, state: RobotState) -> Array:
         """Observations (N, size) float32."""
         return self.observer(self.view(state), self._mirrored())
 
-    def _halted(self) -> np.ndarray:
-        if self.clock is None:
-            return np.zeros(self.num_robots, dtype=bool)
-        return self.clock.halted
-
-    def _mirrored(self) -> np.ndarray:
+    def _mirrored(self) -> Array:
         """Robots whose observations and actions are reflected: those in right stance."""
         if self.clock is None or not self._config.phase.mirror:
-            return np.zeros(self.num_robots, dtype=bool)
+            return self._nobody
         return ~self.clock.left_stance
+
+
+def _norm(vectors: Array) -> Array:
+    """Lengths (n,) of vectors (n, 2)."""
+    return namespace(vectors).hypot(vectors[:, 0], vectors[:, 1])

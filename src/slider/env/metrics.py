@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.env.instruments import CONTACT_FORCE, Contacts, down, touchdowns
+from slider.env.instruments import CONTACT_FORCE, Contacts, down, landings
 from slider.env.rollout import Recording
 from slider.robot.kinematics import turn_to_heading
 
@@ -104,9 +104,10 @@ class GaitQuality:
 def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     """Quality of the gait: contacts at every simulation step, motion at every control step."""
     step, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
+    contact = down(recording.contacts.forces, recording.timestep)
     numbers = (
-        _support(recording, tick)
-        | _stepping(recording, tick)
+        _support(recording, contact, tick)
+        | _stepping(recording, contact, tick)
         | _motion(recording, step)
         | _legs(recording)
     )
@@ -114,9 +115,9 @@ def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     return GaitQuality(**{name: _where(survived, values) for name, values in numbers.items()})
 
 
-def _support(recording: Recording, first: int) -> Numbers:
+def _support(recording: Recording, contact: np.ndarray, first: int) -> Numbers:
     contacts = Contacts(*(series[first:] for series in recording.contacts))
-    contact = down(recording.contacts.forces, recording.timestep)[first:]
+    contact = contact[first:]
     return {
         "flight": (~contact.any(axis=2)).mean(axis=0),
         "double_support": contact.all(axis=2).mean(axis=0),
@@ -124,8 +125,8 @@ def _support(recording: Recording, first: int) -> Numbers:
     }
 
 
-def _stepping(recording: Recording, first: int) -> Numbers:
-    touchdown = touchdowns(recording.contacts.forces, recording.timestep)[first:]
+def _stepping(recording: Recording, contact: np.ndarray, first: int) -> Numbers:
+    touchdown = landings(contact)[first:]
     return {
         "touchdown_rate": touchdown.sum(axis=(0, 2)) / (len(touchdown) * recording.timestep),
         "alternation": _alternation(touchdown, TOGETHER / recording.timestep),

@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from slider.config.env import HaltConfig
-from slider.core.arrays import Array
+from slider.core.arrays import NUMPY, Array, beside, namespace, put, rows, zeros
 
 if TYPE_CHECKING:
     from slider.env.underlying import UnderlyingController
@@ -25,6 +23,7 @@ class Clock:
         period: of a control step [s].
         num_robots: N.
         halt: of the clock at zero command.
+        like: an array of the library and on the device of the clock.
 
     Attributes:
         phase: (N,).
@@ -32,36 +31,29 @@ class Clock:
     """
 
     def __init__(
-        self, times: "StepTimes", period: float, num_robots: int, halt: HaltConfig
+        self,
+        times: "StepTimes",
+        period: float,
+        num_robots: int,
+        halt: HaltConfig,
+        like: Array = NUMPY,
     ) -> None:
-        self._times = times
+        self._times = beside(times, like)
         self._period = period
         self._halt = halt
-        self.phase = np.zeros(num_robots)
-        self.halted = np.zeros(num_robots, dtype=bool)
+        self.phase = zeros(num_robots, like)
+        self.halted = zeros(num_robots, like, namespace(like).bool)
 
-    def reset(
-        self,
-        index: np.ndarray,
-        phase: np.ndarray | float,
-        command: np.ndarray,
-        speed: np.ndarray,
-    ) -> None:
+    def reset(self, index: Array, phase: Array | float, command: Array, speed: Array) -> None:
         """Set the phases (n,) of robots ``index``, with commands (n, ≥ 3) and speeds (n,) [m/s].
 
         Those commanded to stand are halted at once where the phase is a change of feet.
         """
-        self.phase[index] = phase
-        change = (2.0 * self.phase[index]) % 1.0 == 0.0
-        self.halted[index] = change & standing(command) & (speed < self._halt.below)
+        put(self.phase, index, phase)
+        change = (2.0 * rows(self.phase, index)) % 1.0 == 0.0
+        put(self.halted, index, change & standing(command) & (speed < self._halt.below))
 
-    def advance(
-        self,
-        command: np.ndarray,
-        reference: np.ndarray,
-        mean_speed: np.ndarray,
-        speed: np.ndarray,
-    ) -> None:
+    def advance(self, command: Array, reference: Array, mean_speed: Array, speed: Array) -> None:
         """Move on by one control period at the step times of the gaits in use.
 
         Args:
@@ -69,13 +61,13 @@ class Clock:
             reference: velocities (N, 2) [m/s]; the yaw rate is the commanded one.
             mean_speed, speed: of the base, low-passed and now (N,) [m/s].
         """
-        step_time = self._times.at(np.column_stack([reference, command[:, 2]]))
+        xp, step_time = namespace(command), self._times.at(gait_command(reference, command))
         phase = self.phase + self._period / (2.0 * step_time)
         if self.halts:
-            change = np.ceil(2.0 * self.phase) / 2.0
+            change = xp.ceil(2.0 * self.phase) / 2.0
             slow = (speed < self._halt.above) & (self.halted | (mean_speed < self._halt.below))
             self.halted = standing(command) & slow & (phase >= change)
-            phase = np.where(self.halted, change, phase)
+            phase = xp.where(self.halted, change, phase)
         self.phase = phase % 1.0
 
     @property
@@ -84,7 +76,7 @@ class Clock:
         return self._halt.below > 0
 
     @property
-    def left_stance(self) -> np.ndarray:
+    def left_stance(self) -> Array:
         """Whether the left foot should carry the robot (N,)."""
         return self.phase < 0.5
 
@@ -98,17 +90,17 @@ class StepClock:
         self._controller = controller
 
     @property
-    def phase(self) -> np.ndarray:
+    def phase(self) -> Array:
         """Phase (N,) in [0, 1), as that of :class:`Clock`, at the controller's last tick."""
         return self._controller.phase
 
     @property
-    def halted(self) -> np.ndarray:
+    def halted(self) -> Array:
         """Whether it stands or sways on both feet (N,)."""
         return self._controller.halted
 
     @property
-    def left_stance(self) -> np.ndarray:
+    def left_stance(self) -> Array:
         """Whether the left foot carries the robot, or is about to (N,)."""
         return self.phase < 0.5
 
@@ -117,6 +109,12 @@ class StepClock:
 
     def advance(self, *_: object) -> None:
         """The controller moves on, tick by tick."""
+
+
+def gait_command(reference: Array, command: Array) -> Array:
+    """Command (N, 3) of the gait in use: reference velocity (N, 2), commanded yaw rate."""
+    parts = [reference, command[:, 2:3]]
+    return namespace(*parts).concat(parts, axis=1)
 
 
 def standing(command: Array) -> Array:

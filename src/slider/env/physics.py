@@ -3,7 +3,9 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+import ctypes
 from functools import partial
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -11,6 +13,7 @@ from mujoco import rollout
 
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
+from slider.env.disturbance import machines
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
 from slider.env.ground import FLAT
@@ -27,6 +30,12 @@ _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after 
 
 def _ignore_warning(message: str) -> None:
     """Blow-ups are found, counted and ended here; MuJoCo would write a log file for each."""
+
+
+def _stop_timers() -> None:
+    """Nobody reads the times that MuJoCo takes many times in each step."""
+    for library in Path(mujoco.__file__).parent.glob("libmujoco.*"):
+        ctypes.c_void_p.in_dll(ctypes.CDLL(str(library)), "mjcb_time").value = None
 
 
 class BatchedPhysics:
@@ -57,19 +66,25 @@ class BatchedPhysics:
             instruments=instruments,
         )
         mujoco.set_mju_user_warning(_ignore_warning)
+        _stop_timers()
         self.robot = robot
         self.model = build_plant(robot, options, disturbance)
         self.models = self.model
         self._disturber: Disturber | None = None
         if disturbance is not None:
-            self._disturber = Disturber(disturbance, robot, self.model, actuation, num_robots)
-            self.models = self._disturber.models
+            robots = None
+            if machines.vary(disturbance.config):
+                robots = machines.Machines(self.model, disturbance.config, num_robots)
+                self.models = robots.models
+            self._disturber = Disturber(
+                disturbance, robot, self.model, actuation, num_robots, robots
+            )
         self.num_robots = num_robots
         self.nominal = nominal_qpos(robot)
         self._substeps = config.substeps
         self.period = config.substeps * config.timestep
         self._data = [mujoco.MjData(self.model) for _ in range(threads)]
-        self._pool = rollout.Rollout(nthread=threads)
+        self._pool = rollout.Rollout(nthread=threads if threads > 1 else 0)
         self._rest = self._rest_state()
         self._state = np.tile(self._rest, (num_robots, 1))
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
@@ -137,6 +152,9 @@ class BatchedPhysics:
         if self._disturber is not None:
             self._disturber.wrap(self.qpos)
 
+    def check(self) -> None:
+        """Nothing is left to be found: :meth:`step` finds it all."""
+
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
         if not self._retired.any():
@@ -158,14 +176,14 @@ class BatchedPhysics:
         late = np.abs(state[:, 0] - _START_TIME - self.period) > 1e-9
         wild = ~np.isfinite(state).all(axis=1)
         with np.errstate(invalid="ignore"):
-            fast = np.abs(state[:, 1 + self.model.nq :]).max(axis=1) > SPEED_LIMIT
+            fast = (np.abs(state[:, 1 + self.model.nq :]) > SPEED_LIMIT).any(axis=1)
         return late | wild | fast
 
     def loads(self) -> DriveLoads:
         """What the motors did in the last :meth:`step`, at each of its simulation steps."""
         states, sensors = self._series
         speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
-        return loads(self._motors, sensors[:, :, self._index.torques], speeds)
+        return loads(self._motors, sensors.take(self._index.torques, 2), speeds)
 
     def contacts(self) -> Contacts:
         """Feet and legs in the last :meth:`step`, at each of its simulation steps.
@@ -175,8 +193,8 @@ class BatchedPhysics:
         """
         _, sensors = self._series
         ground = FLAT if self._disturber is None else self._disturber.ground
-        forces = np.abs(sensors[:, :, self._index.forces])
-        distances = sensors[:, :, self._need_instruments().distances]
+        forces = np.abs(sensors.take(self._index.forces, 2))
+        distances = sensors.take(self._need_instruments().distances, 2)
         return observe(forces, *self.foot_ends(), distances, ground)
 
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
@@ -227,11 +245,11 @@ class _Instruments:
 
     def __init__(self, model: mujoco.MjModel) -> None:
         columns, sides = partial(columns_of, model), names.SIDES
-        ends = [names.foot_end(side, end) for side in sides for end in names.FOOT_ENDS]
-        self._positions = [c for end in ends for c in columns(f"{end}_position")]
-        self._velocities = [c for end in ends for c in columns(f"{end}_velocity")]
-        self._turning = [c for side in sides for c in columns(f"{side}_foot_turning")]
-        self.distances = [columns(names.distance(*pair))[0] for pair in names.LEG_PAIRS]
+        ends = [[names.foot_end(side, end) for end in names.FOOT_ENDS] for side in sides]
+        self._positions = np.array([[columns(f"{e}_position") for e in foot] for foot in ends])
+        self._velocities = np.array([[columns(f"{e}_velocity") for e in foot] for foot in ends])
+        self._turning = np.array([columns(f"{side}_foot_turning") for side in sides])
+        self.distances = np.array([columns(names.distance(*pair))[0] for pair in names.LEG_PAIRS])
 
     def foot_ends(self, sensors: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
         """Lowest points of heel and toe, and how the foot moves there: v + ω × (0, 0, −r).
@@ -243,9 +261,9 @@ class _Instruments:
         Returns:
             Positions [m] and velocities [m/s] (N, T, 2, 2, 3): foot, end, coordinate.
         """
-        shape = (*sensors.shape[:2], len(names.SIDES), len(names.FOOT_ENDS), 3)
-        positions = sensors[:, :, self._positions].reshape(shape)
-        velocities = sensors[:, :, self._velocities].reshape(shape)
-        turning = sensors[:, :, self._turning].reshape(*shape[:3], 1, 3)
-        down = np.array([0.0, 0.0, -radius])
-        return positions + down, velocities + np.cross(turning, down)
+        positions, velocities = sensors.take(self._positions, 2), sensors.take(self._velocities, 2)
+        turning = radius * sensors.take(self._turning, 2)[..., None, :]
+        positions[..., 2] -= radius
+        velocities[..., 0] -= turning[..., 1]
+        velocities[..., 1] += turning[..., 0]
+        return positions, velocities

@@ -46,7 +46,8 @@ _BASE_HEIGHT = NUM_CHANNELS + 2  # column of the reference: z of its base
 # like several radians.
 _WEIGHTS = {"hip_yaw": 2.0, "hip_roll": 2.0, "hip_pitch": 1.0, "slide": 40.0, "ankle": 0.5}
 _GUIDE_WEIGHT = np.array([_WEIGHTS.get(leg_joint(name), 0.0) for name in JOINTS])
-_DRIVEN = list(ACTUATED)
+_DRIVEN = np.array(ACTUATED)
+_ROOT = np.sqrt(_GUIDE_WEIGHT)
 
 
 class RewardView:
@@ -85,7 +86,7 @@ class RewardView:
         desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
         measured = [self.state.joint_positions, self.state.joint_velocities]
         error = namespace(desired).stack(measured, axis=1) - desired
-        weighted = constant(np.sqrt(_GUIDE_WEIGHT), error) * error
+        weighted = constant(_ROOT, error) * error
         return weighted[:, :, constant(_DRIVEN, error)]
 
     @property

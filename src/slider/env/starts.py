@@ -4,7 +4,7 @@ import numpy as np
 
 from slider.config.env import StartNoise
 from slider.config.robot import RobotConfig
-from slider.core.arrays import NUMPY, Array, constant, namespace, zeros
+from slider.core.arrays import NUMPY, Array, Random, constant, namespace, zeros
 from slider.robot.kinematics import (
     quaternion_from_tilt,
     rotation_from_quaternion,
@@ -28,7 +28,7 @@ _SLIDES = np.array([name.endswith("slide") for name in JOINTS])
 def at_rest(
     robot: RobotConfig,
     noise: StartNoise,
-    rng: np.random.Generator,
+    rng: Random,
     count: int,
     like: Array = NUMPY,
 ) -> tuple[Array, Array]:
@@ -47,7 +47,7 @@ def about(
     states: tuple[Array, Array],
     robot: RobotConfig,
     noise: StartNoise,
-    rng: np.random.Generator,
+    rng: Random,
 ) -> tuple[Array, Array]:
     """Positions (n, 19) and velocities (n, 18) about ``states`` of a gait.
 
@@ -71,7 +71,7 @@ def perturb(
     qvel: Array,
     robot: RobotConfig,
     noise: StartNoise,
-    rng: np.random.Generator,
+    rng: Random,
 ) -> None:
     """Add noise in place; joints stay within their limits."""
     count = len(qpos)

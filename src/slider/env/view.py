@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from slider.core.arrays import Array, namespace
+from slider.core.arrays import Array
+from slider.env.phase import gait_command
 from slider.env.state import RobotState
 
 
@@ -48,5 +49,4 @@ class View:
     @property
     def reference_command(self) -> Array:
         """Command (N, 3) of the gait in use: reference velocity, commanded yaw rate."""
-        parts = [self.reference_velocity, self.command[:, 2:3]]
-        return namespace(*parts).concat(parts, axis=1)
+        return gait_command(self.reference_velocity, self.command)

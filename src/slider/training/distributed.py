@@ -6,7 +6,9 @@ of the first process to the others, and averages gradients and normalisers.
 
 import os
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any, TypeVar
+
+from slider.core.errors import UserError
 
 Result = TypeVar("Result")
 
@@ -21,17 +23,27 @@ def device_of(kind: str) -> str:
     return kind if kind == "cpu" else f"{kind}:{os.environ.get('LOCAL_RANK', '0')}"
 
 
+def wait_for_all() -> None:
+    """Go on when all processes are here; one that failed never is, and its end ends the others."""
+    import torch
+
+    if torch.distributed.is_initialized():
+        torch.distributed.barrier()
+
+
 def launch(processes: int, work: Callable[..., Result], *arguments: object) -> Result:
     """Do ``work`` in some processes, or in this one; return what the first of them returns.
 
     Arguments and results are pickled. If one process fails, the others are ended.
 
     Raises:
-        ChildFailedError: one failed, which its output tells.
+        UserError: one of them raised it.
+        ChildFailedError: one failed otherwise, which its output tells.
     """
     if processes == 1:
         return work(*arguments)
-    from torch.distributed.launcher.api import LaunchConfig, elastic_launch  # takes long
+    from torch.distributed.elastic.multiprocessing.errors import ChildFailedError  # takes long
+    from torch.distributed.launcher.api import LaunchConfig, elastic_launch
 
     config = LaunchConfig(
         min_nodes=1,
@@ -43,4 +55,13 @@ def launch(processes: int, work: Callable[..., Result], *arguments: object) -> R
         max_restarts=0,
         monitor_interval=1,
     )
-    return elastic_launch(config, work)(*arguments)[0]
+    try:
+        return elastic_launch(config, work)(*arguments)[0]
+    except ChildFailedError as error:
+        number, failure = error.get_first_failure()
+        said: Any = failure.message  # what elastic wrote down, or a text
+        said = said["message"] if isinstance(said, dict) else said
+        kind, _, text = said.partition(": ")
+        if kind != UserError.__name__:
+            raise
+        raise UserError(f"process {number} of {processes}: {text}") from None

@@ -19,7 +19,7 @@ from slider.env.underlying import build_physics
 from slider.env.vec_env import WalkingEnv
 from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
-from slider.training.distributed import device_of, rank
+from slider.training.distributed import device_of, rank, wait_for_all
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
@@ -52,10 +52,12 @@ class Trainer:
         seed = _noise_seed(train.seed, self._checkpoint.get("iteration", 0), rank())
         torch.manual_seed(seed)
         own = replace(task, train=replace(train, seed=seed))
+        device = device_of(train.device)
+        if device != "cpu":
+            torch.cuda.set_device(device)  # rsl-rl does so too, but after the first graphs
         self.env = WalkingEnv(own, job.threads, simulate)
         self._curve: list[dict[str, float]] = []
         config = runner_config(train, job.tracker, self._curve)
-        device = device_of(train.device)
         self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=device)
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
         self._shrink_first_actions()
@@ -94,6 +96,8 @@ class Trainer:
             # a trained policy rarely falls: robots of one age would all be reset at once
             self._runner.learn(chunk, init_at_random_ep_len=self._iteration == done_before > 0)
             self._iteration += chunk
+            self.env.check()
+            wait_for_all()
             if rank() > 0:  # the first process checks and writes for all
                 continue
             score = self._check()
@@ -140,7 +144,7 @@ class Trainer:
             "best": self._best,
             "history": self._history,
             "curve": self._curve,
-            "command_share": self.env.curriculum.share,
+            "command_share": self.env.curriculum.share.item(),
         }
         checkpoint.write(content, self._job.work)
         for leftover in self._job.work.glob("model_*.pt"):  # rsl-rl saves at the end of each chunk
@@ -154,7 +158,7 @@ class Trainer:
         self._iteration = content["iteration"]
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]
-        self.env.curriculum.share = content["command_share"]
+        self.env.curriculum.share[:] = content["command_share"]
         self._job.volatile["resumed"] = True
 
     def export(self, out: Path) -> dict[str, Any]:

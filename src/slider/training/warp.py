@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.warp.host import HostPhysics
+from slider.env.warp.physics import WarpPhysics
 from slider.training.distributed import device_of
 from slider.training.stage import task, train
 
@@ -29,7 +29,7 @@ def _train(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) 
 
 
 def build_physics(
-    kind: str, robot: Any, config: Any, count: int, threads: int, **settings: Any
-) -> HostPhysics:
+    kind: str, robot: Any, config: Any, count: int, *_: Any, **settings: Any
+) -> WarpPhysics:
     """Robots on the device of this process; ``settings`` has the disturbance."""
-    return HostPhysics(robot, config, count, device_of(kind), settings["disturbance"])
+    return WarpPhysics(robot, config, count, device_of(kind), settings["disturbance"])

@@ -2,14 +2,29 @@
 
 # pyright: reportAttributeAccessIssue=false
 
+from collections import defaultdict
+from typing import Any
+
 import mujoco
 import numpy as np
 import pytest
+import torch
 
+from slider.core.arrays import NUMPY, asarray, beside, put, rows
 from slider.env.disturbance.disturber import Disturber
 from slider.env.disturbance.draws import Disturbance, Draws
+from slider.env.disturbance.machines import drawn
 from slider.robot import names
-from tests.env.synthetic import config, disturbed_physics, make_physics, random_pose, stand
+from slider.robot.mjcf import Actuation
+from tests.env.synthetic import (
+    config,
+    disturbed_physics,
+    make_physics,
+    make_state,
+    random_pose,
+    stand,
+)
+from tests.env.test_libraries import LIKE, NoWaiting
 
 COUNT = 6
 EVERYTHING = (
@@ -37,10 +52,88 @@ def run(physics, steps: int = 12) -> np.ndarray:
     return np.stack(rows)
 
 
-def make_disturber(count: int, *settings: str) -> Disturber:
+def make_disturber(
+    count: int,
+    *settings: str,
+    actuation: Actuation = "position",
+    robots: Any = None,
+    like: Any = NUMPY,
+) -> Disturber:
     whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
     disturbance = Disturbance(whole.evaluation.disturbance, (1,))
-    return Disturber(disturbance, whole.robot, make_physics(1).model, "position", count)
+    model = make_physics(1).model
+    return Disturber(disturbance, whole.robot, model, actuation, count, robots, like)
+
+
+class Gains:
+    """Robots of which only the motors are asked."""
+
+    def __init__(self, like: Any) -> None:
+        self.motor_gain = asarray(np.ones((COUNT, len(names.MOTORS))), like)
+        self.masses = self.motor_gain.sum(axis=1)
+
+    def draw(self, index: Any, uniform: Any) -> None:
+        settings = config(f"evaluation.disturbance.{EVERYTHING[3]}").evaluation.disturbance
+        put(self.motor_gain, index, drawn(settings, rows(uniform, index)).gain)
+
+
+class Numbers(Draws):
+    """Those of NumPy, as tensors."""
+
+    def uniform(self, use: int, time: int, columns: int) -> Any:
+        return asarray(super().uniform(use, time, columns), LIKE)
+
+    def normal(self, use: int, time: int, columns: int) -> Any:
+        return asarray(super().normal(use, time, columns), LIKE)
+
+
+def disturb(disturber: Disturber, like: Any) -> dict[str, list[Any]]:
+    """What a disturber makes of positions, velocities, inputs and states; some begin anew."""
+    rng, some = np.random.default_rng(2), np.arange(0, COUNT, 2)
+    qpos, qvel = (asarray(values, like) for values in random_pose(rng, COUNT))
+    control = asarray(rng.standard_normal((14, COUNT, 4, len(names.MOTORS))), like)
+    state = beside(make_state(COUNT), like)
+    disturber.restart()
+    found = defaultdict(list, begun=[_begin(disturber, np.arange(COUNT), qpos)])
+    for step in range(14):
+        if step == 3:
+            found["begun"].append(_begin(disturber, some, qpos))
+        pushed = 1.0 * qvel
+        disturber.push(pushed)
+        found["pushed"].append(pushed)
+        found["driven"].append(disturber.drive(control[step]))
+        seen = disturber.sense(state)
+        found["seen"] += [seen.qpos, seen.qvel]
+    return found
+
+
+def _begin(disturber: Disturber, robots: np.ndarray, qpos: Any) -> Any:
+    """With numbers of robots, or with a mask."""
+    if isinstance(qpos, np.ndarray):
+        return disturber.begin(robots, qpos[robots])
+    mask = torch.from_numpy(np.isin(np.arange(COUNT), robots))
+    return disturber.begin(mask, qpos)[torch.from_numpy(robots)]
+
+
+@pytest.mark.parametrize("actuation", ["position", "torque"])
+def test_arrays_and_tensors_are_disturbed_alike_by_the_same_numbers(actuation: Actuation):
+    """Drives, pushes, delays and noise; with tensors nothing waits for their device."""
+    arrays, tensors = (
+        make_disturber(COUNT, *EVERYTHING[:-1], actuation=actuation, robots=Gains(like), like=like)
+        for like in (NUMPY, LIKE)
+    )
+    tensors._draws = Numbers((1,), COUNT)
+    expected = disturb(arrays, NUMPY)
+    disturb(tensors, LIKE)  # constants go to the device once
+    with NoWaiting():
+        found = disturb(tensors, LIKE)
+    for name, values in expected.items():
+        for one, other in zip(found[name], values, strict=True):
+            np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12, err_msg=name)
+    pushed = np.stack(expected["pushed"])
+    first = (pushed != pushed[0]).any(axis=2).argmax(axis=0)
+    np.testing.assert_array_equal(first, [8, 5] * (COUNT // 2), "those that begin anew wait longer")
+    assert len(set(arrays._delay.steps.tolist())) > 2, "delays do not differ"
 
 
 def test_a_push_changes_the_velocity_of_the_base_once_per_interval():
@@ -127,13 +220,6 @@ def test_a_block_of_robots_depends_on_its_own_seed_only():
     stand(masses), stand(alone)
     np.testing.assert_array_equal(masses.masses[COUNT // 2 :], alone.masses)
     assert both.shape[1] == 2 * second.shape[1]
-    for draw in ("normal", "uniform"):
-        pair, single = Draws((1, 2), 6), Draws((2,), 3)
-        numbers = getattr(pair, draw)(1, 7, 4)
-        np.testing.assert_array_equal(numbers[3:], getattr(single, draw)(1, 7, 4))
-        assert (numbers[:3] != numbers[3:]).all()
-    with pytest.raises(ValueError, match=r"^expected 5 robots in 2 blocks of the same size$"):
-        Draws((1, 2), 5)
 
 
 def test_one_disturbance_does_not_move_the_draws_of_another():

@@ -2,50 +2,79 @@
 
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import replace
+from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 import torch
-from torch.utils._python_dispatch import TorchDispatchMode
 
 from slider.core.errors import UserError
-from slider.env.disturbance.machines import COLUMNS, Machines
+from slider.env.disturbance.draws import Disturbance, Draws
+from slider.env.disturbance.machines import COLUMNS
+from slider.env.physics import BatchedPhysics
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import config, make_physics, robot_config
+from tests.env.test_libraries import NoWaiting
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
 from slider.env.warp.machines import WarpMachines
 from slider.env.warp.physics import WarpPhysics
-from slider.env.warp.simulation import use_kernel_cache, wp
 
 N = 6
 SINK = 5e-4  # [m]; a foot that just touches is a contact in one precision and not in the other
-VARIED = config(
+DISTURBED = config(
     "experiment=test",
     "evaluation.disturbance.mass={lower: 0.8, upper: 1.2}",
     "evaluation.disturbance.motor_gain={lower: 0.9, upper: 1.1}",
     "evaluation.disturbance.friction={lower: 0.4, upper: 1.0}",
     "evaluation.disturbance.centre_of_mass=0.03",
+    "evaluation.disturbance.delay={lower: 0.0, upper: 0.03}",
+    "evaluation.disturbance.push={speed: 0.05, interval: 0.1}",
+    "evaluation.disturbance.sensing.joint_position=0.005",
+    "evaluation.disturbance.sensing.orientation=0.02",
 ).evaluation.disturbance
+
+
+class Numbers(Draws):
+    """Those of NumPy, as tensors."""
+
+    def uniform(self, use: int, time: int, columns: int) -> Any:
+        return tensor(super().uniform(use, time, columns))
+
+    def normal(self, use: int, time: int, columns: int) -> Any:
+        return tensor(super().normal(use, time, columns))
 
 
 @pytest.fixture(scope="module")
 def made() -> WarpPhysics:
-    """Robots that may vary; compiled once, unless Warp's cache has it."""
-    return WarpPhysics(robot_config(), config("experiment=test").env.physics, N, varied=True)
+    """Disturbed robots; compiled once, unless Warp's cache has it."""
+    physics = config("experiment=test").env.physics
+    return WarpPhysics(robot_config(), physics, N, disturbance=Disturbance(DISTURBED, (1, 2)))
 
 
 @pytest.fixture
-def physics(made: WarpPhysics) -> WarpPhysics:
-    """All nominal and at rest, none retired."""
-    place(made, *stance())
-    draw(made, torch.full((N, COLUMNS), 0.5), nominal=True)
-    made.disturber = None
-    made.simulation.forgive(everyone())
+def physics(made: WarpPhysics, monkeypatch) -> WarpPhysics:
+    """All nominal, at rest and undisturbed."""
+    settings = config("experiment=test").evaluation.disturbance
+    nominal = WarpMachines(made.simulation, made.model, settings)
+    nominal.draw(everyone(), torch.full((N, COLUMNS), 0.5))
+    monkeypatch.setattr(made, "_disturber", None)
+    return clean(made)
+
+
+@pytest.fixture
+def disturbed(made: WarpPhysics) -> WarpPhysics:
+    """As after construction."""
+    clean(made).restart_disturbances()
     return made
+
+
+def clean(physics: WarpPhysics) -> WarpPhysics:
+    """None retired, no overflow."""
+    place(physics, *stance())
+    physics.simulation.forgive(everyone())
+    return physics
 
 
 def tensor(values: np.ndarray) -> torch.Tensor:
@@ -58,13 +87,6 @@ def everyone() -> torch.Tensor:
 
 def place(physics: WarpPhysics, qpos: np.ndarray, qvel: np.ndarray) -> None:
     physics.reset(everyone(), tensor(qpos), tensor(qvel))
-
-
-def draw(physics: WarpPhysics, uniform: torch.Tensor, nominal: bool = False) -> WarpMachines:
-    settings = config("experiment=test").evaluation.disturbance if nominal else VARIED
-    machines = physics.machines(settings)
-    machines.draw(everyone(), uniform)
-    return machines
 
 
 def stance(count: int = N) -> tuple[np.ndarray, np.ndarray]:
@@ -128,56 +150,66 @@ def test_walking_states_with_changing_contacts_step_as_in_mujoco(physics):
     physics.check()
 
 
-def test_a_reset_of_some_leaves_the_others_untouched(physics):
-    """Bit by bit, with the models of those that are reset drawn anew."""
-    machines = physics.machines(VARIED)
-    generator = torch.Generator().manual_seed(1)
-    machines.draw(everyone(), torch.rand((N, COLUMNS), generator=generator))
+def test_a_reset_of_some_leaves_the_others_untouched(disturbed):
+    """Bit by bit, with robots, delays and pushes of those that are reset drawn anew."""
     some = torch.tensor([False, True, False, False, True, False])
     targets = torch.full((N, NUM_JOINTS), 0.02)
     runs = []
     for reset in (False, True):
-        place(physics, *stance())
-        physics.step(targets)
+        disturbed.restart_disturbances()
+        place(disturbed, *stance())
+        disturbed.step(targets)
+        before = disturbed._disturber.masses.clone()
         if reset:
-            machines.draw(some, torch.rand((N, COLUMNS), generator=generator))
-            physics.reset(some, 1.1 * physics.qpos, 1.0 + physics.qvel)
-            assert (physics.read().foot_forces[some] == 0.0).all()
-            assert (physics.read().foot_forces[~some] > 5.0).all()
-        physics.step(targets)
-        runs.append((physics.qpos.clone(), physics.qvel.clone(), physics.read().foot_forces))
+            disturbed.reset(some, 1.1 * disturbed.qpos, 1.0 + disturbed.qvel)
+            assert torch.equal(disturbed._disturber.masses != before, some)
+            assert (disturbed.read().foot_forces[some] == 0.0).all()
+            assert (disturbed.read().foot_forces[~some] > 5.0).all()
+        for _ in range(5):  # a push is in them
+            disturbed.step(targets)
+        runs.append((disturbed.qpos.clone(), disturbed.qvel.clone(), disturbed.read().foot_forces))
     for before, after in zip(*runs, strict=True):
         assert torch.equal(before[~some], after[~some])
         assert (before[some] != after[some]).any(dim=-1).all()
 
 
-def test_robots_differ_and_each_equals_its_own_model_in_mujoco(physics):
-    uniform = np.random.default_rng(5).uniform(size=(N, COLUMNS))
-    machines = draw(physics, tensor(uniform))
-    models = Machines(physics.model, VARIED, N)
-    models.draw(np.arange(N), uniform)
-    np.testing.assert_allclose(machines.masses, models.masses(np.arange(N)), rtol=1e-6)
+def test_disturbed_robots_are_those_of_mujoco_by_the_same_numbers(disturbed, monkeypatch):
+    """Masses, friction, motors, delays, pushes and noise, over 52 simulation steps."""
+    settings, seeds = config("experiment=test").env.physics, (1, 2)
+    other = BatchedPhysics(robot_config(), settings, N, disturbance=Disturbance(DISTURBED, seeds))
+    monkeypatch.setattr(disturbed._disturber, "_draws", Numbers(seeds, N))
+    disturbed.restart_disturbances()
+    other.reset(np.arange(N), *stance())
+    place(disturbed, *stance())
     for name in ("body_subtreemass", "body_invweight0", "dof_invweight0"):
-        expected = np.array([getattr(model, name) for model in models.models])
-        np.testing.assert_allclose(physics.simulation.field(name), expected, rtol=1e-4, atol=1e-7)
-    qpos, qvel = stance()
-    place(physics, qpos, qvel)
-    targets = np.tile([0.0, 0.05, 0.1, 0.02, -0.1, 0.0], (N, 2))
-    for _ in range(3):
-        physics.step(tensor(targets))
-    ends = []
-    other = make_physics(N)
-    for i, model in enumerate(models.models):
-        data = mujoco.MjData(model)
-        data.qpos[:], data.qvel[:] = qpos[i], qvel[i]
-        data.ctrl[:] = other._to_motors(targets[i])
-        for step in range(12):
-            if step % 4 == 0:
-                data.qacc_warmstart[:] = 0.0
-            mujoco.mj_step(model, data)
-        ends.append(data.qpos.copy())
-    np.testing.assert_allclose(physics.qpos, ends, rtol=0, atol=1e-6)
-    assert np.abs(np.diff(ends, axis=0)).max(axis=1).min() > 1e-3, "the robots do not differ"
+        expected = np.array([getattr(model, name) for model in other.models])
+        np.testing.assert_allclose(disturbed.simulation.field(name), expected, rtol=1e-4, atol=1e-7)
+    np.testing.assert_allclose(disturbed._disturber.masses, other.masses, rtol=1e-6)
+    for step in range(13):
+        targets = 0.02 * np.sin(0.3 * step + np.arange(N * NUM_JOINTS).reshape(N, NUM_JOINTS))
+        other.step(targets)
+        disturbed.step(tensor(targets))
+    np.testing.assert_allclose(disturbed.qpos, other.qpos, rtol=0, atol=1e-6)
+    found, expected = (p.measure(p.read()) for p in (disturbed, other))
+    for name in ("joint_positions", "quaternion", "gravity"):
+        values = getattr(expected, name)
+        np.testing.assert_allclose(getattr(found, name), values, rtol=0, atol=1e-5)
+        assert np.abs(values - getattr(other.read(), name)).max() > 1e-3
+    assert len(set(disturbed._disturber._delay.steps.tolist())) > 2, "delays do not differ"
+    assert np.abs(np.diff(other.qpos, axis=0)).max(axis=1).min() > 1e-3, "the robots do not differ"
+
+
+def test_a_restart_brings_the_same_disturbances_back(disturbed):
+    def run() -> torch.Tensor:
+        place(disturbed, *stance())
+        for _ in range(6):
+            disturbed.step(torch.zeros((N, NUM_JOINTS)))
+        return disturbed.measure(disturbed.read()).qpos
+
+    first = run()
+    disturbed.restart_disturbances()
+    assert torch.equal(run(), first)
+    assert ((run() - first).abs().max(dim=1).values > 1e-3).all(), "and another episode is another"
 
 
 def test_a_blow_up_is_found_and_stays_alone(physics):
@@ -226,77 +258,23 @@ def test_an_overflow_is_an_error_that_names_the_robots():
     small.check()  # told once
 
 
-class Disturber:
-    """A push of the first robot, drives that are a step late, and noise."""
+def test_a_control_step_waits_for_no_device(disturbed):
+    some, targets = torch.arange(N) % 2 == 0, torch.zeros((N, NUM_JOINTS))
+    qpos, qvel = map(tensor, stance())
 
-    def __init__(self) -> None:
-        self.last = torch.zeros((N, 4, 10))
+    def step() -> None:
+        disturbed.step(targets)
+        disturbed.measure(disturbed.read())
+        disturbed.reset(some, qpos, qvel)
 
-    def begin(self, robots: torch.Tensor, qpos: torch.Tensor) -> torch.Tensor:
-        return qpos
-
-    def push(self, qvel: torch.Tensor) -> None:
-        qvel[:, 0] += 0.5 * (torch.arange(N) == 0)
-
-    def drive(self, control: torch.Tensor) -> torch.Tensor:
-        self.last, late = control, self.last
-        return late
-
-    def sense(self, state):
-        return replace(state, yaw=state.yaw + 1.0)
-
-    def restart(self) -> None:
-        self.last = torch.zeros((N, 4, 10))
-
-
-def test_disturbances_reach_the_robots(physics):
-    targets = torch.full((N, NUM_JOINTS), 0.05)
-    physics.step(0.0 * targets)
-    still = physics.qpos.clone()
-    place(physics, *stance())
-    physics.disturber = Disturber()
-    physics.step(targets)
-    assert torch.equal(physics.qpos[1:], still[1:]), "the drives were not late"
-    assert physics.qpos[0, 0] - still[0, 0] > 0.5 * 0.5 * physics.period
-    physics.step(targets)
-    assert (physics.qpos[1:, 7:] - still[1:, 7:]).abs().max() > 1e-3
-    state = physics.read()
-    assert torch.equal(physics.measure(state).yaw, state.yaw + 1.0)
-
-
-class NoRoundTrip(TorchDispatchMode):
-    """Fails where torch would wait for the device or copy between devices."""
-
-    def __torch_dispatch__(self, func, types, args=(), kwargs=None):
-        name = str(func)
-        assert "_local_scalar_dense" not in name, name
-        assert "nonzero" not in name, name
-        assert "masked_select" not in name, name
-        assert "_to_copy" not in name, name
-        return func(*args, **(kwargs or {}))
-
-
-def test_a_control_step_makes_no_round_trip_to_the_host(physics):
-    machines = physics.machines(VARIED)
-    uniform, some = torch.rand((N, COLUMNS)), torch.arange(N) % 2 == 0
-    targets, (qpos, qvel) = torch.zeros((N, NUM_JOINTS)), map(tensor, stance())
-    physics.retire(some)
-    with NoRoundTrip():
-        physics.step(targets)
-        physics.measure(physics.read())
-        machines.draw(some, uniform)
-        physics.reset(some, qpos, qvel)
-    with pytest.raises(AssertionError, match="_local_scalar_dense"), NoRoundTrip():
+    disturbed.retire(some)
+    step()  # constants go to the device once
+    with NoWaiting():
+        step()
+    with pytest.raises(AssertionError, match="_local_scalar_dense"), NoWaiting():
         float(targets.sum())
 
 
 def test_an_unknown_device_is_one_line():
     with pytest.raises(UserError, match=r"device: expected one of cpu.*, found cuda:9$"):
         WarpPhysics(robot_config(), config("experiment=test").env.physics, 1, "cuda:9")
-
-
-def test_the_kernels_can_be_kept_elsewhere(tmp_path, monkeypatch):
-    monkeypatch.setattr(wp.config, "kernel_cache_dir", None)
-    use_kernel_cache(tmp_path / "kernels")
-    assert wp.config.kernel_cache_dir == str(tmp_path / "kernels")
-    assert (tmp_path / "kernels").is_dir()

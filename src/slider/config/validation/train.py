@@ -30,6 +30,7 @@ def _machine(train: TrainConfig, config: Config, key: str) -> None:
     own = {
         "numerics=portable": portable,
         "env.action.offset=hzd": config.env.action.offset == "hzd",
+        "disturbance.ground.amplitude > 0": train.disturbance.ground.amplitude > 0,
     }
     for setting, chosen in own.items():
         possible = train.simulator == "mujoco" or not chosen

@@ -1,30 +1,40 @@
 """Delay between a controller's output and the drives, the same for positions and torques."""
 
-import numpy as np
-
 from slider.config.types import Interval
+from slider.core.arrays import NUMPY, Array, namespace, put, rows, zeros
 
 
 class DelayLine:
-    """Inputs of N robots, each later by its own whole number of simulation steps."""
+    """Inputs of N robots, each later by its own whole number of simulation steps.
 
-    def __init__(self, delay: Interval, timestep: float, count: int, width: int) -> None:
+    Arrays are beside ``like``; an index and its rows are those of ``core.arrays``.
+
+    Attributes:
+        steps: delays (N,) in simulation steps.
+    """
+
+    def __init__(
+        self, delay: Interval, timestep: float, count: int, width: int, like: Array = NUMPY
+    ) -> None:
         self._lower, self._upper = round(delay.lower / timestep), round(delay.upper / timestep)
-        self.steps = np.full(count, self._lower)
-        self._past = np.zeros((count, self._upper, width))
+        self.steps = zeros(count, like, namespace(like).int64) + self._lower
+        self._past = zeros((count, self._upper, width), like)
 
-    def draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
+    def draw(self, index: Array, uniform: Array) -> None:
         """New delays of robots ``index`` from numbers (N,) in [0, 1)."""
-        choices = self._upper - self._lower + 1
-        self.steps[index] = self._lower + np.floor(choices * uniform[index]).astype(int)
+        xp, choices = namespace(uniform), self._upper - self._lower + 1
+        later = xp.astype(xp.floor(choices * rows(uniform, index)), xp.int64)
+        put(self.steps, index, self._lower + later)
 
-    def fill(self, index: np.ndarray, inputs: np.ndarray) -> None:
-        """What the drives of robots ``index`` do until their first input arrives: (n, width)."""
-        self._past[index] = inputs[:, None]
+    def fill(self, index: Array, inputs: Array) -> None:
+        """What the drives of robots ``index`` do until their first input arrives (n, width)."""
+        put(self._past, index, inputs[:, None])
 
-    def pass_on(self, control: np.ndarray) -> np.ndarray:
+    def pass_on(self, control: Array) -> Array:
         """Delayed inputs (N, S, width) of inputs (N, S, width), one per simulation step."""
-        line = np.concatenate([self._past, control], axis=1)
-        self._past = line[:, control.shape[1] :]
-        rows = self._upper - self.steps[:, None] + np.arange(control.shape[1])
-        return np.take_along_axis(line, rows[:, :, None], axis=1)
+        xp, count = namespace(control), control.shape[1]
+        line = xp.concat([self._past, control], axis=1)
+        self._past[...] = line[:, count:]
+        now = xp.arange(count, device=control.device)
+        late = self._upper - self.steps[:, None] + now
+        return xp.take_along_axis(line, late[:, :, None], axis=1)

@@ -64,10 +64,17 @@ def vary(config: DisturbanceConfig) -> bool:
 
 
 class Machines:
-    """Models of ``count`` robots, drawn anew per robot and episode."""
+    """Models of ``count`` robots, drawn anew per robot and episode.
+
+    Attributes:
+        models: of each robot.
+        masses: (N,) [kg].
+        motor_gain: (N, 10) by which demanded torques are scaled [-].
+    """
 
     def __init__(self, nominal: mujoco.MjModel, config: DisturbanceConfig, count: int) -> None:
         self.models = [copy.copy(nominal) for _ in range(count)]
+        self.masses = np.full(count, float(nominal.body_mass.sum()))
         self.motor_gain = np.ones((count, _DRIVES))
         self._nominal, self._config = nominal, config
         self._data = mujoco.MjData(nominal)
@@ -84,11 +91,8 @@ class Machines:
             if new.friction is not None:
                 model.geom_friction[self._feet, SLIDING] = new.friction[i]
             mujoco.mj_setConst(model, self._data)
+            self.masses[i] = float(model.body_mass.sum())
         self.motor_gain[index] = new.gain[index]
-
-    def masses(self, index: np.ndarray) -> np.ndarray:
-        """Masses of robots ``index`` (n,) [kg]."""
-        return np.array([float(self.models[i].body_mass.sum()) for i in index])
 
     def _set_inertia(self, model: mujoco.MjModel, mass: float, shift: np.ndarray) -> None:
         model.body_mass[:] = mass * self._nominal.body_mass

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 
 from slider.config.disturbance import DisturbanceConfig
+from slider.core.arrays import put
 from slider.env.disturbance.machines import GAIN_COLUMNS, RESISTANCE, SLIDING, drawn, feet
 from slider.env.warp.simulation import Simulation
 from slider.robot import names
@@ -23,14 +24,12 @@ class WarpMachines:
     """Models of the robots of a simulation, drawn anew per robot and episode.
 
     Attributes:
-        models: all are one here.
         motor_gain: (N, 10) by which demanded torques are scaled [-].
     """
 
     def __init__(
         self, simulation: Simulation, nominal: mujoco.MjModel, config: DisturbanceConfig
     ) -> None:
-        self.models = nominal
         self._simulation, self._config = simulation, config
         self._fields = {name: simulation.field(name) for name in FIELDS}
         count, device = len(simulation.qpos), simulation.device
@@ -63,8 +62,8 @@ class WarpMachines:
             "actuator_forcerange": nominal["actuator_forcerange"] * gain,
         }
         for name, value in values.items():
-            _put(self._fields[name], robots, value)
-        _put(self.motor_gain, robots, new.gain)
+            put(self._fields[name], robots, value)
+        put(self.motor_gain, robots, new.gain)
         self._simulation.derive()
 
     @property
@@ -78,8 +77,3 @@ def _ones_at(index: Sequence[int] | np.ndarray, size: int) -> torch.Tensor:
     values = torch.zeros(size)
     values[torch.as_tensor(index)] = 1.0
     return values
-
-
-def _put(field: torch.Tensor, robots: torch.Tensor, values: torch.Tensor) -> None:
-    mask = robots.reshape(-1, *(1,) * (field.ndim - 1))
-    field.copy_(torch.where(mask, values, field))

@@ -4,14 +4,16 @@ Nothing in :meth:`WarpPhysics.step`, :meth:`WarpPhysics.read` and :meth:`WarpPhy
 for the device: robots are chosen by masks, and all arrays are float32 tensors there.
 """
 
-from typing import Any, Protocol
+from typing import Any
 
 import torch
 
-from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.env.disturbance.disturber import build_plant
+from slider.core.arrays import put
+from slider.env.disturbance.disturber import Disturber, build_plant
+from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance.machines import vary
 from slider.env.reading import SPEED_LIMIT, SensorIndex, read
 from slider.env.state import RobotState
 from slider.env.warp.machines import FIELDS, WarpMachines
@@ -20,38 +22,14 @@ from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
 
 
-class WarpDisturber(Protocol):
-    """What disturbs the robots, as :class:`slider.env.disturbance.disturber.Disturber` does."""
-
-    def begin(self, robots: torch.Tensor, qpos: torch.Tensor) -> torch.Tensor:
-        """Draw ``robots`` (N,), a mask, anew; where positions (N, 19) put them."""
-        ...
-
-    def push(self, qvel: torch.Tensor) -> None:
-        """Add to velocities (N, 18) in place."""
-
-    def drive(self, control: torch.Tensor) -> torch.Tensor:
-        """What reaches the drives (N, S, 10), of inputs of this shape."""
-        ...
-
-    def sense(self, state: RobotState) -> RobotState:
-        """The state with sensor noise."""
-        ...
-
-    def restart(self) -> None:
-        """Begin again: the same draws follow."""
-
-
 class WarpPhysics:
-    """Steps ``num_robots`` copies of the robot on flat ground.
+    """Steps ``num_robots`` copies of the robot on flat ground, disturbed as in ``BatchedPhysics``.
 
-    Evaluation needs contacts and loads of every simulation step and runs on MuJoCo itself.
-    With ``varied`` robots have masses, friction and motors of their own, which
-    :class:`slider.env.warp.machines.WarpMachines` draws.
+    Evaluation needs contacts and loads of every simulation step and runs on MuJoCo itself. An
+    index of some robots is a mask (N,), and the rows that belong to it are those of all.
 
     Attributes:
         qpos, qvel: (N, 19), (N, 18) positions and velocities, shared with the simulation.
-        disturber: what disturbs the robots; none at first.
         simulation: MuJoCo Warp's.
         model: of the nominal robot.
     """
@@ -62,8 +40,8 @@ class WarpPhysics:
         config: PhysicsConfig,
         num_robots: int,
         device: str = "cpu",
+        disturbance: Disturbance | None = None,
         actuation: Actuation = "position",
-        varied: bool = False,
         rows: int = ROWS,
     ) -> None:
         options = SimulationOptions(
@@ -75,9 +53,8 @@ class WarpPhysics:
         self.robot, self.num_robots = robot, num_robots
         self.period = config.substeps * config.timestep
         self.model = build_plant(robot, options, None)
-        fields = FIELDS if varied else ()
-        self.simulation = Simulation(self.model, num_robots, config.substeps, device, fields, rows)
-        self.disturber: WarpDisturber | None = None
+        varied = FIELDS if disturbance is not None and vary(disturbance.config) else ()
+        self.simulation = Simulation(self.model, num_robots, config.substeps, device, varied, rows)
         self.qpos, self.qvel = self.simulation.qpos, self.simulation.qvel
         self._sensors = self.simulation.sensors
         self._index: Any = SensorIndex(self.model)
@@ -91,6 +68,14 @@ class WarpPhysics:
             (2, num_robots), dtype=torch.bool, device=self.device
         )
         self._anyone_retired = False
+        self._disturber: Any = None  # its arrays are tensors
+        if disturbance is not None:
+            robots = (
+                WarpMachines(self.simulation, self.model, disturbance.config) if varied else None
+            )
+            self._disturber = Disturber(
+                disturbance, robot, self.model, actuation, num_robots, robots, self.qpos
+            )
         self._place(~self._retired, self._rest, torch.zeros_like(self.qvel))
 
     @property
@@ -102,20 +87,15 @@ class WarpPhysics:
         return torch.as_tensor(values, dtype=torch.float32, device=self.device).contiguous()
 
     def _place(self, robots: torch.Tensor, qpos: torch.Tensor, qvel: torch.Tensor) -> None:
-        """Put ``robots`` (N,), a mask, at positions and velocities, with empty sensors."""
-        chosen = robots[:, None]
-        self.qpos.copy_(torch.where(chosen, qpos, self.qpos))
-        self.qvel.copy_(torch.where(chosen, qvel, self.qvel))
-        self._sensors.masked_fill_(chosen, 0.0)
-
-    def machines(self, config: DisturbanceConfig) -> WarpMachines:
-        """Robots of their own; the physics must have been made ``varied``."""
-        return WarpMachines(self.simulation, self.model, config)
+        """Put ``robots`` at positions and velocities, with empty sensors."""
+        put(self.qpos, robots, qpos)
+        put(self.qvel, robots, qvel)
+        put(self._sensors, robots, 0.0)
 
     def reset(self, robots: torch.Tensor, qpos: torch.Tensor, qvel: torch.Tensor) -> None:
         """Place ``robots`` (N,), a mask, at positions (N, 19) and velocities (N, 18)."""
-        if self.disturber is not None:
-            qpos = self.disturber.begin(robots, qpos)
+        if self._disturber is not None:
+            qpos = self._disturber.begin(robots, qpos)
         self._place(robots, qpos, qvel)
         self._diverged &= ~robots
         self._retired &= ~robots
@@ -129,9 +109,9 @@ class WarpPhysics:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
         held = self._held()
         control = (inputs @ self._to_motors)[:, None].expand(-1, len(self.simulation.control), -1)
-        if self.disturber is not None:
-            self.disturber.push(self.qvel)
-            control = self.disturber.drive(control)
+        if self._disturber is not None:
+            self._disturber.push(self.qvel)
+            control = self._disturber.drive(control)
         self.simulation.control.copy_(control.transpose(0, 1))
         self.simulation.step()
         lost = self._find_diverged(inputs)
@@ -168,9 +148,9 @@ class WarpPhysics:
 
     def measure(self, state: RobotState) -> RobotState:
         """The state as a controller receives it: with sensor noise."""
-        return state if self.disturber is None else self.disturber.sense(state)
+        return state if self._disturber is None else self._disturber.sense(state)
 
     def restart_disturbances(self) -> None:
         """Let the same disturbances follow as after construction."""
-        if self.disturber is not None:
-            self.disturber.restart()
+        if self._disturber is not None:
+            self._disturber.restart()

@@ -8,7 +8,6 @@ thirtieth of the time that launching its kernels one by one takes.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 from collections.abc import Callable, Collection
-from pathlib import Path
 from typing import cast
 
 import mujoco
@@ -28,12 +27,6 @@ ROWS = 64  # of constraints per robot: 16 in stance, 26 where robots lie on the 
 _DERIVED = ("body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0")
 # Solver and line search stop at their limit as MuJoCo's own do, which says nothing either.
 _LIMITS = mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS
-
-
-def use_kernel_cache(folder: Path) -> None:
-    """Keep compiled kernels in ``folder`` instead of Warp's own; call it before all else."""
-    folder.mkdir(parents=True, exist_ok=True)
-    wp.config.kernel_cache_dir = str(folder)
 
 
 class Simulation:

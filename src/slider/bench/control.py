@@ -20,6 +20,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
+from slider.artefacts.current import add_store_argument
 from slider.bench.stopwatch import replaced
 from slider.config.control import HzdControlConfig
 from slider.config.env import PlantConfig
@@ -33,6 +34,7 @@ from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import at_rest
 from slider.evaluation.baseline import build_plant
+from slider.library.choose import current_gaits
 from slider.robot.transmission import Transmission
 
 _EVERY = 20
@@ -77,9 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--vx", type=float, nargs="+", default=[0.6], help="[m/s] (default: 0.6)")
     parser.add_argument("--robots", type=int, default=1000, help="default: 1000")
     parser.add_argument("--seconds", type=float, default=2.0, help="simulated (default: 2)")
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path("artefacts"), help="folder (default: artefacts)"
-    )
+    add_store_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -110,14 +110,9 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _gaits(config: Config, name: str, artefacts: Path) -> EnforcedGaits | None:
     """What ``hzd`` walks by, of the current plan."""
-    from slider.artefacts.current import current_folder
-    from slider.artefacts.store import Store
-
     if not isinstance(config.control[name], HzdControlConfig):
         return None
-    store, command = Store(artefacts), "snakemake -j2 reports/gait_walks.csv"
-    library, placement = (current_folder(store, s, command) for s in ("library", "foot_placement"))
-    return EnforcedGaits.load(library, placement, enforced_section(config.hzd))
+    return EnforcedGaits.load(*current_gaits(artefacts), enforced_section(config.hzd))
 
 
 def measure(

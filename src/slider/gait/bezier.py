@@ -1,5 +1,6 @@
 """Bézier polynomials of the phase s in [0, 1] (virtual constraints)."""
 
+from functools import cache
 from math import comb
 
 import numpy as np
@@ -8,9 +9,13 @@ import numpy as np
 def basis(degree: int, s: np.ndarray) -> np.ndarray:
     """Bernstein polynomials (len(s), degree + 1)."""
     i = np.arange(degree + 1)
-    binomial = np.array([comb(degree, k) for k in i], dtype=float)
     s = np.asarray(s, dtype=float)[:, None]
-    return binomial * s**i * (1 - s) ** (degree - i)
+    return _binomial(degree) * s**i * (1 - s) ** (degree - i)
+
+
+@cache
+def _binomial(degree: int) -> np.ndarray:
+    return np.array([comb(degree, k) for k in range(degree + 1)], dtype=float)
 
 
 def basis_derivative(degree: int, s: np.ndarray, order: int) -> np.ndarray:
@@ -21,6 +26,7 @@ def basis_derivative(degree: int, s: np.ndarray, order: int) -> np.ndarray:
     return matrix
 
 
+@cache
 def _difference(degree: int) -> np.ndarray:
     """Coefficients of the derivative from those of the polynomial (degree, degree + 1)."""
     return degree * (np.eye(degree, degree + 1, k=1) - np.eye(degree, degree + 1))

@@ -134,3 +134,17 @@ def test_no_step_is_shortened_in_its_last_moments(left, shortened):
     now = replace(on_orbit(0.8, TIME - left), duration=np.array([late]))
     duration = planner(time_weight=1e3, lock=0.03).plan(now).duration[0]
     assert duration == pytest.approx(TIME if shortened else late)
+
+
+def test_steps_for_several_times_are_those_for_each():
+    """To the bit, also where bounds are active."""
+    rng, case, ones = np.random.default_rng(3), planner(), np.ones(4)
+    position, velocity = rng.normal(0, 0.15, (4, 2)), rng.normal(0, 0.8, (4, 2))
+    now = Pendulum(position, velocity, -ones, 0.1 * ones, TIME * ones, np.zeros((4, 2)))
+    times = np.array([[0.1], [0.2], [0.3]]) * ones
+    lengths, cost = case.solve(now, times)
+    for row, time in enumerate(times):
+        for found, expected in zip((lengths[row], cost[row]), case.solve(now, time), strict=True):
+            np.testing.assert_array_equal(found, expected)
+    assert np.ptp(cost, axis=0).min() > 0
+    assert np.isin(np.abs(lengths[:, :, 0]), 0.9).any(), "the largest length"

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.control.whole_body.memory import RIGHT
-from slider.control.whole_body.nominal import Dynamics
+from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
 from slider.control.whole_body.tasks import pitch_and_yaw, point_velocity, wrapped
-from slider.hzd.outputs import NUM_JOINTS, YAW, stance_first, stance_selection
+from slider.hzd.outputs import JOINTS, NUM_COORDINATES, YAW, stance_first, stance_selection
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.names import ACTUATED
 
 _DRIVEN = np.array(ACTUATED)
+_ROWS = np.zeros((2, NUM_COORDINATES, NUM_DOFS))  # in left and right stance: of the driven joints
+_ROWS[:, JOINTS:, 6:] = stance_selection(np.array([False, True]))
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,8 @@ def motion(
     rotation = dynamics.foot_rotations[rows, stance]
     angular = dynamics.foot_jacobians[rows, stance, 3:]
     axes = np.stack([rotation[:, :, 0], pitch_and_yaw(rotation)[:, 1]], axis=1)
-    jacobian = np.concatenate([side[:, None, None] * (axes @ angular), _joint_rows(right)], axis=1)
+    jacobian = _ROWS[right.astype(int)]
+    np.multiply(side[:, None, None], axes @ angular, out=jacobian[:, :JOINTS])
     roll = side * np.arcsin(np.clip(rotation[:, 2, 1], -1.0, 1.0))
     yaw = side * wrapped(yaw_of(rotation) - heading)
     joints = stance_first(dynamics.joints[:, _DRIVEN], right)
@@ -69,8 +72,3 @@ def section(dynamics: Dynamics, stance: np.ndarray) -> np.ndarray:
     side = side_of(stance)
     lateral = [side * place[:, 1], side * speed[:, 1]]
     return np.stack([*lateral, speed[:, 0], place[:, 0]], axis=1)
-
-
-def _joint_rows(right: np.ndarray) -> np.ndarray:
-    """Rows (n, 10, 18) of the driven joints, stance leg first."""
-    return np.concatenate([np.zeros((len(right), NUM_JOINTS, 6)), stance_selection(right)], axis=2)

@@ -67,45 +67,42 @@ class FootstepPlanner:
         self.hessian = self._effect.T @ self._effect + weight
         self._inverse = np.linalg.inv(self.hessian)
         self._signs = (-1.0) ** np.arange(config.steps)
-        self._changes = (0.0, -step.time_change, step.time_change)[: 3 if step.time_change else 1]
+        changes = (0.0, -step.time_change, step.time_change)[: 3 if step.time_change else 1]
+        self._changes = np.array(changes)[:, None]
 
     def plan(self, pendulum: Pendulum) -> Plan:
         """The best next step over all candidates of the current step's duration."""
-        best: Plan | None = None
-        for change in self._changes:
-            duration = pendulum.duration + change
-            lengths, cost = self.solve(pendulum, duration - pendulum.elapsed)
-            cost = cost + self._config.time_weight * (duration - self._step.time) ** 2
-            if change:
-                cost = np.where(self._allowed(duration, pendulum.elapsed), cost, np.inf)
-            candidate = Plan(lengths[:, :, 0], duration, cost)
-            best = candidate if best is None else _better(best, candidate)
-        assert best is not None
-        return best
+        duration = pendulum.duration + self._changes
+        lengths, cost = self.solve(pendulum, duration - pendulum.elapsed)
+        cost = cost + self._config.time_weight * (duration - self._step.time) ** 2
+        cost[1:] = np.where(self._allowed(duration[1:], pendulum.elapsed), cost[1:], np.inf)
+        best = cost.argmin(axis=0), np.arange(cost.shape[1])
+        return Plan(lengths[best][:, :, 0], duration[best], cost[best])
 
     def _allowed(self, duration: np.ndarray, elapsed: np.ndarray) -> np.ndarray:
         in_range = (duration >= self._step.time_min) & (duration <= self._step.time_max)
         return in_range & (duration - elapsed >= 2 * self._config.lock)
 
     def solve(self, pendulum: Pendulum, remaining: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths of the next steps (n, 2, N) [m] and cost (n,) for a time left (n,) [s]."""
+        """Lengths of the next steps (…, n, 2, N) [m] and cost (…, n), for times left (…, n) [s]."""
         start = np.stack([pendulum.position, pendulum.velocity], axis=-1)  # (n, axis, 2)
-        end = np.einsum("nij,naj->nai", lip.step_map(self.omega, remaining), start)
+        end = np.einsum("...nij,naj->...nai", lip.step_map(self.omega, remaining), start)
         speeds, lengths, lower, upper = self.references(pendulum)
-        free = np.einsum("kj,naj->nak", self._free, end) - speeds
+        free = np.einsum("kj,...naj->...nak", self._free, end) - speeds
         gradient = free @ self._effect - self._config.length_weight * lengths
         result = self._bounded(gradient, lower, upper)
         quadratic = ((result @ self.hessian) * result).sum(axis=-1)
         constant = (free**2).sum(axis=-1) + self._config.length_weight * (lengths**2).sum(axis=-1)
         cost = quadratic + 2 * (gradient * result).sum(axis=-1) + constant
-        return result, cost.sum(axis=1)
+        return result, cost.sum(axis=-1)
 
     def _bounded(self, gradient: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-        """Minimisers (n, 2, N); the solver is asked only where a bound is active."""
+        """Minimisers (…, n, 2, N); the solver is asked only where a bound is active."""
         result = -gradient @ self._inverse
         outside = ((result < lower) | (result > upper)).any(axis=-1)
         if outside.any():
-            low, high, slope = lower[outside], upper[outside], gradient[outside]
+            *_, robots, axes = np.nonzero(outside)
+            low, high, slope = lower[robots, axes], upper[robots, axes], gradient[outside]
             count, size = slope.shape
             hessians = np.broadcast_to(self.hessian, (count, size, size))
             found, solved = qp.solve(hessians, slope, np.zeros((count, 0, size)), low, high)
@@ -131,13 +128,3 @@ class FootstepPlanner:
         lower[:, 1] = np.where(side > 0, config.width_min, -config.width_max)
         upper[:, 1] = np.where(side > 0, config.width_max, -config.width_min)
         return speeds, lengths, lower, upper
-
-
-def _better(first: Plan, second: Plan) -> Plan:
-    """The cheaper plan of each robot; the first one where they are equal."""
-    wins = second.cost < first.cost
-    return Plan(
-        np.where(wins[:, None], second.step, first.step),
-        np.where(wins, second.duration, first.duration),
-        np.where(wins, second.cost, first.cost),
-    )

@@ -48,7 +48,7 @@ class Steps:
         memory.swing[robots] = swing.begin(start)
         memory.steps[robots] += 1
         self._velocity.correct(memory, robots, dynamics.com[:, :2])
-        self._plan(memory, robots, dynamics)
+        self._plan(memory, robots, dynamics, np.arange(len(robots)))
 
     def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
         """Whether the steps are over (n,), where ``contact`` (n,) is that of the swing feet."""
@@ -67,8 +67,9 @@ class Steps:
         """One tick on, with a new plan where it is time for one."""
         config = self._config
         if memory.tick % self._ticks_per_plan == 0:
-            due = memory.duration[robots] - memory.elapsed[robots] > config.planner.lock
-            self._plan(memory, robots[due], dynamics.of(due))
+            left = memory.duration[robots] - memory.elapsed[robots]
+            due = np.flatnonzero(left > config.planner.lock)
+            self._plan(memory, robots[due], dynamics, due)
         ground = dynamics.foot_positions[np.arange(len(robots)), memory.stance[robots], 2]
         memory.swing[robots] = swing.advance(
             memory.swing[robots],
@@ -83,15 +84,17 @@ class Steps:
         memory.elapsed[robots] += self._period
         memory.walked[robots] += self._period
 
-    def _plan(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
-        """Foothold and duration of the steps from the state of the pendulums."""
+    def _plan(
+        self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, rows: np.ndarray
+    ) -> None:
+        """Foothold and duration of the steps of ``robots`` from their ``rows`` of the terms."""
         if not len(robots):
             return
         stance = memory.stance[robots]
-        foot = dynamics.foot_positions[np.arange(len(robots)), stance, :2]
+        foot = dynamics.foot_positions[rows, stance, :2]
         pendulum = Pendulum(
-            position=memory.to_heading(dynamics.com[:, :2] - foot, robots),
-            velocity=memory.to_heading(dynamics.com_velocity[:, :2], robots),
+            position=memory.to_heading(dynamics.com[rows, :2] - foot, robots),
+            velocity=memory.to_heading(dynamics.com_velocity[rows, :2], robots),
             swing_sign=np.where(stance == LEFT, -1.0, 1.0),
             elapsed=memory.elapsed[robots],
             duration=memory.duration[robots],

@@ -191,6 +191,10 @@ def test_every_option_composes(option):
         ("train.walking.disturbance.push.interval=0.03", "push.interval: expected a multiple of"),
         ("evaluation.disturbance.ground.cell=0.3", "ground.period: expected a multiple of 0.3"),
         ("evaluation.disturbance.ground.period=200", "ground.period: expected at most 400 cells"),
+        (
+            "++train.walking={simulator:mujoco_warp,disturbance:{ground:{amplitude:0.02}}}",
+            "simulator: expected mujoco with disturbance.ground.amplitude > 0, found mujoco_warp",
+        ),
         ("evaluation/disturbance=rough", "unknown option evaluation/disturbance=rough"),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
         ("evaluation=joystick", "evaluation.profile: expected none (the commands of Table 1"),
@@ -337,6 +341,12 @@ def test_without_the_library_the_other_rewards_stay():
     for name in set(walking.terms) - guides:
         assert unguided.terms[name] == walking.terms[name], name
     assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)
+
+
+def test_a_controller_under_the_actions_is_for_mujoco_itself():
+    message = "simulator: expected mujoco with env.action.offset=hzd, found mujoco_warp"
+    with pytest.raises(UserError, match=message):
+        compose(["env.action.offset=hzd", "train.walking.simulator=mujoco_warp"], CONF)
 
 
 @pytest.mark.parametrize(("top", "count"), [("2.0", 21), ("2.47", 25), ("1.3", 14)])

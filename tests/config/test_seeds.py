@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.ablation import ablation_job
 from pipeline.stages import entries, table1_jobs
-from pipeline.stages.protocols import protocol_jobs
+from pipeline.stages.evaluation import protocol_jobs
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose

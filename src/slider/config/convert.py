@@ -3,6 +3,7 @@
 import json
 from collections.abc import Sequence
 from dataclasses import asdict
+from functools import cache
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -27,9 +28,15 @@ def from_dict(cls: type[T], values: Any, key: str = "") -> T:
         UserError: names the key, what was expected and what was found.
     """
     try:
-        return TypeAdapter(cls).validate_json(json.dumps(values))
+        return _adapter(cls).validate_json(json.dumps(values))
     except ValidationError as error:
         raise UserError(_mistake(cls, error, values, key)) from None
+
+
+@cache
+def _adapter(cls: type[T]) -> TypeAdapter[T]:
+    """Types are built when they are first used."""
+    return TypeAdapter(cls)
 
 
 def _mistake(cls: type, error: ValidationError, values: Any, key: str) -> str:

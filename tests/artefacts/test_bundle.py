@@ -22,9 +22,10 @@ import slider.commands.bundle as bundling
 from slider.artefacts.bundle import PROFILE_VERSION, RESULTS
 from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, verify
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code, code_of
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import Store
 from slider.cli import main
 from slider.core import files
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.locks import exclusive, if_free, nobody_else
+from slider.artefacts.locks import Timeout, exclusive, nobody_else
 from slider.core.errors import UserError
 
 COUNT = """
@@ -78,10 +78,9 @@ def test_other_names_are_free_and_all_of_them_are_not(tmp_path: Path, holder):
 
 
 def test_what_need_not_wait_does_not(tmp_path: Path, holder):
-    with if_free(tmp_path, "x") as free:
-        assert not free
-    with if_free(tmp_path, "y") as free:
-        assert free
+    with pytest.raises(Timeout), exclusive(tmp_path, "x", timeout=0):
+        pass
+    with exclusive(tmp_path, "y", timeout=0):
         assert (tmp_path / "y.lock").exists()
     assert {path.stem for path in tmp_path.iterdir()} == {"all", "x"}
 

@@ -4,24 +4,31 @@ from importlib import metadata
 
 import pytest
 
-from slider.artefacts.recipe import ABSENT, Code, distribution, recipe_digest, versions
+from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import ABSENT, Code, distribution, versions
 from slider.core.errors import UserError
 from slider.core.files import digest_value
 
 CODE = Code("slider.gait.stage:run", "abc", {"python": "3.11", "casadi": "3.8.2"})
 SECTION = {"gait": {"nodes": 21}, "velocity": [0.2, 0.0]}
-BASE = recipe_digest("gait", SECTION, CODE, {"x": ["1", "2"]})
+
+
+def key(stage, section, code, inputs):
+    return JobSpec(stage, "a job", code, section).key(inputs)
+
+
+BASE = key("gait", SECTION, CODE, {"x": ["1", "2"]})
 
 
 @pytest.mark.parametrize(
     "changed",
     [
-        recipe_digest("gaits", SECTION, CODE, {"x": ["1", "2"]}),
-        recipe_digest("gait", SECTION | {"velocity": [0.2, 0.1]}, CODE, {"x": ["1", "2"]}),
-        recipe_digest("gait", SECTION, Code(CODE.entry, "abd", CODE.versions), {"x": ["1", "2"]}),
-        recipe_digest("gait", SECTION, Code(CODE.entry, "abc", {}), {"x": ["1", "2"]}),
-        recipe_digest("gait", SECTION, CODE, {"x": ["2", "1"]}),
-        recipe_digest("gait", SECTION, CODE, {"y": ["1", "2"]}),
+        key("gaits", SECTION, CODE, {"x": ["1", "2"]}),
+        key("gait", SECTION | {"velocity": [0.2, 0.1]}, CODE, {"x": ["1", "2"]}),
+        key("gait", SECTION, Code(CODE.entry, "abd", CODE.versions), {"x": ["1", "2"]}),
+        key("gait", SECTION, Code(CODE.entry, "abc", {}), {"x": ["1", "2"]}),
+        key("gait", SECTION, CODE, {"x": ["2", "1"]}),
+        key("gait", SECTION, CODE, {"y": ["1", "2"]}),
     ],
 )
 def test_recipe_depends_on_everything_that_may_change_a_result(changed):

@@ -9,9 +9,10 @@ import pytest
 
 from slider.artefacts.current import current_plan
 from slider.artefacts.maintenance import Removed, verify
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan, read_plan, write_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import Store
 from slider.cli import main
 from slider.core import files
 

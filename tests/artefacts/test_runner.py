@@ -148,18 +148,6 @@ def test_corrupt_object_is_dropped_and_computed_again(package, store):
     assert store.is_whole(digest)
 
 
-def test_who_reuses_an_unchecked_result_does_not_call_it_checked(package, store):
-    """An earlier version computed it."""
-    spec = job(package, "first", {"value": 10})
-    Runner(store).run(spec)
-    (entry,) = store.index()
-    values = json.loads(entry.read_text())
-    del values["input_objects"]
-    entry.write_text(json.dumps(values))
-    assert Runner(store).run(spec) == "reused"
-    assert store.read_manifest("first", spec.recipe).input_objects is None
-
-
 def test_a_damaged_result_is_not_reused(package, store):
     spec = job(package, "first", {"value": 10})
     Runner(store).run(spec)

@@ -81,6 +81,17 @@ def test_every_change_is_seen(sealed, folder, change):
     assert not seals.is_whole(digest, folder)
 
 
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_a_torn_seal_is_none(sealed, folder, tmp_path, readings, share):
+    seals, digest = sealed
+    readings.clear()
+    (seal,) = (path for path in (tmp_path / "seals").rglob("*") if path.is_file())
+    text = seal.read_text()
+    seal.write_text(text[: int(share * len(text))])
+    assert seals.is_whole(digest, folder)
+    assert readings == [folder]
+
+
 def test_what_is_as_young_as_its_reading_is_read_again(tmp_path, folder, readings):
     """It could change once more within the same tick and look the same."""
     digest = files.digest_table(files.file_table(folder))

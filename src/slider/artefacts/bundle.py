@@ -8,7 +8,6 @@ that holds what the result came from, so that all commands work in it.
 import shutil
 import subprocess
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from rocrate.rocrate import ROCrate
 from slider.artefacts.lineage.targets import Found
 from slider.artefacts.plan import Plan, write_plan
 from slider.artefacts.recipe import code_of
-from slider.artefacts.store import ARTEFACTS, Store, damaged
+from slider.artefacts.store import ARTEFACTS, Store
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -32,28 +31,18 @@ _TERMS = "https://w3id.org/ro/terms/workflow-run/context"
 _CITATION = "CITATION.cff"
 
 
-@dataclass(frozen=True)
-class Origin:
-    """Where the results come from.
-
-    Attributes:
-        project: folder of the working copy.
-        overrides: of the configuration.
-        command: that leads to the results.
-    """
-
-    project: Path
-    overrides: str
-    command: str
-
-
-def write_bundle(plan: Plan, store: Store, origin: Origin, licence: str, out: Path) -> int:
+def write_bundle(
+    plan: Plan, store: Store, overrides: str, command: str, licence: str, out: Path
+) -> int:
     """Write the targets of ``plan``, all in the store, to the empty folder ``out``.
+
+    The present folder is the working copy.
 
     Args:
         plan: of what the bundle has.
         store: where the results are.
-        origin: working copy and configuration of the results.
+        overrides: of the configuration of the results.
+        command: that leads to the results.
         licence: its URL, or a sentence.
         out: folder.
 
@@ -65,23 +54,23 @@ def write_bundle(plan: Plan, store: Store, origin: Origin, licence: str, out: Pa
     """
     _check_source(plan)
     jobs = {recipe: Found(store, plan, spec) for recipe, spec in plan.jobs.items()}
-    for one in jobs.values():
-        _check_result(one)
-    names = _working_copy(origin.project, out)
+    for spec in plan.jobs.values():
+        store.checked(spec.stage, spec.recipe)
+    names = _working_copy(out)
     _copy_store(jobs.values(), store, Store(out / ARTEFACTS))
     plan_path = write_plan(plan, out / ARTEFACTS / "plans")
     results = list(_copy_results(plan, jobs, store, out))
     crate = ROCrate(version=VERSION)
     crate.metadata.extra_contexts.append(_TERMS)
     _describe_project(crate, names, out, licence)
-    whole = _run(crate, list(jobs.values()), origin)
+    whole = _run(crate, list(jobs.values()), overrides, command)
     whole.append_to(
         "object", _file(crate, plan_path, out, "What each job computes, with what settings")
     )
     whole["result"] = [_file(crate, path, out, text) for path, text in results]
     _describe_jobs(crate, jobs, out)
     crate.metadata.write(out)
-    return sum(facts["size"] for one in jobs.values() for facts in one.result.files.values())
+    return sum(one.result.size for one in jobs.values())
 
 
 def _check_source(plan: Plan) -> None:
@@ -93,22 +82,14 @@ def _check_source(plan: Plan) -> None:
             )
 
 
-def _check_result(one: Found) -> None:
-    digest = one.store.read_manifest(one.job.stage, one.job.recipe).result.object
-    if not one.store.is_whole(digest):
-        raise damaged(one.job.stage, digest)
-
-
-def _working_copy(project: Path, out: Path) -> list[str]:
+def _working_copy(out: Path) -> list[str]:
     """Copy what git tracks, as it is now; list it."""
-    command = ["git", "-C", str(project), "ls-files", "-z"]
     try:
-        answer = subprocess.run(command, capture_output=True, check=True)
+        answer = subprocess.run(["git", "ls-files", "-z"], capture_output=True, check=True)
     except (OSError, subprocess.CalledProcessError):
-        raise UserError(f"expected a git working copy at {project}, found none") from None
-    tracked = answer.stdout.decode().split("\0")
-    for name in filter(None, tracked):
-        source, target = project / name, out / name
+        raise UserError(f"expected a git working copy at {Path()}, found none") from None
+    for name in filter(None, answer.stdout.decode().split("\0")):
+        source, target = Path(name), out / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if source.is_dir():  # a link to a folder, which an archive cannot hold
             shutil.copytree(source, target)
@@ -187,26 +168,23 @@ def _file(crate: ROCrate, path: Path, out: Path, name: str = "") -> Any:
     return crate.add_file(dest_path=place, properties=facts | {"name": name or place})
 
 
-def _run(crate: ROCrate, jobs: Sequence[Found], origin: Origin) -> Any:
+def _run(crate: ROCrate, jobs: Sequence[Found], overrides: str, command: str) -> Any:
     """The action of the whole workflow, from the first job to the last, and its software."""
     workflow: Any = crate.mainEntity
-    versions: dict[str, str] = {}
-    for one in jobs:
-        versions |= one.job.code.versions
+    versions = {name: v for one in jobs for name, v in one.job.code.versions.items()}
     workflow["softwareRequirements"] = [
         _software(crate, f"#package-{name}", name, version)
         for name, version in sorted(versions.items())
     ]
     times = [one.facts[end] for one in jobs for end in ("started", "ended") if end in one.facts]
-    settings = {"name": "overrides", "value": origin.overrides or "none"}
+    settings = {"name": "overrides", "value": overrides or "none"}
     facts = {
         "name": "The whole run",
-        "description": f"`{origin.command}` leads to the results.",
+        "description": f"`{command}` leads to the results.",
         "instrument": workflow,
         "object": [_add(crate, "#overrides", "PropertyValue", settings)],
+        **({"startTime": min(times), "endTime": max(times)} if times else {}),
     }
-    if times:
-        facts |= {"startTime": min(times), "endTime": max(times)}
     run = _add(crate, "#run", "CreateAction", facts)
     crate.root_dataset["mentions"] = [run]
     return run

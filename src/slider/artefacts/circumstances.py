@@ -26,16 +26,26 @@ def revision() -> dict[str, str]:
     return {"commit": commit, "dirty": str(dirty).lower()}
 
 
+def now() -> str:
+    """Time of this moment, to the millisecond."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
 def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:
     """Begin a pipeline run with overrides of the configuration: jobs from here on belong to it."""
-    now = datetime.now(UTC).isoformat(timespec="milliseconds")
-    files.write_atomic(_start_path(artefacts), f"{now}\n{' '.join(map(_quoted, overrides))}\n")
+    files.write_atomic(_start_path(artefacts), f"{now()}\n{' '.join(map(_quoted, overrides))}\n")
 
 
 def _quoted(override: str) -> str:
     """The same for ``--config hydra=``, which takes quotes off both ends: none at the beginning."""
     name, equals, value = override.partition("=")
     return f"{name}={shlex.quote(value)}" if equals and set(value) & set(" \t\n'\"\\") else override
+
+
+def config_option(overrides: str) -> str:
+    """Overrides as a shell needs them behind ``snakemake``; nothing for none."""
+    asked = overrides + " " * overrides.endswith("'")  # Snakemake takes quotes off both ends
+    return f" --config hydra={shlex.quote(asked)}" if overrides else ""
 
 
 def circumstances(artefacts: Path) -> dict[str, str]:

@@ -1,10 +1,19 @@
 """The results of the plan that Snakemake laid out last, for people and their commands."""
 
+import argparse
 from pathlib import Path
 
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, Plan, plan_paths, read_plan
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
+
+
+def add_store_argument(parser: argparse.ArgumentParser) -> None:
+    """Declare the argument that says where the store is."""
+    parser.add_argument(
+        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
+    )
 
 
 def current_plan(store: Store) -> Plan | None:

@@ -32,22 +32,6 @@ def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
 
 
 @contextmanager
-def if_free(folder: Path, name: str) -> Iterator[bool]:
-    """Hold the lock of this name if no other process does; tell whether it is held.
-
-    Raises:
-        UserError: there is no place for a lock file.
-    """
-    with ExitStack() as held:
-        free = True
-        try:
-            held.enter_context(exclusive(folder, name, timeout=0))
-        except Timeout:
-            free = False
-        yield free
-
-
-@contextmanager
 def nobody_else(folder: Path) -> Iterator[None]:
     """Hold every lock at once.
 

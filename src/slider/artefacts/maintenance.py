@@ -1,21 +1,23 @@
-"""Care of the store: list, verify, remove what no recent plan reaches."""
+"""Care of the store: list, verify, date, remove what no recent plan reaches."""
 
+import os
 import shutil
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import NamedTuple
 
 from slider.artefacts.locks import nobody_else
+from slider.artefacts.manifest import Result, readable
 from slider.artefacts.plan import plan_paths, plan_recipes
 from slider.artefacts.recipe import Groups
 from slider.artefacts.repair import drop_unreadable, free_places
-from slider.artefacts.store import Store, readable
+from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 
 
-@dataclass(frozen=True)
-class Kind:
+class Kind(NamedTuple):
     """What the store holds of one stage: manifests, different objects and their size [bytes]."""
 
     stage: str
@@ -49,17 +51,14 @@ class Removed:
 
 def summarise(store: Store) -> list[Kind]:
     """Count manifests, objects and bytes per stage."""
-    sizes: dict[str, dict[str, int]] = {}
-    counts: dict[str, int] = {}
+    stages: dict[str, list[Result]] = {}
     for manifest in filter(None, map(store.usable, store.manifests())):
-        stage, result = manifest.stage, manifest.result
-        counts[stage] = counts.get(stage, 0) + 1
-        size = sum(facts["size"] for facts in result.files.values())
-        sizes.setdefault(stage, {})[result.object] = size
-    return [
-        Kind(stage, counts[stage], len(objects), sum(objects.values()))
-        for stage, objects in sorted(sizes.items())
-    ]
+        stages.setdefault(manifest.stage, []).append(manifest.result)
+    kinds = []
+    for stage, results in sorted(stages.items()):
+        sizes = {result.object: result.size for result in results}
+        kinds.append(Kind(stage, len(results), len(sizes), sum(sizes.values())))
+    return kinds
 
 
 def verify(store: Store) -> Removed:
@@ -74,44 +73,35 @@ def verify(store: Store) -> Removed:
     with nobody_else(store.locks):
         unreadable = _names(store, [*misplaced, *drop_unreadable(store)])
         corrupt = {d for d in _objects(store) if not store.seals.read(d, store.object_folder(d))}
-        removed = _drop(store, corrupt, store.manifests(), checked=True)
-        return replace(removed, unreadable=unreadable)
+        derived = _derived(store, corrupt)
+        for path in derived:
+            path.unlink(missing_ok=True)
+        removed = _drop(store, corrupt, store.manifests())
+        derived = [path for path in derived if path.parent.parent == store.root]
+        return replace(removed, derived=_names(store, derived), unreadable=unreadable)
 
 
 def drop_damaged(store: Store, manifests: Iterable[Path]) -> Removed:
     """Drop of some manifests those without a whole object, reading what may have changed.
 
-    What came from a damaged object is dropped if nobody checked its inputs when it was computed:
-    the others were computed before the damage, and are good again once the object is.
+    What came from a damaged object stays: its inputs were checked when it was computed, so that was
+    before the damage, and it is good again once the object is.
     """
-    named = {path: store.usable(path) for path in manifests if path.is_file()}
-    found = {manifest.result.object for manifest in named.values() if manifest}
-    corrupt = {digest for digest in found if not store.is_whole(digest)}
-    if corrupt:
-        return _drop(store, corrupt, list(named), checked=False)
-    return Removed([], _names(store, store.drop_dangling(list(named))))
+    manifests = list(manifests)
+    found = {manifest.result.object for manifest in map(store.usable, manifests) if manifest}
+    return _drop(store, {digest for digest in found if not store.is_whole(digest)}, manifests)
 
 
-def _drop(store: Store, corrupt: set[str], manifests: list[Path], checked: bool) -> Removed:
-    derived = _derived(store, corrupt, checked)
+def _drop(store: Store, corrupt: set[str], manifests: list[Path]) -> Removed:
     for digest in corrupt:
         store.drop_object(digest)
-    for path in derived:
-        path.unlink(missing_ok=True)
-    store.drop_dangling(store.index())
-    dangling = store.drop_dangling(manifests)
-    derived = [path for path in derived if path.parent.parent == store.root]
-    return Removed(sorted(corrupt), _names(store, dangling), _names(store, derived))
+    if corrupt:
+        store.drop_dangling(store.index())
+    return Removed(sorted(corrupt), _names(store, store.drop_dangling(manifests)))
 
 
-def _derived(store: Store, corrupt: set[str], checked: bool) -> list[Path]:
-    """Manifests and index entries of what was computed from objects, directly or not.
-
-    Args:
-        store: where they are.
-        corrupt: the objects.
-        checked: also those whose inputs were checked when they were computed.
-    """
+def _derived(store: Store, corrupt: set[str]) -> list[Path]:
+    """Manifests and index entries of what was computed from objects, directly or not."""
     known = {path: readable(path) for path in (*store.manifests(), *store.index())}
     left = {path: manifest for path, manifest in known.items() if manifest}
     recipes = {m.recipe for m in left.values() if m.result.object in corrupt}
@@ -121,8 +111,7 @@ def _derived(store: Store, corrupt: set[str], checked: bool) -> list[Path]:
         found = [
             path
             for path, manifest in left.items()
-            if (checked or manifest.input_objects is None)
-            and (_meets(manifest.inputs, recipes) or _meets(manifest.input_objects or {}, corrupt))
+            if _meets(manifest.inputs, recipes) or _meets(manifest.input_objects, corrupt)
         ]
         if not found:
             return sorted(derived)
@@ -132,6 +121,19 @@ def _derived(store: Store, corrupt: set[str], checked: bool) -> list[Path]:
 
 def _meets(groups: Groups, digests: set[str]) -> bool:
     return any(not digests.isdisjoint(group) for group in groups.values())
+
+
+def date_now(store: Store, paths: Iterable[Path]) -> int:
+    """Date files now that are dated later, by the clock of their file system; count them.
+
+    The clock was set back after they were written. What is made from them would else be older,
+    which Snakemake refuses.
+    """
+    now = store.seals.now()
+    late = [path for path in paths if now and path.is_file() and path.stat().st_mtime_ns > now]
+    for path in late:
+        os.utime(path, ns=(now, now))
+    return len(late)
 
 
 def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
@@ -154,7 +156,7 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
                 path.unlink(missing_ok=True)
             for digest in objects:
                 store.drop_object(digest)
-            _drop_dangling(store)
+            store.drop_dangling([*store.index(), *store.manifests()])
             _drop_litter(store, recipes)
         return Removed(objects, _names(store, manifests))
 
@@ -171,12 +173,6 @@ def _drop_litter(store: Store, recipes: set[str]) -> None:
     for path in (*store.root.glob("logs/*/*.log"), *store.root.glob("*/*.run.json")):
         if path.name.partition(".")[0] not in recipes:
             path.unlink(missing_ok=True)
-
-
-def _drop_dangling(store: Store) -> list[Path]:
-    """Drop index entries and manifests whose object is gone; list the manifests."""
-    store.drop_dangling(store.index())
-    return store.drop_dangling(store.manifests())
 
 
 def _names(store: Store, paths: Iterable[Path]) -> list[str]:

@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.recipe import Code, Groups, recipe_digest
+from slider.artefacts.recipe import Code, Groups
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -60,8 +60,14 @@ class JobSpec:
         return {"stage": self.stage, "label": self.label, "recipe": self.recipe}
 
     def key(self, inputs: Groups) -> str:
-        """Key of the index, from the objects of the inputs; from their recipes the recipe."""
-        return recipe_digest(self.stage, self.section, self.code, inputs)
+        """From the recipes of the inputs the recipe: it names a result before it exists.
+
+        From their objects the key of the index: what counts there is the content of the inputs,
+        not the way in which they came about.
+        """
+        code = [self.code.entry, self.code.source, self.code.versions]
+        groups = {name: list(digests) for name, digests in inputs.items()}
+        return files.digest_value([self.stage, self.section, *code, groups])
 
 
 @dataclass(frozen=True)
@@ -74,11 +80,6 @@ class Plan:
 
 def build_plan(targets: Mapping[str, JobSpec]) -> Plan:
     """Collect the jobs that the targets need."""
-    return Plan(_needed(*targets.values()), {name: job.recipe for name, job in targets.items()})
-
-
-def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
-    """The targets and all that they need, inputs first."""
     jobs: dict[str, JobSpec] = {}
 
     def visit(job: JobSpec) -> None:
@@ -88,18 +89,14 @@ def _needed(*targets: JobSpec) -> dict[str, JobSpec]:
             visit(item)
         jobs[job.recipe] = job
 
-    for target in targets:
+    for target in targets.values():
         visit(target)
-    return jobs
+    return Plan(jobs, {name: job.recipe for name, job in targets.items()})
 
 
 def plan_path(plan: Plan, folder: Path) -> Path:
     """File of a plan, named by its content."""
-    return _path_of(files.canonical(_to_values(plan)), folder)
-
-
-def _path_of(text: str, folder: Path) -> Path:
-    return folder / f"{files.digest_text(text)}.json"
+    return folder / f"{files.digest_value(_to_values(plan))}.json"
 
 
 def plan_paths(folder: Path) -> list[Path]:
@@ -110,7 +107,7 @@ def plan_paths(folder: Path) -> list[Path]:
 def write_plan(plan: Plan, folder: Path) -> Path:
     """Write a plan under the digest of its content, if it is not there whole, as the latest."""
     text = files.canonical(_to_values(plan))
-    path = _path_of(text, folder)
+    path = folder / f"{files.digest_text(text)}.json"
     if not path.is_file() or path.read_bytes() != f"{text}\n".encode():
         files.write_atomic(path, f"{text}\n")
     os.utime(path)
@@ -145,8 +142,16 @@ def plan_recipes(path: Path) -> set[str]:
 
 
 def _to_values(plan: Plan) -> dict[str, Any]:
-    """Plain values. Parts of sections are stored once: all gaits share all but the velocity."""
-    part_of = _PartDigests()
+    """Plain values. Parts of sections are digested and stored once: gaits share most of theirs."""
+    parts: dict[str, Any] = {}
+    known: dict[int, str] = {}  # the plan keeps all values alive: an id stays that of one value
+
+    def part_of(value: Any) -> str:
+        if id(value) not in known:
+            known[id(value)] = files.digest_value(value)[:16]
+            parts[known[id(value)]] = value
+        return known[id(value)]
+
     codes = {job.code.entry: asdict(job.code) for job in plan.jobs.values()}
     sources = {code["source"]: code.pop("parts") for code in codes.values()}
     jobs = {}
@@ -165,25 +170,9 @@ def _to_values(plan: Plan) -> dict[str, Any]:
         "targets": dict(plan.targets),
         "codes": codes,
         "sources": sources,
-        "parts": part_of.values,
+        "parts": parts,
         "jobs": jobs,
     }
-
-
-class _PartDigests:
-    """Name parts by their content; a part that many jobs share is digested once."""
-
-    def __init__(self) -> None:
-        self.values: dict[str, Any] = {}
-        self._known: dict[int, str] = {}
-
-    def __call__(self, value: Any) -> str:
-        if id(value) not in self._known:
-            digest = files.digest_value(value)[:16]
-            # The plan keeps all values alive, so that an id stays that of one value.
-            self.values.setdefault(digest, value)
-            self._known[id(value)] = digest
-        return self._known[id(value)]
 
 
 def _from_values(values: Mapping[str, Any]) -> Plan:

@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Any
 
 import slider
 from slider.artefacts.source.closure import closure
 from slider.core.errors import UserError
-from slider.core.files import digest_value
 
 SOURCE_ROOT = Path(slider.__file__).parent.parent
 ABSENT = "absent"
@@ -45,16 +43,6 @@ def code_of(entry: str, root: Path = SOURCE_ROOT) -> Code:
     return Code(entry, found.digest, versions(found.third_party), found.parts)
 
 
-def recipe_digest(stage: str, section: Any, code: Code, inputs: Groups) -> str:
-    """Name a result before it exists; ``inputs`` holds the recipes of the inputs.
-
-    With the digests of the inputs' objects in their place it is the key of the index: what
-    counts there is the content of the inputs, not the way in which they came about.
-    """
-    groups = {name: list(digests) for name, digests in inputs.items()}
-    return digest_value([stage, section, code.entry, code.source, code.versions, groups])
-
-
 def versions(packages: Sequence[str]) -> dict[str, str]:
     """Version of Python (major.minor) and of each importable top-level package, sorted.
 
@@ -64,13 +52,8 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
         UserError: a package can be imported, but no distribution owns up to it.
     """
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    return {"python": python} | {name: _version(name) for name in sorted(packages)}
-
-
-@cache
-def _version(package: str) -> str:
-    found = distribution(package)
-    return found.version if found else ABSENT
+    found = {name: distribution(name) for name in sorted(packages)}
+    return {"python": python} | {name: d.version if d else ABSENT for name, d in found.items()}
 
 
 @cache

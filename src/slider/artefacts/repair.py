@@ -1,13 +1,13 @@
 """Repair of what surrounds the objects: places, locks, plans, entries and notes nobody can read."""
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
+from slider.artefacts.manifest import parse_manifest, readable
 from slider.artefacts.plan import plan_recipes
-from slider.artefacts.store import Store, parse_manifest
+from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -41,46 +41,34 @@ def drop_unreadable(store: Store) -> list[Path]:
 
     Whoever needs one writes it again.
     """
-    return _removed(
-        path for paths, read in _readers(store) for path in paths if not _is_readable(path, read)
-    )
+    checks: dict[Callable[[Path], bool], Iterable[Path]] = {
+        _is_plan: (store.root / "plans").glob("*.json"),
+        _is_manifest: store.manifests(),
+        lambda path: readable(path) is not None: store.index(),
+        lambda path: isinstance(files.read_json(path), dict): store.root.glob("*/*.run.json"),
+        lambda path: path.read_text("utf-8") is not None: (store.root / "current").glob("*"),
+    }
+    wrong = [p for check, paths in checks.items() for p in sorted(paths) if not _passes(check, p)]
+    return _removed(wrong)
 
 
-def _readers(store: Store) -> Iterator[tuple[list[Path], Callable[[Path], Any]]]:
-    yield sorted((store.root / "plans").glob("*.json")), _read_plan
-    yield store.manifests(), _read_manifest
-    yield store.index(), parse_manifest
-    yield sorted(store.root.glob("*/*.run.json")), _read_facts
-    yield sorted((store.root / "current").glob("*")), lambda path: path.read_text("utf-8")
+def _is_plan(path: Path) -> bool:
+    return plan_recipes(path) is not None and files.digest_value(files.read_json(path)) == path.stem
 
 
-def _read_plan(path: Path) -> None:
-    plan_recipes(path)
-    if files.digest_value(files.read_json(path)) != path.stem:
-        raise ValueError("expected the plan that the name says")
-
-
-def _read_manifest(path: Path) -> None:
+def _is_manifest(path: Path) -> bool:
     found = parse_manifest(path)
-    if (found.stage, found.recipe) != (path.parent.name, path.stem):
-        raise ValueError("expected the manifest that the name says")
+    return (found.stage, found.recipe) == (path.parent.name, path.stem)
 
 
-def _read_facts(path: Path) -> None:
-    if not isinstance(files.read_json(path), dict):
-        raise ValueError("expected facts by name")
-
-
-def _is_readable(path: Path, read: Callable[[Path], Any]) -> bool:
+def _passes(check: Callable[[Path], bool], path: Path) -> bool:
     try:
-        read(path)
+        return check(path)
     except (OSError, ValueError, UserError):
         return False
-    return True
 
 
-def _removed(found: Iterator[Path] | list[Path]) -> list[Path]:
-    paths = list(found)
+def _removed(paths: list[Path]) -> list[Path]:
     for path in paths:
         if path.is_dir() and not path.is_symlink():
             shutil.rmtree(path)

@@ -1,6 +1,7 @@
 """Run one job of a plan: reuse a known result or compute, publish, then write the manifest."""
 
 import copy
+import gc
 import importlib
 import os
 import resource
@@ -8,16 +9,16 @@ import shutil
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.circumstances import circumstances
-from slider.artefacts.forecast.times import note
+from slider.artefacts.circumstances import circumstances, now
+from slider.artefacts.forecast.times import kind, size
 from slider.artefacts.locks import exclusive
+from slider.artefacts.manifest import Manifest, Result
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of
-from slider.artefacts.store import Manifest, Result, Store, damaged
+from slider.artefacts.store import Store
 from slider.core import files, numerics
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Tracker
@@ -45,7 +46,11 @@ class Runner:
                 libraries have other kernels here.
         """
         with exclusive(self.store.locks, spec.recipe):
-            inputs, found = spec.input_recipes, self._inputs(spec)
+            inputs = spec.input_recipes
+            found = {
+                name: [self.store.checked(job.stage, job.recipe).result.object for job in jobs]
+                for name, jobs in spec.inputs.items()
+            }
             key = spec.key(found)
             known = self.store.known(key)
             if known is None:
@@ -60,26 +65,18 @@ class Runner:
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
         return outcome
 
-    def _inputs(self, spec: JobSpec) -> dict[str, list[str]]:
-        """Objects of the inputs, whole at this moment."""
-        return {name: [self._input(job) for job in jobs] for name, jobs in spec.inputs.items()}
-
-    def _input(self, job: JobSpec) -> str:
-        digest = self.store.read_manifest(job.stage, job.recipe).result.object
-        if not self.store.is_whole(digest):
-            raise damaged(job.stage, digest)
-        return digest
-
     def _compute(self, spec: JobSpec, found: Mapping[str, list[str]]) -> Result:
-        watch = _Watch()  # before the imports: they are part of what a job costs
+        watch = _watch()  # before the imports: they are part of what a job costs
         limit_threads(self.threads)
         keep_freed_memory()
         section = copy.deepcopy(dict(spec.section))
         chosen = section.pop("numerics", {})
         numerics.impose(chosen)
-        os.environ.setdefault("NUMBA_CACHE_DIR", str(self.store.cache_folder("compiled")))
+        for compiler in ("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"):
+            os.environ.setdefault(compiler, str(self.store.cache_folder("compiled")))
         function = _load(spec)
         numerics.check(chosen)
+        gc.freeze()  # what was imported stays: the collector need not look at it again and again
         job = self._job(spec)
         tracker = job.tracker
         try:
@@ -95,7 +92,9 @@ class Runner:
             if isinstance(tracker, JournalTracker):
                 tracker.end(FAILED, {})
             raise
-        self._note_computed(spec, job, watch)
+        facts = {**job.volatile, **watch(), "computed": True, "threads": self.threads}
+        facts |= {"kind": kind(spec), "size": size(spec)}
+        files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
         if isinstance(tracker, JournalTracker):
             noted = {f"volatile/{name}": value for name, value in _numbers(job.volatile).items()}
             tracker.log_metrics(_numbers(summary) | noted, 0)
@@ -115,49 +114,42 @@ class Runner:
     def _job(self, spec: JobSpec) -> Job:
         work = self.store.work_folder(spec.stage, spec.recipe)
         work.mkdir(parents=True, exist_ok=True)
-        known = {name: [self._sidecar(job) for job in jobs] for name, jobs in spec.inputs.items()}
-        tracker = _open_tracker(self.store.root, spec)
-        facts = circumstances(self.store.root)
         code = files.digest_value([spec.code.entry, spec.code.source, spec.code.versions])
-        cache = self.store.cache_folder(code)
-        waiting = self.waiting
-        return Job(work, self.threads, tracker, self.progress, facts, cache, waiting, known)
+        return Job(
+            work,
+            self.threads,
+            _open_tracker(self.store.root, spec),
+            self.progress,
+            circumstances(self.store.root),
+            self.store.cache_folder(code),
+            self.waiting,
+            {name: [self._sidecar(job) for job in jobs] for name, jobs in spec.inputs.items()},
+        )
 
     def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
         return self.store.facts(spec.stage, spec.recipe)
-
-    def _note_computed(self, spec: JobSpec, job: Job, watch: "_Watch") -> None:
-        facts = {**job.volatile, **watch.facts(), "computed": True, "threads": self.threads}
-        facts |= note(spec)
-        files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 
     def _note_reuse(self, spec: JobSpec, known: Manifest) -> None:
         """Keep the facts of the job that computed the result beside the recipe that reuses it."""
         if known.recipe == spec.recipe:
             return
         origin = self.store.facts(known.stage, known.recipe)
-        facts = origin | {"computed": False, "reused_from": known.recipe, "started": _now()}
+        facts = origin | {"computed": False, "reused_from": known.recipe, "started": now()}
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 
 
-class _Watch:
-    """Times and load of one computation."""
-
-    def __init__(self) -> None:
-        self._started = _now()
-        self._wall = time.perf_counter()
-        self._cpu = _cpu_seconds()
-        self._load = os.getloadavg()[0]
-
-    def facts(self) -> dict[str, Any]:
-        return {
-            "started": self._started,
-            "ended": _now(),
-            "wall_s": round(time.perf_counter() - self._wall, 3),
-            "cpu_s": round(_cpu_seconds() - self._cpu, 3),
-            "load_1min_at_start": round(self._load, 2),
-            "machine": machine(),
-        }
+def _watch() -> Callable[[], dict[str, Any]]:
+    """Begin to watch a computation; the answer tells its times and load until then."""
+    started, wall, cpu = now(), time.perf_counter(), _cpu_seconds()
+    load = os.getloadavg()[0]
+    return lambda: {
+        "started": started,
+        "ended": now(),
+        "wall_s": round(time.perf_counter() - wall, 3),
+        "cpu_s": round(_cpu_seconds() - cpu, 3),
+        "load_1min_at_start": round(load, 2),
+        "machine": machine(),
+    }
 
 
 def _load(spec: JobSpec) -> StageFunction:
@@ -209,7 +201,3 @@ def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
 def _cpu_seconds() -> float:
     usages = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(usage.ru_utime + usage.ru_stime for usage in usages)
-
-
-def _now() -> str:
-    return datetime.now(UTC).isoformat(timespec="milliseconds")

@@ -16,9 +16,6 @@ from slider.core import files
 
 _TICK = 2_000_000_000  # of the coarsest clock of a file system [ns]
 
-Look = tuple[str, int, int, int, int]
-"""Path, inode, size [bytes], times of the last change of content and of inode [ns]."""
-
 
 @dataclass(frozen=True)
 class Seals:
@@ -29,7 +26,7 @@ class Seals:
     def is_whole(self, digest: str, folder: Path) -> bool:
         """Tell whether a folder's content has its name; read it only if it may have changed."""
         try:
-            if self._path(digest).read_text() == _text(_looks(folder)):
+            if self._path(digest).read_text() == _look(folder)[0]:
                 return True
         except (OSError, ValueError):
             pass
@@ -38,21 +35,24 @@ class Seals:
     def read(self, digest: str, folder: Path) -> bool:
         """Read a folder, tell whether its content has its name, and seal it if so."""
         try:
-            looks, now = _looks(folder), self.now()
+            (look, changed), now = _look(folder), self.now()
             whole = files.digest_table(files.file_table(folder)) == digest
         except (OSError, ValueError):
             return False
-        if whole and all(max(look[-2:]) < now - _TICK for look in looks):
-            self._write(digest, _text(looks))
+        if whole and changed < now - _TICK:
+            self._write(digest, look)
         return whole
 
     def drop(self, digest: str) -> None:
         """Forget an object."""
         self._path(digest).unlink(missing_ok=True)
 
-    def _write(self, digest: str, text: str) -> None:
+    def _write(self, digest: str, look: str) -> None:
+        """Write at once, neither whole nor on the disk for sure: what is torn matches nothing."""
         with suppress(OSError):  # no space, or not ours: the next one reads the object again
-            files.write_atomic(self._path(digest), text)
+            path = self._path(digest)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(look)
 
     def now(self) -> int:
         """Time by the clock of the store's file system [ns]; 0, before all files, without one."""
@@ -67,11 +67,14 @@ class Seals:
         return self.root / digest[:2] / digest
 
 
-def _looks(folder: Path) -> list[Look]:
-    return sorted(_walk(str(folder), ""))
+def _look(folder: Path) -> tuple[str, int]:
+    """Inode, size, times and path of each file, as a text; the latest of the times [ns]."""
+    found = sorted(_walk(str(folder), ""))
+    text = "".join(f"{' '.join(map(str, numbers))} {name}\n" for name, *numbers in found)
+    return text, max((max(look[-2:]) for look in found), default=0)
 
 
-def _walk(folder: str, prefix: str) -> Iterator[Look]:
+def _walk(folder: str, prefix: str) -> Iterator[tuple[str, int, int, int, int]]:
     with os.scandir(folder) as entries:
         for entry in entries:
             if entry.is_dir(follow_symlinks=False):
@@ -80,7 +83,3 @@ def _walk(folder: str, prefix: str) -> Iterator[Look]:
                 found = entry.stat(follow_symlinks=False)
                 times = found.st_mtime_ns, found.st_ctime_ns
                 yield f"{prefix}{entry.name}", found.st_ino, found.st_size, *times
-
-
-def _text(looks: list[Look]) -> str:
-    return "".join(f"{' '.join(map(str, numbers))} {name}\n" for name, *numbers in looks)

@@ -8,48 +8,24 @@ is written: whatever is visible is whole, whenever a process dies.
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.manifest import (
+    Manifest,
+    Result,
+    damaged,
+    parse_manifest,
+    plain_manifest,
+    readable,
+)
 from slider.artefacts.seals import Seals
 from slider.core import files
-from slider.core.errors import UserError
-from slider.core.files import FileTable
 
-SCHEMA = 1
 ARTEFACTS = "artefacts"
-
-
-@dataclass(frozen=True)
-class Result:
-    """What a stage produced: the object, its files and a few deterministic facts.
-
-    ``resumed`` is the one trace of a run's history that is kept here: a training that was resumed
-    from a checkpoint is not bit-equal to an uninterrupted one, and who uses it must know.
-    """
-
-    object: str
-    files: FileTable
-    summary: dict[str, Any]
-    resumed: bool = False
-
-
-@dataclass(frozen=True)
-class Manifest:
-    """The result of a recipe and the recipes of its inputs. Holds nothing volatile.
-
-    ``input_objects`` are the inputs' objects, whose content was checked before it was computed
-    from them; ``None`` where an earlier version of this package did not check.
-    """
-
-    stage: str
-    recipe: str
-    inputs: Mapping[str, Sequence[str]]
-    result: Result
-    input_objects: Mapping[str, Sequence[str]] | None = None
 
 
 @dataclass(frozen=True)
@@ -149,7 +125,9 @@ class Store:
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""
-        _write(self.manifest_path(manifest.stage, manifest.recipe), manifest)
+        files.write_json(
+            self.manifest_path(manifest.stage, manifest.recipe), plain_manifest(manifest)
+        )
 
     def read_manifest(self, stage: str, recipe: str) -> Manifest:
         """Read the manifest of a recipe.
@@ -163,6 +141,11 @@ class Store:
         """Every manifest of the store."""
         found = self.root.glob("*/" + "[0-9a-f]" * 64 + ".json")
         return sorted(path for path in found if path.parent.name not in ("plans", "sources"))
+
+    def mentioning(self, text: str) -> list[Manifest]:
+        """Manifests of ours in which a text stands, such as the digest of a file."""
+        paths = (path for path in self.manifests() if text in path.read_text(errors="replace"))
+        return [manifest for manifest in map(readable, paths) if manifest]
 
     def index_path(self, key: str) -> Path:
         """File of the index behind the early cut-off: the first manifest of a key."""
@@ -178,7 +161,7 @@ class Store:
         A recipe names the way to a result, down to the recipes of the inputs; a key names their
         contents. After a refactoring that leaves these as they were, recipes differ, keys do not.
         """
-        _write(self.index_path(key), manifest)
+        files.write_json(self.index_path(key), plain_manifest(manifest))
 
     def known(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
@@ -187,10 +170,21 @@ class Store:
     def usable(self, path: Path) -> Manifest | None:
         """A manifest whose object is there with all files in their sizes."""
         manifest = readable(path)
-        return manifest if manifest and self._has(manifest.result) else None
+        if manifest is None:
+            return None
+        folder = self.object_folder(manifest.result.object)
+        return manifest if files.has_files(folder, manifest.result.files) else None
 
-    def _has(self, result: Result) -> bool:
-        return files.has_files(self.object_folder(result.object), result.files)
+    def checked(self, stage: str, recipe: str) -> Manifest:
+        """Manifest of a recipe, whose object is whole at this moment.
+
+        Raises:
+            UserError: there is none, or its object is damaged.
+        """
+        found = self.read_manifest(stage, recipe)
+        if not self.is_whole(found.result.object):
+            raise damaged(stage, found.result.object)
+        return found
 
     def whole(self, stage: str, recipe: str) -> Manifest | None:
         """Manifest of a recipe, if its object is whole."""
@@ -206,74 +200,3 @@ class Store:
         for path in dropped:
             path.unlink(missing_ok=True)
         return dropped
-
-
-def damaged(stage: str, digest: str) -> UserError:
-    """What is said of a result whose content is not what its name says."""
-    return UserError(
-        f"expected the {stage} result {digest[:12]} whole, "
-        "found it damaged: run `slider store verify`"
-    )
-
-
-def parse_manifest(path: Path) -> Manifest:
-    """Read a manifest file.
-
-    Raises:
-        UserError: there is none, or it is not one of ours.
-    """
-    try:
-        return manifest_from(files.read_json(path))
-    except FileNotFoundError:
-        raise UserError(f"expected a manifest, found none at {path}") from None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        raise UserError(f"expected a manifest, found something else in {path}") from None
-
-
-def readable(path: Path) -> Manifest | None:
-    """A manifest file, if it is one of ours."""
-    try:
-        return parse_manifest(path)
-    except UserError:
-        return None
-
-
-def manifest_from(values: Any) -> Manifest:
-    """The manifest of plain values.
-
-    Raises:
-        ValueError, KeyError, TypeError, AttributeError: they are none of ours.
-    """
-    result = Result(
-        values["object"], values["files"], values["summary"], values.get("resumed", False)
-    )
-    found = values.get("input_objects")
-    manifest = Manifest(values["stage"], values["recipe"], values["inputs"], result, found)
-    typed = (
-        (result.files, dict),
-        (result.summary, dict),
-        (result.resumed, bool),
-        (manifest.stage, str),
-        (manifest.recipe, str),
-        *((facts["size"], int) for facts in result.files.values()),
-    )
-    groups = (manifest.inputs, {} if found is None else found)
-    if any(type(value) is not kind for value, kind in typed) or not all(map(_is_groups, groups)):
-        raise TypeError("expected tables and names")
-    if files.digest_table(result.files) != result.object:
-        raise ValueError("expected the files of the object")
-    return manifest
-
-
-def _is_groups(values: Any) -> bool:
-    """Tell whether a value is names with lists of digests."""
-    lists = list(values.values()) if isinstance(values, dict) else [None]
-    return all(isinstance(group, list) and all(type(d) is str for d in group) for group in lists)
-
-
-def _write(path: Path, manifest: Manifest) -> None:
-    values = {"schema": SCHEMA, **asdict(manifest)}
-    values |= values.pop("result")
-    absent = {"resumed": False, "input_objects": None}
-    values = {k: v for k, v in values.items() if k not in absent or v != absent[k]}
-    files.write_json(path, values)

@@ -5,9 +5,10 @@ from pathlib import Path
 import pytest
 
 from slider.artefacts.forecast.reuse import reused_ahead
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
-from slider.artefacts.recipe import Code, recipe_digest
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.recipe import Code
+from slider.artefacts.store import Store
 
 
 def job(stage: str, source: str, **inputs: JobSpec) -> JobSpec:
@@ -22,7 +23,7 @@ def compute(store: Store, spec: JobSpec, content: str, *objects: str) -> str:
         result = store.publish(folder, {})
     found = {name: [objects[k]] for k, name in enumerate(spec.inputs)}
     manifest = Manifest(spec.stage, spec.recipe, {}, result, found)
-    store.remember(recipe_digest(spec.stage, spec.section, spec.code, found), manifest)
+    store.remember(spec.key(found), manifest)
     store.write_manifest(manifest)
     return result.object
 

@@ -57,13 +57,17 @@ def test_a_job_without_work_takes_as_long_as_an_earlier_one():
     assert Times([], [Row("baseline hzd", 0.0, 3.0)]).seconds(evaluation("hzd", 9)) == START + 3.0
 
 
+def note(job) -> dict:
+    return {"kind": times.kind(job), "size": times.size(job)}
+
+
 def test_the_store_remembers_what_was_computed_and_no_load(tmp_path):
     store, jobs = Store(tmp_path), [evaluation("hzd", robots) for robots in range(1, 6)]
     facts = [
-        {"computed": True, "wall_s": 90.0, "cpu_s": 60.0, **times.note(jobs[0])},
-        {"computed": False, "wall_s": 1.0, "cpu_s": 1.0, **times.note(jobs[1])},
+        {"computed": True, "wall_s": 90.0, "cpu_s": 60.0, **note(jobs[0])},
+        {"computed": False, "wall_s": 1.0, "cpu_s": 1.0, **note(jobs[1])},
         {"computed": True, "wall_s": 1.0, "cpu_s": 1.0},  # of an earlier version
-        {"computed": True, "wall_s": 50.0, "cpu_s": 95.0, **times.note(jobs[3])},  # two threads
+        {"computed": True, "wall_s": 50.0, "cpu_s": 95.0, **note(jobs[3])},  # two threads
     ]
     texts = [*map(json.dumps, facts), "[3"]
     for job, text in zip(jobs, texts, strict=True):

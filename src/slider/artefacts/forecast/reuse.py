@@ -2,8 +2,9 @@
 
 from collections.abc import Set
 
+from slider.artefacts.manifest import readable
 from slider.artefacts.plan import Plan
-from slider.artefacts.store import Store, readable
+from slider.artefacts.store import Store
 
 
 def reused_ahead(plan: Plan, store: Store, needed: Set[str]) -> set[str]:

@@ -9,6 +9,7 @@ import heapq
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from graphlib import TopologicalSorter
 
 _TRUST = 20.0  # seconds of finished jobs of a kind that weigh as much as the expectation
 _ODD = 2.0  # a kind that deviates by more says no more of the others
@@ -100,11 +101,13 @@ class Forecast:
         running = [(self._rest(recipe, now, pace), recipe) for recipe in self.running]
         heapq.heapify(running)
         free = self.cores - sum(self.works[recipe].threads for _, recipe in running)
-        missing, users = self._graph()
-        ready = [(-self.works[r].priority, r) for r, count in missing.items() if not count]
-        heapq.heapify(ready)
+        order = self._order()
+        ready: list[tuple[float, str]] = []
         at = 0.0
         while True:
+            for recipe in order.get_ready():
+                if recipe not in self._began:
+                    heapq.heappush(ready, (-self.works[recipe].priority, recipe))
             waiting = []
             while ready and free > 0:
                 urgency, recipe = heapq.heappop(ready)
@@ -120,23 +123,16 @@ class Forecast:
                 return at
             at, recipe = heapq.heappop(running)
             free += min(self.works[recipe].threads, self.cores)
-            for user in users.get(recipe, ()):
-                missing[user] -= 1
-                if not missing[user]:
-                    heapq.heappush(ready, (-self.works[user].priority, user))
+            order.done(recipe)
 
-    def _graph(self) -> tuple[dict[str, int], dict[str, list[str]]]:
-        """Of the jobs that did not begin, how many inputs are missing; who waits for a job."""
-        missing: dict[str, int] = {}
-        users: dict[str, list[str]] = {}
-        for recipe, work in self.works.items():
-            if recipe in self._began:
-                continue
-            awaited = {r for r in work.inputs if r in self.works and r not in self._took}
-            missing[recipe] = len(awaited)
-            for r in awaited:
-                users.setdefault(r, []).append(recipe)
-        return missing, users
+    def _order(self) -> TopologicalSorter[str]:
+        """The jobs that did not end, each after its inputs; those that run wait for none."""
+        left = {r: work.inputs for r, work in self.works.items() if r not in self._took}
+        order = TopologicalSorter(
+            {r: () if r in self._began else left.keys() & inputs for r, inputs in left.items()}
+        )
+        order.prepare()
+        return order
 
     def _pace(self) -> dict[str, float]:
         """Of each kind, how many times as long as expected its jobs take in this run.

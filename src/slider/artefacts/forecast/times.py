@@ -63,11 +63,6 @@ def _number(section: Mapping[str, Any], key: str) -> float:
     return value if isinstance(value, int | float) else 1.0
 
 
-def note(job: JobSpec) -> dict[str, Any]:
-    """What is noted beside a result, so that later runs can tell how long a job will take."""
-    return {"kind": kind(job), "size": size(job)}
-
-
 @dataclass(frozen=True)
 class Row:
     """Mean seconds of the jobs of a kind and size."""

@@ -1,11 +1,11 @@
 """A result and all that it was made from, jobs of one stage together."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from slider.artefacts.lineage.targets import Found
-from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.plan import build_plan
 
 
 @dataclass(frozen=True)
@@ -15,10 +15,14 @@ class Step:
     ``known`` says that an earlier step of the tree has the same jobs, with what is before them.
     """
 
-    stage: str
-    made: tuple[Found, ...]
-    inputs: list["Step"] = field(default_factory=list)
+    made: Sequence[Found]
+    inputs: Sequence["Step"] = ()
     known: bool = False
+
+    @property
+    def stage(self) -> str:
+        """The stage of its jobs."""
+        return self.made[0].job.stage
 
 
 def steps(found: Found) -> Step:
@@ -27,24 +31,22 @@ def steps(found: Found) -> Step:
 
 
 def _step(made: Sequence[Found], seen: set[frozenset[str]]) -> Step:
-    step = Step(made[0].job.stage, tuple(made))
     recipes = frozenset(one.job.recipe for one in made)
     if recipes in seen:
-        return Step(step.stage, step.made, known=True)
+        return Step(made, known=True)
     seen.add(recipes)
     groups: dict[str, dict[str, Found]] = {}
     for one in made:
         for item in one.inputs:
             groups.setdefault(item.job.stage, {})[item.job.recipe] = item
-    step.inputs.extend(_step([*group.values()], seen) for group in groups.values())
-    return step
+    return Step(made, [_step([*group.values()], seen) for group in groups.values()])
 
 
 def everything(found: Found) -> dict[str, Any]:
     """All that is known of a result, and its ancestors by recipe, as plain values."""
     result = found.manifest.result if found.manifest else None
     code = asdict(found.job.code)
-    ancestors: Sequence[JobSpec] = [*build_plan({found.name: found.job}).jobs.values()]
+    ancestors = build_plan({found.name: found.job}).jobs.values()
     return {
         "name": found.name,
         **_plain(found),

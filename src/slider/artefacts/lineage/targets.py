@@ -10,8 +10,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.manifest import Manifest, Result, readable
 from slider.artefacts.plan import JobSpec, Plan, plan_paths, read_plan
-from slider.artefacts.store import ARTEFACTS, Manifest, Result, Store, readable
+from slider.artefacts.store import ARTEFACTS, Store
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -140,7 +141,7 @@ def _by_file(text: str, store: Store) -> set[str]:
         return {match[1]}
     if not os.path.isfile(text):
         return set()
-    found = _mentioning(files.digest_file(Path(text)), store)
+    found = store.mentioning(files.digest_file(Path(text)))
     if not found:
         raise UserError(
             f"expected {text} to be a file of a result in {store.root}, found none with its content"
@@ -156,13 +157,8 @@ def _by_digest(text: str, plans: Sequence[Plan], store: Store) -> set[str]:
     if len(recipes) > 1:
         listed = ", ".join(sorted(recipes)[:_LISTED])
         raise UserError(f"'{text}' may be {listed}: more digits tell")
-    found = () if recipes else _mentioning(f'"{text}', store)
+    found = () if recipes else store.mentioning(f'"{text}')
     return recipes or {m.recipe for m in found if m.result.object.startswith(text)}
-
-
-def _mentioning(text: str, store: Store) -> list[Manifest]:
-    paths = (path for path in store.manifests() if text in path.read_text(errors="replace"))
-    return [manifest for manifest in map(readable, paths) if manifest]
 
 
 def _candidates(jobs: Sequence[JobSpec], plan: Plan) -> str:

@@ -1,6 +1,7 @@
 """Lineage in words."""
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -45,9 +46,9 @@ def _object(one: Found) -> str:
     if one.manifest is None:
         return "none: not computed"
     result = one.manifest.result
-    size = sum(facts["size"] for facts in result.files.values())
     resumed = ", of a resumed training" if result.resumed else ""
-    return f"{result.object}, {_plural(len(result.files), 'file')}, {size / 1e3:.1f} kB{resumed}"
+    number = _plural(len(result.files), "file")
+    return f"{result.object}, {number}, {result.size / 1e3:.1f} kB{resumed}"
 
 
 def _noted(facts: Mapping[str, Any]) -> dict[str, str]:
@@ -116,7 +117,7 @@ def _digests(step: Step) -> tuple[str, str]:
     if len(step.made) > 1:
         objects = {one.object for one in step.made} - {None}
         return f"{len(step.made)} recipes", f"{len(objects)} objects"
-    one = next(iter(step.made))
+    one = step.made[0]
     return one.job.recipe[:SHORT], (one.object or "")[:SHORT]
 
 
@@ -132,13 +133,12 @@ def differing(differences: Sequence[Difference]) -> Iterator[str]:
 
 def waiting(jobs: Sequence[Pending]) -> Iterator[str]:
     """A line per stage and reason."""
-    counts: dict[tuple[str, str], int] = {}
+    counts: Counter[tuple[str, str]] = Counter()
     for one in jobs:
         inputs = f"input{'s' * (len(one.inputs) > 1)} {', '.join(one.inputs)}"
         reasons = [*_texts(one.causes), *([inputs] if one.inputs else [])]
         text = one.state or "; ".join(reasons) or "its inputs in another order"
-        line = one.job.stage, text + " (reused: content known)" * one.reused
-        counts[line] = counts.get(line, 0) + 1
+        counts[one.job.stage, text + " (reused: content known)" * one.reused] += 1
     yield from (f"  {_count(stage, n)}: {text}" for (stage, text), n in counts.items())
 
 
@@ -155,10 +155,7 @@ def _texts(causes: Iterable[Cause]) -> Iterator[str]:
 
 
 def _stages(jobs: Iterable[JobSpec]) -> list[str]:
-    counts: dict[str, int] = {}
-    for job in jobs:
-        counts[job.stage] = counts.get(job.stage, 0) + 1
-    return [_count(stage, n) for stage, n in counts.items()]
+    return [_count(stage, n) for stage, n in Counter(job.stage for job in jobs).items()]
 
 
 def _count(name: str, number: int) -> str:

@@ -7,6 +7,7 @@ only what the table of a manifest lists is unpacked, and its content must have t
 import shutil
 import tarfile
 from pathlib import Path, PurePosixPath
+from typing import IO
 
 from slider.core import files
 from slider.core.files import FileTable
@@ -50,25 +51,21 @@ def unpack(archive: Path, table: FileTable, folder: Path) -> None:
         raise DamageError(f"expected {expected} bytes, found {found}")
     try:
         with tarfile.open(archive, "r:") as members:
-            for member in members:
-                _unpack(members, member, table, folder)
+            listed = [(member.name, member.size, member.type) for member in members]
+            if listed != [(n, table[n]["size"], tarfile.REGTYPE) for n in sorted(table)]:
+                raise DamageError("expected the files of the manifest, found others")
+            for name in table:
+                _copy(members.extractfile(name), folder / name)
     except (tarfile.TarError, EOFError, ValueError) as error:
         raise DamageError(f"expected an archive, found none ({error})") from None
     if files.file_table(folder) != table:
         raise DamageError("expected the content that its name says, found another")
 
 
-def _unpack(
-    archive: tarfile.TarFile, member: tarfile.TarInfo, table: FileTable, folder: Path
-) -> None:
-    path = folder / member.name
-    listed = member.type == tarfile.REGTYPE and member.name in table
-    if not listed or member.size != table[member.name]["size"] or path.exists():
-        raise DamageError(f"expected the files of the manifest, found {member.name!r}")
-    path.parent.mkdir(parents=True, exist_ok=True)
-    content = archive.extractfile(member)
+def _copy(content: IO[bytes] | None, path: Path) -> None:
     assert content is not None  # a regular file has content
-    with content, path.open("xb") as target:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("xb") as target:
         shutil.copyfileobj(content, target)
 
 

@@ -10,7 +10,7 @@ import json
 import threading
 import uuid
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -36,15 +36,13 @@ _MOVES = frozenset({"file", "sftp"})  # others show a file when it is whole
 _READ_ONLY = frozenset({"http", "https"})
 _OURS = frozenset({"s3", "sftp", "ssh", "http", "https"})  # with what the extra `remote` installs
 _PATIENCE = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
-_OPTIONS = {"s3": {"config_kwargs": _PATIENCE}}
 _FORBIDDEN, _GONE = 403, 410
 
-fsspec.register_implementation(
-    "sftp", "slider.artefacts.sharing.ssh.KnownHostFileSystem", clobber=True
-)
-fsspec.register_implementation(
-    "ssh", "slider.artefacts.sharing.ssh.KnownHostFileSystem", clobber=True
-)
+conf.setdefault("s3", {}).setdefault("config_kwargs", _PATIENCE)  # that of a user has precedence
+for _name in ("sftp", "ssh"):
+    fsspec.register_implementation(
+        _name, "slider.artefacts.sharing.ssh.KnownHostFileSystem", clobber=True
+    )
 
 T = TypeVar("T")
 S = TypeVar("S")
@@ -72,7 +70,7 @@ class Remote:
 
     def open(self) -> bool:
         """Tell whether there is a store of ours; a remote that does not answer is an error."""
-        found = self._in_time(lambda: self.read(MARKER))
+        found = self._first_answer()
         if found is None:
             return False
         with suppress(ValueError, KeyError, TypeError):
@@ -143,10 +141,7 @@ class Remote:
 
     def _place(self) -> tuple[fsspec.AbstractFileSystem, str]:
         """File system and path; fsspec keeps one per address, and thread where it must."""
-        known = conf.get(urlsplit(self.url).scheme, {})
-        options = _OPTIONS.get(urlsplit(self.url).scheme, {})
-        own = {name: value for name, value in options.items() if name not in known}
-        fs, path = fsspec.url_to_fs(self.url, **own)
+        fs, path = fsspec.url_to_fs(self.url)
         return fs, path.rstrip("/")
 
     def _ask(self, question: Callable[[Any, str], T], name: str) -> T | None:
@@ -185,25 +180,21 @@ class Remote:
                     fs.rm_file(part)
                 raise
 
-    def _in_time(self, question: Callable[[], T]) -> T:
-        """Answer of a remote that may hang, as a folder of a server that is switched off does."""
-        answers: list[T] = []
-        errors: list[Exception] = []
+    def _first_answer(self) -> bytes | None:
+        """The marker; a remote may hang, as a folder of a server that is switched off does."""
+        answer: Future[bytes | None] = Future()
 
         def ask() -> None:
             try:
-                answers.append(question())
-            except Exception as error:
-                errors.append(error)
+                answer.set_result(self.read(MARKER))
+            except UserError as error:
+                answer.set_exception(error)
 
-        thread = threading.Thread(target=ask, daemon=True)
-        thread.start()
-        thread.join(self.contact_s)
-        if errors:
-            raise errors[0]
-        if not answers:
-            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s")
-        return answers[0]
+        threading.Thread(target=ask, daemon=True).start()  # that of a pool would outlive the wait
+        try:
+            return answer.result(self.contact_s)
+        except TimeoutError:
+            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
 
     @contextmanager
     def _told(self) -> Iterator[None]:

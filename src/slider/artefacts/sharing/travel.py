@@ -7,16 +7,18 @@ waits in the index of the store until such inputs are computed.
 
 import json
 import uuid
-from collections.abc import Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
-from slider.artefacts.locks import exclusive, if_free
+from slider.artefacts.locks import Timeout, exclusive
+from slider.artefacts.manifest import Manifest, manifest_from, plain_manifest
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.sharing.archive import DamageError, pack, packed_size, unpack
 from slider.artefacts.sharing.remote import Remote
-from slider.artefacts.store import Manifest, Store, manifest_from
+from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -47,11 +49,10 @@ class _Shared:
     """What is known of a result: its manifest and what is noted beside it."""
 
     manifest: Manifest
-    values: dict[str, Any]
     facts: dict[str, Any]
 
     def text(self) -> bytes:
-        content = {"manifest": self.values, "facts": self.facts}
+        content = {"manifest": plain_manifest(self.manifest), "facts": self.facts}
         return files.canonical({"sha256": files.digest_value(content), **content}).encode()
 
 
@@ -92,7 +93,7 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
         UserError: the remote does not answer, or there is no place for what it has.
     """
     account = Account()
-    missing = [job for job in jobs.values() if not _is_here(store, job)]
+    missing = [job for job in jobs.values() if store.whole(job.stage, job.recipe) is None]
     if not missing:
         return account
     if not remote.open():
@@ -110,11 +111,6 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
 
 def _no_clean_up(store: Store) -> AbstractContextManager[None]:
     return exclusive(store.locks, f"travel-{uuid.uuid4().hex[:12]}")
-
-
-def _is_here(store: Store, job: JobSpec) -> bool:
-    manifest = store.usable(store.manifest_path(job.stage, job.recipe))
-    return manifest is not None and store.is_whole(manifest.result.object)
 
 
 def _push(store: Store, job: JobSpec, remote: Remote, verify: bool) -> tuple[str, int, list[str]]:
@@ -135,11 +131,10 @@ def _push(store: Store, job: JobSpec, remote: Remote, verify: bool) -> tuple[str
 
 def _own(store: Store, job: JobSpec) -> _Shared | None:
     """A result of this store, if it is known from which contents it was computed."""
-    path = store.manifest_path(job.stage, job.recipe)
-    manifest = store.usable(path)
-    if manifest is None or (job.inputs and manifest.input_objects is None):
+    manifest = store.usable(store.manifest_path(job.stage, job.recipe))
+    if manifest is None or manifest.input_objects.keys() != job.inputs.keys():
         return None
-    return _Shared(manifest, files.read_json(path), store.facts(job.stage, job.recipe))
+    return _Shared(manifest, store.facts(job.stage, job.recipe))
 
 
 def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
@@ -149,10 +144,11 @@ def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
         return None
     try:
         values = json.loads(content)
-        found = _Shared(manifest_from(values["manifest"]), values["manifest"], values["facts"])
+        found = _Shared(manifest_from(values["manifest"]), values["facts"])
         told = (found.manifest.stage, found.manifest.recipe, found.manifest.inputs)
         whole = found.text() == content and told == (job.stage, job.recipe, job.input_recipes)
-        if whole and isinstance(found.facts, dict) and found.manifest.input_objects is not None:
+        checked = found.manifest.input_objects.keys() == job.inputs.keys()
+        if whole and checked and isinstance(found.facts, dict):
             return found
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         pass
@@ -160,19 +156,30 @@ def _there(job: JobSpec, remote: Remote) -> _Shared | DamageError | None:
 
 
 def _has_archive(store: Store, remote: Remote, manifest: Manifest, verify: bool) -> bool:
-    name = _archive_name(manifest)
     if not verify:
-        return remote.size(name) == packed_size(manifest.result.files)
-    with store.temporary("push") as folder:
+        return remote.size(_archive_name(manifest)) == packed_size(manifest.result.files)
+    try:
+        with _received(store, manifest, remote):
+            return True
+    except DamageError:
+        return False
+
+
+@contextmanager
+def _received(store: Store, manifest: Manifest, remote: Remote) -> Iterator[Path]:
+    """Content of an archive in a folder of the store, compared with its name.
+
+    Raises:
+        DamageError: there is none, or it is not what its name says.
+    """
+    table = manifest.result.files
+    with store.temporary("travel") as folder:
         archive, content = folder / "archive", folder / "content"
         content.mkdir()
-        try:
-            if not remote.fetch(name, archive, packed_size(manifest.result.files)):
-                return False
-            unpack(archive, manifest.result.files, content)
-        except DamageError:
-            return False
-    return True
+        if not remote.fetch(_archive_name(manifest), archive, packed_size(table)):
+            raise DamageError("expected its archive, found none")
+        unpack(archive, table, content)
+        yield content
 
 
 def _send_archive(store: Store, manifest: Manifest, remote: Remote, verify: bool) -> int:
@@ -204,31 +211,25 @@ def _fetch_object(store: Store, manifest: Manifest, remote: Remote) -> int:
     result = manifest.result
     if store.is_whole(result.object):
         return 0
-    with store.temporary("pull") as folder:
-        archive, content = folder / "archive", folder / "content"
-        content.mkdir()
-        if not remote.fetch(_archive_name(manifest), archive, packed_size(result.files)):
-            raise DamageError("expected its archive, found none")
-        unpack(archive, result.files, content)
+    with _received(store, manifest, remote) as content:
         store.publish(content, result.summary, result.resumed)
-        return archive.stat().st_size
+    return packed_size(result.files)
 
 
 def _accept(store: Store, job: JobSpec, found: _Shared, origin: str) -> str:
     """Write what leads to an object, unless a job computes the result or did so meanwhile."""
-    with if_free(store.locks, job.recipe) as free:
-        if not free:
-            return "computed here"
-        if _is_here(store, job):
-            own = store.read_manifest(job.stage, job.recipe).result.object
-            return "taken" if own == found.manifest.result.object else "computed here"
-        return "taken" if _write(store, job, found, origin) else "of other inputs"
+    try:
+        with exclusive(store.locks, job.recipe, timeout=0):
+            if (own := store.whole(job.stage, job.recipe)) is None:
+                return "taken" if _write(store, job, found, origin) else "of other inputs"
+    except Timeout:
+        return "computed here"
+    return "taken" if own.result.object == found.manifest.result.object else "computed here"
 
 
 def _write(store: Store, job: JobSpec, found: _Shared, origin: str) -> bool:
     """Tell whether an object is now the result of the job's recipe."""
     manifest = found.manifest
-    assert manifest.input_objects is not None
     key = job.key(manifest.input_objects)
     if store.known(key) is None:
         store.remember(key, manifest)

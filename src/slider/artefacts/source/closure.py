@@ -3,7 +3,6 @@
 Found statically, on the syntax tree, so that no stage has to be imported to learn its recipe.
 """
 
-import hashlib
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from pathlib import Path
 
 from slider.artefacts.source.analyses import analyses_of
 from slider.core.errors import UserError
+from slider.core.files import digest_file, digest_text
 
 
 @dataclass(frozen=True)
@@ -27,14 +27,8 @@ class Closure:
 
     @property
     def digest(self) -> str:
-        """The source digest."""
-        return digest_parts(self.parts)
-
-
-def digest_parts(parts: Mapping[str, str]) -> str:
-    """Digest of names and their digests, in this order."""
-    lines = "".join(f"{name} {digest}\n" for name, digest in parts.items())
-    return hashlib.sha256(lines.encode()).hexdigest()
+        """The source digest: of names and their digests, in this order."""
+        return digest_text("".join(f"{name} {digest}\n" for name, digest in self.parts.items()))
 
 
 def closure(entry: str, root: Path) -> Closure:
@@ -51,6 +45,7 @@ def closure(entry: str, root: Path) -> Closure:
         raise UserError(f"expected the stage's module {entry} below {root}, found none")
     analyses = analyses_of(root / package)
     found: dict[str, str] = {}
+    folders: set[Path] = set()
     third_party: set[str] = set()
     waiting, seen = [entry], set[str]()
     while waiting:
@@ -63,6 +58,7 @@ def closure(entry: str, root: Path) -> Closure:
             continue
         module = analyses.read(path, name)
         found[name] = module.digest
+        folders.add(path.parent)
         waiting += _parents(name)
         for target in module.imports:
             if target.partition(".")[0] == package:
@@ -70,15 +66,9 @@ def closure(entry: str, root: Path) -> Closure:
             else:
                 third_party.add(target.partition(".")[0])
     analyses.keep()
-    return _summarise(found, third_party, root)
-
-
-def _summarise(found: dict[str, str], third_party: set[str], root: Path) -> Closure:
     parts = {name: found[name] for name in sorted(found)}
-    folders = {_folder(root, name) for name in found}
     for path in sorted(data for folder in folders for data in _data_files(folder)):
-        content = hashlib.sha256(path.read_bytes()).hexdigest()
-        parts[path.relative_to(root).as_posix()] = content
+        parts[path.relative_to(root).as_posix()] = digest_file(path)
     packages = sorted(third_party - sys.stdlib_module_names)
     return Closure(tuple(sorted(found)), tuple(packages), parts)
 
@@ -93,12 +83,6 @@ def _parents(name: str) -> list[str]:
     """Packages on the way: importing a.b.c runs the __init__ files of a and a.b."""
     parts = name.split(".")
     return [".".join(parts[:end]) for end in range(1, len(parts))]
-
-
-def _folder(root: Path, name: str) -> Path:
-    path = _find(root, name)
-    assert path is not None
-    return path.parent
 
 
 def _data_files(folder: Path) -> Iterator[Path]:

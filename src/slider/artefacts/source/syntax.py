@@ -4,6 +4,7 @@ import ast
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.util import resolve_name
 
 from slider.core.errors import UserError
 
@@ -55,12 +56,8 @@ def _imports(tree: ast.Module, name: str, is_package: bool) -> Iterator[str]:
 
 
 def _base(node: ast.ImportFrom, name: str, is_package: bool) -> str:
-    if node.level == 0:
-        return node.module or ""
-    parts = name.split(".")
-    here = parts if is_package else parts[:-1]
-    anchor = here[: len(here) - (node.level - 1)]
-    return ".".join([*anchor, *([node.module] if node.module else [])])
+    package = name if is_package else name.rpartition(".")[0]
+    return resolve_name("." * node.level + (node.module or ""), package)
 
 
 def _strip_docstrings(tree: ast.Module) -> None:

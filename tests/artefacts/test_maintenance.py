@@ -3,7 +3,7 @@
 import os
 import time
 
-from slider.artefacts.clock import date_now
+from slider.artefacts.maintenance import date_now
 from slider.artefacts.store import Store
 
 

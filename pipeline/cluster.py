@@ -1,4 +1,4 @@
-"""How the head of a run on a cluster looks after its jobs, and leaves nothing behind."""
+"""How the head of a run looks after its jobs, and leaves nothing behind on a cluster."""
 
 import signal
 import subprocess
@@ -17,6 +17,8 @@ def lead(workflow: Any, plan: Path) -> None:
     After SIGTERM Snakemake would wait for the jobs that run.
     """
     if workflow.local_exec:
+        # The limit of submissions. Each job that ends starts one more thread per second for it.
+        workflow.scheduler.job_rate_limiter = None
         return
     settings = workflow.config_settings
     settings.config_args = [*(settings.config_args or ()), f"{PLAN}={plan}"]

@@ -17,7 +17,7 @@ from snakemake.jobs import GroupJob
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from pipeline.progress import Needed, Progress, forecast
+from pipeline.progress import Progress, forecast
 from slider.artefacts.plan import Plan
 from slider.artefacts.store import Store
 
@@ -52,17 +52,15 @@ class Console:
     def open(self, plan: Plan, store: Store) -> None:
         """Begin to show the progress of the jobs that Snakemake is about to run."""
         with self._harmless():
-            self._open(plan, store)
-
-    def _open(self, plan: Plan, store: Store) -> None:
-        jobs = [job for job in self.workflow.dag.needrun_jobs() if hasattr(job.wildcards, "recipe")]
-        self._recipes = {job.jobid: job.wildcards.recipe for job in jobs}
-        needed = [Needed(job.wildcards.recipe, job.priority, job.threads) for job in jobs]
-        settings = self.workflow.resource_settings
-        cores = settings.cores or settings.nodes or 1
-        if needed:
-            self.progress = Progress(plan, store, forecast(plan, store, needed, cores))
-            self.progress.open(cores)
+            run = self.workflow.dag.needrun_jobs()
+            jobs = {job.wildcards.recipe: job for job in run if hasattr(job.wildcards, "recipe")}
+            self._recipes = {job.jobid: recipe for recipe, job in jobs.items()}
+            needed = {recipe: (job.priority, job.threads) for recipe, job in jobs.items()}
+            settings = self.workflow.resource_settings
+            cores = settings.cores or settings.nodes or 1
+            if needed:
+                self.progress = Progress(plan, store, forecast(plan, store, needed, cores))
+                self.progress.open(cores)
 
     def close(self, succeeded: bool) -> None:
         """End the lines about running jobs."""
@@ -79,7 +77,7 @@ class Console:
         except Exception:
             traceback.print_exc()
             if self.progress is not None:
-                self.progress.hush()
+                self.progress.close()
             self.progress = None
 
     def _is_news(self, record: logging.LogRecord) -> bool:

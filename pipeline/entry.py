@@ -15,8 +15,7 @@ from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
 from pipeline.targets import ON_DEMAND, all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
-from slider.artefacts.clock import date_now
-from slider.artefacts.maintenance import drop_damaged
+from slider.artefacts.maintenance import date_now, drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.sharing.travel import pull
@@ -33,6 +32,21 @@ OPTION, PLAN = "hydra", "plan"  # of --config; the latter is the head's word to 
 _TITLE = 80  # characters
 _CORES_PER_THREAD, _MOST_THREADS, _MANY = 8, 4, 1024
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
+
+
+@contextmanager
+def one_line() -> Iterator[None]:
+    """End the process with one line and status 1 where the input is bad or a file cannot be."""
+    try:
+        yield
+    except (UserError, OSError) as error:
+        line: object = error
+        if isinstance(error, OSError):
+            place = f"{error.filename2 or error.filename}: {error.strerror}"
+            cure = f"{place}; `slider store verify` repairs the store"
+            line = not_written(error, Path(ARTEFACTS)) or cure
+        print(f"slider: {line}", file=sys.stderr, flush=True)
+        raise SystemExit(1) from None
 
 
 @dataclass
@@ -61,6 +75,10 @@ class Pipeline:
         """
         python = f"GLIBC_TUNABLES= {shlex.quote(sys.executable)}"
         return f"{python} -m slider.cli run --plan {self.plan_path}"
+
+    def threads(self, cores: int | None) -> Callable[[Any], int]:
+        """Threads of the training of a recipe: no fewer than its processes, one for each GPU."""
+        return lambda wildcards: max(self.training_threads(cores), self.gpus(wildcards))
 
     def training_threads(self, cores: int | None) -> int:
         """Threads of a training: ``resources.threads``, else one for every eight of ``-j`` cores.
@@ -115,15 +133,12 @@ class Pipeline:
         self.plan = build_plan(targets | {target: job})
         self.plan_path = _lay_out(self.plan, self.store, self.config)
 
+    @one_line()
     def start(self) -> None:
         """Begin this pipeline run; open a session of tracking, if the configuration wants one.
 
         A store that cannot be written is one line and status 1.
         """
-        with one_line():
-            self._start()
-
-    def _start(self) -> None:
         artefacts = self.store.root
         note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
@@ -134,12 +149,9 @@ class Pipeline:
         apart = {"gait": f"{experiment}-gaits"}
         info = tracking.SessionInfo(experiment, os.getpid(), tags, apart)
         tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides)}
-        run = {"name": self._title(), "tags": tags, "params": to_dict(self.config)}
+        title = " ".join(["pipeline", *self.overrides])[:_TITLE]  # what tells it from others
+        run = {"name": title, "tags": tags, "params": to_dict(self.config)}
         self.session = tracking.start(artefacts, info, run)
-
-    def _title(self) -> str:
-        """Name of the run in MLflow: what a person changed tells it from its neighbours."""
-        return " ".join(["pipeline", *self.overrides])[:_TITLE]
 
     def finish(self, status: str) -> None:
         """Close the session of this pipeline run as ``FINISHED`` or ``FAILED``."""
@@ -161,33 +173,12 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path, head: bool = True) ->
         gc.enable()
 
 
-def _try_notes(folder: Path) -> None:
-    """Write where Snakemake keeps its notes, also in a dry run, before it fails with a trace."""
-    folder.mkdir(exist_ok=True)
-    tempfile.TemporaryFile(dir=folder).close()
-
-
-@contextmanager
-def one_line() -> Iterator[None]:
-    """End the process with one line and status 1 where the input is bad or a file cannot be."""
-    try:
-        yield
-    except UserError as error:
-        print(f"slider: {error}", file=sys.stderr)
-        sys.stderr.flush()
-        raise SystemExit(1) from None
-    except OSError as error:
-        place = f"{error.filename2 or error.filename}: {error.strerror}"
-        cure = f"{place}; `slider store verify` repairs the store"
-        print(f"slider: {not_written(error, Path(ARTEFACTS)) or cure}", file=sys.stderr)
-        sys.stderr.flush()
-        raise SystemExit(1) from None
-
-
 def _open(settings: Mapping[str, Any], conf: Path) -> Pipeline:
     overrides = parse_overrides(settings)
     config, plan = planned(overrides, conf)
-    _try_notes(Path(".snakemake"))
+    notes = Path(".snakemake")  # of Snakemake, also in a dry run: without them it ends with a trace
+    notes.mkdir(exist_ok=True)
+    tempfile.TemporaryFile(dir=notes).close()
     store = Store(Path(ARTEFACTS))
     return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
 

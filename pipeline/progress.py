@@ -4,7 +4,8 @@ import re
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
 
@@ -14,7 +15,6 @@ from slider.artefacts.forecast.schedule import Forecast, Work
 from slider.artefacts.forecast.times import START, kind, times
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
-from slider.core import files
 
 _SILENCE = 20.0  # seconds without a line after which a running job is shown
 _SHARE = re.compile(r"(\d+) ?(?:/|of) ?(\d+)|(\d+) %")  # what a job says of itself
@@ -23,15 +23,6 @@ _TABLE1 = "table1"
 
 def _print(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
-
-
-@dataclass(frozen=True)
-class Needed:
-    """A job that Snakemake will run, and how it schedules it."""
-
-    recipe: str
-    priority: float
-    threads: int
 
 
 @dataclass
@@ -60,17 +51,13 @@ class Progress:
         self.write(f"{self.forecast.total} jobs, about {left} on {cores} cores")
         threading.Thread(target=self._watch, daemon=True).start()
 
-    def close(self, succeeded: bool) -> None:
+    def close(self, succeeded: bool = False) -> None:
         """Say no more of running jobs; after a success show Table 1 and where it is."""
-        self.hush()
+        self._over.set()
         if succeeded and self._evaluations:
             self._show(self._evaluations)
             took = duration(time.time() - self._start)
             self.write(f"Table 1 took {took}: reports/table1.md has intervals and the paper's rows")
-
-    def hush(self) -> None:
-        """Look after long jobs no more."""
-        self._over.set()
 
     def began(self, recipe: str) -> None:
         """A job started."""
@@ -89,12 +76,11 @@ class Progress:
     def _took(self, job: JobSpec) -> float | None:
         """Seconds of a computation of this run [s]; none where an earlier result was found."""
         began = self.forecast.running.get(job.recipe, self._start)
-        try:
-            facts = files.read_json(self.store.sidecar_path(job.stage, job.recipe))
-            new = facts["computed"] and datetime.fromisoformat(facts["ended"]).timestamp() > began
-            return float(facts["wall_s"]) if new else None
-        except (OSError, ValueError, KeyError, TypeError):
-            return None
+        facts = self.store.facts(job.stage, job.recipe)
+        with suppress(ValueError, KeyError, TypeError):
+            if facts["computed"] and datetime.fromisoformat(facts["ended"]).timestamp() > began:
+                return float(facts["wall_s"])
+        return None
 
     def _say(self, text: str) -> None:
         """A line with the jobs done, the share of the work and the time left."""
@@ -143,25 +129,25 @@ class Progress:
 
     def _show(self, evaluations: list[JobSpec]) -> None:
         labels = self.plan.jobs[self.plan.targets[_TABLE1]].section["labels"]
-        summaries = (
-            self.store.read_manifest(one.stage, one.recipe).result.summary for one in evaluations
-        )
-        rows = [row for row in (read_row(labels, found) for found in summaries) if row]
-        if rows:
-            self.write(table(rows))
+        found = [self.store.read_manifest(one.stage, one.recipe) for one in evaluations]
+        self.write(table([read_row(labels, manifest.result.summary) for manifest in found]))
 
 
-def forecast(plan: Plan, store: Store, needed: list[Needed], cores: int) -> Forecast:
-    """What the jobs of a run will take; one that an earlier result answers takes a moment."""
-    jobs = [plan.jobs[one.recipe] for one in needed]
-    expected = times(store, sorted({job.stage for job in jobs}))
-    known = reused_ahead(plan, store, {one.recipe for one in needed})
+def forecast(
+    plan: Plan, store: Store, needed: Mapping[str, tuple[float, int]], cores: int
+) -> Forecast:
+    """What the jobs of a run will take; one that an earlier result answers takes a moment.
+
+    ``needed`` has the priority and the threads with which Snakemake will run each recipe.
+    """
+    expected = times(store, sorted({plan.jobs[recipe].stage for recipe in needed}))
+    known = reused_ahead(plan, store, needed.keys())
     works = {}
-    for job, one in zip(jobs, needed, strict=True):
-        seconds = START if job.recipe in known else expected.seconds(job)
+    for recipe, (priority, threads) in needed.items():
+        job = plan.jobs[recipe]
+        name, seconds = ("reused", START) if recipe in known else (kind(job), expected.seconds(job))
         inputs = [item.recipe for item in job.needs]
-        name = "reused" if job.recipe in known else kind(job)
-        works[job.recipe] = Work(name, seconds, inputs, one.priority, min(one.threads, cores))
+        works[recipe] = Work(name, seconds, inputs, priority, min(threads, cores))
     return Forecast(works, cores)
 
 

@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from slider.artefacts.manifest import parse_manifest
 from slider.artefacts.plan import Plan
-from slider.artefacts.store import Store, parse_manifest
+from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 

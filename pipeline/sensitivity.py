@@ -5,7 +5,7 @@ parameter that the gaits do not use leaves them the recipes of the unchanged rob
 are then solved once.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -25,44 +25,12 @@ GAITS_ONLY = ("virtual_knee",)
 """Parts of the robot that only the gait solver knows; the simulated one has none of them."""
 
 
-@dataclass(frozen=True)
-class _Variant:
-    """A robot with one parameter changed, or why there is no such robot."""
-
-    parameter: Parameter
-    factor: float
-    robot: RobotConfig | None
-    note: str = ""
-
-    @property
-    def label(self) -> str:
-        return f"{self.parameter.path} × {self.factor:g}"
-
-
-@dataclass(frozen=True)
-class _Jobs:
-    """Jobs, each once."""
-
-    found: dict[str, JobSpec] = field(default_factory=dict)
-
-    def place(self, made: JobSpec) -> int:
-        """Place of a job among them; the first of equal ones stays."""
-        self.found.setdefault(made.recipe, made)
-        return list(self.found).index(made.recipe)
-
-
 def sensitivity_job(config: Config, walking: JobSpec) -> JobSpec:
     """Gaits and rollouts of all changed robots, and the table of them, for the trained policy."""
-    settings = config.sensitivity
+    settings, study = config.sensitivity, _Study(config, walking)
     chosen = choose(parameters(config.robot), settings.provenance, settings.parameters)
-    gaits, rollouts = _Jobs(), _Jobs()
-    nominal = _made(config, config.robot, "", walking, gaits, rollouts)
-    rows = []
-    for variant in _variants(config, [item for item in chosen if not item.zero]):
-        made: dict[str, Any] = {"note": variant.note, "gaits": [], "rollout": None}
-        if variant.robot is not None:
-            made |= _made(config, variant.robot, variant.label, walking, gaits, rollouts)
-        rows.append(_about(variant) | made)
+    nominal = study.made(config.robot)
+    factors = [round(1 + sign * settings.change, 10) for sign in (-1, 1)]
     section = {
         "change": settings.change,
         "commands": settings.commands,
@@ -70,45 +38,59 @@ def sensitivity_job(config: Config, walking: JobSpec) -> JobSpec:
         "duration": settings.duration,
         "skipped": [item.path for item in chosen if item.zero],
         "nominal": nominal,
-        "variants": rows,
+        "variants": [study.row(i, factor) for i in chosen if not i.zero for factor in factors],
     }
-    inputs = {"gaits": list(gaits.found.values()), "rollouts": list(rollouts.found.values())}
+    inputs = {"gaits": list(study.gaits.values()), "rollouts": list(study.rollouts.values())}
     return job("sensitivity", "sensitivity", section, inputs)
 
 
-def _variants(config: Config, chosen: Sequence[Parameter]) -> Iterator[_Variant]:
-    for parameter in chosen:
-        for factor in (1 - config.sensitivity.change, 1 + config.sensitivity.change):
-            yield _variant(config, parameter, round(factor, 10))
+@dataclass(frozen=True)
+class _Study:
+    """Jobs of changed robots, each once by its recipe; the first of equal ones stays."""
+
+    config: Config
+    walking: JobSpec
+    gaits: dict[str, JobSpec] = field(default_factory=dict)
+    rollouts: dict[str, JobSpec] = field(default_factory=dict)
+
+    def row(self, parameter: Parameter, factor: float) -> dict[str, Any]:
+        """One parameter changed, and the places of its jobs, or why there is no such robot."""
+        row: dict[str, Any] = {
+            "parameter": parameter.path,
+            "provenance": parameter.provenance,
+            "unit": parameter.unit,
+            "factor": factor,
+            "nominal": _text(parameter.value),
+            "value": _text([item * factor for item in parameter.value]),
+            "note": "",
+            "gaits": [],
+            "rollout": None,
+        }
+        try:
+            changed = scaled(self.config.robot, parameter.path, factor)
+            validate(replace(self.config, robot=changed))
+        except UserError as error:
+            return row | {"note": f"no such robot: {error}"}
+        return row | self.made(changed, f", {parameter.path} × {factor:g}")
+
+    def made(self, changed: RobotConfig, note: str = "") -> dict[str, Any]:
+        """Places of a robot's gaits, one per command, and of its rollouts."""
+        settings = self.config.sensitivity
+        made: dict[str, Any] = {"gaits": [], "rollout": None}
+        if settings.gaits:
+            shared = gait_section(replace(self.config, robot=changed))
+            solved = [gait(shared, (command, 0.0, 0.0)) for command in settings.commands]
+            made["gaits"] = [_place(self.gaits, item, note) for item in solved]
+        if settings.policy:
+            walked = rollout(self.config, changed, self.walking)
+            made["rollout"] = _place(self.rollouts, walked, note)
+        return made
 
 
-def _variant(config: Config, parameter: Parameter, factor: float) -> _Variant:
-    try:
-        changed = scaled(config.robot, parameter.path, factor)
-        validate(replace(config, robot=changed))
-    except UserError as error:
-        return _Variant(parameter, factor, None, f"no such robot: {error}")
-    return _Variant(parameter, factor, changed)
-
-
-def _made(
-    config: Config,
-    changed: RobotConfig,
-    label: str,
-    walking: JobSpec,
-    gaits: _Jobs,
-    rollouts: _Jobs,
-) -> dict[str, Any]:
-    """Places of a robot's gaits, one per command, and of its rollouts."""
-    settings, own = config.sensitivity, replace(config, robot=changed)
-    made: dict[str, Any] = {"gaits": [], "rollout": None}
-    if settings.gaits:
-        shared = gait_section(own)
-        solved = [_noted(gait(shared, (command, 0.0, 0.0)), label) for command in settings.commands]
-        made["gaits"] = [gaits.place(item) for item in solved]
-    if settings.policy:
-        made["rollout"] = rollouts.place(_noted(rollout(config, changed, walking), label))
-    return made
+def _place(jobs: dict[str, JobSpec], made: JobSpec, note: str) -> int:
+    """Place of a job among others, called after the parameter that changed."""
+    jobs.setdefault(made.recipe, replace(made, label=f"{made.label}{note}"))
+    return list(jobs).index(made.recipe)
 
 
 def rollout(config: Config, changed: RobotConfig, walking: JobSpec) -> JobSpec:
@@ -130,23 +112,6 @@ def rollout(config: Config, changed: RobotConfig, walking: JobSpec) -> JobSpec:
     }
     label = "policy on the robot"
     return job("sensitivity_policy", label, section, {"walking": [walking]}, tracked=False)
-
-
-def _noted(made: JobSpec, label: str) -> JobSpec:
-    """The same job, called after the parameter that changed."""
-    return replace(made, label=f"{made.label}, {label}") if label else made
-
-
-def _about(variant: _Variant) -> dict[str, Any]:
-    nominal = variant.parameter.value
-    return {
-        "parameter": variant.parameter.path,
-        "provenance": variant.parameter.provenance,
-        "unit": variant.parameter.unit,
-        "factor": variant.factor,
-        "nominal": _text(nominal),
-        "value": _text([item * variant.factor for item in nominal]),
-    }
 
 
 def _text(values: Sequence[float]) -> str:

@@ -62,27 +62,16 @@ def _check_protocols(config: Config) -> None:
         require(free, f"protocols.{name}", expected, name)
 
 
-def _ablation(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
-    return ablation_job(config, targets["library"], overrides, conf)
-
-
 def _seeds(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
     own = compose([*overrides, "ablation=seeds", "ablation.run=[default]"], conf)
     return ablation_job(own, targets["library"], overrides, conf, SEEDS_TARGET)
 
 
-def _sensitivity(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
-    return sensitivity_job(config, targets["walking"])
-
-
-def _gait_study(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
-    return gait_study_job(config)
-
-
 ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] = {
-    GAIT_STUDY_TARGET: _gait_study,  # the quicker ones to lay out first
-    SENSITIVITY_TARGET: _sensitivity,
-    ABLATION_TARGET: _ablation,
+    # The quicker ones to lay out first.
+    GAIT_STUDY_TARGET: lambda config, *_: gait_study_job(config),
+    SENSITIVITY_TARGET: lambda config, targets, *_: sensitivity_job(config, targets["walking"]),
+    ABLATION_TARGET: lambda config, targets, *rest: ablation_job(config, targets["library"], *rest),
     SEEDS_TARGET: _seeds,
 }
 """Target → its job, from the configuration, the other targets, its overrides and its folder."""
@@ -90,38 +79,33 @@ ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] 
 
 def report_files(config: Config) -> dict[str, tuple[str, ...]]:
     """What people read of each target below the working directory: copies out of the store."""
-    return _files() | {name: _compared(name) for name in config.protocols}
+    files = _files() | {name: _compared(name) for name in config.protocols}
+    return {name: tuple(f"reports/{file}" for file in own) for name, own in files.items()}
 
 
 def _files() -> dict[str, tuple[str, ...]]:
-    """Those of every target but the protocols."""
+    """Those of every target but the protocols, below ``reports/``."""
     return {
-        "table1": _reports("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
+        "table1": ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
         "velocity_tracking": _compared("velocity_tracking"),
-        "report": _reports("index.html"),
-        "policy_export": _reports(*(f"policy/{name}" for name in POLICY_FILES)),
-        "figures": _reports(*(f"figures/{name}" for name in FIGURES)),
-        "verification": _reports(*(f"verification.{suffix}" for suffix in ("csv", "json", "md"))),
-        "stability": _reports("stability.csv", "stability.md"),
-        "stability_figures": _reports(*(f"figures/{name}" for name in STABILITY_FILES)),
-        "gait_walks": _reports("gait_walks.csv", "gait_walks.md"),
-        "verification_maps": _reports(*_drawn("verification_maps"), "figures/verification_maps.md"),
-        **{
-            name: (*_compared(name), *_reports(f"{name}_curves.csv"))
-            for name in (ABLATION_TARGET, SEEDS_TARGET)
-        },
+        "report": ("index.html",),
+        "policy_export": tuple(f"policy/{name}" for name in POLICY_FILES),
+        "figures": tuple(f"figures/{name}" for name in FIGURES),
+        "verification": ("verification.csv", "verification.json", "verification.md"),
+        "stability": ("stability.csv", "stability.md"),
+        "stability_figures": tuple(f"figures/{name}" for name in STABILITY_FILES),
+        "gait_walks": ("gait_walks.csv", "gait_walks.md"),
+        "verification_maps": (*_drawn("verification_maps"), "figures/verification_maps.md"),
+        ABLATION_TARGET: (*_compared(ABLATION_TARGET), "ablation_curves.csv"),
+        SEEDS_TARGET: (*_compared(SEEDS_TARGET), "seeds_curves.csv"),
         SENSITIVITY_TARGET: _compared(SENSITIVITY_TARGET),
-        GAIT_STUDY_TARGET: (*_compared(GAIT_STUDY_TARGET), *_reports("gait_starts.csv")),
+        GAIT_STUDY_TARGET: (*_compared(GAIT_STUDY_TARGET), "gait_starts.csv"),
     }
 
 
 def _compared(name: str) -> tuple[str, ...]:
     """Table and figure of a target that is called as they are."""
-    return _reports(f"{name}.csv", f"{name}.md", *_drawn(name))
-
-
-def _reports(*names: str) -> tuple[str, ...]:
-    return tuple(f"reports/{name}" for name in names)
+    return f"{name}.csv", f"{name}.md", *_drawn(name)
 
 
 def _drawn(name: str) -> tuple[str, str]:

@@ -14,11 +14,9 @@ class Row(NamedTuple):
     error: float
 
 
-def read_row(labels: Mapping[str, str], summary: Mapping[str, Any]) -> Row | None:
-    """The summary of an evaluation, or nothing where it is that of something else."""
-    if not {"controller", "command", "success_rate"} <= summary.keys():
-        return None
-    name, error = summary["controller"], summary.get("mse_steady")
+def read_row(labels: Mapping[str, str], summary: Mapping[str, Any]) -> Row:
+    """The summary of an evaluation."""
+    name, error = summary["controller"], summary["mse_steady"]
     error = math.inf if error is None else float(error)
     return Row(labels.get(name, name), float(summary["command"]), summary["success_rate"], error)
 
@@ -30,23 +28,15 @@ def table(rows: Sequence[Row]) -> str:
     """
     commands = sorted({row.command for row in rows})
     found = {(row.label, row.command): row for row in rows}
-    labels = list(dict.fromkeys(row.label for row in rows))
-    width = max(len(label) for label in labels)
-    lines = [_line("command [m/s]", "", width, [str(command) for command in commands])]
-    for label in labels:
+    lines = [("command [m/s]", "", [str(command) for command in commands])]
+    for label in dict.fromkeys(row.label for row in rows):
         cells = [found.get((label, command)) for command in commands]
-        successes = ["" if row is None else f"{100 * row.success:.3g}" for row in cells]
-        errors = ["" if row is None else _error(row.error) for row in cells]
-        lines.append(_line(label, "success [%]", width, successes))
-        lines.append(_line("", "MSE [m²/s²]", width, errors))
-    return "\n".join(lines)
-
-
-def _line(label: str, quantity: str, width: int, cells: Sequence[str]) -> str:
-    width = max(width, len("command [m/s]"))
-    text = f"{label:<{width}}  {quantity:<11}" + "".join(f"{cell:>10}" for cell in cells)
-    return text.rstrip()
-
-
-def _error(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "∞"
+        successes = [f"{100 * row.success:.3g}" if row else "" for row in cells]
+        errors = [f"{row.error:.3g}".replace("inf", "∞") if row else "" for row in cells]
+        lines += [(label, "success [%]", successes), ("", "MSE [m²/s²]", errors)]
+    width = max(len(label) for label, _, _ in lines)
+    texts = (
+        f"{label:<{width}}  {quantity:<11}" + "".join(f"{cell:>10}" for cell in cells)
+        for label, quantity, cells in lines
+    )
+    return "\n".join(map(str.rstrip, texts))

@@ -21,7 +21,7 @@ for stage in ENTRIES:
         log:
             f"artefacts/logs/{stage}/{{recipe}}.log",
         priority: PRIORITIES.get(stage, 0)
-        threads: PIPELINE.training_threads(workflow.resource_settings.cores) if stage in TRAININGS else 1
+        threads: PIPELINE.threads(workflow.resource_settings.cores) if stage in TRAININGS else 1
         resources:
             gpu=PIPELINE.gpus if stage in TRAININGS else 0,
         shell:

@@ -12,15 +12,16 @@ have the sensitivity, which changes the robot, and the study of the gaits, which
 start.
 """
 
+from pipeline.stages.entries import job
 from pipeline.stages.evaluation import (
     check_walkable,
     evaluations_of,
     gait_walks,
+    protocol_jobs,
     table1,
     velocity_tracking,
 )
-from pipeline.stages.gaits import figure_jobs, library_job
-from pipeline.stages.protocols import protocol_jobs
+from pipeline.stages.gaits import library_job
 from pipeline.stages.stability import stability_jobs
 from pipeline.stages.training import policy_export, training_jobs
 from pipeline.stages.verification import verification_jobs
@@ -32,8 +33,9 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     """Jobs of everything but the page and what is on demand, by the name of their target."""
     targets = table1_jobs(config)
     library = targets["library"]
-    targets |= verification_jobs(config, library) | figure_jobs(library)
+    targets |= verification_jobs(config, library)
     targets |= {
+        "figures": job("figures", "figures", {}, {"library": [library]}),
         "policy_export": policy_export(targets["walking"]),
         "velocity_tracking": velocity_tracking(config, targets["table1"]),
     }

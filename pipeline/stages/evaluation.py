@@ -51,9 +51,8 @@ def evaluation(
         section |= controlled(config, controller, asked)
         label = f"evaluation of {controller} at {asked:.1f} m/s{note}"
     stage = "evaluation" if controller == POLICY else "baseline"
-    enforced = isinstance(config.control.get(controller), HzdControlConfig)
     residual = controller == POLICY and config.env.action.offset == "hzd"
-    entries = OF_HZD if enforced or residual else ENTRIES
+    entries = OF_HZD if residual or controller in walkers(config) else ENTRIES
     return job(stage, label, section, made_of(config, controller, made), entries=entries)
 
 
@@ -68,7 +67,7 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
     if controller == POLICY:
         return section | simulation(config)
     control = config.control[controller]
-    if isinstance(control, HzdControlConfig):
+    if controller in walkers(config):
         section["hzd"] = enforced_section(config.hzd)
     return section | {
         "robot": robot(config),
@@ -78,17 +77,21 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
     }
 
 
+def walkers(config: Config) -> dict[str, HzdControlConfig]:
+    """Controllers that walk by gaits."""
+    return {n: c for n, c in config.control.items() if isinstance(c, HzdControlConfig)}
+
+
 def first_hzd(config: Config) -> str:
     """The first controller that walks by gaits; the actions may be on top of it.
 
     Raises:
         UserError: there is none, or it has an observer, which knows no actions.
     """
-    for name, control in config.control.items():
-        if isinstance(control, HzdControlConfig):
-            if control.observer is not None:
-                raise UserError(f"control.{name}.observer: expected null below actions, found one")
-            return name
+    for name, control in walkers(config).items():
+        if control.observer is not None:
+            raise UserError(f"control.{name}.observer: expected null below actions, found one")
+        return name
     raise UserError("env.action.offset=hzd: expected a controller of the family hzd, found none")
 
 
@@ -101,7 +104,7 @@ def check_walkable(
         UserError: ``key`` asks for one of ``controllers``, by default Table 1's, that does.
     """
     names = controllers or config.evaluation.controllers
-    found = [name for name in names if isinstance(config.control.get(name), HzdControlConfig)]
+    found = [name for name in names if name in walkers(config)]
     if found and config.gait.dynamics == "knee":
         raise UserError(
             f"{key}: expected none of the family hzd with gait.dynamics=knee, "
@@ -115,24 +118,36 @@ def made_of(
     """What a controller is made of: a training, the gait library, or nothing."""
     if controller == POLICY:
         return {"walking": [made["walking"]]}
-    walks_gaits = isinstance(config.control[controller], HzdControlConfig)
-    if not walks_gaits:
-        return {}
-    return {name: [made[name]] for name in ("library", "foot_placement")}
+    needed = ("library", "foot_placement") if controller in walkers(config) else ()
+    return {name: [made[name]] for name in needed}
 
 
 def gait_walks(config: Config, made: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
     """Every gait from its own first sample, with the first controller that walks by gaits."""
-    for name, control in config.control.items():
-        if isinstance(control, HzdControlConfig):
-            section = without(controlled(config, name, None), "controller", "command")
-            section |= {"steps": config.hzd.steps}
-            return {
-                "gait_walks": job(
-                    "gait_walks", "walks of all gaits", section, made_of(config, name, made)
-                )
-            }
+    for name in walkers(config):
+        section = without(controlled(config, name, None), "controller", "command")
+        section |= {"steps": config.hzd.steps}
+        inputs = made_of(config, name, made)
+        return {"gait_walks": job("gait_walks", "walks of all gaits", section, inputs)}
     return {}
+
+
+def protocol_jobs(config: Config, made: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
+    """Table and figure of each protocol beside Table 1's, which needs none of them.
+
+    They are of constant speeds, of segments of a case, or of cases.
+    """
+    jobs = {}
+    for name, protocol in config.protocols.items():
+        section = {
+            "name": name,
+            "evaluation": protocol_section(protocol),
+            "labels": labels(config, protocol.controllers),
+        }
+        stage = "speeds" if protocol.profile is None else protocol.profile.rows
+        inputs = {"evaluations": evaluations_of(config, protocol, made)}
+        jobs[name] = job(stage, name, section, inputs)
+    return jobs
 
 
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:

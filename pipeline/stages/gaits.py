@@ -1,4 +1,4 @@
-"""Gaits, one per command of the grid, their library and its pictures."""
+"""Gaits, one per command of the grid, and their library."""
 
 from dataclasses import fields
 from itertools import product
@@ -71,6 +71,7 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
     return job("library", "gait library", section, {"gaits": gaits})
 
 
-def figure_jobs(library: JobSpec) -> dict[str, JobSpec]:
-    """Pictures of the gait library; nothing on the way to Table 1 needs them."""
-    return {"figures": job("figures", "figures", {}, {"library": [library]})}
+def chunks(library: JobSpec, size: int) -> list[list[list[float]]]:
+    """Commands of a library's gaits, so many at a time."""
+    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
+    return [commands[start : start + size] for start in range(0, len(commands), size)]

@@ -1,6 +1,7 @@
 """Stability of the gaits and foot placement; controllers like hzd need the latter."""
 
 from pipeline.stages.entries import job
+from pipeline.stages.gaits import chunks
 from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import without
 from slider.artefacts.plan import JobSpec
@@ -13,14 +14,12 @@ _BEYOND = ("impacts", "basin", "steps", "chunk")  # settings that foot placement
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """What controllers take of the linearised gaits; tables, basins and figures for people."""
     shared = {"hzd": without(to_dict(config.hzd), *_BEYOND), **numerics(config)}
-    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
-    size = config.hzd.chunk
-    chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
-    gaits = [_gaits(shared, chunk, library) for chunk in chunks]
+    gaits = [_gaits(shared, chunk, library) for chunk in chunks(library, config.hzd.chunk)]
     impacts = to_dict(config.hzd.impacts)
     maps = [_maps(impacts, gait) for gait in gaits]
     table = job("stability", "stability", {}, {"gaits": maps})
     drawn = {"library": [library], "stability": [table]}
+    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
     wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if [*gait, 0.0] in commands]
     if wanted:
         drawn["basins"] = [_basin(config, shared, [*gait, 0.0], library) for gait in wanted]

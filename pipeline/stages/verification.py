@@ -1,6 +1,7 @@
 """The independent checks of the library's gaits; nothing on the way to Table 1 needs them."""
 
 from pipeline.stages.entries import job
+from pipeline.stages.gaits import chunks
 from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only, robot, without
 from slider.artefacts.plan import JobSpec
@@ -20,10 +21,8 @@ def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """
     for name in config.verification.bounds:
         one_of("verification.bounds", name, QUANTITIES)
-    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
     size = config.verification.chunk
-    chunks = [commands[start : start + size] for start in range(0, len(commands), size)]
-    gaits = [verification_of_gaits(config, chunk, library) for chunk in chunks]
+    gaits = [verification_of_gaits(config, chunk, library) for chunk in chunks(library, size)]
     section = {"verification": only(to_dict(config.verification), *_COLLECTED)}
     inputs = {"library": [library], "gaits": gaits}
     found = job("verification", "verification", section, inputs)

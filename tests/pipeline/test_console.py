@@ -59,7 +59,7 @@ def test_a_line_that_cannot_be_written_ends_no_run(console, capsys):
         raise OSError("no terminal")
 
     hushed: list[bool] = []
-    console.progress = SimpleNamespace(ended=fail, hush=lambda: hushed.append(True))
+    console.progress = SimpleNamespace(ended=fail, close=lambda: hushed.append(True))
     console._recipes = {3: "a"}
     assert not passes(console, event=LogEvent.JOB_FINISHED, job_id=3)
     assert console.progress is None

@@ -1,13 +1,16 @@
 """What the Snakefile takes of the pipeline."""
 
 import errno
+import shlex
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from snakemake.cli import parse_config
 
 from pipeline import entry
-from pipeline.entry import PLAN, open_pipeline
+from pipeline.entry import PLAN, open_pipeline, parse_overrides
+from slider.artefacts.circumstances import config_option
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -70,3 +73,12 @@ def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(
         open_pipeline({"hydra": "experiment=test"}, CONF)
     line = "slider: expected to write artefacts/objects/ab/cd, found: Permission denied\n"
     assert capsys.readouterr().err == line
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    ["gait.cost=torque", "a='b c' d=[1,2]", "a='it is'", 'a="it\'s" b=1', "", "a=`x`$HOME"],
+)
+def test_overrides_come_back_through_shell_and_snakemake(overrides):
+    words = shlex.split(config_option(overrides))
+    assert parse_overrides(parse_config(words[1:])) == shlex.split(overrides)

@@ -6,10 +6,11 @@ from datetime import UTC, datetime
 import pytest
 
 from pipeline import progress
-from pipeline.progress import Needed, Progress, duration, forecast, share
+from pipeline.progress import Progress, duration, forecast, share
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import Store
 
 CODE = Code("a:run", "", {})
 
@@ -28,7 +29,7 @@ def run(tmp_path, monkeypatch):
     section = {"labels": {"policy": "policy (ours)", "hzd": "HZD"}}
     table1 = JobSpec("table1", "table 1", CODE, section, {"evaluations": jobs})
     plan, store = build_plan({"table1": table1}), Store(tmp_path)
-    needed = [Needed(recipe, 0, 1) for recipe in plan.jobs]
+    needed = dict.fromkeys(plan.jobs, (0, 1))
     lines: list[str] = []
     now = [1000.0]
     monkeypatch.setattr(progress.time, "time", lambda: now[0])

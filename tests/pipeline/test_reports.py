@@ -5,9 +5,10 @@ from pathlib import Path
 import pytest
 
 from pipeline.reports import marker_path, refresh_marker
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import Store
 
 
 @pytest.fixture

@@ -26,4 +26,3 @@ def test_a_row_is_read_from_the_summary_of_an_evaluation():
     assert read_row(LABELS, summary | {"mse_steady": None}) == Row(
         "policy (ours)", 0.4, 0.5, float("inf")
     )
-    assert read_row(LABELS, {"gaits": 3}) is None

@@ -2,7 +2,8 @@
 
 import pytest
 
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.manifest import Manifest
+from slider.artefacts.store import Store
 from slider.cli import main
 
 

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan, write_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.store import Manifest, Store
+from slider.artefacts.store import Store
 from slider.cli import main
 from slider.core import files
 from tests.library.gaits import write_store

@@ -1,18 +1,17 @@
 """``slider bundle``: a result with all that it came from, for a paper or another machine."""
 
 import argparse
-import shlex
 import shutil
 import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from slider.artefacts.circumstances import circumstances
-from slider.artefacts.current import current_plan, current_result
+from slider.artefacts.circumstances import circumstances, config_option
+from slider.artefacts.current import add_store_argument, current_plan, current_result
 from slider.artefacts.lineage.outlines import outlines
 from slider.artefacts.plan import JobSpec, Plan, build_plan
-from slider.artefacts.store import ARTEFACTS, Store
+from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
 _OTHER = (
@@ -29,9 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--licence", default=_NO_LICENCE, help="its URL, or a sentence (default: none chosen)"
     )
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-    )
+    add_store_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -51,15 +48,13 @@ def run(arguments: argparse.Namespace) -> None:
         for name in arguments.targets
     }
     try:
-        from slider.artefacts.bundle import Origin, write_bundle
+        from slider.artefacts.bundle import write_bundle
     except ModuleNotFoundError as error:
         install = "pip install -e '.[bundle]' -c constraints.txt"
         raise UserError(f"expected the package {error.name}, found none: {install}") from None
     overrides, current = _overrides(targets, store)
     command = " ".join(["snakemake -j2", *dict.fromkeys(_file(plan, name) for name in targets)])
-    asked = overrides + " " * overrides.endswith("'")  # Snakemake takes quotes off both ends
-    command += f" --config hydra={shlex.quote(asked)}" * bool(overrides)
-    origin = Origin(Path(), overrides, command)
+    command += config_option(overrides)
     out = arguments.out or Path("reports") / f"{arguments.targets[0]}.crate.zip"
     if out.is_dir():
         raise UserError(f"--out: expected a file, found the folder {out}")
@@ -70,7 +65,8 @@ def run(arguments: argparse.Namespace) -> None:
     with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as place:
         folder = Path(place) / "crate"
         folder.mkdir()
-        size = write_bundle(build_plan(targets), store, origin, arguments.licence, folder)
+        plan = build_plan(targets)
+        size = write_bundle(plan, store, overrides, command, arguments.licence, folder)
         archive = shutil.make_archive(str(Path(place) / "archive"), "zip", folder)
         Path(archive).replace(out)
     print(f"{out}: {out.stat().st_size / 1e6:.1f} MB, results of {size / 1e6:.1f} MB")

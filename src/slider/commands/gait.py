@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from slider.core.errors import UserError
-from slider.library.choose import add_command_arguments, add_library_arguments, read_library
+from slider.library.choose import add_library_arguments, read_library
 from slider.library.export import FORMATS
 from slider.library.overview import gait_lines
 from slider.library.reader import GaitLibrary
@@ -18,7 +18,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show = actions.add_parser("show", help="print a summary and draw the gait")
     export = actions.add_parser("export", help="write the gait for other programs")
     for action in (show, export):
-        add_command_arguments(action)
+        action.add_argument("--vx", type=float, required=True, help="forward velocity [m/s]")
+        action.add_argument("--vy", type=float, default=0.0, help="leftward [m/s] (default: 0)")
+        action.add_argument("--yaw-rate", type=float, default=0.0, help="[rad/s] (default: 0)")
         add_library_arguments(action)
     show.add_argument(
         "--out", type=Path, help="picture, .svg or .png (default: reports/gaits/<vx>_<vy>.png)"

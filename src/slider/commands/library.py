@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.artefacts.current import current_folder, current_result
-from slider.artefacts.store import ARTEFACTS, Store
-from slider.core import files
+from slider.artefacts.current import add_store_argument, current_folder, current_result
+from slider.artefacts.store import Store
 from slider.core.errors import UserError
 from slider.library.choose import MAKE_LIBRARY, add_library_arguments, read_library
 from slider.library.overview import library_lines
@@ -20,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     show = actions.add_parser("show", help="grid, holes and their violated constraints, ranges")
     add_library_arguments(show)
     times = actions.add_parser("times", help="draw how long the current library's gaits took")
-    times.add_argument("--artefacts", type=Path, default=Path(ARTEFACTS))
+    add_store_argument(times)
     times.add_argument(
         "--out",
         type=Path,
@@ -54,8 +53,7 @@ def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:
     library = GaitLibrary.load(current_folder(store, "library", MAKE_LIBRARY) / STORE)
     known: dict[tuple[float, ...], float] = {}
     for gait in job.inputs["gaits"]:
-        path = store.sidecar_path(gait.stage, gait.recipe)
-        facts = files.read_json(path) if path.is_file() else {}
+        facts = store.facts(gait.stage, gait.recipe)
         known[tuple(gait.section["command"])] = facts.get("solve_cpu", np.nan)
     times = np.array([known[tuple(command)] for command in library.commands.tolist()])
     if not np.isfinite(times).any():

@@ -9,13 +9,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.current import add_store_argument
 from slider.artefacts.lineage import text
 from slider.artefacts.lineage.ancestry import everything
 from slider.artefacts.lineage.compare import Difference, compare
 from slider.artefacts.lineage.outlines import outlines
 from slider.artefacts.lineage.pending import Pending, last_result, namesake, pending
 from slider.artefacts.lineage.targets import SHORT, Found, find, known_plans, place
-from slider.artefacts.store import ARTEFACTS, Store
+from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
 _DEFAULT = "table1"
@@ -37,9 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     diff.add_argument("--target", help=f"what to compare of two overrides (default: {_DEFAULT})")
     for action in (show, diff, why):
         action.add_argument("--json", action="store_true", help="everything, for programs")
-        action.add_argument(
-            "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-        )
+        add_store_argument(action)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -74,12 +73,13 @@ def _why(arguments: argparse.Namespace) -> None:
         wanted = _wanted(target, outline, store)
         last = last_result(wanted, store)
         jobs = pending(wanted, store, last)
-
-    def values() -> dict[str, Any]:
-        known = {"name": wanted.name, "last": last.job.recipe if last else None}
-        return known | wanted.job.names | {"jobs": [_waiting(one) for one in jobs]}
-
-    _print(arguments.json, values, _reasons(wanted, jobs))
+    values = {
+        "name": wanted.name,
+        "last": last.job.recipe if last else None,
+        **wanted.job.names,
+        "jobs": [_waiting(one) for one in jobs],
+    }
+    _print(arguments.json, lambda: values, _reasons(wanted, jobs))
 
 
 def _reasons(wanted: Found, jobs: Sequence[Pending]) -> Iterator[str]:
@@ -129,13 +129,15 @@ def _diff(arguments: argparse.Namespace) -> int:
     objects = [old.object, new.object]
     alike = None if None in objects else objects[0] == objects[1]
     same = old.job.recipe == new.job.recipe and not differences if alike is None else alike
-
-    def values() -> dict[str, Any]:
-        recipes = [one.job.recipe for one in (old, new)]
-        known = {"same": same, "recipes": recipes, "objects": objects}
-        return known | {"differences": [_difference(one) for one in differences]}
-
-    _print(arguments.json, values, _verdict(old, new, alike, differences))
+    values = {
+        "same": same,
+        "recipes": [one.job.recipe for one in (old, new)],
+        "objects": objects,
+        "differences": [
+            asdict(one.cause) | {"jobs": [job.names for job in one.jobs]} for one in differences
+        ],
+    }
+    _print(arguments.json, lambda: values, _verdict(old, new, alike, differences))
     return 0 if same else 1
 
 
@@ -146,10 +148,6 @@ def _verdict(
     result = {True: "the same result", False: "different results", None: "not both computed"}[alike]
     yield f"{new.name}: recipe{'s' * (len(recipes) - 1)} {' and '.join(recipes)}, {result}"
     yield from text.differing(differences)
-
-
-def _difference(one: Difference) -> dict[str, Any]:
-    return asdict(one.cause) | {"jobs": [job.names for job in one.jobs]}
 
 
 def _waiting(one: Pending) -> dict[str, Any]:

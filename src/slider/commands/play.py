@@ -6,7 +6,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from slider.artefacts.store import ARTEFACTS
+from slider.artefacts.current import add_store_argument, current_folder
+from slider.artefacts.store import Store
 from slider.config.control import POLICY, SMOKE_AGENTS
 from slider.core.errors import UserError
 
@@ -56,9 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "own robot and environment, unless they change these",
     )
     parser.add_argument("--conf", type=Path, default=Path("conf"), help="folder (default: conf)")
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-    )
+    add_store_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -95,12 +94,10 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     Raises:
         UserError: there is no such agent, policy or library, or they contradict each other.
     """
-    from slider.artefacts.current import current_folder
-    from slider.artefacts.store import Store
     from slider.config.compose import compose
     from slider.control import POLICY_FILE
     from slider.env.terms import checked
-    from slider.library.choose import library_path
+    from slider.library.choose import current_gaits, library_path
     from slider.play import scenes
 
     config = checked(compose(arguments.set, arguments.conf))
@@ -115,21 +112,10 @@ def choose(arguments: argparse.Namespace) -> "Scene":
     if arguments.agent != POLICY:
         if path is not None:
             raise UserError(f"expected --policy with the agent {POLICY}, found {arguments.agent}")
-        return scenes.agent_scene(
-            arguments.agent, config, partial(_gaits, arguments), arguments.seed
-        )
+        gaits = partial(current_gaits, arguments.artefacts)
+        return scenes.agent_scene(arguments.agent, config, gaits, arguments.seed)
     if path is None:
         store = Store(arguments.artefacts)
         path = current_folder(store, "walking", "snakemake -j2 policy") / POLICY_FILE
     plain = compose([], arguments.conf)
     return scenes.policy_scene(path, config, plain, arguments.seed)
-
-
-def _gaits(arguments: argparse.Namespace) -> tuple[Path, Path]:
-    """Folders of the current library and its foot placement."""
-    from slider.artefacts.current import current_folder
-    from slider.artefacts.store import Store
-
-    store, command = Store(arguments.artefacts), "snakemake -j2 reports/gait_walks.csv"
-    library, placement = (current_folder(store, s, command) for s in ("library", "foot_placement"))
-    return library, placement

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from slider.artefacts.store import ARTEFACTS
+from slider.artefacts.current import add_store_argument, current_folder, current_result
+from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
 _MAKE = "snakemake -j2 policy"
@@ -28,9 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action.add_argument(
             "file", type=Path, nargs="?", help="policy.pt (default: of the current plan)"
         )
-        action.add_argument(
-            "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-        )
+        add_store_argument(action)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -44,8 +43,6 @@ def run(arguments: argparse.Namespace) -> None:
 
 def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
     """The policy file, and its origin in the store."""
-    from slider.artefacts.current import current_folder, current_result
-    from slider.artefacts.store import Store
     from slider.control import POLICY_FILE
 
     if arguments.file is not None:

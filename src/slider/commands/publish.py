@@ -5,7 +5,9 @@ import os
 import shutil
 from pathlib import Path
 
-from slider.artefacts.store import ARTEFACTS, Store, damaged, parse_manifest
+from slider.artefacts.current import add_store_argument
+from slider.artefacts.manifest import damaged, parse_manifest
+from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -16,9 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "targets", type=Path, nargs="+", help="files to write; the result has some of their names"
     )
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-    )
+    add_store_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -7,15 +7,16 @@ import signal
 import sys
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TextIO
 
+from slider.artefacts.current import add_store_argument
 from slider.artefacts.plan import Plan, read_plan
 from slider.artefacts.runner import Runner
-from slider.artefacts.store import ARTEFACTS, Store
+from slider.artefacts.store import Store
 from slider.core.disk import not_written
 from slider.core.errors import UserError
 
@@ -27,9 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recipe", help="recipe of the job")
     parser.add_argument("--plan", type=Path, required=True, help="file below artefacts/plans")
     parser.add_argument("--threads", type=int, default=1, help="processor threads (default: 1)")
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-    )
+    add_store_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -43,7 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):  # end tidily and without a trace
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     with _output_to(log) as terminal:
-        show = progress_lines(store.progress_path(spec.stage, spec.recipe))
+        # The processes of a training get it, too.
+        show = partial(_show, store.progress_path(spec.stage, spec.recipe))
         waiting = _waiting(store, plan, spec.stage)
         try:
             outcome = Runner(store, arguments.threads, show, waiting).run(spec)
@@ -97,12 +97,8 @@ def _waiting(store: Store, plan: Plan, stage: str) -> int:
     return sum(not store.manifest_path(stage, job.recipe).is_file() for job in jobs)
 
 
-def progress_lines(path: Path) -> Callable[[str], None]:
-    """All progress goes to the log; the latest line to a file, for who shows the run."""
-    return partial(_show, path)  # the processes of a training get it, too
-
-
 def _show(path: Path, message: str) -> None:
+    """Progress goes to the log, its latest line to a file, for who shows the run."""
     print(message, flush=True)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(message, encoding="utf-8")

@@ -7,7 +7,7 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
-from slider.artefacts.store import ARTEFACTS
+from slider.artefacts.current import add_store_argument
 from slider.core.errors import UserError
 from slider.tracking.mlflow_writer import DATABASE, page
 
@@ -20,9 +20,7 @@ ORDER BY start_time DESC"""
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--port", type=int, default=5000, help="of this machine (default: 5000)")
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-    )
+    add_store_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -5,21 +5,19 @@ import sys
 import time
 from pathlib import Path
 
-from slider.artefacts.current import current_plan
+from slider.artefacts.current import add_store_argument, current_plan
 from slider.artefacts.forecast.times import mean_rows, times, write
 from slider.artefacts.maintenance import Removed, collect, summarise, verify
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.sharing.travel import pull, push
-from slider.artefacts.store import ARTEFACTS, Store
+from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-    )
+    add_store_argument(parser)
     actions = parser.add_subparsers(dest="action", required=True)
     actions.add_parser("ls", help="count manifests, objects and bytes of each stage")
     actions.add_parser("verify", help="rehash objects; drop what is corrupt or unreadable")

@@ -2,9 +2,8 @@
 
 import argparse
 import logging
-from pathlib import Path
 
-from slider.artefacts.store import ARTEFACTS
+from slider.artefacts.current import add_store_argument
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -12,7 +11,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True)
     follow = actions.add_parser("follow", help="write one session until it ends")
     follow.add_argument("session", help="name of a folder below artefacts/tracking")
-    follow.add_argument("--artefacts", type=Path, default=Path(ARTEFACTS))
+    add_store_argument(follow)
 
 
 def run(arguments: argparse.Namespace) -> None:

@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from slider.artefacts.current import current_folder
-from slider.artefacts.store import ARTEFACTS, Store
+from slider.artefacts.current import add_store_argument, current_folder
+from slider.artefacts.store import Store
 from slider.library.reader import STORE, GaitLibrary
 
 MAKE_LIBRARY = "snakemake -j2 gait_library"
@@ -15,16 +15,7 @@ def add_library_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--library", type=Path, help="a library.zarr (default: that of the current configuration)"
     )
-    parser.add_argument(
-        "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
-    )
-
-
-def add_command_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the command of a gait."""
-    parser.add_argument("--vx", type=float, required=True, help="forward velocity [m/s]")
-    parser.add_argument("--vy", type=float, default=0.0, help="leftward [m/s] (default: 0)")
-    parser.add_argument("--yaw-rate", type=float, default=0.0, help="[rad/s] (default: 0)")
+    add_store_argument(parser)
 
 
 def read_library(arguments: argparse.Namespace) -> GaitLibrary:
@@ -46,3 +37,14 @@ def library_path(arguments: argparse.Namespace) -> Path:
         return arguments.library
     store = Store(arguments.artefacts)
     return current_folder(store, "library", MAKE_LIBRARY) / STORE
+
+
+def current_gaits(artefacts: Path) -> tuple[Path, Path]:
+    """Folders of the current library and its foot placement, which ``hzd`` walks by.
+
+    Raises:
+        UserError: there are none yet.
+    """
+    store, command = Store(artefacts), "snakemake -j2 reports/gait_walks.csv"
+    library, placement = (current_folder(store, s, command) for s in ("library", "foot_placement"))
+    return library, placement

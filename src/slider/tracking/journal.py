@@ -47,29 +47,26 @@ class JournalTracker:
 
     def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
         """Record scalar metrics at a step."""
-        values = metrics.items()
-        self._append(
-            METRICS, lambda: {"step": int(step), "values": {k: float(v) for k, v in values}}
-        )
+        self._append(METRICS, lambda: {"step": int(step), "values": _floats(metrics)})
 
     def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
         """Record columns of equal length as a table."""
-        self._append(TABLE, lambda: {"name": name, "columns": _plain_columns(table)})
+        self._append(TABLE, lambda: {"name": name, "columns": files.plain(table)})
 
     def log_file(self, path: Path) -> None:
         """Record a file as an artefact of the run; it may be moved afterwards."""
-        self._append(FILE, lambda: {"path": str(self._copy(path))})
+        self._append(FILE, lambda: {"path": self._copy(path)})
 
-    def _copy(self, path: Path) -> Path:
+    def _copy(self, path: Path) -> str:
         folder = self._path.with_suffix(".files")
         folder.mkdir(exist_ok=True)
-        return Path(shutil.copyfile(path, folder / path.name))
+        return str(shutil.copyfile(path, folder / path.name))
 
     def _append(self, event: str, values: Callable[[], Mapping[str, Any]]) -> None:
         if self._broken:
             return
         try:
-            line = json.dumps({"event": event, "time": _milliseconds(), **values()})
+            line = json.dumps({"event": event, "time": time.time_ns() // 1_000_000, **values()})
             with self._path.open("a", encoding="utf-8") as file:
                 file.write(line + "\n")
         except Exception as error:
@@ -87,9 +84,5 @@ def current_session(artefacts: Path) -> Path | None:
     return session if (session / SESSION_FILE).is_file() else None
 
 
-def _plain_columns(table: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
-    return {name: [files.plain(value) for value in column] for name, column in table.items()}
-
-
-def _milliseconds() -> int:
-    return time.time_ns() // 1_000_000
+def _floats(metrics: Mapping[str, float]) -> dict[str, float]:
+    return {name: float(value) for name, value in metrics.items()}

@@ -10,29 +10,20 @@ import os
 import shutil
 import sqlite3
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from slider.core import files
-from slider.tracking.journal import (
-    BEGIN,
-    END,
-    FAILED,
-    FILE,
-    MAIN,
-    METRICS,
-    PARAMS,
-    SESSION_FILE,
-    TABLE,
-)
-from slider.tracking.session import SessionInfo, is_alive, read_session
+from slider.tracking import journal
+from slider.tracking.journal import FAILED, MAIN, METRICS, SESSION_FILE
+from slider.tracking.session import SessionInfo, is_alive
 
 DATABASE = "mlflow.db"  # below artefacts/
 _PERIOD = 1.0  # between two looks at the journals [s]
-_BATCH = 900  # metrics or, by tens, parameters in one request; MLflow takes 1000 and 100
+_BATCHES = {"metrics": 900, "params": 90}  # in one request; MLflow takes 1000 and 100
 _MAX_PARAM = 5000  # characters of a parameter's value
 _PARENT_TAG = "mlflow.parentRunId"
 _NOTE_TAG = "mlflow.note.content"
@@ -44,9 +35,9 @@ _log = logging.getLogger(__name__)
 def follow(artefacts: Path, name: str) -> None:
     """Write a session to MLflow until it ends; first what earlier sessions left behind."""
     client = _connect(artefacts)
-    for folder in _sessions(artefacts):
-        if folder.name != name:
-            _close_leftover(client, artefacts, folder)
+    for path in sorted((artefacts / "tracking").glob(f"*/{SESSION_FILE}")):
+        if path.parent.name != name:
+            _close_leftover(client, artefacts, path.parent)
     session = _Session(client, artefacts, artefacts / "tracking" / name)
     while not session.update():
         time.sleep(_PERIOD)
@@ -55,15 +46,11 @@ def follow(artefacts: Path, name: str) -> None:
 
 def _close_leftover(client: Any, artefacts: Path, folder: Path) -> None:
     try:
-        if not is_alive(read_session(folder).owner):
+        if not is_alive(SessionInfo.read(folder).owner):
             _Session(client, artefacts, folder).close()
     except Exception as error:  # must not keep the present session from being written
         _log.warning("lost the tracking of %s: %s", folder.name, error)
         shutil.rmtree(folder, ignore_errors=True)
-
-
-def _sessions(artefacts: Path) -> list[Path]:
-    return sorted(path.parent for path in (artefacts / "tracking").glob(f"*/{SESSION_FILE}"))
 
 
 def _connect(artefacts: Path) -> Any:
@@ -95,17 +82,19 @@ class _Session:
     def __init__(self, client: Any, artefacts: Path, folder: Path) -> None:
         self._client = client
         self._folder = folder
-        self._info: SessionInfo = read_session(folder)
+        self._info = SessionInfo.read(folder)
+        names = {self._info.experiment, *self._info.apart.values()}
+        self._experiments = {name: _experiment(client, artefacts, name) for name in sorted(names)}
         self._state_path = folder / "written.json"
-        info = self._info
-        names = dict.fromkeys([info.experiment, *info.apart.values()])
-        self._experiments = {name: _experiment(client, artefacts, name) for name in names}
-        self._positions = self._read_state()
+        known = files.read_json(self._state_path) if self._state_path.is_file() else {}
+        self._positions = {name: _Position(**position) for name, position in known.items()}
 
     def update(self) -> bool:
         """Write what is new; tell whether the session is over."""
         alive = is_alive(self._info.owner)  # before reading: nothing is missed
-        for path in self._journals():
+        journals = sorted(self._folder.glob("*.jsonl"))
+        # The pipeline's own journal first: its run is the parent of all others.
+        for path in sorted(journals, key=lambda path: path.stem != MAIN):
             self._update_journal(path)
         return self._position(MAIN).ended or not alive
 
@@ -117,23 +106,8 @@ class _Session:
                 self._client.set_terminated(position.run, FAILED)
         shutil.rmtree(self._folder)
 
-    def _journals(self) -> list[Path]:
-        """The pipeline's own journal first: its run is the parent of all others."""
-        found = sorted(self._folder.glob("*.jsonl"))
-        return sorted(found, key=lambda path: path.stem != MAIN)
-
     def _position(self, name: str) -> _Position:
         return self._positions.setdefault(name, _Position())
-
-    def _read_state(self) -> dict[str, _Position]:
-        if not self._state_path.is_file():
-            return {}
-        values = files.read_json(self._state_path)
-        return {name: _Position(**position) for name, position in values.items()}
-
-    def _write_state(self) -> None:
-        values = {name: vars(position) for name, position in self._positions.items()}
-        files.write_json(self._state_path, values)
 
     def _update_journal(self, path: Path) -> None:
         position = self._position(path.stem)
@@ -142,13 +116,16 @@ class _Session:
             return
         metrics = [event for event in events if event["event"] == METRICS]
         for event in events:
-            if event["event"] == END:  # metrics of an ended run would reopen nothing: write first
+            if (
+                event["event"] == journal.END
+            ):  # metrics of an ended run would reopen nothing: write first
                 self._try(self._log_metrics, position.run, metrics)
                 metrics = []
             self._try(self._handle, event, position, path.stem)
         self._try(self._log_metrics, position.run, metrics)
         position.offset = offset
-        self._write_state()
+        state = {name: vars(position) for name, position in self._positions.items()}
+        files.write_json(self._state_path, state)
 
     def _try(self, write: Callable[..., None], *arguments: Any) -> None:
         """What MLflow refuses, such as a parameter that changes, must not hold up the rest."""
@@ -160,20 +137,21 @@ class _Session:
             _log.warning("%s: %s", self._folder.name, error)
 
     def _handle(self, event: dict[str, Any], position: _Position, name: str) -> None:
-        client, kind = self._client, event["event"]
-        if kind == BEGIN:
-            position.note = self._note(event)
-            position.run = self._create_run(event, name)
-        elif kind == PARAMS:
-            self._log_params(position.run, event["values"])
-        elif kind == TABLE:
-            client.log_table(position.run, event["columns"], f"{event['name']}.json")
-        elif kind == FILE:
-            client.log_artifact(position.run, event["path"])
-        elif kind == END:
-            self._log_tags(position, event)
-            client.set_terminated(position.run, event["status"], end_time=event["time"])
-            position.ended = True
+        client = self._client
+        match event["event"]:
+            case journal.BEGIN:
+                position.note = self._note(event)
+                position.run = self._create_run(event, name)
+            case journal.PARAMS:
+                self._log_params(position.run, event["values"])
+            case journal.TABLE:
+                client.log_table(position.run, event["columns"], f"{event['name']}.json")
+            case journal.FILE:
+                client.log_artifact(position.run, event["path"])
+            case journal.END:
+                self._log_tags(position, event)
+                client.set_terminated(position.run, event["status"], end_time=event["time"])
+                position.ended = True
 
     def _create_run(self, event: dict[str, Any], name: str) -> str:
         apart = self._info.apart.get(event["tags"].get("stage"))
@@ -204,9 +182,7 @@ class _Session:
     def _log_params(self, run: str, values: dict[str, str]) -> None:
         from mlflow.entities import Param
 
-        params = [Param(key, value[:_MAX_PARAM]) for key, value in values.items()]
-        for batch in _batches(params, _BATCH // 10):
-            self._client.log_batch(run, params=batch)
+        self._log(run, "params", [Param(k, value[:_MAX_PARAM]) for k, value in values.items()])
 
     def _log_metrics(self, run: str, events: Sequence[dict[str, Any]]) -> None:
         from mlflow.entities import Metric
@@ -216,8 +192,12 @@ class _Session:
             for event in events
             for key, value in event["values"].items()
         ]
-        for batch in _batches(metrics, _BATCH):
-            self._client.log_batch(run, metrics=batch)
+        self._log(run, "metrics", metrics)
+
+    def _log(self, run: str, kind: str, items: Sequence[Any]) -> None:
+        size = _BATCHES[kind]
+        for first in range(0, len(items), size):
+            self._client.log_batch(run, **{kind: items[first : first + size]})
 
 
 def page(experiment: str) -> str:
@@ -244,8 +224,3 @@ def _read_events(path: Path, offset: int) -> tuple[list[dict[str, Any]], int]:
         content = file.read()
     whole = content[: content.rfind(b"\n") + 1]
     return [json.loads(line) for line in whole.splitlines()], offset + len(whole)
-
-
-def _batches(items: Sequence[Any], size: int) -> Iterator[list[Any]]:
-    for first in range(0, len(items), size):
-        yield list(items[first : first + size])

@@ -37,6 +37,11 @@ class SessionInfo:
     tags: Mapping[str, str]
     apart: Mapping[str, str] = field(default_factory=dict)
 
+    @classmethod
+    def read(cls, folder: Path) -> "SessionInfo":
+        """That of the session in a folder."""
+        return cls(**files.read_json(folder / SESSION_FILE))
+
 
 def start(artefacts: Path, info: SessionInfo, run: Mapping[str, Any]) -> "Session":
     """Open a session and start its writer.
@@ -81,19 +86,12 @@ def stop(artefacts: Path) -> None:
     (artefacts / "tracking" / "current").unlink(missing_ok=True)
 
 
-def read_session(folder: Path) -> SessionInfo:
-    """Read what a session is about."""
-    return SessionInfo(**files.read_json(folder / SESSION_FILE))
-
-
 def is_alive(process: int) -> bool:
     """Tell whether a process of this machine is running."""
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
+    except OSError as error:
+        return isinstance(error, PermissionError)  # there, but not ours
     return True
 
 

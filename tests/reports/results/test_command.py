@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from slider import cli
-from slider.artefacts.store import Manifest, Result, Store
+from slider.artefacts.manifest import Manifest, Result
+from slider.artefacts.store import Store
 from slider.core import files
 from slider.reports.results.blocks import find
 
@@ -49,7 +50,7 @@ def store_table(text: str) -> None:
         "dirty": "false",
         "ended": "2026-11-23T08:00:00.000+00:00",
         "machine": "Processor X, 2 cores, Linux",
-        "overrides": "evaluation.controllers=[policy]",
+        "overrides": "evaluation.controllers=[policy] env.label='on ice'",
     }
     files.write_json(store.sidecar_path("table1", recipe), facts)
 
@@ -69,7 +70,8 @@ def test_the_line_below_tells_command_commit_date_and_machine_of_the_job(workspa
     assert results() == 0
     assert body().splitlines()[-1] == (
         "Made by `snakemake -j2 reports/table1.csv --config "
-        "hydra='evaluation.controllers=[policy]'`, commit `01234567`, "
+        """hydra='evaluation.controllers=[policy] env.label='"'"'on ice'"'"' '`, """
+        "commit `01234567`, "
         "2026-11-23, Processor X, 2 cores, Linux."
     )
 

@@ -19,7 +19,7 @@ from slider.reports.controllers import PAPER, speed
 from slider.reports.protocols.cases import case_tables
 from slider.reports.protocols.speeds import highest_table
 from slider.reports.quantities import QUANTITIES
-from slider.reports.results.origin import ancestry, made
+from slider.reports.results.origin import ancestry, facts, made
 from slider.reports.rows import NAN, Row, by, distinct, read
 from slider.reports.sections.provenance import in_order, stage_title
 from slider.reports.sections.verification import bounds_table
@@ -266,14 +266,14 @@ def times(report: Path, store: Store) -> str:
         raise Unmade(f"{report} is of no job in the store")
     jobs = list(ancestry(origin, store))
     body = []
-    for stage in in_order(job.manifest.stage for job in jobs):
-        facts = [job.facts for job in jobs if job.manifest.stage == stage]
+    for stage in in_order(job.stage for job in jobs):
+        noted = [facts(job, store) for job in jobs if job.stage == stage]
         wall, cpu = (
-            sum(fact.get(name, 0.0) for fact in facts) / 60 for name in ("wall_s", "cpu_s")
+            sum(fact.get(name, 0.0) for fact in noted) / 60 for name in ("wall_s", "cpu_s")
         )
-        threads = max(fact.get("threads", 1) for fact in facts)
+        threads = max(fact.get("threads", 1) for fact in noted)
         body.append(
-            [stage_title(stage), str(len(facts)), str(threads), f"{wall:.1f}", f"{cpu:.1f}"]
+            [stage_title(stage), str(len(noted)), str(threads), f"{wall:.1f}", f"{cpu:.1f}"]
         )
     heads = ["stage", "jobs", "threads of a job", "wall time of all jobs [min]"]
     return grid([*heads, "processor time [min]"], body).markdown

@@ -13,8 +13,7 @@ from pathlib import Path
 from pipeline.entry import one_line
 from pipeline.reports import refresh_marker
 from slider.artefacts import runner
-from slider.artefacts.clock import date_now
-from slider.artefacts.maintenance import drop_damaged
+from slider.artefacts.maintenance import date_now, drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.store import Store

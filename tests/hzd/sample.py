@@ -17,16 +17,17 @@ from slider.hzd.step import ClosedLoop
 from slider.hzd.walk import ZeroDynamics, find_cycles, linearise
 from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary
+from tests import shared
 from tests.gait.gaits import config, section
 
 COMMANDS = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
 CLOCK, HIP = range(2)
 
 
-@cache
+@shared.shared
 def folder(commands: tuple[tuple[float, float, float], ...] = tuple(COMMANDS)) -> Path:
     """Object folder of a library."""
-    root = Path(mkdtemp(prefix="slider-hzd-"))
+    root = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     gaits = []
     for vx, vy, yaw_rate in commands:
         gaits.append(root / f"gait {vx} {vy}")
@@ -62,7 +63,7 @@ def one(gait: int) -> list[StepPlan]:
     return [plan.of(np.array([gait])) for plan in steps()]
 
 
-@cache
+@shared.shared
 def points() -> np.ndarray:
     """x* (2, G, 22) of the limit cycles."""
     found = [find_cycles(loop(), one(gait)) for gait in range(len(library()))]
@@ -70,12 +71,12 @@ def points() -> np.ndarray:
     return np.concatenate([each for each, _ in found], axis=1)
 
 
-@cache
+@shared.shared
 def zero(gait: int) -> ZeroDynamics:
     return linearise(loop(), one(gait), points()[:, [gait]])
 
 
-@cache
+@shared.shared
 def walks() -> list[Walk]:
     return [
         walk(loop(), return_maps(loop(), one(gait), points()[:, [gait]]), 0)
@@ -83,14 +84,14 @@ def walks() -> list[Walk]:
     ]
 
 
-@cache
+@shared.shared
 def placement_folder() -> Path:
     """Object folder of the library's foot placement."""
     from pipeline.stages.gaits import library_job
     from pipeline.stages.stability import stability_jobs
     from slider.hzd import stage
 
-    out = Path(mkdtemp(prefix="slider-hzd-"))
+    out = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     (spec, *_) = stability_jobs(config(), library_job(config()))["foot_placement"].inputs["gaits"]
     commands = {"commands": [list(command) for command in COMMANDS]}
     stage.run_gaits(spec.section | commands, {"library": [folder()]}, out, Job(out))

@@ -22,6 +22,7 @@ from slider.verification.gaits import Check, Surroundings, checks
 from slider.verification.pin_robot import PinRobot, build_robot
 from slider.verification.plant import Plant
 from slider.verification.stored import StoredGait, gaits_of
+from tests import shared
 
 CONF = Path(__file__).parents[2] / "conf"
 VELOCITIES = [(0.6, -0.1), (0.6, 0.1), (0.65, 0.1)]
@@ -38,17 +39,17 @@ def library() -> Path:
     return collected("prismatic", *VELOCITIES)
 
 
-@cache
+@shared.shared
 def collected(dynamics: str, *commands: tuple[float, ...]) -> Path:
-    folder = Path(mkdtemp(prefix="slider-verification-"))
+    folder = Path(mkdtemp(prefix="verification-", dir=shared.folder()))
     settings = config(f"gait.dynamics={dynamics}")
-    shared = gait_section(settings)
+    problem = gait_section(settings)
     gaits = []
     for command in commands:
         gaits.append(folder / f"gait {command}")
         gaits[-1].mkdir()
         full = [*command, 0.0][:3]
-        gait_stage.run(shared | {"command": full}, {}, gaits[-1], Job(folder))
+        gait_stage.run(problem | {"command": full}, {}, gaits[-1], Job(folder))
     out = folder / "library"
     out.mkdir()
     section = gait_library(settings, []).section

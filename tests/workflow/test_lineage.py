@@ -20,8 +20,8 @@ LONGER = "train.walking.iterations=5"
 
 
 @pytest.fixture(scope="module")
-def once(tmp_path_factory) -> Workspace:
-    return dummies_that_ran(tmp_path_factory.mktemp("lineage"))
+def once(session_folder, tmp_path_factory) -> Workspace:
+    return dummies_that_ran(session_folder, tmp_path_factory.mktemp("lineage") / "once")
 
 
 @pytest.fixture

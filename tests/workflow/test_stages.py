@@ -9,9 +9,9 @@ from pipeline.gait_study import gait_study_job
 from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs, entries, table1_jobs
 from pipeline.stages import numerics as stage_numerics
+from pipeline.stages.evaluation import protocol_jobs
 from pipeline.stages.gaits import commands
 from pipeline.stages.page import report
-from pipeline.stages.protocols import protocol_jobs
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose

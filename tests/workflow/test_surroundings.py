@@ -14,9 +14,8 @@ from tests.workflow.workspace import (
     QUIET,
     TABLE,
     Workspace,
-    copy_repository,
+    dummies_that_ran,
     finished,
-    with_dummies,
 )
 
 pytestmark = pytest.mark.workflow
@@ -36,11 +35,8 @@ WRITERS = {
 
 
 @pytest.fixture(scope="module")
-def once(tmp_path_factory) -> Workspace:
-    """Dummies that ran from nothing to their table, to be copied."""
-    workspace = with_dummies(copy_repository(tmp_path_factory.mktemp("surroundings")))
-    workspace.computed()
-    return workspace
+def once(session_folder, tmp_path_factory) -> Workspace:
+    return dummies_that_ran(session_folder, tmp_path_factory.mktemp("surroundings") / "once")
 
 
 @pytest.fixture

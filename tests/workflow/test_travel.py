@@ -18,9 +18,9 @@ NOTHING = "Nothing to be done"
 
 
 @pytest.fixture(scope="module")
-def giver(tmp_path_factory) -> Workspace:
+def giver(session_folder, tmp_path_factory) -> Workspace:
     """A pipeline of dummies that ran and pushed all to a folder beside it."""
-    workspace = dummies_that_ran(tmp_path_factory.mktemp("giver"))
+    workspace = dummies_that_ran(session_folder, tmp_path_factory.mktemp("giver") / "once")
     pushed = workspace.slider("store", "push", str(workspace.folder / "remote"))
     assert pushed.stdout.startswith(f"push to {workspace.folder}/remote: {len(EVERYTHING)} sent (")
     return workspace

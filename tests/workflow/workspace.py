@@ -280,8 +280,12 @@ def with_dummies(workspace: Workspace) -> Workspace:
     return workspace
 
 
-def dummies_that_ran(folder: Path) -> Workspace:
-    """A pipeline of dummies that ran from nothing to its table, to be copied."""
-    workspace = with_dummies(copy_repository(folder))
-    assert workspace.computed() == EVERYTHING
-    return workspace
+def dummies_that_ran(session: Path, folder: Path) -> Workspace:
+    """A copy of a pipeline of dummies that ran from nothing to its table, once per session."""
+    done, workspace = session / "dummies.done", Workspace(session / "dummies")
+    with exclusive(session, "dummies"):
+        if not done.exists():
+            shutil.rmtree(workspace.folder, ignore_errors=True)
+            assert with_dummies(copy_repository(workspace.folder)).computed() == EVERYTHING
+            done.touch()
+    return workspace.copy(folder)

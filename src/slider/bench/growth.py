@@ -11,7 +11,6 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -81,28 +80,19 @@ def _nodes(arguments: argparse.Namespace) -> Curve:
 
 def _environments(arguments: argparse.Namespace) -> Curve:
     """Physics alone, environment and whole training at each number of robots and threads."""
-    library = library_path(arguments)
+    from slider.bench.throughput import measure
+    from slider.config.compose import compose
+    from slider.core.numerics import kernels, precision
+
+    config, library = compose([], arguments.conf), library_path(arguments)
+    how = [precision("auto", kernels())], 1.0, 3
     for threads in arguments.threads:
         for envs in _ENVS:
-            found = _apart(threads, _throughput, arguments.conf, library, threads, envs)
+            found = _apart(threads, measure, config, library, threads, envs, *how)[0]
             plural = "thread" if threads == 1 else "threads"
             for part in ("bare", "environment", "loop"):
                 name = f"{part}, {threads} {plural} [1000 steps/s]"
                 yield envs, name, getattr(found, part).wall / 1e3
-
-
-def _throughput(conf: Path, library: Path, threads: int, envs: int) -> Any:
-    from slider.bench.throughput import Bench
-    from slider.config.compose import compose
-    from slider.core.numerics import kernels, precision
-    from slider.env.task import task_of
-
-    config = compose([], conf)
-    train = replace(config.train.walking, robots=envs)
-    task = task_of(config.robot, config.env, train, library)
-    with tempfile.TemporaryDirectory() as work:
-        fastest = precision("auto", kernels())
-        return Bench(task, threads, Path(work)).measure([fastest], seconds=1.0, rounds=3)[0]
 
 
 def _robots(arguments: argparse.Namespace) -> Curve:
@@ -111,6 +101,7 @@ def _robots(arguments: argparse.Namespace) -> Curve:
     from slider.config.compose import compose
 
     config = compose([], arguments.conf)
+    _apart(1, measure, config, _CONTROLLER, None, 1, _SPEED, 0.1)  # compiles the tick
     for robots in _SIZES:
         cost = _apart(1, measure, config, _CONTROLLER, None, robots, _SPEED, _SECONDS)
         yield robots, "controller and physics [µs per robot and tick]", cost.whole
@@ -137,7 +128,7 @@ def _objects(_: argparse.Namespace) -> Curve:
 
 def _fill(store: Any, count: int) -> None:
     """Publish objects of one small file each, with a manifest."""
-    from slider.artefacts.store import Manifest
+    from slider.artefacts.manifest import Manifest
 
     for number in range(count):
         with store.temporary("growth") as folder:
@@ -149,29 +140,17 @@ def _fill(store: Any, count: int) -> None:
 
 def _gaits(arguments: argparse.Namespace) -> Curve:
     """What a dry run takes, by the number of gaits; what the default takes, by that of cores."""
-    from slider.artefacts.current import current_plan
-    from slider.artefacts.store import Store
-
     for step in _VY_STEPS:
-        with tempfile.TemporaryDirectory() as folder:
-            seconds = _dry_run(_PLAN.format(step), folder)
-            plan = current_plan(Store(Path(folder) / "artefacts"))
-            assert plan is not None
-            gaits = sum(job.stage == "gait" for job in plan.jobs.values())
-            yield gaits, "dry run [s]", seconds
+        seconds, plan = _dry_run(_PLAN.format(step))
+        gaits = sum(job.stage == "gait" for job in plan.jobs.values())
+        yield gaits, "dry run [s]", seconds
 
 
 def _cores(arguments: argparse.Namespace) -> Curve:
     """Table 1 by a schedule of the times that ship: all, and the longest way alone."""
-    from slider.artefacts.current import current_plan
     from slider.artefacts.forecast.schedule import Forecast
-    from slider.artefacts.store import Store
 
-    with tempfile.TemporaryDirectory() as folder:
-        _dry_run("tracking.enabled=false", folder)
-        plan = current_plan(Store(Path(folder) / "artefacts"))
-    assert plan is not None
-    works = _works(plan)
+    works = _works(_dry_run("tracking.enabled=false")[1])
     for cores in _CORES:
         yield cores, "Table 1 [min]", Forecast(works, cores).left(0.0) / 60
         work = sum(one.seconds for one in works.values())
@@ -198,16 +177,22 @@ def _works(plan: Any) -> Mapping[str, Any]:
     return works
 
 
-def _dry_run(hydra: str, folder: str) -> float:
-    """Processor time of Snakemake's dry run in an empty folder [s]."""
+def _dry_run(hydra: str) -> tuple[float, Any]:
+    """Processor time of Snakemake's dry run in an empty folder [s], and its plan."""
+    from slider.artefacts.current import current_plan
+    from slider.artefacts.store import Store
+
     command = [sys.executable, "-m", "snakemake", "-n", "reports/table1.csv"]
-    command += ["-s", str(SNAKEFILE.resolve()), "--directory", folder, "--config"]
+    command += ["-s", str(SNAKEFILE.resolve()), "--config", f"hydra={hydra}", "--directory"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([*command, f"hydra={hydra}"], capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise UserError(f"{shlex.join(command)}: {done.stderr.strip()[-300:]}")
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([*command, folder], capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise UserError(f"{shlex.join(command)}: {done.stderr.strip()[-300:]}")
+        plan = current_plan(Store(Path(folder) / "artefacts"))
+    assert plan is not None
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, plan
 
 
 def _apart(threads: int, function: Callable[..., Any], *arguments: Any) -> Any:

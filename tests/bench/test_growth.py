@@ -48,12 +48,12 @@ def test_more_cores_take_no_longer_and_never_less_than_the_bound(monkeypatch):
 
 
 def test_a_larger_problem_takes_longer(monkeypatch):
-    monkeypatch.setattr(growth, "_NODES", (5, 15))
+    monkeypatch.setattr(growth, "_NODES", (5, 51))
     monkeypatch.setattr("slider.bench.gaits.VELOCITIES", ((0.3, 0.0),))
     points = {
         (count, name): value for count, name, value in growth._nodes(Namespace(conf=Path("conf")))
     }
-    assert points[15, "iteration [ms]"] > points[5, "iteration [ms]"] > 0
+    assert points[51, "iteration [ms]"] > points[5, "iteration [ms]"] > 0
 
 
 def test_bad_input_is_one_line(capsys, tmp_path, monkeypatch):

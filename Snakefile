@@ -15,7 +15,10 @@ report: "pipeline/captions/workflow.rst"
 
 CONSOLE = Console(workflow)
 PIPELINE = open_pipeline(
-    config, Path(workflow.basedir) / "conf", workflow.is_main_process
+    config,
+    Path(workflow.basedir) / "conf",
+    head=workflow.is_main_process,
+    cores=workflow.resource_settings.cores,
 )
 
 

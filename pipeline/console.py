@@ -55,7 +55,10 @@ class Console:
             run = self.workflow.dag.needrun_jobs()
             jobs = {job.wildcards.recipe: job for job in run if hasattr(job.wildcards, "recipe")}
             self._recipes = {job.jobid: recipe for recipe, job in jobs.items()}
-            needed = {recipe: (job.priority, job.threads) for recipe, job in jobs.items()}
+            needed = {
+                recipe: (job.priority, job.threads, job.resources["pool"])
+                for recipe, job in jobs.items()
+            }
             settings = self.workflow.resource_settings
             cores = settings.cores or settings.nodes or 1
             if needed:

@@ -27,10 +27,10 @@ from slider.core.disk import is_read_only, not_written
 from slider.core.errors import UserError
 from slider.env.terms import checked
 from slider.tracking import session as tracking
+from slider.training import threads
 
 OPTION, PLAN = "hydra", "plan"  # of --config; the latter is the head's word to its jobs
 _TITLE = 80  # characters
-_CORES_PER_THREAD, _MOST_THREADS, _MANY = 8, 4, 1024
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
 
 
@@ -51,7 +51,10 @@ def one_line() -> Iterator[None]:
 
 @dataclass
 class Pipeline:
-    """The jobs of one configuration, as files below the working directory."""
+    """The jobs of one configuration, as files below the working directory.
+
+    ``cores`` are those that all jobs share; ``None`` on a cluster, where each has its own.
+    """
 
     config: Config
     overrides: Sequence[str]
@@ -59,6 +62,7 @@ class Pipeline:
     plan_path: Path
     store: Store
     conf: Path
+    cores: int | None = None
     session: tracking.Session | None = field(default=None)
 
     @property
@@ -76,20 +80,23 @@ class Pipeline:
         python = f"GLIBC_TUNABLES= {shlex.quote(sys.executable)}"
         return f"{python} -m slider.cli run --plan {self.plan_path}"
 
-    def threads(self, cores: int | None) -> Callable[[Any], int]:
-        """Threads of the training of a recipe: no fewer than its processes, one for each GPU."""
-        return lambda wildcards: max(self.training_threads(cores), self.gpus(wildcards))
+    def slots(self, wildcards: Any) -> int:
+        """Cores that the training of a recipe holds: no fewer than its processes, one for each GPU.
 
-    def training_threads(self, cores: int | None) -> int:
-        """Threads of a training: ``resources.threads``, else one for every eight of ``-j`` cores.
-
-        A job of several threads waits until as many slots are free at once, and the networks run on
-        one thread whatever there is: on few cores one thread ends sooner. ``cores`` is ``None`` on
-        a cluster, where nothing else competes for a job's cores.
+        They are ``resources.threads``. A job of several waits until as many are free at once, so
+        the default is one, but on a cluster, where the scheduler gives them at once.
         """
-        if self.config.resources.threads is not None:
-            return self.config.resources.threads
-        return min(max(1, (cores or _MANY) // _CORES_PER_THREAD), _MOST_THREADS)
+        wanted = self.config.resources.threads or (1 if self.cores else threads.MOST)
+        return max(wanted, self.gpus(wildcards))
+
+    def threads(self, slots: int) -> int:
+        """Threads of a training that holds some slots.
+
+        By default its physics runs on more, which use the cores that other jobs leave idle.
+        """
+        if self.cores is None or self.config.resources.threads is not None:
+            return slots
+        return max(slots, threads.threads(self.cores))
 
     def gpus(self, wildcards: Any) -> int:
         """GPUs that the job of a recipe needs."""
@@ -159,7 +166,9 @@ class Pipeline:
             self.session.finish(status)
 
 
-def open_pipeline(settings: Mapping[str, Any], conf: Path, head: bool = True) -> Pipeline:
+def open_pipeline(
+    settings: Mapping[str, Any], conf: Path, head: bool = True, cores: int | None = None
+) -> Pipeline:
     """Compose the configuration and lay out its jobs; bad input is one line and status 1.
 
     On a cluster each job reads the Snakefile once more. It is not the ``head``: it takes the head's
@@ -168,19 +177,19 @@ def open_pipeline(settings: Mapping[str, Any], conf: Path, head: bool = True) ->
     gc.disable()  # a tenth of the time, and there is hardly anything to collect
     try:
         with one_line():
-            return (_open if head else _join)(settings, conf)
+            return _open(settings, conf, cores) if head else _join(settings, conf)
     finally:
         gc.enable()
 
 
-def _open(settings: Mapping[str, Any], conf: Path) -> Pipeline:
+def _open(settings: Mapping[str, Any], conf: Path, cores: int | None) -> Pipeline:
     overrides = parse_overrides(settings)
     config, plan = planned(overrides, conf)
     notes = Path(".snakemake")  # of Snakemake, also in a dry run: without them it ends with a trace
     notes.mkdir(exist_ok=True)
     tempfile.TemporaryFile(dir=notes).close()
     store = Store(Path(ARTEFACTS))
-    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf)
+    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf, cores)
 
 
 def _join(settings: Mapping[str, Any], conf: Path) -> Pipeline:

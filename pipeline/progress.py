@@ -134,20 +134,22 @@ class Progress:
 
 
 def forecast(
-    plan: Plan, store: Store, needed: Mapping[str, tuple[float, int]], cores: int
+    plan: Plan, store: Store, needed: Mapping[str, tuple[float, int, int]], cores: int
 ) -> Forecast:
     """What the jobs of a run will take; one that an earlier result answers takes a moment.
 
-    ``needed`` has the priority and the threads with which Snakemake will run each recipe.
+    ``needed`` has priority, cores and threads with which Snakemake will run each recipe.
     """
     expected = times(store, sorted({plan.jobs[recipe].stage for recipe in needed}))
     known = reused_ahead(plan, store, needed.keys())
     works = {}
-    for recipe, (priority, threads) in needed.items():
+    for recipe, (priority, held, threads) in needed.items():
         job = plan.jobs[recipe]
-        name, seconds = ("reused", START) if recipe in known else (kind(job), expected.seconds(job))
+        name, seconds = kind(job), expected.seconds(job, threads)
+        if recipe in known:
+            name, seconds = "reused", START
         inputs = [item.recipe for item in job.needs]
-        works[recipe] = Work(name, seconds, inputs, priority, min(threads, cores))
+        works[recipe] = Work(name, seconds, inputs, priority, min(held, cores))
     return Forecast(works, cores)
 
 

@@ -21,11 +21,16 @@ for stage in ENTRIES:
         log:
             f"artefacts/logs/{stage}/{{recipe}}.log",
         priority: PRIORITIES.get(stage, 0)
-        threads: PIPELINE.threads(workflow.resource_settings.cores) if stage in TRAININGS else 1
+        threads: PIPELINE.slots if stage in TRAININGS else 1
         resources:
+            pool=(
+                (lambda wildcards, threads: PIPELINE.threads(threads))
+                if stage in TRAININGS
+                else 1
+            ),
             gpu=PIPELINE.gpus if stage in TRAININGS else 0,
         shell:
-            "{PIPELINE.run} {wildcards.recipe} --threads {threads}"
+            "{PIPELINE.run} {wildcards.recipe} --threads {resources.pool}"
 
 
 rule gait_library:

@@ -16,22 +16,26 @@ CONF = Path(__file__).parents[2] / "conf"
 
 
 @pytest.mark.parametrize(
-    ("overrides", "cores", "threads"),
+    ("overrides", "cores", "slots", "threads"),
     [
-        ("", 2, 1),
-        ("", 8, 1),
-        ("", 16, 2),
-        ("", 128, 4),
-        ("", None, 4),  # a cluster
-        ("resources.threads=3", 2, 3),
+        ("", 1, 1, 1),
+        ("", 2, 1, 1),
+        ("", 4, 1, 2),
+        ("", 128, 1, 4),
+        ("", None, 4, 4),  # a cluster
+        ("resources.threads=3", 2, 3, 3),
+        ("resources.threads=1", 64, 1, 1),
     ],
 )
-def test_a_training_has_a_thread_for_every_eight_cores(
-    tmp_path, monkeypatch, overrides, cores, threads
+def test_a_training_holds_one_core_and_simulates_on_idle_ones(
+    tmp_path, monkeypatch, overrides, cores, slots, threads
 ):
     monkeypatch.chdir(tmp_path)
-    opened = open_pipeline({"hydra": f"experiment=test {overrides}"}, CONF)
-    assert opened.training_threads(cores) == threads
+    opened = open_pipeline({"hydra": f"experiment=test {overrides}"}, CONF, cores=cores)
+    walking = SimpleNamespace(recipe=opened.plan.targets["walking"])
+    assert opened.plan.jobs[walking.recipe].stage == "walking"
+    assert opened.slots(walking) == slots
+    assert opened.threads(slots) == threads
 
 
 def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeypatch):

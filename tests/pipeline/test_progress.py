@@ -29,7 +29,7 @@ def run(tmp_path, monkeypatch):
     section = {"labels": {"policy": "policy (ours)", "hzd": "HZD"}}
     table1 = JobSpec("table1", "table 1", CODE, section, {"evaluations": jobs})
     plan, store = build_plan({"table1": table1}), Store(tmp_path)
-    needed = dict.fromkeys(plan.jobs, (0, 1))
+    needed = dict.fromkeys(plan.jobs, (0, 1, 1))
     lines: list[str] = []
     now = [1000.0]
     monkeypatch.setattr(progress.time, "time", lambda: now[0])

@@ -17,6 +17,7 @@ from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.config.compose import compose
+from slider.training.threads import duration
 
 CONF = Path(__file__).parents[3] / "conf"
 SHIPPED = [Row("baseline hzd", 100.0, 50.0), Row("baseline tuned", 100.0, 30.0)]
@@ -51,14 +52,20 @@ def test_what_is_remembered_of_a_like_size_comes_first():
     assert known.seconds(evaluation("tuned", 100)) == pytest.approx(START + 30.0)
 
 
+def test_more_threads_take_less_time_but_for_the_networks():
+    known = Times([Row("baseline hzd", 100.0, 100.0)], [])
+    seconds = [known.seconds(evaluation("hzd", 100), threads) for threads in (1, 2, 1024)]
+    assert seconds[0] == START + 100.0 > seconds[1] > seconds[2] > START + 40.0
+
+
 def test_a_job_without_work_takes_as_long_as_an_earlier_one():
     job = evaluation("hzd", 0)
     assert Times([Row("baseline hzd", 0.0, 3.0)], []).seconds(job) == START + 3.0
     assert Times([], [Row("baseline hzd", 0.0, 3.0)]).seconds(evaluation("hzd", 9)) == START + 3.0
 
 
-def note(job) -> dict:
-    return {"kind": times.kind(job), "size": times.size(job)}
+def note(job, threads: int = 1) -> dict:
+    return {"kind": times.kind(job), "size": times.size(job), "threads": threads}
 
 
 def test_the_store_remembers_what_was_computed_and_no_load(tmp_path):
@@ -67,7 +74,7 @@ def test_the_store_remembers_what_was_computed_and_no_load(tmp_path):
         {"computed": True, "wall_s": 90.0, "cpu_s": 60.0, **note(jobs[0])},
         {"computed": False, "wall_s": 1.0, "cpu_s": 1.0, **note(jobs[1])},
         {"computed": True, "wall_s": 1.0, "cpu_s": 1.0},  # of an earlier version
-        {"computed": True, "wall_s": 50.0, "cpu_s": 95.0, **note(jobs[3])},  # two threads
+        {"computed": True, "wall_s": 50.0, "cpu_s": 95.0, **note(jobs[3], 2)},
     ]
     texts = [*map(json.dumps, facts), "[3"]
     for job, text in zip(jobs, texts, strict=True):
@@ -75,7 +82,7 @@ def test_the_store_remembers_what_was_computed_and_no_load(tmp_path):
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
     found = sorted(row.seconds for row in times.times(store, ["baseline", "gait"]).remembered)
-    assert found == [50.0, 60.0]
+    assert found == [60.0, 50.0 / duration(2)]
 
 
 def test_a_table_is_written_as_it_is_read(tmp_path, monkeypatch):

@@ -12,6 +12,7 @@ from typing import Any
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.store import Store
 from slider.core import files
+from slider.training.threads import duration
 
 START = 0.7
 """Seconds from Snakemake's decision to the first line of a job: a Python process."""
@@ -89,21 +90,24 @@ class Times:
     remembered: Iterable[Row]
     shipped: Iterable[Row]
 
-    def seconds(self, job: JobSpec) -> float:
+    def seconds(self, job: JobSpec, threads: int = 1) -> float:
         """Expected wall time of a job [s], start of its process included."""
-        name, own = kind(job), size(job)
+        return START + duration(threads) * self._seconds(kind(job), size(job))
+
+    def _seconds(self, name: str, own: float) -> float:
+        """Of a job of a kind and size on one thread."""
         alike = [
             row.scaled(own)
             for row in self.remembered
             if row.kind == name and own / _ALIKE <= row.size <= own * _ALIKE
         ]
         if alike:
-            return START + statistics.median(alike)
+            return statistics.median(alike)
         rows = [row for row in self.shipped if row.kind == name] or [
-            row for row in self.shipped if row.kind.partition(" ")[0] == job.stage
+            row for row in self.shipped if row.kind.split()[0] == name.split()[0]
         ]
         found = [row.scaled(own) for row in rows]
-        return START + (statistics.fmean(found) if found else _UNKNOWN)
+        return statistics.fmean(found) if found else _UNKNOWN
 
 
 def times(store: Store, stages: Iterable[str]) -> Times:
@@ -112,14 +116,18 @@ def times(store: Store, stages: Iterable[str]) -> Times:
 
 
 def _remembered(store: Store, stage: str) -> Iterable[Row]:
-    """Processor time where that is less than the wall time: other programs' load is not ours."""
+    """Processor time where that is less than the wall time: other programs' load is not ours.
+
+    The times are those of one thread.
+    """
     paths = store.sidecar_path(stage, "*")
     found = [(path.stat().st_mtime, path) for path in paths.parent.glob(paths.name)]
     for _, path in sorted(found, reverse=True)[:_LATEST]:
         try:
             facts = files.read_json(path)
             if facts["computed"]:
-                yield Row(facts["kind"], facts["size"], min(facts["wall_s"], facts["cpu_s"]))
+                took = min(facts["wall_s"], facts["cpu_s"]) / duration(facts["threads"])
+                yield Row(facts["kind"], facts["size"], took)
         except (OSError, ValueError, KeyError, TypeError):
             continue  # of an earlier version, or damaged: it is no input of anything
 

@@ -23,11 +23,11 @@ from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.core import threads
 from slider.core.disk import is_read_only, not_written
 from slider.core.errors import UserError
 from slider.env.terms import checked
 from slider.tracking import session as tracking
-from slider.training import threads
 
 OPTION, PLAN = "hydra", "plan"  # of --config; the latter is the head's word to its jobs
 _TITLE = 80  # characters

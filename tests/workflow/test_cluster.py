@@ -1,6 +1,7 @@
 """The Slurm profile on a cluster of one node: a local run's results, and nothing left behind."""
 
 import importlib.util
+import json
 import signal
 import subprocess
 import sys
@@ -9,7 +10,7 @@ from shlex import quote
 
 import pytest
 
-from tests.workflow.slurm import Cluster, missing, one_node
+from tests.workflow.slurm import CORES, Cluster, missing, one_node
 from tests.workflow.workspace import (
     QUIET,
     TABLE,
@@ -82,6 +83,8 @@ def test_a_run_that_is_interrupted_twice_ends_with_the_table_of_a_local_run(
     assert workspace.table.read_bytes() == local.table.read_bytes()
     for stage in ("walking", "evaluation", "table1"):
         assert workspace.objects(stage) <= local.objects(stage)
+    (facts,) = (workspace.artefacts / "walking").glob("*.run.json")
+    assert json.loads(facts.read_text())["threads"] == CORES, "all cores of its own"
     assert not list(tmp_path.rglob("pwned"))
 
 

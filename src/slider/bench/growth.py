@@ -165,7 +165,7 @@ def _works(plan: Any, cores: int) -> Mapping[str, Any]:
     from slider.artefacts.forecast.schedule import Work
     from slider.artefacts.forecast.times import Times, shipped
     from slider.artefacts.plan import build_plan
-    from slider.training.threads import threads
+    from slider.core.threads import threads
 
     jobs = build_plan({"table1": plan.jobs[plan.targets["table1"]]}).jobs
     times, way = Times([], shipped()), dict.fromkeys(jobs, 0.0)

@@ -17,7 +17,7 @@ from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.config.compose import compose
-from slider.training.threads import duration
+from slider.core.threads import duration
 
 CONF = Path(__file__).parents[3] / "conf"
 SHIPPED = [Row("baseline hzd", 100.0, 50.0), Row("baseline tuned", 100.0, 30.0)]

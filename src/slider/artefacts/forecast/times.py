@@ -12,7 +12,7 @@ from typing import Any
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.store import Store
 from slider.core import files
-from slider.training.threads import duration
+from slider.core.threads import duration
 
 START = 0.7
 """Seconds from Snakemake's decision to the first line of a job: a Python process."""

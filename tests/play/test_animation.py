@@ -36,6 +36,13 @@ def test_refuses_a_robot_that_falls(tmp_path, capsys):
     assert not list(tmp_path.iterdir())
 
 
+def test_refuses_another_format_before_anything_is_computed(tmp_path, capsys):
+    path = tmp_path / "walk.mp4"
+    assert main(["play", "mpc_wbc_tuned", "--film", str(path), "--conf", str(CONF)]) == 1
+    message = f"slider: --film: expected a name that ends with .webp, found {path}\n"
+    assert capsys.readouterr().err == message
+
+
 @pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
 def test_writes_pictures_that_move(tmp_path):
     path = tmp_path / "images" / "walk.webp"

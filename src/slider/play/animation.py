@@ -23,8 +23,11 @@ def run(scene: Scene, control: Control, seconds: float | None, path: Path) -> No
     """Write the steady part of a motion, from the side, as an animated WebP.
 
     Raises:
-        UserError: the robot falls, or nothing can be rendered on this machine.
+        UserError: the robot falls, nothing can be rendered on this machine, or the file is not
+            to be a WebP.
     """
+    if path.suffix.lower() != ".webp":
+        raise UserError(f"--film: expected a name that ends with .webp, found {path}")
     frames: list[Frame] = []
 
     def record(frame: Frame) -> bool:

@@ -145,11 +145,12 @@ def forecast(
     works = {}
     for recipe, (priority, held, threads) in needed.items():
         job = plan.jobs[recipe]
-        name, seconds = kind(job), expected.seconds(job, threads)
+        name, seconds, work = kind(job), expected.seconds(job, threads), expected.seconds(job)
         if recipe in known:
-            name, seconds = "reused", START
+            name, seconds, work = "reused", START, START
         inputs = [item.recipe for item in job.needs]
-        works[recipe] = Work(name, seconds, inputs, priority, min(held, cores))
+        uses = work / seconds
+        works[recipe] = Work(name, seconds, inputs, priority, min(held, cores), uses)
     return Forecast(works, cores)
 
 

@@ -19,15 +19,16 @@ CONF = Path(__file__).parents[2] / "conf"
     ("overrides", "cores", "slots", "threads"),
     [
         ("", 1, 1, 1),
-        ("", 2, 1, 1),
+        ("", 2, 1, 2),
         ("", 4, 1, 2),
+        ("", 6, 1, 3),
         ("", 128, 1, 4),
         ("", None, 4, 4),  # a cluster
         ("resources.threads=3", 2, 3, 3),
         ("resources.threads=1", 64, 1, 1),
     ],
 )
-def test_a_training_holds_one_core_and_simulates_on_idle_ones(
+def test_a_training_holds_one_core_and_uses_idle_ones(
     tmp_path, monkeypatch, overrides, cores, slots, threads
 ):
     monkeypatch.chdir(tmp_path)

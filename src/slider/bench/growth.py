@@ -154,8 +154,7 @@ def _cores(arguments: argparse.Namespace) -> Curve:
     work = sum(one.seconds for one in _works(plan, 1).values())
     for cores in _CORES:
         works = _works(plan, cores)
-        scheduled = Forecast(works, cores).left(0.0)
-        yield cores, "Table 1 [min]", max(scheduled, work / cores) / 60
+        yield cores, "Table 1 [min]", Forecast(works, cores).left(0.0) / 60
         bound = max(work / cores, max(one.priority for one in works.values()))
         yield cores, "least: work / cores, or the longest way [min]", bound / 60
 
@@ -175,7 +174,8 @@ def _works(plan: Any, cores: int) -> Mapping[str, Any]:
         seconds = times.seconds(job, threads(cores) if trained else 1)
         inputs = [item.recipe for items in job.inputs.values() for item in items]
         way[recipe] += seconds
-        works[recipe] = Work(job.stage, seconds, inputs, way[recipe])
+        uses = times.seconds(job) / seconds
+        works[recipe] = Work(job.stage, seconds, inputs, way[recipe], uses=uses)
         for item in inputs:
             way[item] = max(way[item], way[recipe])
     return works

@@ -32,9 +32,9 @@ from slider.env.task import Task, task_of
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import NUM_JOINTS
 from slider.robot.transmission import Transmission
+from slider.training.beside import set_up_thread
 from slider.training.distributed import device_of
 from slider.training.ppo import runner_config
-from slider.training.trainer import set_up_torch
 
 _RECORDED = 24  # control steps
 
@@ -95,9 +95,9 @@ class Bench:
     """
 
     def __init__(self, task: Task, threads: int, work: Path) -> None:
-        set_up_torch()
+        set_up_thread()
         torch.manual_seed(task.train.seed)
-        self._task, self._work = task, work
+        self._task, self._threads, self._work = task, threads, work
         self._device = device_of(task.train.device)
         with_warp = task.train.simulator == "mujoco_warp"
         self.env = self._warp_env(threads) if with_warp else WalkingEnv(task, threads)
@@ -193,7 +193,7 @@ class Bench:
     def _runner(self, precision: str) -> OnPolicyRunner:
         train = self._task.train
         train = replace(train, ppo=replace(train.ppo, precision=precision))
-        config = runner_config(train, NoTracker(), [])
+        config = runner_config(train, NoTracker(), [], self._threads)
         with contextlib.redirect_stdout(io.StringIO()):
             runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device=self._device)
         runner.save = lambda *_, **__: None  # a training saves once in many iterations

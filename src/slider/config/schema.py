@@ -42,7 +42,7 @@ class ResourcesConfig:
     """Of the machine that computes. Never part of a recipe."""
 
     threads: Annotated[Count, Field(le=1024)] | None
-    """cores of a training (other jobs have one); null: one, and idle ones for its physics"""
+    """cores of a training (other jobs have one); null: one, and idle ones beside it"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -18,9 +18,12 @@ ITERATION = "iteration"
 
 
 def runner_config(
-    train: TrainConfig, tracker: Tracker, curve: list[dict[str, float]]
+    train: TrainConfig, tracker: Tracker, curve: list[dict[str, float]], threads: int = 1
 ) -> dict[str, Any]:
-    """Configuration dictionary of ``OnPolicyRunner``; ``curve`` gets a row per iteration."""
+    """Configuration dictionary of ``OnPolicyRunner``; ``curve`` gets a row per iteration.
+
+    The networks have two ``threads`` if there is more than one; the results do not depend on it.
+    """
     return {
         "num_steps_per_env": train.steps_per_iteration,
         "save_interval": _NEVER,  # checkpoints are ours
@@ -28,7 +31,7 @@ def runner_config(
         "logger": {"class_name": _writer_factory(tracker, curve)},
         "actor": {**_model(train.network), "distribution_cfg": _distribution(train.network)},
         "critic": _model(train.network),
-        "algorithm": _algorithm(train),
+        "algorithm": {**_algorithm(train), "threads": threads},
     }
 
 

@@ -19,6 +19,7 @@ from slider.env.underlying import build_physics
 from slider.env.vec_env import WalkingEnv
 from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
+from slider.training.beside import set_up_thread
 from slider.training.distributed import device_of, rank, wait_for_all
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.results import CURVE, SELECTION
@@ -26,12 +27,6 @@ from slider.training.selection import Score, Selector
 
 WEIGHTS = "weights.pt"
 _RESUMED = ("actor", "critic", "optimizer", "average")
-
-
-def set_up_torch() -> None:
-    """One thread, since sums depend on their number; the simulation uses all threads of a job."""
-    torch.set_num_threads(1)
-    torch.set_flush_denormal(True)
 
 
 class Trainer:
@@ -45,7 +40,7 @@ class Trainer:
 
     def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] = build_physics) -> None:
         train = task.train
-        set_up_torch()
+        set_up_thread()
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)
         self._checkpoint = checkpoint.read(job.work, job.progress)
@@ -57,7 +52,7 @@ class Trainer:
             torch.cuda.set_device(device)  # rsl-rl does so too, but after the first graphs
         self.env = WalkingEnv(own, job.threads, simulate)
         self._curve: list[dict[str, float]] = []
-        config = runner_config(train, job.tracker, self._curve)
+        config = runner_config(train, job.tracker, self._curve, job.threads)
         self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=device)
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
         self._shrink_first_actions()

@@ -29,6 +29,12 @@ def test_the_urgent_job_starts_first_and_one_that_does_not_fit_holds_nobody_up()
     assert found.left(0.0) == pytest.approx(15.0)  # `one` takes the free core, then `wide` both
 
 
+def test_cores_that_a_job_uses_beside_its_own_are_not_free():
+    works = {"wide": Work("wide", 10.0, uses=1.5), "a": Work("a", 10.0), "b": Work("b", 1.0)}
+    assert Forecast(works, 2).left(0.0) == pytest.approx((15.0 + 10.0 + 1.0) / 2)
+    assert Forecast(works, 3).left(0.0) == pytest.approx(10.0)
+
+
 def test_a_running_job_counts_by_its_time_and_by_its_own_words():
     found = chain_and_fillers(1)
     found.begin("a", 100.0)

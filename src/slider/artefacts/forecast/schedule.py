@@ -28,6 +28,7 @@ class Work:
         inputs: recipes of the jobs that come before it.
         priority: the higher, the sooner it starts.
         threads: cores that it takes.
+        uses: cores that it uses in the mean, some of them only where other jobs leave them idle.
     """
 
     kind: str
@@ -35,6 +36,7 @@ class Work:
     inputs: Sequence[str] = ()
     priority: float = 0.0
     threads: int = 1
+    uses: float = 1.0
 
 
 @dataclass
@@ -96,8 +98,15 @@ class Forecast:
         return 1.0 if self.done == self.total else min(self._shown, 0.999)
 
     def left(self, now: float) -> float:
-        """Wall time until the last job ends [s]."""
+        """Wall time until the last job ends [s]: of a schedule, and no less than the work takes."""
         pace = self._pace()
+        work = sum(
+            self._rest(recipe, now, pace) * self.works[recipe].uses
+            for recipe in self.works.keys() - self._took.keys()
+        )
+        return max(self._scheduled(now, pace), work / self.cores)
+
+    def _scheduled(self, now: float, pace: Mapping[str, float]) -> float:
         running = [(self._rest(recipe, now, pace), recipe) for recipe in self.running]
         heapq.heapify(running)
         free = self.cores - sum(self.works[recipe].threads for _, recipe in running)

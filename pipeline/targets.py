@@ -23,7 +23,11 @@ from slider.reports.figures import STABILITY_FILES
 from slider.reports.sections.registry import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
 
 ABLATION_TARGET = "ablation"
-SEEDS_TARGET = "seeds"  # the ablation of the default alone, from several seeds
+STUDIES = {
+    "seeds": ("ablation=seeds", "ablation.run=[default]"),  # the default alone, from several seeds
+    "paper_method": ("ablation=paper_method",),  # at the commands of Table 1
+}
+"""Ablations with settings of their own."""
 SENSITIVITY_TARGET = "sensitivity"
 RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
 """Rules that are neither a target nor a stage."""
@@ -62,17 +66,21 @@ def _check_protocols(config: Config) -> None:
         require(free, f"protocols.{name}", expected, name)
 
 
-def _seeds(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
-    own = compose([*overrides, "ablation=seeds", "ablation.run=[default]"], conf)
-    return ablation_job(own, targets["library"], overrides, conf, SEEDS_TARGET)
+def _study(name: str) -> "Lay":
+    def lay(config: Config, targets: Targets, overrides: Sequence[str], conf: Path) -> JobSpec:
+        own = compose([*overrides, *STUDIES[name]], conf)
+        return ablation_job(own, targets["library"], overrides, conf, name)
+
+    return lay
 
 
-ON_DEMAND: dict[str, Callable[[Config, Targets, Sequence[str], Path], JobSpec]] = {
+Lay = Callable[[Config, Targets, Sequence[str], Path], JobSpec]
+ON_DEMAND: dict[str, Lay] = {
     # The quicker ones to lay out first.
     GAIT_STUDY_TARGET: lambda config, *_: gait_study_job(config),
     SENSITIVITY_TARGET: lambda config, targets, *_: sensitivity_job(config, targets["walking"]),
     ABLATION_TARGET: lambda config, targets, *rest: ablation_job(config, targets["library"], *rest),
-    SEEDS_TARGET: _seeds,
+    **{name: _study(name) for name in STUDIES},
 }
 """Target → its job, from the configuration, the other targets, its overrides and its folder."""
 
@@ -97,7 +105,7 @@ def _files() -> dict[str, tuple[str, ...]]:
         "gait_walks": ("gait_walks.csv", "gait_walks.md"),
         "verification_maps": (*_drawn("verification_maps"), "figures/verification_maps.md"),
         ABLATION_TARGET: (*_compared(ABLATION_TARGET), "ablation_curves.csv"),
-        SEEDS_TARGET: (*_compared(SEEDS_TARGET), "seeds_curves.csv"),
+        **{name: (*_compared(name), f"{name}_curves.csv") for name in STUDIES},
         SENSITIVITY_TARGET: _compared(SENSITIVITY_TARGET),
         GAIT_STUDY_TARGET: (*_compared(GAIT_STUDY_TARGET), "gait_starts.csv"),
     }

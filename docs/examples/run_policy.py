@@ -21,6 +21,8 @@ class Policy:
     """The network and what it must remember from one control step to the next."""
 
     def __init__(self, folder: Path) -> None:
+        if not (folder / "policy.json").is_file():
+            raise SystemExit(f"expected policy.json and the files that it names in {folder}")
         self.layout = json.loads((folder / "policy.json").read_text())
         self.session = onnxruntime.InferenceSession(
             folder / "policy.onnx", providers=["CPUExecutionProvider"]

@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from slider.artefacts.store import ARTEFACTS
 from slider.core.disk import is_read_only, not_written
@@ -39,18 +40,29 @@ INTERNAL = {
 """What the pipeline calls; no help lists it."""
 
 
+class Parser(argparse.ArgumentParser):
+    """A parser that says in one line what is wrong; those of subcommands are like it."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise it.
+
+        Raises:
+            UserError: always.
+        """
+        of = self.prog.removeprefix("slider").strip()
+        raise UserError(f"{of}: {message}" if of else message)
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand; bad input is one line and status 1."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     name = arguments[0] if arguments else ""
     known = COMMANDS | INTERNAL
     if name not in known:
-        _overview().parse_args(arguments)
-        _overview().print_help()
-        return 1
+        return _no_command(arguments)
     place, text = known[name]
     module = importlib.import_module(place)
-    parser = argparse.ArgumentParser(f"slider {name}", description=text)
+    parser = Parser(f"slider {name}", description=text)
     module.add_arguments(parser)
     try:
         code = module.run(parser.parse_args(arguments[1:])) or 0
@@ -71,9 +83,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
 
 
-def _overview() -> argparse.ArgumentParser:
+def _no_command(arguments: list[str]) -> int:
+    try:
+        _overview().parse_args(arguments)
+    except UserError as error:
+        print(f"slider: {error}", file=sys.stderr)
+    else:
+        _overview().print_help()
+    return 1
+
+
+def _overview() -> Parser:
     lines = [f"  {name:<20}{text}" for name, (_, text) in COMMANDS.items()]
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         "slider",
         description="Gaits, training and evaluation of the biped SLIDER.",
         epilog="\n".join(["commands:", *lines]),

@@ -3,6 +3,8 @@
 import argparse
 from pathlib import Path
 
+_WIDEST = 44  # characters of a column; a longer cell moves the rest of its row
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
@@ -37,6 +39,6 @@ def run(arguments: argparse.Namespace) -> None:
         HEADER,
         *(entry.cells for entry in matching(entries(config, kinds(config)), arguments.keys)),
     ]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    widths = [min(max(map(len, column)), _WIDEST) for column in zip(*rows, strict=True)]
     for row in rows:
         print("  ".join(map(str.ljust, row, widths)).rstrip())

@@ -8,7 +8,7 @@ import numpy as np
 from slider.artefacts.current import add_store_argument, current_folder, current_result
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
-from slider.library.choose import MAKE_LIBRARY, add_library_arguments, read_library
+from slider.library.choose import MAKE_LIBRARY, add_library_arguments, library_path
 from slider.library.overview import library_lines
 from slider.library.reader import STORE, GaitLibrary
 
@@ -31,7 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Print the overview, or draw the solve times."""
     if arguments.action == "show":
-        print("\n".join(library_lines(read_library(arguments))))
+        path = library_path(arguments)
+        print("\n".join([str(path), *library_lines(GaitLibrary.load(path))]))
         return
     from slider.reports.figures import convergence
     from slider.reports.figures.style import write_figure

@@ -27,6 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Fill each block whose report is there; say on stderr which reports are missing."""
     pages = arguments.pages or [Path("README.md"), *sorted(Path("docs").rglob("*.md"))]
+    for page in pages:
+        if not page.is_file():
+            raise UserError(f"expected a page at {page}, found none")
     texts = {page: page.read_text(encoding="utf-8") for page in pages}
     found = {page: _blocks(page, text) for page, text in texts.items()}
     make = cache(partial(_make, arguments.reports, Store(arguments.artefacts)))

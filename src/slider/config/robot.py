@@ -33,6 +33,7 @@ class Link:
     """A rigid body."""
 
     mass: Positive[Kilograms]
+    """of the body; a leg's exists twice"""
     com: Vector3[Metres]
     """centre of mass, in the frame of the link's joint"""
     inertia: Annotated[

@@ -89,7 +89,9 @@ class Interval(Generic[T]):
     """Closed interval."""
 
     lower: T
+    """least value"""
     upper: T
+    """greatest value"""
 
     @model_validator(mode="after")
     def _ordered(self) -> "Interval[T]":

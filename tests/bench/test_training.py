@@ -8,7 +8,7 @@ import pytest
 from mujoco import rollout
 
 from slider.bench.throughput import Bench
-from slider.bench.training import line
+from slider.bench.training import _resolved, line
 from slider.cli import main
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
@@ -79,6 +79,14 @@ def test_with_warp_all_three_run_on_the_device(calm, tmp_path):
 def test_the_environment_is_left_as_it_was(bench):
     assert "step" not in vars(bench.env)
     assert "step" not in vars(bench.env.physics)
+
+
+@pytest.mark.parametrize(("has_cuda", "device"), [(False, "cpu"), (True, "cuda")])
+def test_a_device_is_found_where_it_is_auto(monkeypatch, has_cuda, device):
+    """As the pipeline does before a recipe."""
+    monkeypatch.setattr("slider.core.numerics._has_cuda", lambda: has_cuda)
+    auto = ["train.walking.simulator=mujoco_warp", "train.walking.device=auto"]
+    assert _resolved(config(*auto)).train.walking.device == device
 
 
 @pytest.mark.parametrize("option", ["--envs", "--rounds", "--threads"])

@@ -1,5 +1,6 @@
 """With two threads the critic is computed beside the actor, and not a bit changes."""
 
+import gc
 import threading
 from dataclasses import replace
 from pathlib import Path
@@ -59,6 +60,27 @@ def test_the_critic_has_a_thread_where_there_are_two(tmp_path):
         alone = {threading.main_thread().name}  # values after the last step: the actor is not asked
         assert forward == {name} | alone
         assert backward == {name}
+
+
+def test_the_critic_is_differentiated_without_autocast(tmp_path):
+    """As rsl-rl does it: a product in single precision stays one."""
+    ppo = replace(config(*TINY).train.walking.ppo, precision="bfloat16")
+    trainer, seen = make(tmp_path, 2, ppo=ppo, iterations=1), set()
+    first_layer(trainer).weight.register_hook(lambda _: seen.add(torch.is_autocast_enabled("cpu")))
+    trainer.run()
+    assert seen == {False}
+
+
+def test_nothing_is_left_of_a_training(tmp_path):
+    before = set(threading.enumerate())
+    trainer = make(tmp_path, 2, iterations=1)
+    trainer.run()
+    threads = [t for t in threading.enumerate() if t not in before and t.name == "critic_0"]
+    assert len(threads) == 1
+    del trainer
+    gc.collect()
+    threads[0].join(timeout=10.0)
+    assert not threads[0].is_alive()
 
 
 def test_an_error_of_the_critic_ends_the_training(tmp_path):

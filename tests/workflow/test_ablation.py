@@ -167,3 +167,12 @@ def test_the_seeds_stand_beside_the_ablation(tmp_path, monkeypatch):
     seeds = opened.plan.jobs[opened.plan.targets["seeds"]]
     assert seeds.section["name"] == "seeds"
     assert {run["variant"] for run in seeds.section["runs"]} == {"default"}
+
+
+def test_the_papers_method_is_an_ablation_at_the_commands_of_table_1(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    opened = open_pipeline({}, CONF)
+    opened.manifest("paper_method")(None)
+    found = opened.plan.jobs[opened.plan.targets["paper_method"]]
+    assert [run["variant"] for run in found.section["runs"]] == ["paper", "paper_alive"]
+    assert found.section["commands"] == opened.config.speeds.table1

@@ -13,7 +13,7 @@ import numpy as np
 
 from slider.artefacts.store import Store
 from slider.hzd.summary import QUANTITIES as HZD_QUANTITIES
-from slider.reports.ablation import spread
+from slider.reports.ablation import Ablation, spread
 from slider.reports.comparison import METRICS
 from slider.reports.controllers import PAPER, speed
 from slider.reports.protocols.cases import case_tables
@@ -192,6 +192,23 @@ def seeds(report: Path, store: Store) -> str:
 def ablation(report: Path, store: Store) -> str:
     """All of the report."""
     return _whole(report)
+
+
+@block("paper_method.csv")
+def paper_method(report: Path, store: Store) -> str:
+    """Survival in the checks over the samples, then what Table 1 has, of each variant."""
+    found = Ablation.load(report.parent, report.stem)
+    samples, body = distinct(found.checks, "samples"), []
+    for name, rows in by(found.checks, "variant").items():
+        shares = {row["samples"]: QUANTITIES["success_rate"].text(row["success"]) for row in rows}
+        body.append([f"`{name}`", *(shares.get(count, "") for count in samples)])
+    curve = grid(["samples [M]", *(f"{1e-6 * count:.3g}" for count in samples)], body).markdown
+    lines = [
+        ("" if index else QUANTITIES[name].heading, f"`{variant}`", mine, name)
+        for name in ("success_rate", "mse_steady", "tracking_rate")
+        for index, (variant, mine) in enumerate(by(found.policies, "variant").items())
+    ]
+    return f"Robots of a check that survive [%]:\n\n{curve}\n\n{_across(found.policies, lines)}"
 
 
 @block("gait_quality.csv")

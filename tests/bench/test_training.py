@@ -45,7 +45,7 @@ def test_rates_and_shares_are_of_the_same_run(bench):
     assert [(row.num_envs, row.precision) for row in rows] == [(8, "float32")]
     row = rows[0]
     assert min(row.bare.cpu, row.environment.cpu, row.loop.cpu) > 0
-    assert min(row.environment_share, row.loop_share) > 0
+    assert min(row.environment_share, row.loop_share, row.products_share) > 0
     assert sum(row.parts.values()) == pytest.approx(1.0)
     assert {"physics", "state", "observation", "reward", "policy", "update"} <= row.parts.keys()
     assert min(row.parts.values()) > 0

@@ -25,6 +25,7 @@ import torch
 from mujoco import rollout
 from rsl_rl.runners import OnPolicyRunner
 
+from slider.bench.products import products
 from slider.bench.stopwatch import Stopwatch
 from slider.config.schema import Config
 from slider.core.job import NoTracker
@@ -37,6 +38,7 @@ from slider.training.distributed import device_of
 from slider.training.ppo import runner_config
 
 _RECORDED = 24  # control steps
+_PRODUCTS = "products "
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,8 @@ class Throughput:
         environment: the environment's ``step``.
         loop: training iterations, everything included.
         environment_share, loop_share: of the bare rate, in processor time; on a GPU in time.
+        products_share: share of the training's processor time that the matrix products of its
+            update take alone; on a GPU of its time.
         parts: share of the training's processor time by part.
     """
 
@@ -66,6 +70,7 @@ class Throughput:
     loop: Rate
     environment_share: float
     loop_share: float
+    products_share: float
     parts: dict[str, float]
 
 
@@ -137,6 +142,7 @@ class Bench:
         watches = {name: Stopwatch() for name in precisions}
         work: dict[str, Callable[[], int]] = {"bare": self._bare, "environment": self._step}
         work |= {name: self._learn(runner, watches[name]) for name, runner in runners.items()}
+        work |= {_PRODUCTS + name: self._multiply(r, name) for name, r in runners.items()}
         for once in work.values():  # first calls allocate
             once()
         for watch in watches.values():
@@ -150,7 +156,8 @@ class Bench:
     def _summary(
         self, precision: str, rates: dict[str, list[Rate]], watch: Stopwatch
     ) -> Throughput:
-        bare, environment, loop = (rates[name] for name in ("bare", "environment", precision))
+        names = ("bare", "environment", precision, _PRODUCTS + precision)
+        bare, environment, loop, multiplied = (rates[name] for name in names)
         total = sum(watch.seconds.values())
         return Throughput(
             num_envs=self._task.train.robots,
@@ -160,6 +167,7 @@ class Bench:
             loop=_median(loop),
             environment_share=self._share(environment, bare),
             loop_share=self._share(loop, bare),
+            products_share=self._share(loop, multiplied),
             parts={name: seconds / total for name, seconds in watch.seconds.items()},
         )
 
@@ -198,6 +206,21 @@ class Bench:
             runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device=self._device)
         runner.save = lambda *_, **__: None  # a training saves once in many iterations
         return runner
+
+    def _multiply(self, runner: OnPolicyRunner, precision: str) -> Callable[[], int]:
+        train = self._task.train
+        steps = train.robots * train.steps_per_iteration
+        batches = train.ppo.mini_batches
+        networks, dtype = (runner.alg.actor, runner.alg.critic), getattr(torch, precision)
+        update = products(networks, steps // batches, batches * train.ppo.epochs, dtype)
+
+        def multiply() -> int:
+            update()
+            if self._device != "cpu":
+                torch.cuda.synchronize()
+            return steps
+
+        return multiply
 
     def _learn(self, runner: OnPolicyRunner, watch: Stopwatch) -> Callable[[], int]:
         methods = self.env.methods | {

@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
     if on_processor:  # on a GPU the host's time is that of launches
         print("\nwhere the processor time of the training goes")
         for row in found:
-            print(f"{row.num_envs:6d}  {row.precision:<9}  {_parts(row.parts)}")
+            print(f"{row.num_envs:6d}  {row.precision:<9}  {_parts(row)}")
     print(f"\nlargest memory {_peak():.2f} GiB, load {os.getloadavg()[0]:.1f} at the end")
 
 
@@ -125,9 +125,11 @@ def _rate(rate: "Rate") -> str:
     return f"{rate.wall / 1e3:7.1f} ({rate.cpu / 1e3:5.1f})"
 
 
-def _parts(parts: dict[str, float]) -> str:
-    ordered = sorted(parts.items(), key=lambda item: -item[1])
-    return ", ".join(f"{name} {100 * share:.1f} %" for name, share in ordered)
+def _parts(row: "Throughput") -> str:
+    """The parts, longest first; beside the update what its matrix products take alone."""
+    notes = {"update": f" (its matrix products alone {100 * row.products_share:.1f} %)"}
+    ordered = sorted(row.parts.items(), key=lambda item: -item[1])
+    return ", ".join(f"{name} {100 * share:.1f} %{notes.get(name, '')}" for name, share in ordered)
 
 
 def _peak() -> float:

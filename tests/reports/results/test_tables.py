@@ -111,16 +111,17 @@ def test_seeds_have_a_median_between_least_and_greatest(tmp_path):
 
 def test_the_papers_method_has_its_curve_and_the_rows_of_table_1(tmp_path):
     checks = [("paper", 0.5e6, 0.4), ("paper", 1e6, 0.0), ("paper_alive", 0.5e6, 0.9)]
-    curves = "\n".join(f"{name},1,{samples},{success}" for name, samples, success in checks)
-    text = f"variant,seed,samples,success\n{curves},\n"
-    (tmp_path / "paper_method_curves.csv").write_text(text.replace(",\n", "\n"))
+    curves = [f"{name},1,{samples},{success},0.5" for name, samples, success in checks]
+    text = "\n".join(["variant,seed,samples,success,speed_error", *curves, ""])
+    (tmp_path / "paper_method_curves.csv").write_text(text)
     head = "variant,seed,command_velocity,success_rate,success_low,success_high,mse_steady"
     policies = [("paper", 0.0, 0.0, 0.004, "inf"), ("paper_alive", 1.0, 0.996, 1.0, 0.25)]
     rows = [f"{name},1,0.2,{','.join(map(str, numbers))},0" for name, *numbers in policies]
     shown = make("paper_method", "\n".join([f"{head},tracking_rate", *rows]) + "\n", tmp_path)
     lines = shown.splitlines()
-    assert lines[2] == "| samples [M] | 0.5 | 1 |"
-    assert lines[4:6] == ["| `paper` | 40 | 0 |", "| `paper_alive` | 90 |  |"]
+    assert lines[2] == "| samples [M] |  | 0.5 | 1 |"
+    assert lines[4:6] == ["| Success rate [%] | `paper` | 40 | 0 |", "|  | `paper_alive` | 90 |  |"]
+    assert lines[7] == "|  | `paper_alive` | 0.500 |  |"
     assert "| Success rate [%] | `paper` | 0 [0, 0.4] |" in lines
     assert "|  | `paper_alive` | 100 [99.6, 100] |" in lines
     assert "| Velocity MSE after the warm-up [m²/s²] | `paper` | ∞ |" in lines

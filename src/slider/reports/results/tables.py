@@ -18,7 +18,7 @@ from slider.reports.comparison import METRICS
 from slider.reports.controllers import PAPER, speed
 from slider.reports.protocols.cases import case_tables
 from slider.reports.protocols.speeds import highest_table
-from slider.reports.quantities import QUANTITIES
+from slider.reports.quantities import QUANTITIES, Quantity
 from slider.reports.results.origin import ancestry, facts, made
 from slider.reports.rows import NAN, Row, by, distinct, read
 from slider.reports.sections.provenance import in_order, stage_title
@@ -69,6 +69,7 @@ _WALK_EDGES = (1.2, 2.0)  # between the ranges of speeds [m/s]
 _ROBUST = ("success_rate", "tracking_rate", "mse_steady")
 _SUMMARY = ("policy", "hzd", "mpc_wbc_tuned", "guided_drl")
 _SHORT = {"success_rate": "success [%]", "mse_steady": "MSE [m²/s²]", "mse": "MSE [m²/s²]"}
+_SPEED_ERROR = Quantity("Mean distance of the speed from the command", "m/s")
 _VERDICT, _STRONGEST = "Which guesses carry the result", "The strongest"
 
 
@@ -196,19 +197,22 @@ def ablation(report: Path, store: Store) -> str:
 
 @block("paper_method.csv")
 def paper_method(report: Path, store: Store) -> str:
-    """Survival in the checks over the samples, then what Table 1 has, of each variant."""
+    """Survival and error in the checks over the samples, then what Table 1 has, by variant."""
     found = Ablation.load(report.parent, report.stem)
     samples, body = distinct(found.checks, "samples"), []
-    for name, rows in by(found.checks, "variant").items():
-        shares = {row["samples"]: QUANTITIES["success_rate"].text(row["success"]) for row in rows}
-        body.append([f"`{name}`", *(shares.get(count, "") for count in samples)])
-    curve = grid(["samples [M]", *(f"{1e-6 * count:.3g}" for count in samples)], body).markdown
+    for name, quantity in (("success", QUANTITIES["success_rate"]), ("speed_error", _SPEED_ERROR)):
+        for index, (variant, rows) in enumerate(by(found.checks, "variant").items()):
+            texts = {row["samples"]: quantity.text(row[name]) for row in rows}
+            title = "" if index else quantity.heading
+            body.append([title, f"`{variant}`", *(texts.get(count, "") for count in samples)])
+    heads = ["samples [M]", "", *(f"{1e-6 * count:.3g}" for count in samples)]
+    curve = grid(heads, body).markdown
     lines = [
         ("" if index else QUANTITIES[name].heading, f"`{variant}`", mine, name)
         for name in ("success_rate", "mse_steady", "tracking_rate")
         for index, (variant, mine) in enumerate(by(found.policies, "variant").items())
     ]
-    return f"Robots of a check that survive [%]:\n\n{curve}\n\n{_across(found.policies, lines)}"
+    return f"Checks of the trainings:\n\n{curve}\n\n{_across(found.policies, lines)}"
 
 
 @block("gait_quality.csv")

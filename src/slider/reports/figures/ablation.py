@@ -29,11 +29,14 @@ _COLOURS = 7
 _SHARES = ("success_rate", "alternation")
 _MARGIN = 0.12  # [inch]
 _WRAP = 20  # characters of a label in a line
+_MARKS = 5  # in a line of the legend
 
 
 def draw(rows: Sequence[Row], curves: Sequence[Row], labels: Mapping[str, str]) -> Figure:
     """Lines and dots are means over seeds; bands and bars reach from the least to the greatest."""
-    above, below = 2.8, 1.1 + 0.3 * len(labels)  # [inch]
+    marks, commands = _markers(rows), len(distinct(rows, "command_velocity"))
+    above, below = 2.8, 1.1 + 0.1 * max(3, commands) * len(labels)  # [inch]
+    below += 0.2 * (len(marks) > _MARKS)
     figure = new_figure(above + below)
     figure.set_layout_engine("constrained", w_pad=_MARGIN)
     parts = np.asarray(figure.subfigures(2, 1, height_ratios=[above, below]))
@@ -47,7 +50,7 @@ def draw(rows: Sequence[Row], curves: Sequence[Row], labels: Mapping[str, str]) 
     panels = below.subplots(1, len(DOTS), sharey=True)
     for axis, name in zip(panels, DOTS, strict=True):
         _draw_dots(axis, rows, name, labels)
-    below.legend(handles=_markers(rows), loc="outside lower center", ncols=8)
+    below.legend(handles=marks, loc="outside lower center", ncols=_MARKS)
     return figure
 
 
@@ -84,7 +87,7 @@ def _draw_dots(axis: Axes, rows: Sequence[Row], name: str, labels: Mapping[str, 
             mean, least, greatest = (factor * x for x in _spread(groups[variant, command], name))
             if not np.isfinite(mean):
                 continue
-            y = place + 0.22 * (index - (len(commands) - 1) / 2)
+            y = place + min(0.22, 0.8 / len(commands)) * (index - (len(commands) - 1) / 2)
             style = {"color": colour(place), "zorder": 3}
             axis.plot([least, greatest], [y, y], lw=0.9, **style)
             axis.plot(mean, y, _MARKERS[index % 7], markersize=3.6, **style)

@@ -69,12 +69,13 @@ def note(job, threads: int = 1) -> dict:
 
 
 def test_the_store_remembers_what_was_computed_and_no_load(tmp_path):
-    store, jobs = Store(tmp_path), [evaluation("hzd", robots) for robots in range(1, 6)]
+    store, jobs = Store(tmp_path), [evaluation("hzd", robots) for robots in range(1, 7)]
     facts = [
         {"computed": True, "wall_s": 90.0, "cpu_s": 60.0, **note(jobs[0])},
         {"computed": False, "wall_s": 1.0, "cpu_s": 1.0, **note(jobs[1])},
         {"computed": True, "wall_s": 1.0, "cpu_s": 1.0},  # of an earlier version
         {"computed": True, "wall_s": 50.0, "cpu_s": 95.0, **note(jobs[3], 2)},
+        {"computed": True, "wall_s": 610.0, "cpu_s": 686.0, **note(jobs[4], 2)},  # beside others
     ]
     texts = [*map(json.dumps, facts), "[3"]
     for job, text in zip(jobs, texts, strict=True):
@@ -82,7 +83,7 @@ def test_the_store_remembers_what_was_computed_and_no_load(tmp_path):
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
     found = sorted(row.seconds for row in times.times(store, ["baseline", "gait"]).remembered)
-    assert found == [60.0, 50.0 / duration(2)]
+    assert found == [60.0, 50.0 / duration(2), 686.0]
 
 
 def test_a_table_is_written_as_it_is_read(tmp_path, monkeypatch):

@@ -116,9 +116,9 @@ def times(store: Store, stages: Iterable[str]) -> Times:
 
 
 def _remembered(store: Store, stage: str) -> Iterable[Row]:
-    """Processor time where that is less than the wall time: other programs' load is not ours.
+    """What one thread would take, by the wall time, or the processor time where that is less.
 
-    The times are those of one thread.
+    Other programs' load is not ours, nor that of jobs which left a second thread no core.
     """
     paths = store.sidecar_path(stage, "*")
     found = [(path.stat().st_mtime, path) for path in paths.parent.glob(paths.name)]
@@ -126,7 +126,7 @@ def _remembered(store: Store, stage: str) -> Iterable[Row]:
         try:
             facts = files.read_json(path)
             if facts["computed"]:
-                took = min(facts["wall_s"], facts["cpu_s"]) / duration(facts["threads"])
+                took = min(facts["wall_s"] / duration(facts["threads"]), facts["cpu_s"])
                 yield Row(facts["kind"], facts["size"], took)
         except (OSError, ValueError, KeyError, TypeError):
             continue  # of an earlier version, or damaged: it is no input of anything

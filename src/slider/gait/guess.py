@@ -28,7 +28,7 @@ class Start:
 STARTS = {
     "cold": Start(crouch=0.6, stride=0.6),
     "fast": Start(crouch=0.6, stride=0.45),
-    "crouched": Start(crouch=0.9, stride=0.6),
+    "crouched": Start(crouch=1.1, stride=0.75),
 }
 
 

@@ -16,6 +16,8 @@ from slider.robot.names import COMMAND
 
 GIVEN = "given"  # name of a start that is no guess of the configuration
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
+# No permutation, scaling by the diagonal, AMD: on these gaits the fastest of MUMPS's choices.
+_MUMPS = {"mumps_permuting_scaling": 0, "mumps_scaling": 1, "mumps_pivot_order": 0}
 _WARM = {
     "warm_start_init_point": "yes",
     "warm_start_bound_push": 1e-6,
@@ -121,7 +123,7 @@ class GaitSolver:
             "tol": config.tolerance,
             "constr_viol_tol": config.constraint_tolerance,
             "linear_solver": "mumps",
-            "mumps_permuting_scaling": 0,
+            **_MUMPS,
             "mu_strategy": "adaptive",
             "acceptable_tol": 1e-4,
             "acceptable_iter": 15,

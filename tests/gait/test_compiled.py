@@ -1,20 +1,22 @@
 """Compiled functions: the same bits, made once; without them all goes on."""
 
+import fcntl
 import shutil
 import stat
-from dataclasses import replace
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
 import pytest
 
 from slider.core.job import Job
-from slider.gait.compiled import WORTH, Compiled
-from slider.gait.problem import Functions
-from tests.gait.gaits import form
+from slider.gait.compiled import Compiled, Functions
 
 needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-FORM = form()
+FACTS = {"mass": 1.5, "names": ["a", "b"]}
+WORTH = 50
 
 
 def small() -> Functions:
@@ -28,9 +30,10 @@ def never() -> Functions:
     raise AssertionError("expected the compiled functions")
 
 
-def compiled(folder: Path, waiting: int = WORTH, run: str = "a run") -> Compiled:
-    facts = {"pipeline_started": run}
-    return Compiled(Job(folder, volatile=facts, cache=folder / "cache", waiting=waiting))
+def compiled(folder: Path, waiting: int = WORTH, run: str = "a run", **changes: Any) -> Compiled:
+    volatile = {"pipeline_started": run}
+    job = Job(folder, volatile=volatile, cache=folder / "cache", waiting=waiting, **changes)
+    return Compiled(job, "tests", WORTH)
 
 
 def libraries(folder: Path) -> list[Path]:
@@ -56,8 +59,8 @@ def compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 
 @needs_compiler
 def test_the_first_job_compiles_and_the_others_load(tmp_path: Path):
-    first = compiled(tmp_path)(FORM, small)
-    later = compiled(tmp_path, waiting=1)(FORM, never)
+    first = compiled(tmp_path)(FACTS, small)
+    later = compiled(tmp_path, waiting=1)(FACTS, never)
     assert is_compiled(first)
     assert is_compiled(later)
     for name, function in small().items():
@@ -66,13 +69,13 @@ def test_the_first_job_compiles_and_the_others_load(tmp_path: Path):
         assert expected.tobytes() == found.tobytes()
 
 
-def test_few_gaits_are_not_worth_it(tmp_path: Path):
-    assert not is_compiled(compiled(tmp_path, WORTH - 1)(FORM, small))
+def test_few_jobs_are_not_worth_it(tmp_path: Path):
+    assert not is_compiled(compiled(tmp_path, WORTH - 1)(FACTS, small))
     assert not libraries(tmp_path)
 
 
 def test_a_stage_without_a_cache_derives():
-    assert not is_compiled(Compiled(Job(Path(), waiting=WORTH))(FORM, small))
+    assert not is_compiled(Compiled(Job(Path(), waiting=WORTH), "tests")(FACTS, small))
 
 
 @needs_compiler
@@ -84,7 +87,7 @@ def test_a_stage_without_a_cache_derives():
 def test_a_compiler_that_changes_bits_is_called_once(tmp_path: Path, compiler, text: str):
     compiler(f"for last; do case $last in *.c) sed -i 's/{text}/' $last;; esac; done; cc \"$@\"")
     for run in ("first", "second"):
-        assert not is_compiled(compiled(tmp_path, run=run)(FORM, small))
+        assert not is_compiled(compiled(tmp_path, run=run)(FACTS, small))
     assert (tmp_path / "calls").read_text() == "call\n"
     assert not libraries(tmp_path)
 
@@ -93,16 +96,16 @@ def test_a_compiler_that_changes_bits_is_called_once(tmp_path: Path, compiler, t
 def test_a_failed_compilation_is_tried_again_by_the_next_run_alone(tmp_path: Path, compiler):
     compiler("exit 1")
     for _ in range(2):
-        assert not is_compiled(compiled(tmp_path, run="first")(FORM, small))
+        assert not is_compiled(compiled(tmp_path, run="first")(FACTS, small))
     assert (tmp_path / "calls").read_text() == "call\n"
     compiler('cc "$@"')
-    assert is_compiled(compiled(tmp_path, run="second")(FORM, small))
+    assert is_compiled(compiled(tmp_path, run="second")(FACTS, small))
 
 
 @needs_compiler
 def test_a_compiler_may_be_several_words(tmp_path: Path, monkeypatch):
     monkeypatch.setenv("CC", "env cc")
-    assert is_compiled(compiled(tmp_path)(FORM, small))
+    assert is_compiled(compiled(tmp_path)(FACTS, small))
 
 
 @needs_compiler
@@ -111,34 +114,56 @@ def test_a_result_that_is_no_number_is_no_difference(tmp_path: Path):
         x = ca.SX.sym("x", 3)
         return {"f": ca.Function("f", [x], [ca.sqrt(x)])}
 
-    assert is_compiled(compiled(tmp_path)(FORM, root))
+    assert is_compiled(compiled(tmp_path)(FACTS, root))
 
 
 @needs_compiler
 def test_a_machine_without_a_compiler_decides_for_no_other(tmp_path: Path, monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
-    assert not is_compiled(compiled(tmp_path)(FORM, small))
+    assert not is_compiled(compiled(tmp_path)(FACTS, small))
     monkeypatch.delenv("CC")
-    assert is_compiled(compiled(tmp_path)(FORM, small))
+    assert is_compiled(compiled(tmp_path)(FACTS, small))
 
 
 @needs_compiler
 def test_a_damaged_library_is_not_loaded_but_compiled_again(tmp_path: Path):
-    compiled(tmp_path)(FORM, small)
+    compiled(tmp_path)(FACTS, small)
     (library,) = libraries(tmp_path)
     whole = library.read_bytes()
     library.write_bytes(whole[:-1] + bytes([whole[-1] ^ 1]))
-    assert not is_compiled(compiled(tmp_path, waiting=1)(FORM, small))
-    assert is_compiled(compiled(tmp_path)(FORM, small))
-    assert is_compiled(compiled(tmp_path, waiting=1)(FORM, never))
+    assert not is_compiled(compiled(tmp_path, waiting=1)(FACTS, small))
+    assert is_compiled(compiled(tmp_path)(FACTS, small))
+    assert is_compiled(compiled(tmp_path, waiting=1)(FACTS, never))
 
 
 @needs_compiler
-def test_other_formulations_have_other_functions_but_a_bound_has_none(tmp_path: Path):
-    compiled(tmp_path)(FORM, small)
-    compiled(tmp_path)(replace(FORM, turning=True), small)
+def test_other_facts_have_other_functions(tmp_path: Path):
+    compiled(tmp_path)(FACTS, small)
+    compiled(tmp_path)(FACTS | {"mass": 2.0}, small)
     assert len(libraries(tmp_path)) == 2
-    by_hip = [replace(FORM, config=replace(FORM.config, phase="hip"), hip_rate=r) for r in (1, 2)]
-    for one in by_hip:
-        compiled(tmp_path)(one, small)
-    assert len(libraries(tmp_path)) == 3
+
+
+@needs_compiler
+def test_others_wait_where_a_compilation_pays_for_one_job_alone(tmp_path: Path):
+    """Else they interpret."""
+    compiled(tmp_path)(FACTS, small)
+    (library,) = libraries(tmp_path)
+    library.unlink()
+    job = Job(tmp_path, cache=tmp_path / "cache")
+    with library.with_suffix(".lock").open() as lock, ThreadPoolExecutor(1) as pool:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert not is_compiled(compiled(tmp_path)(FACTS, small))
+        waiting = pool.submit(Compiled(job, "tests"), FACTS, small)
+        time.sleep(0.3)
+        assert not waiting.done()
+        fcntl.flock(lock, fcntl.LOCK_UN)
+        assert is_compiled(waiting.result())
+
+
+@needs_compiler
+def test_a_job_says_what_became_of_its_functions(tmp_path: Path):
+    said = []
+    for _ in range(2):
+        compiled(tmp_path, progress=said.append)(FACTS, small)
+    (line,) = said
+    assert line.startswith("functions of the tests: compiled in ")

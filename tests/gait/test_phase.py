@@ -14,7 +14,7 @@ from slider.gait.problem import build
 from slider.gait.solution import knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.stage import REPORT, run
-from tests.gait.gaits import config, problem, section, solved
+from tests.gait.gaits import config, form, problem, section, solved
 
 COMMAND = (0.6, 0.0)
 SHARE = 0.97
@@ -23,8 +23,8 @@ SHARE = 0.97
 @cache
 def solver(share: float, vx: float) -> GaitSolver:
     gait = replace(config().gait, phase="hip", hip_share=share)
-    form = formulate(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
-    return GaitSolver(build(form), gait.solver, gait.step_time)
+    bounded = formulate(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
+    return GaitSolver(build(bounded), gait.solver, gait.step_time)
 
 
 def least(found: GaitSolver, solve: Solve) -> float:
@@ -63,6 +63,15 @@ def test_slow_gaits_have_no_bound():
 
 def test_the_programme_with_time_for_a_phase_has_no_such_row():
     assert "hip_rate" not in {c.name for c in problem().node_constraints}
+
+
+def test_functions_depend_on_the_formulation_but_not_on_how_great_the_bound_is():
+    hip, robot = replace(config().gait, phase="hip"), config().robot
+    forms = [formulate(robot, hip, hip_rate=rate) for rate in (1.0, 2.0, 0.0)]
+    forms += [form(), form(turning=True), form("knee")]
+    facts = [each.facts for each in forms]
+    assert facts[0] == facts[1]
+    assert all(facts[k] not in facts[:k] for k in range(2, len(facts)))
 
 
 def test_a_gait_that_misses_the_bound_names_it(tmp_path):

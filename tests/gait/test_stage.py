@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from slider.core.job import Job
-from slider.gait.compiled import WORTH
 from slider.gait.solution import coefficients
-from slider.gait.stage import REPORT, run
+from slider.gait.stage import REPORT, WORTH, run
 from tests.gait.gaits import problem, section, solved
 
 

@@ -1,9 +1,9 @@
-"""The functions of a formulation as machine code, made once and shared by the jobs of all gaits.
+"""CasADi's functions as machine code, made once and shared by the jobs of a stage.
 
 CasADi writes them as C. A compiler that neither contracts nor reorders operations keeps every bit
-of what CasADi's interpreter gives, in a fifth of the time. That is checked at random points before
-the first use; without a compiler, or with one that changes a bit, the interpreter evaluates. Where
-a compilation fails, the next pipeline run tries again.
+of what CasADi's interpreter gives, in a fifth to a fifteenth of the time. That is checked at random
+points before the first use; without a compiler, or with one that changes a bit, the interpreter
+evaluates. Where a compilation fails, the next pipeline run tries again.
 """
 
 import fcntl
@@ -17,48 +17,68 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import asdict
 from pathlib import Path
+from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
 from slider.core import files
 from slider.core.job import Job
-from slider.gait.formulation import Formulation
-from slider.gait.problem import Functions
 
-WORTH = 50
-"""Gaits that pay for a compilation twice: it takes 15 s and saves each 0.6 s."""
+Functions = dict[str, ca.Function]
+"""By name."""
 
 _FLAGS = ("-Og", "-ffp-contract=off", "-fPIC", "-shared")  # -O2 compiles ten times as long
 _PATIENCE = 300.0  # of a compilation [s]
 _SIZES = (1.0, 1.0, 1.0, 100.0)  # of the arguments, at points where each function is compared
 
 
-class Compiled:
-    """Compiled functions in a job's cache; compiles them if many gaits wait, one job at a time."""
+class Source(Protocol):
+    """Where functions come from."""
 
-    def __init__(self, job: Job) -> None:
-        self._job = job
+    def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
+        """Functions that depend on ``facts`` alone, plain values; ``derive`` makes them."""
+        ...
+
+
+def interpreted(facts: Any, derive: Callable[[], Functions]) -> Functions:
+    """Functions as CasADi evaluates them; ``Compiled`` has faster ones."""
+    return derive()
+
+
+class Compiled:
+    """Compiled functions in a job's cache; compiles them where that pays, one job at a time.
+
+    ``worth`` jobs must wait for a compilation to pay, and while one compiles the others interpret.
+    Where it pays for one job alone, the others wait. ``subject`` says what the functions are of.
+    """
+
+    def __init__(self, job: Job, subject: str, worth: int = 1) -> None:
+        self._job, self._subject, self._worth = job, subject, worth
         self._run = job.volatile.get("pipeline_started", "")
 
-    def __call__(self, form: Formulation, derive: Callable[[], Functions]) -> Functions:
-        """Functions of a formulation; ``derive`` makes those that CasADi interprets."""
+    def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
+        """Functions that depend on ``facts`` and the job's source alone."""
         if self._job.cache is None:
             return derive()
-        path = self._job.cache / f"{_key(form)}.so"
+        machine = sys.platform, platform.machine()
+        path = self._job.cache / f"{files.digest_value([facts, *machine])}.so"
         if (known := _known(path, self._run)) is not None:
             return _load(path, known) or derive()
         made = derive()
         compiler = _compiler()
-        if self._job.waiting < WORTH or not compiler:
+        if self._job.waiting < self._worth or not compiler:
             return made
-        with _alone(path, self._run) as alone:
-            return (self._compile(path, made, compiler) if alone else {}) or made
+        with _alone(path, wait=self._worth == 1) as alone:
+            if not alone:
+                return made
+            if (known := _known(path, self._run)) is None:
+                known = self._compile(path, made, compiler)
+        return _load(path, known) or made
 
-    def _compile(self, path: Path, functions: Functions, compiler: Sequence[str]) -> Functions:
-        """Compile, compare and keep functions; none, and a note of that, where it fails."""
+    def _compile(self, path: Path, functions: Functions, compiler: Sequence[str]) -> list[str]:
+        """Compile, compare and keep functions; names of those kept, and a note of them."""
         start, names = time.perf_counter(), list(functions)
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             built = _build(functions, Path(folder), compiler)
@@ -69,18 +89,12 @@ class Compiled:
                 names = []
             elif built and loaded:
                 built.replace(path)
-                outcome = f"compiled in {time.perf_counter() - start:.0f} s"
+                outcome = f"compiled in {time.perf_counter() - start:.1f} s"
         digest = files.digest_file(path) if loaded and names else ""
         note = {"sha256": digest, "functions": names, "failed_in": None if loaded else self._run}
         files.write_json(_note(path), note)
-        self._job.progress(f"functions of the gaits: {outcome}")
-        return _load(path, names) if digest else {}
-
-
-def _key(form: Formulation) -> str:
-    """Digest of all that functions depend on but the source; the hip's least rate is a bound."""
-    facts = [asdict(form.robot), asdict(form.config), form.turning, form.by_hip]
-    return files.digest_value([*facts, sys.platform, platform.machine()])
+        self._job.progress(f"functions of the {self._subject}: {outcome}")
+        return names if digest else []
 
 
 def _note(path: Path) -> Path:
@@ -110,16 +124,16 @@ def _load(path: Path, names: list[str]) -> Functions:
 
 
 @contextmanager
-def _alone(path: Path, run: str) -> Iterator[bool]:
-    """Whether no other job compiles this library, nor has meanwhile."""
+def _alone(path: Path, wait: bool) -> Iterator[bool]:
+    """Whether no other job compiles this library; ``wait`` until none does."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.with_suffix(".lock").open("w") as file:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         except OSError:
             yield False
         else:
-            yield _known(path, run) is None
+            yield True
 
 
 def _compiler() -> list[str]:

@@ -6,7 +6,8 @@ yaw rate ω: in a step of duration T it goes from −ω T/2 to ω T/2 against th
 and the next foot lands yawed by ω T. In the reflected step ω has the other sign.
 """
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +40,11 @@ class Formulation:
     def by_hip(self) -> bool:
         """Whether the hip is the phase, and drives it."""
         return self.config.phase == "hip" and self.hip_rate > 0
+
+    @property
+    def facts(self) -> list[Any]:
+        """All that its functions depend on; the hip's least rate is a bound."""
+        return [asdict(self.robot), asdict(self.config), self.turning, self.by_hip]
 
     @property
     def weight(self) -> float:

@@ -3,7 +3,6 @@
 Built once (``build``), solved for many velocities (``slider.gait.solve``).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from slider.config.gait import FormulationConfig
+from slider.gait.compiled import Functions, Source, interpreted
 from slider.gait.constraint import Constraint, scaled_bounds
 from slider.gait.constraints import ROLL_BOUNDS, joint_bounds
 from slider.gait.formulation import Formulation
@@ -124,16 +124,7 @@ def node_blocks(constraints: list[Constraint], count: int) -> list[Block]:
     return blocks
 
 
-Functions = dict[str, ca.Function]
-"""By name."""
-
-
-def derived(form: Formulation, derive: Callable[[], Functions]) -> Functions:
-    """Functions of a formulation, evaluated by CasADi; ``Compiled`` has faster ones."""
-    return derive()
-
-
-def build(form: Formulation, functions: Callable[..., Functions] = derived) -> GaitProblem:
+def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:
     """Derive all functions of a formulation, or take those that ``functions`` has of it."""
     layout, node, walk = Layout.of(form.config), NodeTerms.of(form), WalkTerms.of(form)
 
@@ -141,7 +132,7 @@ def build(form: Formulation, functions: Callable[..., Functions] = derived) -> G
         made = [*node.functions(), *walk.functions(), *collocation(layout)]
         return {function.name(): function for function in made}
 
-    found = functions(form, derive)
+    found = functions(form.facts, derive)
     pieces = {
         name: Piece(found[name], found[f"{name}_jacobian"], found[f"{name}_hessian"])
         for name in ("node", "ends", "collocation")

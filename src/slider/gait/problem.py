@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from slider.config.gait import FormulationConfig
-from slider.gait.compiled import Functions, Source, interpreted
+from slider.core.casadi_code import Functions, Source, interpreted
 from slider.gait.constraint import Constraint, scaled_bounds
 from slider.gait.constraints import ROLL_BOUNDS, joint_bounds
 from slider.gait.formulation import Formulation

@@ -10,9 +10,9 @@ import numpy as np
 from slider.config.convert import from_dict
 from slider.config.gait import FormulationConfig, SolveConfig
 from slider.config.robot import Mechanism
+from slider.core.casadi_code import Compiled
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
-from slider.gait.compiled import Compiled
 from slider.gait.costs import COSTS
 from slider.gait.decoupling import NAME as DECOUPLING
 from slider.gait.decoupling import decoupling, shortfall

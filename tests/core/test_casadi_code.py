@@ -11,8 +11,8 @@ from typing import Any
 import casadi as ca
 import pytest
 
+from slider.core.casadi_code import Compiled, Functions
 from slider.core.job import Job
-from slider.gait.compiled import Compiled, Functions
 
 needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 FACTS = {"mass": 1.5, "names": ["a", "b"]}

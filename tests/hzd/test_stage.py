@@ -34,13 +34,15 @@ def jobs() -> dict[str, JobSpec]:
     return stability_jobs(config(), JobSpec("library", "", code, {}, {"gaits": solves}))
 
 
-def placed(out: Path, *commands: tuple[float, float, float], **changes) -> list[str]:
+def placed(
+    out: Path, *commands: tuple[float, float, float], cache: Path | None = None, **changes
+) -> list[str]:
     """What a job of foot placement says."""
     (spec,) = jobs()["foot_placement"].inputs["gaits"]
     section = {**spec.section, "commands": [list(v) for v in commands]}
     section["hzd"] = spec.section["hzd"] | changes
     said = []
-    run_gaits(section, {"library": [folder()]}, out, Job(out, progress=said.append))
+    run_gaits(section, {"library": [folder()]}, out, Job(out, progress=said.append, cache=cache))
     return said
 
 
@@ -98,6 +100,20 @@ def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
     np.testing.assert_allclose(found.gains[HIP, by_hip, :, 0, 1, 0], -2.1, atol=0.3)
     np.testing.assert_array_equal(found.placement[:, 1], steps()[1].placement)
     np.testing.assert_array_equal(found.hip[:, 0, :, 1:2], steps()[0].hip.slopes)
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_compiled_functions_give_the_same_bytes_and_are_found_again(chunk, tmp_path):
+    said = []
+    for name in ("first", "second"):
+        out = tmp_path / name
+        out.mkdir()
+        said.append(placed(out, *COMMANDS[::-1], HOLE, cache=tmp_path / "cache"))
+        for path in chunk.iterdir():
+            assert path.read_bytes() == (out / path.name).read_bytes(), path.name
+    assert len(said[0]) == 4
+    assert all("robot: compiled in " in line for line in said[0])
+    assert said[1] == []
 
 
 def test_the_table_has_a_line_per_gait(maps, tmp_path):

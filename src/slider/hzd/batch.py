@@ -6,14 +6,22 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
+from slider.core.casadi_code import Source, interpreted
+
 
 class Batch:
     """A function of vectors that gives matrices, for n rows of arguments."""
 
-    def __init__(self, arguments: Sequence[ca.SX], results: Sequence[ca.SX]) -> None:
+    def __init__(
+        self,
+        arguments: Sequence[ca.SX],
+        results: Sequence[ca.SX],
+        functions: Source = interpreted,
+    ) -> None:
         self._shapes = [result.shape for result in results]
         stacked = ca.vertcat(*(ca.vec(ca.densify(result)) for result in results))
-        one = ca.Function("batch", list(arguments), [ca.cse(stacked)])
+        derived = ca.Function("batch", list(arguments), [ca.cse(stacked)])
+        one = functions(derived.serialize(), lambda: {"batch": derived})["batch"]
         self._mapped = cache(lambda n: one.map(n).buffer())
         sizes = np.cumsum([rows * columns for rows, columns in self._shapes])
         self._ends, self._size = sizes[:-1], int(sizes[-1])

@@ -5,12 +5,13 @@ along it, z up, the middle of the sole at the origin, reflected in right stance.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import casadi as ca
 import numpy as np
 
 from slider.config.robot import Mechanism
+from slider.core.casadi_code import Source, interpreted
 from slider.gait.rooted import NUM, RootedRobot
 from slider.gait.symbols import mirrored
 from slider.hzd.batch import Batch
@@ -59,10 +60,11 @@ class Landed:
 
 
 class RootedModel:
-    """The rooted robot's functions on batches of states."""
+    """The rooted robot's functions on batches of states; ``functions`` may have them compiled."""
 
-    def __init__(self, robot: Mechanism) -> None:
+    def __init__(self, robot: Mechanism, functions: Source = interpreted) -> None:
         self.symbols = RootedRobot(robot)
+        self._batch = partial(Batch, functions=functions)
 
     def dynamics(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """M (n, 11, 11) and h (n, 11)."""
@@ -110,7 +112,7 @@ class RootedModel:
     @cached_property
     def _dynamics(self) -> Batch:
         s = self.symbols
-        return Batch([s.q, s.v], [s.mass, s.bias])
+        return self._batch([s.q, s.v], [s.mass, s.bias])
 
     @cached_property
     def _constrained(self) -> Batch:
@@ -119,7 +121,7 @@ class RootedModel:
         slope = ca.gradient(hip, s.q)
         bend = ca.jtimes(ca.jtimes(hip, s.q, s.v), s.q, s.v)
         masses, biases = zip(*(s.equation(row) for row in (0, 1 + ANKLE)), strict=True)
-        return Batch([s.q, s.v], [ca.horzcat(*masses).T, ca.vertcat(*biases), slope, bend])
+        return self._batch([s.q, s.v], [ca.horzcat(*masses).T, ca.vertcat(*biases), slope, bend])
 
     @cached_property
     def _measure(self) -> Batch:
@@ -128,7 +130,7 @@ class RootedModel:
         hip = poses["base"]
         sole = ca.horzcat(*s.tree.point(poses["swing_foot"], s.sole))
         rows = [ca.vertcat(hip.origin[0], hip.linear[0]), *s.center_of_mass, sole[2, :].T]
-        return Batch([s.q, s.v], rows)
+        return self._batch([s.q, s.v], rows)
 
     @cached_property
     def _touch_down(self) -> Batch:
@@ -156,7 +158,7 @@ class RootedModel:
         impulse = ca.vertcat(s.tree.line_wrench(roll, jump)[1][0], jump.efforts)
         mass = ca.jacobian(impulse, rate)
         carried = -ca.substitute(impulse, rate, ca.SX.zeros(NUM))
-        return Batch([s.q, s.v], [place, mass, carried, ca.vertcat(pitch, yaw)])
+        return self._batch([s.q, s.v], [place, mass, carried, ca.vertcat(pitch, yaw)])
 
     @cached_property
     def _swing(self) -> Batch:
@@ -164,4 +166,4 @@ class RootedModel:
         foot = s.poses(s.q)["swing_foot"]
         along = foot.rotation[:, 0]
         held = ca.vertcat(s.tree.point(foot, s.sole)[0], along[2], along[1])
-        return Batch([s.q], [ca.jacobian(held, s.q)[:, 1 + LEG :]])
+        return self._batch([s.q], [ca.jacobian(held, s.q)[:, 1 + LEG :]])

@@ -16,11 +16,10 @@ from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.basin import Placement, axes, portrait, steps_until_return
 from slider.hzd.invariance import Invariance, invariance, perturbed
-from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.poincare import multipliers
 from slider.hzd.return_map import Walk, return_maps, walk
-from slider.hzd.stage import POINTS, indices, load_library
+from slider.hzd.stage import POINTS, closed_loop, indices, load_library
 from slider.hzd.step import ClosedLoop
 from slider.hzd.summary import CSV, MARKDOWN, per_step, write_csv, write_markdown
 from slider.hzd.walk import find_cycles
@@ -40,7 +39,7 @@ def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(StabilityConfig, section["hzd"])
     library = load_library(inputs)
     gaits = indices(library, section["commands"])
-    loop = ClosedLoop(RootedModel(library.robot), config)
+    loop = closed_loop(library, config, job)
     steps = plans(library, gaits, loop.model, config)
     points = np.load(inputs["gaits"][0] / POINTS).swapaxes(0, 1)
     walks = _walks(loop, steps, points)
@@ -83,7 +82,7 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     basin = from_dict(BasinConfig, section["basin"])
     library = load_library(inputs)
     gait = np.array([library.find(*section["command"])])
-    loop = ClosedLoop(RootedModel(library.robot), config)
+    loop = closed_loop(library, config, job)
     steps = plans(library, gait, loop.model, config)
     found = _walk(loop, steps, command_text(section["command"]))
     arrays = {name: np.array(values) for name, values in vars(axes(basin)).items()}

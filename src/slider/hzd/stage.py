@@ -12,6 +12,7 @@ import numpy as np
 
 from slider.config.convert import from_dict
 from slider.config.hzd import StabilityConfig
+from slider.core.casadi_code import Compiled
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.feedback import regulate
@@ -46,7 +47,7 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(StabilityConfig, section["hzd"])
     library = load_library(inputs)
     gaits = indices(library, section["commands"])
-    loop = ClosedLoop(RootedModel(library.robot), config)
+    loop = closed_loop(library, config, job)
     steps = plans(library, gaits, loop.model, config)
     clock = steps[0].clock
     slow = clock | (library.velocities[gaits, 0] <= config.fastest_clock)
@@ -116,6 +117,11 @@ def load_library(inputs: Inputs) -> GaitLibrary:
         expected = "expected gaits of the prismatic leg (gait.dynamics=prismatic)"
         raise UserError(f"stability: {expected}, found {library.dynamics}")
     return library
+
+
+def closed_loop(library: GaitLibrary, config: StabilityConfig, job: Job) -> ClosedLoop:
+    """The library's robot, its functions compiled where a job can."""
+    return ClosedLoop(RootedModel(library.robot, Compiled(job, "robot")), config)
 
 
 def indices(gaits: GaitLibrary | FootPlacement, commands: Sequence[Sequence[float]]) -> np.ndarray:

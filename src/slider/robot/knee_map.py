@@ -29,9 +29,40 @@ class SagittalLeg:
     ankle: np.ndarray
 
 
+class _Triangle:
+    """Hip, knee and ankle at flexion θ [rad], with what eq. 1 and its derivatives have of them."""
+
+    def __init__(self, theta: np.ndarray, l1: float, l2: float) -> None:
+        self._l1, self._l2 = l1, l2
+        self._sine, self._cosine = np.sin(theta), np.cos(theta)
+        self.length = np.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * self._cosine)
+
+    @property
+    def shifts(self) -> tuple[np.ndarray, np.ndarray]:
+        """What the thigh is ahead of the line from hip to ankle, and the shank behind it [rad]."""
+        l1, l2, sine, cosine = self._l1, self._l2, self._sine, self._cosine
+        return np.arctan2(l2 * sine, l1 + l2 * cosine), np.arctan2(l1 * sine, l2 + l1 * cosine)
+
+    @property
+    def rates(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Derivatives by θ of the shifts and of the length."""
+        l1, l2, cosine = self._l1, self._l2, self._cosine
+        hip = l2 * (l2 + l1 * cosine) / self.length**2
+        ankle = l1 * (l1 + l2 * cosine) / self.length**2
+        return hip, ankle, -l1 * l2 * self._sine / self.length
+
+    @property
+    def curvatures(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Derivatives by θ of the rates."""
+        l1, l2, sine, cosine, length = self._l1, self._l2, self._sine, self._cosine, self.length
+        shape = l1 * l2 * sine * (l2**2 - l1**2) / length**4
+        slide = -l1 * l2 * (cosine / length + l1 * l2 * sine**2 / length**3)
+        return shape, -shape, slide
+
+
 def leg_length(theta: np.ndarray, l1: float, l2: float) -> np.ndarray:
     """Hip-ankle distance [m] at knee flexion θ [rad]."""
-    return np.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * np.cos(theta))
+    return _Triangle(theta, l1, l2).length
 
 
 def positions(
@@ -47,15 +78,14 @@ def positions(
     Raises:
         ValueError: an unknown variant.
     """
-    length = leg_length(theta, l1, l2)
+    triangle = _Triangle(theta, l1, l2)
     if variant == "exact":
-        hip_shift = np.arctan2(l2 * np.sin(theta), l1 + l2 * np.cos(theta))
-        ankle_shift = np.arctan2(l1 * np.sin(theta), l2 + l1 * np.cos(theta))
+        hip_shift, ankle_shift = triangle.shifts
     elif variant == "paper":
-        hip_shift, ankle_shift = l2 / length * theta, l1 / length * theta
+        hip_shift, ankle_shift = l2 / triangle.length * theta, l1 / triangle.length * theta
     else:
         raise ValueError(f"expected one of {VARIANTS}, found {variant}")
-    return SagittalLeg(hip_pitch - hip_shift, length, ankle - ankle_shift)
+    return SagittalLeg(hip_pitch - hip_shift, triangle.length, ankle - ankle_shift)
 
 
 def rates(
@@ -66,13 +96,10 @@ def rates(
     Raises:
         ValueError: an unknown variant.
     """
-    length = leg_length(theta, l1, l2)
-    cosine = np.cos(theta)
     if variant == "exact":
-        hip = l2 * (l2 + l1 * cosine) / length**2
-        ankle = l1 * (l1 + l2 * cosine) / length**2
-        return hip, ankle, -l1 * l2 * np.sin(theta) / length
+        return _Triangle(theta, l1, l2).rates
     if variant == "paper":
+        length, cosine = leg_length(theta, l1, l2), np.cos(theta)
         return l2 / length * cosine, l1 / length * cosine, -2 * l1 * l2 * cosine
     raise ValueError(f"expected one of {VARIANTS}, found {variant}")
 
@@ -142,30 +169,19 @@ def prismatic_motion(
     """
     l1, l2 = lengths.thigh, lengths.shank
     position, rate, turn = q.copy(), v.copy(), a.copy()
-    for first in range(0, _LEG * len(SIDES), _LEG):
-        pitch, knee, ankle = (first + k for k in (2, 3, 4))
-        place = positions(q[:, pitch], q[:, knee], q[:, ankle], l1, l2)
-        slopes, bends = rates(q[:, knee], l1, l2), _curvatures(q[:, knee], l1, l2)
-        position[:, pitch], position[:, knee] = place.hip_pitch, place.length - lengths.nominal
-        position[:, ankle] = place.ankle
-        for index, slope, bend, own in (
-            (pitch, -slopes[0], -bends[0], 1.0),
-            (ankle, -slopes[1], -bends[1], 1.0),
-            (knee, slopes[2], bends[2], 0.0),
-        ):
-            rate[:, index] = own * v[:, index] + slope * v[:, knee]
-            turn[:, index] = own * a[:, index] + slope * a[:, knee] + bend * v[:, knee] ** 2
+    pitch, knee, ankle = (np.s_[:, k::_LEG] for k in (2, 3, 4))  # of both legs
+    triangle = _Triangle(q[knee], l1, l2)
+    shifts, slopes, bends = triangle.shifts, triangle.rates, triangle.curvatures
+    position[pitch], position[ankle] = q[pitch] - shifts[0], q[ankle] - shifts[1]
+    position[knee] = triangle.length - lengths.nominal
+    for index, slope, bend, own in (
+        (pitch, -slopes[0], -bends[0], 1.0),
+        (ankle, -slopes[1], -bends[1], 1.0),
+        (knee, slopes[2], bends[2], 0.0),
+    ):
+        rate[index] = own * v[index] + slope * v[knee]
+        turn[index] = own * a[index] + slope * a[knee] + bend * v[knee] ** 2
     return position, rate, turn
-
-
-def _curvatures(
-    theta: np.ndarray, l1: float, l2: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Derivatives by θ of the exact ``rates``."""
-    length, sine, cosine = leg_length(theta, l1, l2), np.sin(theta), np.cos(theta)
-    shape = l1 * l2 * sine * (l2**2 - l1**2) / length**4
-    slide = -l1 * l2 * (cosine / length + l1 * l2 * sine**2 / length**3)
-    return shape, -shape, slide
 
 
 def with_upper_feet(joints: np.ndarray) -> np.ndarray:

@@ -82,19 +82,14 @@ class StepConstraints:
         return value, slope, curve
 
     def _gait(self, phase: np.ndarray) -> Orders:
-        q, v, a = (self._knee(phase, order) for order in range(3))
+        basis = bezier.basis_orders(self.coefficients.shape[2] - 1, phase, 3)
+        q, v, a = (np.einsum("nk,njk->nj", each, self.coefficients) for each in basis)
         legs, rolls = prismatic_motion(q, v, a, self.lengths), self.roll.at(phase)
         found = np.zeros((3, len(phase), NUM_COORDINATES))
         for order in range(3):
             found[order, :, ROLL] = rolls[order][:, 0]
             found[order, :, JOINTS:] = legs[order]
         return found[0], found[1], found[2]
-
-    def _knee(self, phase: np.ndarray, order: int) -> np.ndarray:
-        """A derivative (n, 10) of the virtual legs over the phase."""
-        degree = self.coefficients.shape[2] - 1
-        basis = bezier.basis_derivative(degree, phase, order)
-        return np.einsum("nk,njk->nj", basis, self.coefficients)
 
     def _correction(self, phase: np.ndarray) -> Orders:
         span = np.maximum(self.correction_end - self.anchor, _LEAST)

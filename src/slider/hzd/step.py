@@ -183,9 +183,12 @@ class _Run:
         matrix = np.empty((len(z), NUM, NUM))
         right = np.empty((len(z), NUM))
         matrix[:, :-1], right[:, :-1] = self._columns, wanted @ self._outputs.T
-        if free:
+        if free and hip.any():
             share = (first @ self._outputs.T)[:, :, None] * slope[:, None]
-            matrix[:, :-1] -= np.where(hip[:, None, None], share / hip_slope[:, None, None], 0.0)
+            share /= hip_slope[:, None, None]
+            share[~hip] = 0.0
+            matrix[:, :-1] -= share
+        if free:
             matrix[:, ANKLE] = rows[:, 1]
             right[:, ANKLE] = self.plan.ankle.at(phase)[0][:, 0] - bias[:, 1]
         else:

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.stages.entries import ENTRIES
 from slider.artefacts.recipe import SOURCE_ROOT
-from slider.artefacts.source.closure import closure
+from slider.artefacts.source.closure import Sources, closure
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.verification import stage
@@ -111,7 +111,7 @@ def test_no_library(tmp_path):
 
 @pytest.mark.parametrize("stage", ["verification", "verification_gaits"])
 def test_the_checks_share_nothing_with_the_optimisation(stage):
-    modules = closure(ENTRIES[stage].partition(":")[0], SOURCE_ROOT).modules
+    modules = closure(ENTRIES[stage].partition(":")[0], Sources(SOURCE_ROOT)).modules
     models = ("slider.robot.prismatic_model", "slider.robot.knee_model")
     assert not [name for name in modules if name.startswith(("slider.gait", *models))]
     assert "slider.verification.pin_robot" in modules

@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 import slider
-from slider.artefacts.source.closure import closure
+from slider.artefacts.source.closure import Sources, closure
 from slider.core.errors import UserError
 
 SOURCE_ROOT = Path(slider.__file__).parent.parent
@@ -39,8 +39,14 @@ def code_of(entry: str, root: Path = SOURCE_ROOT) -> Code:
     Raises:
         UserError: the module does not exist, does not parse or imports an unknown package.
     """
-    found = closure(entry.partition(":")[0], root)
+    found = closure(entry.partition(":")[0], sources_of(root))
     return Code(entry, found.digest, versions(found.third_party), found.parts)
+
+
+@cache
+def sources_of(root: Path) -> Sources:
+    """The sources below a folder, for all entry points."""
+    return Sources(root)
 
 
 def versions(packages: Sequence[str]) -> dict[str, str]:
@@ -52,8 +58,13 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
         UserError: a package can be imported, but no distribution owns up to it.
     """
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    found = {name: distribution(name) for name in sorted(packages)}
-    return {"python": python} | {name: d.version if d else ABSENT for name, d in found.items()}
+    return {"python": python} | {name: _version(name) for name in sorted(packages)}
+
+
+@cache
+def _version(package: str) -> str:
+    found = distribution(package)
+    return found.version if found else ABSENT
 
 
 @cache
@@ -74,8 +85,13 @@ def _search(package: str) -> metadata.Distribution:
     # names of two of ten packages differ from their distribution's, so a text search will do.
     # The packages of cmeel (pinocchio) are one folder of site-packages below another.
     markers = (f"\n{package}/", f"\n{package}.py,", f"/site-packages/{package}/__init__.py,")
-    for found in metadata.distributions():
-        record = "\n" + (found.read_text("RECORD") or "")
+    for found, record in _records():
         if any(marker in record for marker in markers):
             return found
     raise UserError(f"expected an installed distribution with package {package}, found none")
+
+
+@cache
+def _records() -> list[tuple[metadata.Distribution, str]]:
+    """Installed distributions with their lists of files."""
+    return [(d, "\n" + (d.read_text("RECORD") or "")) for d in metadata.distributions()]

@@ -12,7 +12,7 @@ import pytest
 from slider.artefacts import runner
 from slider.artefacts.lineage.targets import Found
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
-from slider.artefacts.recipe import code_of
+from slider.artefacts.recipe import code_of, sources_of
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
 
@@ -95,6 +95,7 @@ class World:
         """Change a module."""
         (self.root / self.package / name).write_text(text.replace("PACKAGE", self.package))
         code_of.cache_clear()
+        sources_of.cache_clear()
         for module in [name for name in sys.modules if name.startswith(self.package)]:
             del sys.modules[module]
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.source.closure import closure
+from slider.artefacts.source.closure import Sources, closure
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -39,11 +39,11 @@ def root(tmp_path: Path) -> Path:
 
 
 def digest(root: Path) -> str:
-    return closure("slider.gait.stage", root).digest
+    return closure("slider.gait.stage", Sources(root)).digest
 
 
 def test_follows_all_imports_and_nothing_else(root):
-    found = closure("slider.gait.stage", root)
+    found = closure("slider.gait.stage", Sources(root))
     assert found.modules == (
         "slider",
         "slider.gait",
@@ -116,12 +116,12 @@ def test_sees_every_change_of_what_runs(root, name, text):
 )
 def test_finds_imports_in_every_kind_of_block(root, block):
     (root / "slider/robot/names.py").write_text(f"{block}\n")
-    assert closure("slider.gait.stage", root).third_party == ("casadi", "numpy")
+    assert closure("slider.gait.stage", Sources(root)).third_party == ("casadi", "numpy")
 
 
 def test_names_the_missing_module_and_the_line_that_does_not_parse(root):
     with pytest.raises(UserError, match=r"slider\.gait\.nothing"):
-        closure("slider.gait.nothing", root)
+        closure("slider.gait.nothing", Sources(root))
     (root / "slider/robot/names.py").write_text("JOINTS =\n")
     with pytest.raises(UserError, match=r"slider\.robot\.names, line 1"):
         digest(root)
@@ -131,5 +131,5 @@ def test_data_files_are_parts(tmp_path):
     (tmp_path / "pack").mkdir()
     (tmp_path / "pack" / "__init__.py").write_text("")
     (tmp_path / "pack" / "table.csv").write_text("1\n")
-    found = closure("pack", tmp_path).parts
+    found = closure("pack", Sources(tmp_path)).parts
     assert found["pack/table.csv"] == files.digest_file(tmp_path / "pack" / "table.csv")

@@ -10,6 +10,7 @@ from os.path import isfile
 from pathlib import Path
 
 from slider.artefacts.source.analyses import analyses_of
+from slider.artefacts.source.syntax import Module
 from slider.core.errors import UserError
 from slider.core.files import digest_file, digest_text
 
@@ -31,8 +32,43 @@ class Closure:
         return digest_text("".join(f"{name} {digest}\n" for name, digest in self.parts.items()))
 
 
-def closure(entry: str, root: Path) -> Closure:
-    """Follow the imports of module ``entry`` within its own package below folder ``root``.
+class Sources:
+    """The files below a folder as they were when a closure first came to them."""
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self._files: dict[str, Path | None] = {}
+        self._modules: dict[str, Module] = {}
+        self._data: dict[Path, dict[str, str]] = {}
+
+    def find(self, name: str) -> Path | None:
+        """File of a module; nothing where the name is a function's or a class's."""
+        if name not in self._files:
+            self._files[name] = _find(self.root, name)
+        return self._files[name]
+
+    def module(self, name: str, path: Path) -> Module:
+        """What a module says.
+
+        Raises:
+            UserError: it does not parse.
+        """
+        if name not in self._modules:
+            package = self.root / name.partition(".")[0]
+            self._modules[name] = analyses_of(package).read(path, name)
+        return self._modules[name]
+
+    def data(self, folder: Path) -> dict[str, str]:
+        """Digests of the data files that lie beside a folder's modules."""
+        if folder not in self._data:
+            paths = _data_files(folder)
+            digests = {p.relative_to(self.root).as_posix(): digest_file(p) for p in paths}
+            self._data[folder] = digests
+        return self._data[folder]
+
+
+def closure(entry: str, sources: Sources) -> Closure:
+    """Follow the imports of module ``entry`` within its own package.
 
     The digest covers the syntax trees without docstrings, those of fields too (comments are not
     part of them), and the data files that lie beside the modules.
@@ -41,9 +77,8 @@ def closure(entry: str, root: Path) -> Closure:
         UserError: the entry module does not exist or a module does not parse.
     """
     package = entry.partition(".")[0]
-    if _find(root, entry) is None:
-        raise UserError(f"expected the stage's module {entry} below {root}, found none")
-    analyses = analyses_of(root / package)
+    if sources.find(entry) is None:
+        raise UserError(f"expected the stage's module {entry} below {sources.root}, found none")
     found: dict[str, str] = {}
     folders: set[Path] = set()
     third_party: set[str] = set()
@@ -53,10 +88,10 @@ def closure(entry: str, root: Path) -> Closure:
         if name in seen:
             continue
         seen.add(name)
-        path = _find(root, name)
+        path = sources.find(name)
         if path is None:  # a function or class, not a module
             continue
-        module = analyses.read(path, name)
+        module = sources.module(name, path)
         found[name] = module.digest
         folders.add(path.parent)
         waiting += _parents(name)
@@ -65,10 +100,10 @@ def closure(entry: str, root: Path) -> Closure:
                 waiting.append(target)
             else:
                 third_party.add(target.partition(".")[0])
-    analyses.keep()
+    analyses_of(sources.root / package).keep()
     parts = {name: found[name] for name in sorted(found)}
-    for path in sorted(data for folder in folders for data in _data_files(folder)):
-        parts[path.relative_to(root).as_posix()] = digest_file(path)
+    data = {name: digest for folder in folders for name, digest in sources.data(folder).items()}
+    parts |= {name: data[name] for name in sorted(data, key=Path)}
     packages = sorted(third_party - sys.stdlib_module_names)
     return Closure(tuple(sorted(found)), tuple(packages), parts)
 

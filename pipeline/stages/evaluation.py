@@ -1,6 +1,6 @@
 """Evaluations of a protocol, of the policy and of the baselines, and Table 1."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pipeline.stages.entries import ENTRIES, OF_HZD, job
@@ -9,7 +9,7 @@ from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
-from slider.config.evaluation import CaseConfig, EvaluationConfig
+from slider.config.evaluation import EvaluationConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 from slider.core.errors import UserError
@@ -23,37 +23,37 @@ def evaluations_of(
     ``made`` has the jobs ``walking``, ``library`` and ``foot_placement``; ``note`` is added to
     the labels.
     """
-    asked = protocol.commands if protocol.profile is None else protocol.profile.cases
     return [
-        evaluation(config, protocol, controller, one, made, note)
+        one
         for controller in protocol.controllers
-        for one in asked
+        for one in _evaluations(config, protocol, controller, made, note)
     ]
 
 
-def evaluation(
+def _evaluations(
     config: Config,
     protocol: EvaluationConfig,
     controller: str,
-    asked: float | CaseConfig,
     made: Mapping[str, JobSpec],
-    note: str = "",
-) -> JobSpec:
-    """A protocol with one controller at one command, or in one case."""
-    section: dict[str, Any] = {
-        "evaluation": without(protocol_section(protocol), "controllers", "commands")
-    }
-    if isinstance(asked, CaseConfig):
-        section |= controlled(config, controller, None) | {"case": to_dict(asked)}
-        section["evaluation"]["profile"] = without(to_dict(protocol.profile), "rows", "cases")
-        label = f"evaluation of {controller} in {asked.name}{note}"
-    else:
-        section |= controlled(config, controller, asked)
-        label = f"evaluation of {controller} at {asked:.1f} m/s{note}"
+    note: str,
+) -> Iterator[JobSpec]:
+    """One controller at each command, or in each case. Their sections share all other values."""
+    settings = without(protocol_section(protocol), "controllers", "commands")
+    section = {"evaluation": settings, **controlled(config, controller, None)}
+    inputs = made_of(config, controller, made)
     stage = "evaluation" if controller == POLICY else "baseline"
     residual = controller == POLICY and config.env.action.offset == "hzd"
     entries = OF_HZD if residual or controller in walkers(config) else ENTRIES
-    return job(stage, label, section, made_of(config, controller, made), entries=entries)
+    name = f"evaluation of {controller}"
+    if protocol.profile is None:
+        for command in protocol.commands:
+            label = f"{name} at {command:.1f} m/s{note}"
+            yield job(stage, label, {**section, "command": command}, inputs, entries=entries)
+        return
+    settings["profile"] = without(to_dict(protocol.profile), "rows", "cases")
+    for case in protocol.profile.cases:
+        label = f"{name} in {case.name}{note}"
+        yield job(stage, label, {**section, "case": to_dict(case)}, inputs, entries=entries)
 
 
 def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:

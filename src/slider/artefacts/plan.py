@@ -152,7 +152,8 @@ def _to_values(plan: Plan) -> dict[str, Any]:
             parts[known[id(value)]] = value
         return known[id(value)]
 
-    codes = {job.code.entry: asdict(job.code) for job in plan.jobs.values()}
+    each = {job.code.entry: job.code for job in plan.jobs.values()}
+    codes = {entry: asdict(code) for entry, code in each.items()}
     sources = {code["source"]: code.pop("parts") for code in codes.values()}
     jobs = {}
     for recipe, job in plan.jobs.items():

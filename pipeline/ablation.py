@@ -32,7 +32,7 @@ def ablation_job(
     conf: Path,
     reports: str = "ablation",
 ) -> JobSpec:
-    """The comparison of all variants; each takes half a second to compose, once.
+    """The comparison of all variants; each takes half a second to compose for the first time.
 
     Args:
         config: configuration of the pipeline.

@@ -15,7 +15,7 @@ from pipeline.stages import table1_jobs
 from pipeline.stages.entries import ENTRIES
 from slider.artefacts.plan import build_plan
 from slider.artefacts.recipe import distribution
-from slider.artefacts.source.closure import closure
+from slider.artefacts.source.closure import Sources, closure
 from slider.config.compose import compose
 
 ROOT = Path(__file__).parents[1]
@@ -68,7 +68,8 @@ def test_table_1_needs_no_extra():
         job.stage for job in build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
     }
     modules = [ENTRIES[stage].partition(":")[0] for stage in stages]
-    used = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))
+    sources = Sources(ROOT / "src")
+    used = imported("pipeline").union(*(closure(m, sources).third_party for m in modules))
     assert {"torch", "casadi", "snakemake"} <= used
     assert {name for name in used if not providers(name) & names(REQUIRED)} == set()
 

@@ -108,10 +108,11 @@ def test_a_motion_has_the_derivatives_of_its_positions(l1, l2):
         np.testing.assert_allclose(now[order + 1], slope, atol=1e-8)
     for hip_pitch in (2, 7):
         own = slice(hip_pitch, hip_pitch + 3)
-        leg = knee_map.positions(*q[:, own].T, l1, l2)
+        pitch, theta, ankle = q[:, own].T
+        leg = knee_map.positions(pitch, theta, ankle, l1, l2)
         expected = np.stack([leg.hip_pitch, leg.length - 0.64, leg.ankle], axis=1)
         np.testing.assert_array_equal(now[0][:, own], expected)
-        theta, (pitch_rate, rate, ankle_rate) = q[:, hip_pitch + 1], v[:, own].T
+        pitch_rate, rate, ankle_rate = v[:, own].T
         leg = knee_map.velocities(pitch_rate, theta, rate, ankle_rate, l1, l2)
         expected = np.stack([leg.hip_pitch, leg.length, leg.ankle], axis=1)
         np.testing.assert_allclose(now[1][:, own], expected, atol=1e-15)

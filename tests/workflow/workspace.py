@@ -8,11 +8,13 @@ import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 from slider.artefacts.locks import exclusive
+from tests import shared
 
 REPOSITORY = Path(__file__).parents[2]
 COPIED = ("Snakefile", "pipeline", "conf", "src")
@@ -216,13 +218,39 @@ def _words(path: Path) -> list[str]:
 
 def copy_repository(folder: Path) -> Workspace:
     """Copy what the pipeline consists of, not what it produced."""
-    folder.mkdir(exist_ok=True)
+    shutil.copytree(_compiled(), folder, symlinks=True, dirs_exist_ok=True)
+    return Workspace(folder)
+
+
+@cache
+def _compiled() -> Path:
+    """The pipeline with its bytecode, once per session: each copy would compile it anew.
+
+    The test processes write beside the sources of the repository; nobody writes here.
+    """
+    done, folder = shared.folder() / "repository.done", shared.folder() / "repository"
+    with exclusive(shared.folder(), "repository"):
+        if not done.exists():
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            _copy_sources(folder)
+            plan = ["-m", "pipeline.outline", "table1", str(shared.folder() / "outline"), ""]
+            for arguments in (["-m", "compileall", "-q", "src", "pipeline"], plan):
+                made = Workspace(folder).command(arguments)
+                assert made.returncode == 0, made.stderr
+            done.touch()
+    return folder
+
+
+def _copy_sources(folder: Path) -> None:
     for name in COPIED:
         source = REPOSITORY / name
-        copy = shutil.copytree if source.is_dir() else shutil.copy
-        copy(source, folder / name)
+        if source.is_dir():
+            no_bytecode = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(source, folder / name, ignore=no_bytecode)
+        else:
+            shutil.copy(source, folder / name)
     (folder / "profiles").symlink_to("pipeline/profiles")
-    return Workspace(folder)
 
 
 def finished(folder: Path) -> Workspace:

@@ -102,10 +102,14 @@ def _table(orders: np.ndarray) -> NodeTable:
     return NodeTable(*(orders[:, :, k, None] for k in range(3)))
 
 
-def at_phase(table: np.ndarray, phase: np.ndarray) -> np.ndarray:
-    """Rows (n, …) of a table (n, S, …) over equally spaced phases, linearly; the ends hold."""
-    place = np.clip(phase, 0.0, 1.0) * (table.shape[1] - 1)
-    left = np.minimum(place.astype(int), table.shape[1] - 2)
-    rows = np.arange(len(phase))
-    share = (place - left).reshape(-1, *(1,) * (table.ndim - 2))
-    return table[rows, left] + share * (table[rows, left + 1] - table[rows, left])
+def at_phase(table: np.ndarray, phase: np.ndarray, *which: np.ndarray) -> np.ndarray:
+    """Rows (n, …) of a table (n, S, …) over equally spaced phases, linearly; the ends hold.
+
+    Of a larger table (n, …, S, …) they are those at the places ``which``, each (n,).
+    """
+    robots = np.arange(len(phase)), *which
+    last = table.shape[len(robots)] - 1
+    place = np.clip(phase, 0.0, 1.0) * last
+    left = np.minimum(place.astype(int), last - 1)
+    here, ahead = table[*robots, left], table[*robots, left + 1]
+    return here + (place - left).reshape(-1, *(1,) * (here.ndim - 1)) * (ahead - here)

@@ -250,8 +250,8 @@ class HzdSteps:
         growth = self._period * self._config.hip_rate.upper / walk.steps.duration
         self._synchronise(walk, place, speed, growth)
         error = section(dynamics, memory.stance[robots]) - at_phase(walk.steps.orbit, walk.phase)
-        gains = walk.steps.gains[np.arange(len(robots)), walk.by_hip.astype(int)]
-        wanted = -(at_phase(gains, walk.phase) @ error[:, :, None])[:, :, 0]
+        gains = at_phase(walk.steps.gains, walk.phase, walk.by_hip.astype(int))
+        wanted = -(gains @ error[:, :, None])[:, :, 0]
         wanted = np.clip(wanted, -self._reach, self._reach)
         config = self._config
         share = np.where(walk.phase < config.lock, min(1.0, self._period / config.settling), 0)

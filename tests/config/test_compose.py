@@ -66,6 +66,10 @@ def test_every_option_composes(option):
         ),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
         (
+            "finetuning.iterations=3",
+            "finetuning.iterations: expected finetuning=robust beside it, found none",
+        ),
+        (
             "env.reference.acceleration=-0.1",
             "reference.acceleration: expected a number in [0,",
         ),

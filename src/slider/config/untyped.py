@@ -156,6 +156,8 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
     unknown_key = re.search(r"Could not override '([^']+)'", str(error))
     if unknown_key:
         key = unknown_key.group(1)
+        if choose := _to_choose(key.partition(".")[0], conf):
+            return f"{key}: expected {choose} beside it, found none"
         new = " A new term needs a + in front." if ".terms." in key else ""
         return f"unknown configuration key '{key}'{_did_you_mean(key, _known_keys(conf))}{new}"
     unknown_option = re.search(r"Could not find '([^']+)'", str(error))
@@ -171,6 +173,14 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
     broken = [text for text in overrides if text in str(error)]
     where = f" in override '{broken[0]}'" if broken else ""
     return f"{_first_line(error)}{where} (expected key=value, lists without spaces)"
+
+
+def _to_choose(group: str, conf: Path) -> str:
+    """Choices of a group of which the configuration has none by default."""
+    defaults = (conf / "config.yaml").read_text(encoding="utf-8")
+    if not re.search(rf"^\s*- {re.escape(group)}: null\b", defaults, re.MULTILINE):
+        return ""
+    return " or ".join(f"{group}={path.stem}" for path in sorted((conf / group).glob("*.yaml")))
 
 
 def _did_you_mean(key: str, known: Sequence[str]) -> str:

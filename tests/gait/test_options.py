@@ -113,6 +113,13 @@ def test_the_best_of_several_starts_is_kept(keep, cost, tried):
     assert (solve.variables == cost).all()
 
 
+@pytest.mark.parametrize("vx", [2.0, 2.3])
+def test_fast_gaits_converge_from_the_first_guess(vx: float):
+    (attempt,) = solved(vx, 0.0).attempts
+    assert attempt.status == "Solve_Succeeded"
+    assert attempt.iterations < 80  # 114, and two failed guesses, with strides of 0.6 m
+
+
 def test_the_next_guess_is_tried_after_a_failure():
     gait = config().gait
     settings = replace(gait.solver, guesses=["cold", "crouched"], max_iterations=2)

@@ -12,9 +12,16 @@ CORES ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 HYDRA ?=
 VENV := .venv
 RUN := $(VENV)/bin/python -m# a module: the first line of a script cannot name every folder
+PLACE := $(VENV)/place# the folder in which the environment works
 STAMP := $(VENV)/installed
 TOOLS := $(VENV)/installed-tools
 export HYDRA
+export PLACED := $(CURDIR)
+# An environment that was copied, moved or broken is made anew: it would run the source of another
+# folder, or none.
+ifneq ($(shell $(VENV)/bin/python -c 'print(open("$(PLACE)", encoding="utf-8").read())' 2>/dev/null),$(CURDIR))
+.PHONY: $(PLACE)
+endif
 
 .DELETE_ON_ERROR:
 .PHONY: table1 report results animation docs install lint test faults clean
@@ -37,8 +44,13 @@ docs: $(STAMP) # site/; a broken link is an error
 
 install: $(TOOLS)
 
-$(STAMP): pyproject.toml constraints.txt
-	test -x $(VENV)/bin/python || $(PYTHON) -m venv $(VENV)
+$(PLACE):
+	@$(PYTHON) -c 'import sys; v = sys.version.split()[0]; sys.version_info >= (3, 11) or sys.exit("expected Python 3.11 or newer, found " + v + ": make PYTHON=/path/to/python")'
+	rm -rf $(VENV)
+	$(PYTHON) -m venv $(VENV)
+	@printf '%s' "$$PLACED" > $@
+
+$(STAMP): pyproject.toml constraints.txt $(PLACE)
 	$(RUN) pip install --quiet -c constraints.txt -e .
 	touch $@
 

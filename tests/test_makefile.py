@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from tests.workflow.workspace import HOSTILE
 
 ROOT = Path(__file__).parents[1]
 NOTES = """#!/bin/sh
+case "$*" in *"open("*) exec python3 "$@";; esac
 for word in "$@"; do printf '%s\\n' "$word"; done > words.txt
 cat words.txt >> all.txt
 """
@@ -26,6 +28,7 @@ def folder(tmp_path: Path) -> Path:
     python = clone / ".venv/bin/python"
     python.write_text(NOTES)
     python.chmod(0o755)
+    (clone / ".venv/place").write_text(str(clone), encoding="utf-8")
     return clone
 
 
@@ -72,3 +75,57 @@ def test_the_tools_bring_what_table_1_needs(folder):
 def test_who_tests_gets_the_tools_first(folder, target):
     assert make(folder, target)[:2] == ["-m", "pytest"]
     assert ".[test]" in (folder / "all.txt").read_text().splitlines()
+
+
+SETUP = """#!/bin/sh
+case "$*" in
+  "-m venv .venv") mkdir -p .venv/bin && cp made-by-venv .venv/bin/python;;
+  *) exec {python} "$@";;
+esac
+"""
+
+
+@pytest.fixture
+def maker(folder: Path) -> str:
+    """A Python whose ``-m venv`` gives the environment the Python that notes its arguments."""
+    shutil.copy2(folder / ".venv/bin/python", folder / "made-by-venv")
+    maker = folder / "python"
+    maker.write_text(SETUP.format(python=sys.executable))
+    maker.chmod(0o755)
+    return "PYTHON=./python"
+
+
+def test_a_copied_or_moved_environment_is_made_anew(folder, maker):
+    make(folder, "table1", maker)
+    (folder / ".venv/left").touch()
+    make(folder, "table1", maker)
+    assert (folder / ".venv/left").exists()
+    copy = folder.with_name("copy")
+    shutil.copytree(folder, copy)
+    make(copy, "table1", maker)
+    assert not (copy / ".venv/left").exists()
+    assert (copy / ".venv/place").read_text() == str(copy)
+    moved = folder.rename(folder.with_name("moved"))
+    make(moved, "table1", maker)
+    assert not (moved / ".venv/left").exists()
+    assert (moved / ".venv/place").read_text() == str(moved)
+
+
+@pytest.mark.parametrize("python", ["#!/bin/sh\nexit 1\n", "no program"])
+def test_a_broken_environment_is_made_anew(folder, maker, python):
+    (folder / ".venv/bin/python").write_text(python)
+    assert make(folder, "table1", maker)[1] == "snakemake"
+
+
+def test_an_old_python_is_one_line_and_leaves_no_environment(folder):
+    old = folder / "old"
+    check = "import sys; sys.version_info = (3, 10, 2); sys.version = '3.10.2 x'"
+    old.write_text(f'#!/bin/sh\nexec {sys.executable} -c "{check}; $(echo "$2" | tail -c +12)"\n')
+    old.chmod(0o755)
+    shutil.rmtree(folder / ".venv")
+    done = subprocess.run(
+        ["make", "table1", "PYTHON=./old"], cwd=folder, capture_output=True, text=True
+    )
+    assert done.returncode
+    assert "expected Python 3.11 or newer, found 3.10.2" in done.stderr
+    assert not (folder / ".venv").exists()

@@ -1,4 +1,4 @@
-"""Check 7: the gait replayed in MuJoCo with foot placement."""
+"""Check 6: the gait replayed in MuJoCo with foot placement."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false

@@ -1,4 +1,4 @@
-"""Checks 4 and 6: the roll, the one coordinate that is not driven, by another integrator.
+"""Checks 4 and 5: the roll, the one coordinate that is not driven, by another integrator.
 
 Joints follow their Bézier polynomials in time; the roll of the stance foot about its line obeys
 "no moment about the line" (pinocchio), integrated by DOP853 (Hairer, Nørsett, Wanner 1993).

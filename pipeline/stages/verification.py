@@ -10,7 +10,7 @@ from slider.config.schema import Config
 from slider.config.validation.checks import one_of
 from slider.verification.quantities import QUANTITIES
 
-_COLLECTED = ("on_failure", "reach", "bounds")  # settings of the collection alone
+_COLLECTED = ("on_failure", "bounds")  # settings of the collection alone
 
 
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:

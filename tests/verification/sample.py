@@ -18,9 +18,9 @@ from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary
-from slider.verification.gaits import Check, Surroundings, checks
 from slider.verification.pin_robot import PinRobot, build_robot
 from slider.verification.plant import Plant
+from slider.verification.stage import Check, checks
 from slider.verification.stored import StoredGait, gaits_of
 from tests import shared
 
@@ -88,8 +88,7 @@ def plant() -> Plant:
 @cache
 def table(dynamics: str = "prismatic") -> dict[str, Check]:
     c = config()
-    given = Surroundings(c.robot, c.gait.posture, dynamics, c.gait.kinematic_map, c.verification)
-    return checks(given)
+    return checks(c.robot, c.gait.posture, dynamics, c.verification)
 
 
 def jobs() -> tuple[list[JobSpec], JobSpec]:

@@ -34,11 +34,10 @@ def test_pinocchio_and_mujoco_agree_on_random_motions():
 
 
 def test_and_on_impacts():
-    locked = np.delete(np.arange(18), [11, 17])
     for side, state in random_states(5):
         after = pinocchio().impact(state.q, state.v, side)
-        found = plant().impact(plant_state(state), side, locked)
-        np.testing.assert_allclose(found[locked][6:], after[6:], atol=1e-9)
+        found = plant().impact(plant_state(state), side)
+        np.testing.assert_allclose(found[6:], after[6:], atol=1e-9)
         jacobian = pinocchio().jacobian(state.q, side)
         np.testing.assert_allclose((jacobian @ after)[[0, 1, 2, 4, 5]], 0.0, atol=1e-9)
 
@@ -67,13 +66,11 @@ def test_the_plant_confirms_a_gait_with_its_own_dynamics_and_not_the_knees():
     assert other["plant_force"] > 10.0
     assert other["plant_efforts"] > 10.0
     assert 0.2 < own["plant_cop"] < 0.5
-    assert 0.02 < own["upper_foot_torque"] < 0.2
 
 
-def test_upper_feet_that_swing_change_the_impact_little():
+def test_the_plant_confirms_a_gaits_impacts_and_not_the_knees():
     own, other = (impact(gait, plant()) for gait in (gaits()[1], knee_gait()))
     assert own["plant_impact"] < 1e-9
-    assert 1e-4 < own["plant_impact_free"] < 1e-3
     assert other["plant_impact"] > 0.5
 
 

@@ -98,8 +98,9 @@ def test_holes_of_the_library_are_left_out(tmp_path):
 def test_without_pinocchio_one_line_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     message = r"^expected pinocchio, found none: pip install 'slider-ehzd\[verify\]'$"
+    section = dict(jobs()[0][0].section)
     with pytest.raises(UserError, match=message):
-        stage.run_gaits({}, {}, tmp_path, Job(tmp_path))
+        stage.run_gaits(section, {"library": [library()]}, tmp_path, Job(tmp_path))
 
 
 def test_no_library(tmp_path):

@@ -98,7 +98,5 @@ class VerificationConfig(CheckConfig):
     """gaits per job"""
     on_failure: Literal["error", "report"]
     """report: a bound that does not hold is written down; error: it ends the collecting job"""
-    reach: Positive[MetresPerSecond]
-    """velocities further apart are no neighbours"""
     bounds: dict[str, Annotated[NonNegative[Number], Unit("of the quantity")] | None]
     """of the quantity, see docs/reference/verification.md; null: reported only"""

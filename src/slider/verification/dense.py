@@ -1,4 +1,4 @@
-"""Check 9: what happens between the nodes, where the optimisation does not look.
+"""Check 8: what happens between the nodes, where the optimisation does not look.
 
 Joints follow their Bézier polynomials and the roll a quintic through its nodes; its acceleration
 is the one that leaves no moment about the foot line, so that torques and forces are consistent.
@@ -27,7 +27,6 @@ class DenseStep:
         joints, speeds, efforts: (N, 12) of the prismatic legs [rad, m], [rad/s, m/s], [N m, N].
         wrench: (N, 6) ground force [N] and moment [N m] at the middle of the foot line.
         ends: (N, 2, 3) toe and heel of the swing foot [m].
-        defect: (N,) roll acceleration of the quintic minus the dynamics' [rad/s²].
     """
 
     phase: np.ndarray
@@ -36,7 +35,6 @@ class DenseStep:
     efforts: np.ndarray
     wrench: np.ndarray
     ends: np.ndarray
-    defect: np.ndarray
 
 
 def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
@@ -51,12 +49,11 @@ def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
         state = robot.moving(motion, time, np.array([*roll[:2], -moment / inertia]))
         forces, wrench = robot.inverse_dynamics(state, motion.side)
         _, efforts = robot.coordinates.work(motion.joints_at(time)[0], forces)
-        defect = roll[2] + moment / inertia
-        rows.append((efforts, wrench, robot.foot_ends(state.q, other), defect))
-    efforts, wrench, ends, defect = (np.array(column) for column in zip(*rows, strict=True))
+        rows.append((efforts, wrench, robot.foot_ends(state.q, other)))
+    efforts, wrench, ends = (np.array(column) for column in zip(*rows, strict=True))
     joints, speeds, _ = robot.coordinates.map.motion(*motion.joints_at(phase * motion.duration))
     joints, speeds, efforts = (with_upper_feet(values) for values in (joints, speeds, efforts))
-    return DenseStep(phase, joints, speeds, efforts, wrench, ends, defect)
+    return DenseStep(phase, joints, speeds, efforts, wrench, ends)
 
 
 def between_nodes(
@@ -70,10 +67,8 @@ def between_nodes(
     values: dict[str, list[float]] = {}
     for motion in gait.steps:
         step = resample(motion, pinocchio, points)
-        found = _clearance(step, posture.clearance)
-        found |= _contact(step, pinocchio) | _drives(step, robot)
-        found["dense_roll_defect"] = float(np.abs(step.defect).max())
-        for name, value in found.items():
+        worst = _clearance(step, posture.clearance) | _contact(step, pinocchio)
+        for name, value in (worst | _drives(step, robot)).items():
             values.setdefault(name, []).append(value)
     return {name: max(both) for name, both in values.items()}
 
@@ -91,27 +86,19 @@ def legs_apart(gait: StoredGait, plant: Plant, points: int) -> dict[str, float]:
 def _clearance(step: DenseStep, clearance: float) -> dict[str, float]:
     """How far toe and heel come below the ground and below the parabola of the posture [m]."""
     lowest = step.ends[..., 2].min(axis=1)
-    wanted = 4.0 * clearance * step.phase * (1.0 - step.phase)
+    parabola = 4.0 * clearance * step.phase * (1.0 - step.phase)
     return {
         "dense_penetration": float(max(0.0, -lowest.min())),
-        "dense_clearance": float(max(0.0, (wanted - lowest).max())),
+        "dense_clearance": float(max(0.0, (parabola - lowest).max())),
     }
 
 
 def _contact(step: DenseStep, robot: PinRobot) -> dict[str, float]:
-    """Centre of pressure as a share of the foot; friction [-] that the foot and its ends need."""
-    force, yaw = step.wrench[:, :3], step.wrench[:, 5]
-    place = -step.wrench[:, 4] / force[:, 2]
-    toe, heel = robot.ends[:, 0]
-    toe_z = force[:, 2] * (place - heel) / (toe - heel)
-    toe_y = (yaw - heel * force[:, 1]) / (toe - heel)
-    sliding = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
-    ends = [np.abs(toe_y / toe_z), np.abs((force[:, 1] - toe_y) / (force[:, 2] - toe_z))]
-    return {
-        "dense_cop": float(np.max(pressure_share(step.wrench, robot))),
-        "dense_friction": float(sliding.max()),
-        "dense_friction_ends": float(np.max(ends)),
-    }
+    """Centre of pressure as a share of the foot, and the friction coefficient that it needs [-]."""
+    force = step.wrench[:, :3]
+    friction = np.hypot(force[:, 0], force[:, 1]) / force[:, 2]
+    share = pressure_share(step.wrench, robot)
+    return {"dense_cop": float(np.max(share)), "dense_friction": float(friction.max())}
 
 
 def _drives(step: DenseStep, robot: Mechanism) -> dict[str, float]:

@@ -5,8 +5,7 @@ from scipy.spatial.transform import Rotation
 
 from slider.robot.kinematics import rotation_from_quaternion
 from slider.robot.knee_map import with_upper_feet
-from slider.robot.names import NUM_JOINTS, SIDES
-from slider.verification.coordinates import SlideMap, driven
+from slider.robot.names import SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot
 from slider.verification.stored import StoredGait
 
@@ -67,59 +66,6 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
         "dynamics_base": max(base),
         "dynamics_line_moment": _worst(gait.ground_wrench[:, 3]),
     }
-
-
-def kinematics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
-    """Stored joints, base, swing foot and times against coefficients and a foot that only rolls."""
-    position, velocity = [], []
-    for sample in range(2 * gait.half):
-        found, expected = stored_state(gait, robot, sample), moving_state(gait, robot, sample)
-        position.append(_worst(robot.difference(expected.q, found.q)))
-        velocity.append(_worst(found.v - expected.v))
-        swing = robot.sole_place(expected.q, SIDES[1 - gait.step_of(sample)])
-        position.append(_worst(swing - gait.swing_foot[sample]))
-    return {
-        "kinematics_position": max(position),
-        "kinematics_velocity": max(velocity),
-        "kinematics_time": _worst(gait.time - _times(gait)),
-    }
-
-
-def _times(gait: StoredGait) -> np.ndarray:
-    """Equally spaced over each step; the second begins when the first ends."""
-    first, second = gait.step_time
-    phase = np.linspace(0.0, 1.0, gait.half)
-    return np.concatenate([phase * first, first + phase * second])
-
-
-def channels(gait: StoredGait, slides: SlideMap, variant: str) -> dict[str, float]:
-    """Stored channels [rad, m, 1/s] against eq. 1 (exact or as printed) and the base."""
-    worst = []
-    for step, motion in enumerate(gait.steps):
-        own = slice(step * gait.half, (step + 1) * gait.half)
-        q, v, _ = motion.joints_at(gait.time[own] - gait.time[own][0])
-        joints, rates = slides.sampled(q, v, variant)
-        samples = gait.samples[own]
-        worst.append(_worst(driven(samples[:, :NUM_JOINTS]) - joints))
-        worst.append(_worst(driven(samples[:, NUM_JOINTS:-2]) - rates))
-    passive = gait.samples[:, :-2].reshape(-1, 2, NUM_JOINTS)
-    worst.append(_worst(passive - with_upper_feet(driven(passive))))
-    worst.append(_worst(gait.samples[:, -2:] - _heading_velocities(gait.base)))
-    return {"kinematics_samples": max(worst)}
-
-
-def _heading_velocities(base: np.ndarray) -> np.ndarray:
-    """Forward and leftward velocities (S, 2) [m/s] of the base in its heading frame."""
-    w, x, y, z = base[:, 3:7].T
-    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    forward, leftward = base[:, 7:9].T
-    return np.stack(
-        [
-            np.cos(yaw) * forward + np.sin(yaw) * leftward,
-            np.cos(yaw) * leftward - np.sin(yaw) * forward,
-        ],
-        axis=1,
-    )
 
 
 def impact(gait: StoredGait, robot: PinRobot) -> dict[str, float]:

@@ -86,11 +86,6 @@ class PinRobot:
         """Frame of a sole."""
         return self.model.getFrameId(f"{side}_sole")
 
-    def sole_place(self, q: np.ndarray, side: str) -> np.ndarray:
-        """Middle (3,) of a foot line [m]."""
-        pin.framesForwardKinematics(self.model, self.data, q)
-        return self.data.oMf[self.sole(side)].translation.copy()
-
     def centre(self, q: np.ndarray) -> np.ndarray:
         """Centre of mass (3,) [m]."""
         return pin.centerOfMass(self.model, self.data, q).copy()
@@ -105,10 +100,6 @@ class PinRobot:
         """Generalised forces (16,) of a motion [N, N m]: base (its own frame), then joints."""
         free = pin.rnea(self.model, self.data, state.q, state.v, state.a)
         return free + self.damping * state.v
-
-    def difference(self, expected: np.ndarray, found: np.ndarray) -> np.ndarray:
-        """Way (16,) from one configuration to another: base [m, rad], then joints."""
-        return pin.difference(self.model, expected, found)
 
     def jacobian(self, q: np.ndarray, side: str) -> np.ndarray:
         """Jacobian (6, 16) of the sole: linear, angular, world axes."""

@@ -1,11 +1,7 @@
-"""Check 7: the gait replayed in MuJoCo, by its joint targets alone and with foot placement."""
+"""Check 6: the gait replayed in MuJoCo with foot placement."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
-
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
 
 import mujoco
 import numpy as np
@@ -23,14 +19,6 @@ from slider.verification.stored import StoredGait
 
 _EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
 _ITERATIONS = 50  # of MuJoCo's solver
-
-
-@dataclass(frozen=True)
-class Replay:
-    """Completed steps, and mean forward velocity over them [m/s] (none without any)."""
-
-    steps: int
-    speed: float | None
 
 
 class Simulation:
@@ -96,68 +84,32 @@ class Simulation:
         return bool(falls or not np.isfinite(self.data.qpos).all())
 
 
-Follow = Callable[[Simulation, StepReference], bool]
-"""Drives the robot through a step; false where it does not get to its end."""
-
-
-def replays(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str, float]:
-    """Steps and errors of the mean velocity [m/s], alone and with the regulator."""
-    steps = tabulate(gait, plant, simulation.config.points)
-    found = {}
-    speed = float(gait.commands[0])
-    regulator = Regulator(simulation.robot.geometry, simulation.config.regulator, speed)
-    for name, follow in (
-        ("replay", alone_step),
-        ("regulated", partial(regulated_step, regulator=regulator)),
-    ):
-        simulation.start(gait, steps[0].at(0.0))
-        walk = walk_on(simulation, steps, follow, gait.turns)
-        found[f"{name}_steps"] = float(walk.steps)
-        if walk.speed is not None:
-            found[f"{name}_speed"] = abs(walk.speed - speed)
-    return found
-
-
-def walk_on(
-    simulation: Simulation,
-    steps: tuple[StepReference, StepReference],
-    follow: Follow,
-    turns: np.ndarray,
-) -> Replay:
-    """Step after step, until one is not completed or the walk is long enough.
-
-    ``turns`` (2,) is the yaw from each step's stance foot to the next one's [rad].
-    """
-    count, time, courses = 0, 0.0, [0.0]
+def regulated(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str, float]:
+    """Completed steps of the replay; without any there is no error of the mean velocity [m/s]."""
+    config, speed = simulation.config, float(gait.commands[0])
+    references = tabulate(gait, plant, config.points)
+    regulator = Regulator(simulation.robot.geometry, config.regulator, speed)
+    simulation.start(gait, references[0].at(0.0))
+    steps, time, courses = 0, 0.0, [0.0]
     places = [simulation.data.qpos[:2].copy()]
-    while count < simulation.config.steps and follow(simulation, steps[count % 2]):
-        simulation.course += float(turns[count % 2])
-        count += 1
+    while steps < config.steps and regulated_step(simulation, references[steps % 2], regulator):
+        simulation.course += float(gait.turns[steps % 2])
+        steps += 1
         time = float(simulation.data.time)
         places.append(simulation.data.qpos[:2].copy())
         courses.append(simulation.course)
-    return Replay(count, _way(np.array(places), np.array(courses)) / time if count else None)
+    if not steps:
+        return {"regulated_steps": 0.0}
+    mean = _distance(np.array(places), np.array(courses)) / time
+    return {"regulated_steps": float(steps), "regulated_speed": abs(mean - speed)}
 
 
-def _way(places: np.ndarray, courses: np.ndarray) -> float:
-    """Way forward [m] through places (S, 2), each part of it along its course (S,) [rad]."""
+def _distance(places: np.ndarray, courses: np.ndarray) -> float:
+    """Distance forward [m] through places (S, 2), each part of it along its course (S,) [rad]."""
     if not courses.any():
         return float(places[-1, 0] - places[0, 0])
     parts, along = np.diff(places, axis=0), courses[:-1]
     return float(np.sum(np.cos(along) * parts[:, 0] + np.sin(along) * parts[:, 1]))
-
-
-def alone_step(simulation: Simulation, step: StepReference) -> bool:
-    """One step by the clock; false where the robot falls."""
-    start = float(simulation.data.time)
-    time = 0.0
-    while time < step.duration:
-        desired = step.at(time)
-        simulation.drive(desired.joints, desired)
-        if simulation.fallen():
-            return False
-        time = float(simulation.data.time) - start
-    return True
 
 
 def regulated_step(simulation: Simulation, step: StepReference, regulator: Regulator) -> bool:
@@ -171,9 +123,9 @@ def regulated_step(simulation: Simulation, step: StepReference, regulator: Regul
         desired = step.at(time)
         late = max(0.0, time - step.duration)
         desired.swing[2] -= regulator.config.descent * late
-        found = simulation.measure(step.side)
-        phase = time / step.duration
-        targets = regulator.targets(found, desired, past, step.side, phase, step.duration - time)
+        measured = simulation.measure(step.side)
+        phase, left = time / step.duration, step.duration - time
+        targets = regulator.targets(measured, desired, past, step.side, phase, left)
         simulation.drive(targets, desired)
         time = float(simulation.data.time) - start
         if simulation.fallen():

@@ -2,11 +2,15 @@
 
 import importlib.util
 import json
-from collections.abc import Mapping, Sequence
+import math
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from slider.config.convert import from_dict
 from slider.config.gait import Posture
@@ -15,55 +19,99 @@ from slider.config.verification import CheckConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.reader import STORE, GaitLibrary
-from slider.verification import neighbours, summary
+from slider.robot.names import COMMAND
+from slider.verification import summary
+from slider.verification.quantities import QUANTITIES
 from slider.verification.stored import StoredGait, gaits_of
 
 RECORDS = "gaits.json"
 CSV, JSON, MARKDOWN = (f"verification.{suffix}" for suffix in ("csv", "json", "md"))
 _SHOWN = 5  # failures in the line that ends a job
+Check = Callable[[StoredGait], dict[str, float]]
 
 
-def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Check the gaits of some commands; a hole of the library is left out.
+def checks(
+    robot: RobotConfig, posture: Posture, dynamics: str, config: CheckConfig
+) -> dict[str, Check]:
+    """Checks by name; each gives some of ``QUANTITIES``.
+
+    Args:
+        robot: the plant, and the source of pinocchio's model.
+        posture: of the optimisation; the clearance is checked between nodes.
+        dynamics: of the gaits, ``prismatic`` or ``knee``.
+        config: settings of the checks.
 
     Raises:
         UserError: pinocchio is not installed.
     """
     if importlib.util.find_spec("pinocchio") is None:
         raise UserError("expected pinocchio, found none: pip install 'slider-ehzd[verify]'")
-    from slider.verification import gaits
+    from slider.verification import dense, plant, replay, roll
+    from slider.verification import dynamics as residuals
+    from slider.verification.pin_robot import build_robot
 
+    floating, simulated = build_robot(robot, dynamics), plant.Plant(robot)
+    integrate = {"robot": floating, "integrator": config.integrator}
+    between = {"pinocchio": floating, "robot": robot, "posture": posture, "points": config.points}
+    simulation = replay.Simulation(robot, config.replay)
+    return {
+        "dynamics": partial(residuals.inverse_dynamics, robot=floating),
+        "impact": partial(residuals.impact, robot=floating),
+        "mean_velocity": residuals.mean_velocity,
+        "periodicity": residuals.periodicity,
+        "roll": partial(roll.one_step_integration, **integrate),
+        "return_map": partial(roll.open_loop, **integrate, step=config.perturbation),
+        "replay": partial(replay.regulated, simulation=simulation, plant=simulated),
+        "plant": partial(plant.inverse_dynamics, plant=simulated),
+        "plant_impact": partial(plant.impact, plant=simulated),
+        "dense": partial(dense.between_nodes, **between),
+        "legs": partial(dense.legs_apart, plant=simulated, points=config.points),
+    }
+
+
+def check_gait(
+    gait: StoredGait, table: Mapping[str, Check]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """All quantities of a gait, and the processor time of each check [s].
+
+    A value that is no number counts as the worst one.
+    """
+    values: dict[str, float] = {}
+    seconds = {}
+    for name, check in table.items():
+        start = time.process_time()
+        values |= check(gait)
+        seconds[name] = time.process_time() - start
+    worst = {name: -math.inf if QUANTITIES[name].at_least else math.inf for name in values}
+    return {n: worst[n] if math.isnan(v) else v for n, v in values.items()}, seconds
+
+
+def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Check the gaits of some commanded velocities; a hole of the library is left out."""
     library = GaitLibrary.load(inputs["library"][0] / STORE)
-    table = gaits.checks(
-        gaits.Surroundings(
-            from_dict(RobotConfig, section["robot"]),
-            from_dict(Posture, section["posture"]),
-            library.dynamics,
-            library.kinematic_map,
-            from_dict(CheckConfig, section["verification"]),
-        )
+    table = checks(
+        from_dict(RobotConfig, section["robot"]),
+        from_dict(Posture, section["posture"]),
+        library.dynamics,
+        from_dict(CheckConfig, section["verification"]),
     )
-    chosen = _choose(gaits_of(library), section["commands"])
+    gaits = {tuple(gait.commands): gait for gait in gaits_of(library)}
+    velocities = [velocity for velocity in map(tuple, section["commands"]) if velocity in gaits]
     records, times = [], []
-    for gait in chosen:
-        values, seconds = gaits.check_gait(gait, table)
-        records.append({"command": gait.commands.tolist(), "values": values})
+    for velocity in velocities:
+        values, seconds = check_gait(gaits[velocity], table)
+        records.append(dict(zip(COMMAND, velocity, strict=True)) | values)
         times.append(seconds)
-        job.progress(f"{len(records)} of {len(chosen)} gaits")
+        job.progress(f"{len(records)} of {len(velocities)} gaits")
     if times:
         job.volatile["seconds"] = {name: float(np.mean([t[name] for t in times])) for name in table}
     job.volatile["checked"] = len(records)
-    (out / RECORDS).write_text(json.dumps(records, indent=1) + "\n")
+    (out / RECORDS).write_text(json.dumps(records, indent=1) + "\n", encoding="utf-8")
     return {"gaits": len(records)}
 
 
-def _choose(gaits: Sequence[StoredGait], commands: Sequence[Sequence[float]]) -> list[StoredGait]:
-    by_command = {tuple(gait.commands): gait for gait in gaits}
-    return [by_command[tuple(c)] for c in commands if tuple(c) in by_command]
-
-
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Add the checks between gaits, compare all values with their bounds and write the results.
+    """Compare all values with their bounds and write table and summary.
 
     Raises:
         UserError: a bound is unknown, or does not hold and ``verification.on_failure`` is
@@ -72,55 +120,44 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     settings = section["verification"]
     bounds: summary.Bounds = settings["bounds"]
     summary.check_names(bounds)
-    gaits = gaits_of(GaitLibrary.load(inputs["library"][0] / STORE))
-    pairs = neighbours.smoothness(gaits, settings["reach"])
-    rows = _rows(gaits, _records(inputs["gaits"]), pairs)
-    failed = summary.failures(rows, bounds)
-    if failed and settings["on_failure"] == "error":
-        raise UserError(_describe(failed))
-    quantities = summary.worst(rows, bounds)
+    table = _table(inputs["gaits"], GaitLibrary.load(inputs["library"][0] / STORE))
+    failures = summary.failures(table, bounds)
+    if failures and settings["on_failure"] == "error":
+        raise UserError(_describe(failures))
+    quantities = summary.worst(table, bounds)
     content = {
-        "gaits": len(rows),
-        "passed": not failed,
-        "failures": [str(failure) for failure in failed],
+        "gaits": len(table),
+        "passed": not failures,
+        "failures": [str(failure) for failure in failures],
         "quantities": quantities,
-        "jumps": summary.describe_pairs(pairs, rows, bounds),
     }
-    summary.write_csv(out / CSV, rows, failed)
-    summary.write_json(out / JSON, content)
-    summary.write_markdown(out / MARKDOWN, rows, quantities)
-    _log(rows, out, job)
-    return {"gaits": len(rows), "passed": not failed, "failures": len(failed)}
+    summary.write_csv(out / CSV, table, failures)
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+    (out / JSON).write_text(text, encoding="utf-8")
+    summary.write_markdown(out / MARKDOWN, table, quantities)
+    _log(out, job)
+    return {"gaits": len(table), "passed": not failures, "failures": len(failures)}
 
 
-def _records(folders: Sequence[Path]) -> dict[tuple[float, ...], dict[str, float]]:
-    records = [r for folder in folders for r in json.loads((folder / RECORDS).read_text())]
-    return {tuple(record["command"]): record["values"] for record in records}
+def _table(folders: list[Path], library: GaitLibrary) -> pd.DataFrame:
+    """One row per gait in the library's order; NaN where a quantity does not apply."""
+    texts = [(folder / RECORDS).read_text(encoding="utf-8") for folder in folders]
+    table = pd.DataFrame([record for text in texts for record in json.loads(text)])
+    table = table.reindex(columns=[*COMMAND, *QUANTITIES]).set_index(list(COMMAND))
+    order = pd.MultiIndex.from_tuples([tuple(v) for v in library.commands.tolist()])
+    return table.loc[order].rename_axis(list(COMMAND)).reset_index()
 
 
-def _rows(
-    gaits: Sequence[StoredGait],
-    records: Mapping[tuple[float, ...], dict[str, float]],
-    pairs: Sequence[neighbours.Pair],
-) -> list[summary.Row]:
-    rows = []
-    for index, (gait, reflection) in enumerate(zip(gaits, neighbours.mirror(gaits), strict=True)):
-        command = tuple(gait.commands.tolist())
-        values = records[command] | reflection | neighbours.jumps_of(pairs, index)
-        rows.append(summary.Row(command, values))
-    return rows
-
-
-def _describe(failed: Sequence[summary.Failure]) -> str:
-    texts = [str(failure) for failure in failed[:_SHOWN]]
-    more = f"; and {len(failed) - _SHOWN} more" if len(failed) > _SHOWN else ""
+def _describe(failures: list[summary.Failure]) -> str:
+    texts = [str(failure) for failure in failures[:_SHOWN]]
+    more = f"; and {len(failures) - _SHOWN} more" if len(failures) > _SHOWN else ""
     return (
-        f"{len(failed)} bounds do not hold: {'; '.join(texts)}{more} "
+        f"{len(failures)} bounds do not hold: {'; '.join(texts)}{more} "
         "(verification.on_failure=report writes the table all the same)"
     )
 
 
-def _log(rows: Sequence[summary.Row], out: Path, job: Job) -> None:
+def _log(out: Path, job: Job) -> None:
     """Times per gait [s] go to the volatile facts, the table to the tracker."""
     facts: list[Mapping[str, Any]] = [
         f for f in job.input_volatile.get("gaits", []) if "seconds" in f

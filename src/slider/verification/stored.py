@@ -20,7 +20,6 @@ class StoredGait:
     time: np.ndarray
     step_time: np.ndarray
     base: np.ndarray
-    contact: np.ndarray
     coefficients: np.ndarray
     roll: np.ndarray
     knee_positions: np.ndarray
@@ -29,9 +28,6 @@ class StoredGait:
     efforts: np.ndarray
     ground_wrench: np.ndarray
     swing_foot: np.ndarray
-    cost: np.ndarray
-    max_violation: np.ndarray
-    iterations: np.ndarray
 
     @property
     def turns(self) -> np.ndarray:

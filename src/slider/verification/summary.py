@@ -1,47 +1,44 @@
-"""Tables, summary and verdict of a verification."""
+"""Tables, summary and verdict of a verification.
 
-import csv
-import json
+A table has one row per gait: its commanded velocity and the ``QUANTITIES``, NaN where one does not
+apply.
+"""
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+import pandas as pd
 
 from slider.core.errors import UserError
 from slider.robot.names import COMMAND, command_text
-from slider.verification.neighbours import Pair
 from slider.verification.quantities import QUANTITIES, Quantity
 
-Bounds = dict[str, float | None]
-
-
-@dataclass(frozen=True)
-class Row:
-    """Quantities of the gait of a command; some do not exist for every gait."""
-
-    command: tuple[float, ...]
-    values: dict[str, float]
+Bounds = Mapping[str, float | None]
+_DIGITS = "%.6g"
 
 
 @dataclass(frozen=True)
 class Failure:
     """A quantity of a gait that is beyond its bound."""
 
-    command: tuple[float, ...]
+    velocity: tuple[float, ...]
     quantity: str
     value: float
     bound: float
 
     def __str__(self) -> str:
         about = QUANTITIES[self.quantity]
-        sign = "≥" if about.at_least else "≤"
         return (
-            f"gait {command_text(self.command)}, {self.quantity}: expected {sign} {self.bound:g} "
-            f"{about.unit}, found {self.value:.3g}"
+            f"gait {command_text(self.velocity)}, {self.quantity}: expected "
+            f"{_limit(about, self.bound)} {about.unit}, found {self.value:.3g}"
         )
+
+
+def _limit(about: Quantity, bound: float) -> str:
+    return f"{'≥' if about.at_least else '≤'} {bound:g}"
 
 
 def check_names(bounds: Bounds) -> None:
@@ -59,142 +56,92 @@ def check_names(bounds: Bounds) -> None:
         )
 
 
-def failures(rows: Sequence[Row], bounds: Bounds) -> list[Failure]:
-    """Values beyond their bounds, by quantity; a value that is no number fails too."""
-    found = []
+def failures(table: pd.DataFrame, bounds: Bounds) -> list[Failure]:
+    """Values beyond their bounds, by quantity."""
+    result = []
     for name, about in QUANTITIES.items():
         bound = bounds[name]
         if bound is None:
             continue
-        for row in rows:
-            value = row.values.get(name)
-            if value is not None and not _holds(value, bound, about):
-                found.append(Failure(row.command, name, value, bound))
-    return found
+        beyond = table[name] < bound if about.at_least else table[name] > bound
+        for row in table[beyond].to_dict("records"):
+            velocity = tuple(row[axis] for axis in COMMAND)
+            result.append(Failure(velocity, name, row[name], bound))
+    return result
 
 
-def _holds(value: float, bound: float, about: Quantity) -> bool:
-    return value >= bound if about.at_least else value <= bound
-
-
-def worst(rows: Sequence[Row], bounds: Bounds) -> dict[str, dict[str, Any]]:
+def worst(table: pd.DataFrame, bounds: Bounds) -> dict[str, dict[str, Any]]:
     """Per quantity: its worst value and gait, median, bound and whether it holds."""
-    failed = {failure.quantity for failure in failures(rows, bounds)}
-    table = {}
+    failed = {failure.quantity for failure in failures(table, bounds)}
+    result = {}
     for name, about in QUANTITIES.items():
-        having = [row for row in rows if name in row.values]
-        if not having:
+        values = table[name].dropna()
+        if values.empty:
             continue
-        row = max(having, key=lambda row: _badness(row.values[name], about))
-        table[name] = {
+        row = values.idxmin() if about.at_least else values.idxmax()
+        result[name] = {
             "check": about.check,
             "unit": about.unit,
-            "worst": _number(row.values[name]),
-            **dict(zip(COMMAND, row.command, strict=True)),
-            "median": _number(float(np.median([row.values[name] for row in having]))),
+            "worst": _number(values[row]),
+            **{axis: float(table.loc[row, axis]) for axis in COMMAND},  # pyright: ignore
+            "median": _number(values.median()),
             "bound": bounds[name],
             "passed": None if bounds[name] is None else name not in failed,
         }
-    return table
-
-
-def _badness(value: float, about: Quantity) -> float:
-    if math.isnan(value):
-        return math.inf
-    return -value if about.at_least else value
+    return result
 
 
 def _number(value: float) -> float | None:
     """JSON has neither infinity nor NaN."""
-    return float(f"{value:.6g}") if math.isfinite(value) else None
+    return float(_DIGITS % value) if math.isfinite(value) else None
 
 
-def describe_pairs(
-    pairs: Sequence[Pair], rows: Sequence[Row], bounds: Bounds
-) -> list[dict[str, Any]]:
-    """Neighbours whose jump is beyond a bound."""
-    found = []
-    for pair in pairs:
-        jumps = {"jump_samples": pair.samples, "jump_coefficients": pair.coefficients}
-        limits = {name: bounds[name] for name in jumps}
-        if any(limit is not None and jumps[name] > limit for name, limit in limits.items()):
-            ends = {"from": rows[pair.first].command, "to": rows[pair.second].command}
-            found.append(ends | {name: _number(value) for name, value in jumps.items()})
-    return found
-
-
-def write_csv(path: Path, rows: Sequence[Row], failed: Sequence[Failure]) -> None:
+def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> None:
     """One line per gait, one column per quantity, and the names of those that failed."""
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*COMMAND, *QUANTITIES, "failed"])
-        for row in rows:
-            names = [f.quantity for f in failed if f.command == row.command]
-            values = [_text(row.values.get(name)) for name in QUANTITIES]
-            writer.writerow([*(f"{v:g}" for v in row.command), *values, " ".join(names)])
+    names: dict[tuple[float, ...], list[str]] = {}
+    for failure in failed:
+        names.setdefault(failure.velocity, []).append(failure.quantity)
+    velocities = table[list(COMMAND)].itertuples(index=False, name=None)
+    table = table.assign(failed=[" ".join(names.get(velocity, [])) for velocity in velocities])
+    table.to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")
 
 
-def _text(value: float | None) -> str:
-    return "" if value is None else f"{value:.6g}"
-
-
-def write_json(path: Path, content: dict[str, Any]) -> None:
-    """The summary that programmes read."""
-    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n")
-
-
-# What the second table of the report for people follows over the forward velocity.
+# Quantities that the second table of the report follows over the forward velocity.
 _OVER_SPEED = (
-    "plant_force",
-    "plant_torque",
-    "plant_voltage",
-    "dense_cop",
-    "return_map",
-    "replay_steps",
-    "regulated_steps",
-    "regulated_speed",
+    *("plant_force", "plant_torque", "plant_voltage", "dense_cop"),
+    *("return_map", "regulated_steps", "regulated_speed"),
 )
 _HOLDS = {None: "", True: "", False: " **(not held)**"}
 
 
-def write_markdown(path: Path, rows: Sequence[Row], table: dict[str, dict[str, Any]]) -> None:
+def write_markdown(path: Path, table: pd.DataFrame, quantities: Mapping[str, Any]) -> None:
     """Worst values by quantity, and some over the forward velocity straight ahead."""
     head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
-    lines = _grid(head, [_cells(name, found) for name, found in table.items()])
-    straight = [row for row in rows if not any(row.command[1:])]
-    if straight:
-        head = ["vx [m/s]", *(f"{row.command[0]:g}" for row in straight)]
-        over = [
-            [f"`{name}`", *(_short(row.values.get(name)) for row in straight)]
-            for name in _OVER_SPEED
-        ]
-        lines += ["", "Straight ahead:", "", *_grid(head, over)]
-    path.write_text(f"{len(rows)} gaits.\n\n" + "\n".join(lines) + "\n")
+    lines = _grid(head, [_cells(name, row) for name, row in quantities.items()])
+    straight = table[(table[list(COMMAND[1:])] == 0).all(axis=1)]
+    if len(straight):
+        head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[COMMAND[0]])]
+        rows = [[f"`{name}`", *map(_short, straight[name])] for name in _OVER_SPEED]
+        lines += ["", "Straight ahead:", "", *_grid(head, rows)]
+    path.write_text(f"{len(table)} gaits.\n\n" + "\n".join(lines) + "\n", encoding="utf-8")
 
 
-def _cells(name: str, found: dict[str, Any]) -> list[str]:
-    about, bound = QUANTITIES[name], found["bound"]
-    limit = "–" if bound is None else f"{'≥' if about.at_least else '≤'} {bound:g}"
-    return [
-        str(about.check),
-        f"`{name}`",
-        about.unit,
-        about.meaning,
-        _short(found["worst"]),
-        place(found),
-        _short(found["median"]),
-        limit + _HOLDS[found["passed"]],
-    ]
+def _cells(name: str, row: Mapping[str, Any]) -> list[str]:
+    about, bound = QUANTITIES[name], row["bound"]
+    limit = "–" if bound is None else _limit(about, bound)
+    values = [_short(row["worst"]), place(row), _short(row["median"])]
+    head = [str(about.check), f"`{name}`", about.unit, about.meaning]
+    return [*head, *values, limit + _HOLDS[row["passed"]]]
 
 
-def place(found: Mapping[str, Any]) -> str:
-    """Command of the gait that has the worst value of a quantity; a yaw rate if there is one."""
-    turn = f", {found['yaw_rate']:g} rad/s" if found["yaw_rate"] else ""
-    return f"{found['vx']:g}, {found['vy']:g}{turn}"
+def place(row: Mapping[str, Any]) -> str:
+    """Velocity of the gait that has the worst value of a quantity; a yaw rate if there is one."""
+    turn = f", {row['yaw_rate']:g} rad/s" if row["yaw_rate"] else ""
+    return f"{row['vx']:g}, {row['vy']:g}{turn}"
 
 
 def _short(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"
+    return "–" if value is None or math.isnan(value) else f"{value:.3g}"
 
 
 def _grid(head: Sequence[str], body: Sequence[Sequence[str]]) -> list[str]:

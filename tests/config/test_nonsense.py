@@ -82,12 +82,13 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         "report.sections[[]*",  # known to whoever lays out the jobs
     ),
     "[]": (
-        *("*.extra", "*.overrides", "sensitivity.parameters"),  # nothing beside the rest; all
+        *("*.extra", "*.overrides", "study.*.parameters"),  # nothing beside the rest; all
         *("report.*commands", "protocols.*.commands"),  # nothing drawn; a profile instead
     ),
     None: (
         *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's
         *("protocols.*.profile", "verification.bounds.*"),  # constant commands; reported only
+        *("study.*.scaling", "study.*.training"),  # no further variants; the pipeline's policy
     ),
 }
 
@@ -197,7 +198,7 @@ def test_every_exception_has_a_leaf(plain):
         ("robot.geometry.leg_length", 1e5),
         ("evaluation.duration", 1e9),
         ("evaluation.commands", [0.2, 0.2000000001]),
-        ("ablation.seeds", [1, 1]),
+        ("study.ablation.training.seeds", [1, 1]),
     ],
 )
 def test_absurd_sizes_and_doubles_are_refused(name, wrong, config, plain):

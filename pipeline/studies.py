@@ -170,7 +170,7 @@ def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Key
         solved = gait(shared, (speed, 0.0, 0.0))
         label = f"{solved.label} ({variant.name})"
         yield "gaits", [variant.name, "", speed], replace(solved, label=label)
-        for index in range(starts.number if starts else 0):
+        for index in range(starts.count if starts else 0):
             place = [f"{variant.name}{STARTS}", index, speed]
             yield "gaits", place, gait_start(shared, starts, speed, index)
 

@@ -18,12 +18,11 @@ TAGS = ("paper", "earlier", "assumed")
 
 
 def options() -> list[str]:
-    """``group=name`` for every file but bases, which others use, and controllers: all are in."""
+    """``group=name`` for every file but bases, and but controllers and studies, of which all are in."""
     paths = [path.relative_to(CONF) for path in CONF.rglob("*.yaml") if path.stem != "base"]
     groups = {path: str(path.parent) for path in paths}
-    return sorted(
-        f"{group}={p.stem}" for p, group in groups.items() if group not in (".", "control")
-    )
+    apart = (".", "control", "study")
+    return sorted(f"{group}={p.stem}" for p, group in groups.items() if group not in apart)
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.yaw_rate[[]*",
             "*commands[[]*",
         ),  # backward, right
-        *("*.speeds[[]0]", "speeds.table1[[]*"),  # as above
+        *("*.speeds[[]*", "speeds.table1[[]*"),  # as above
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster
         *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
@@ -44,7 +44,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     0: (
         *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "speeds.table1[[]*"),  # to stand still
-        "*.speeds[[]0]",
+        "*.speeds[[]*",
         *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
         *("*.start.*", "*.sensing.*", "*.delay.*", "*.centre_of_mass", "*.push.speed"),  # nominal
         *("*.amplitude", "*.damping", "*.armature"),  # flat; none of its own
@@ -79,7 +79,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     "nonsense": (
         *("*.name", "*.label", "tracking.experiment", "store.remote"),  # names
         "*.overrides[[]*",  # read when the variant is composed
-        "report.sections[[]*",  # known to whoever lays out the jobs
+        *("report.sections[[]*", "study.*.metrics[[]*"),  # known to whoever lays out the jobs
     ),
     "[]": (
         *("*.extra", "*.overrides", "study.*.parameters"),  # nothing beside the rest; all
@@ -88,7 +88,8 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     None: (
         *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's
         *("protocols.*.profile", "verification.bounds.*"),  # constant commands; reported only
-        *("study.*.scaling", "study.*.training"),  # no further variants; the pipeline's policy
+        *("study.*.scaling", "study.*.starts"),  # no further variants; own guesses
+        *("study.*.training", "study.sensitivity.evaluation"),  # the pipeline's policy; gaits alone
     ),
 }
 

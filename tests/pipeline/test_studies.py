@@ -180,7 +180,7 @@ def test_more_starts_leave_the_first_ones_alone():
         found = keyed(study("gait_starts", *overrides), "gaits")
         return [made.recipe for key, made in found.items() if key[0] == "library_starts"]
 
-    few, many = starts(), starts("study.gait_starts.starts.number=5")
+    few, many = starts(), starts("study.gait_starts.starts.count=5")
     assert (many[:2], len(set(many))) == (few, 5)
     assert not {*starts("study.gait_starts.starts.seed=2")} & {*few}
 
@@ -219,7 +219,7 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
         ("ablation.evaluation=null", "study.ablation: expected gaits=true or an evaluation, found"),
         ("gait_starts.gaits=false", "study.gait_starts: expected gaits=true or an evaluation"),
         ("sensitivity.gaits=false", "study.sensitivity.metrics: expected one of success_rate, "),
-        ("gait_starts.starts.number=0", "study.gait_starts.starts.number: expected an integer in"),
+        ("gait_starts.starts.count=0", "study.gait_starts.starts.count: expected an integer in"),
         ("sensitivity.scaling.change=1.0", "scaling.change: expected a number in (0, 1), found"),
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
         ("sensitivity.scaling.parameters=[geometry.foot_radius]", "tagged assumed, found geometry"),

@@ -209,11 +209,10 @@ def processor(monkeypatch):
 
 def everything(*overrides: str) -> list[JobSpec]:
     """Every job that there is, those of studies too."""
-    config = compose(
-        ["experiment=test", "report.video.renderer=egl", CONTROLLERS, *overrides], CONF
-    )
+    given = ["experiment=test", "report.video.renderer=egl", CONTROLLERS, *overrides]
+    config = compose(given, CONF)
     targets = all_jobs(config)
-    studies = [study_job("gait_starts", config, targets, ["experiment=test"], CONF)]
+    studies = [study_job("gait_starts", config, targets, given, CONF)]
     made = dict(enumerate([*targets.values(), *studies, report(config, targets)]))
     return list(build_plan({str(name): job for name, job in made.items()}).jobs.values())
 

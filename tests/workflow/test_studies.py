@@ -19,9 +19,9 @@ def test_a_study_computes_what_is_new_and_a_file_is_a_study(session_folder, tmp_
     assert workspace.computed(target=target) == []
     starts = "reports/gait_starts.csv"
     assert workspace.computed(target=starts) == ["gait_start", "gait_start", "study"]
-    more = workspace.computed("study.gait_starts.starts.number=3", target=starts)
+    more = workspace.computed("study.gait_starts.starts.count=3", target=starts)
     assert more == ["gait_start", "study"]
-    text = "defaults: [gait_starts, _self_]\nstarts: {number: 3}\nspeeds: [0.4]\n"
+    text = "defaults: [gait_starts, _self_]\nstarts: {count: 3}\nspeeds: [0.4]\n"
     (workspace.folder / "conf/study/mine.yaml").write_text(text)
     spread = "study.mine.starts.spread.joints=0.05"
     assert workspace.computed(spread, target="reports/mine.csv") == ["study"]

@@ -48,7 +48,7 @@ class ScalingConfig:
 class StartsConfig:
     """Random initial guesses of each gait, each solved by itself."""
 
-    number: Count
+    count: Count
     """per variant and speed"""
     seed: Seed
     """start k is the same at every speed, however many there are"""

@@ -13,7 +13,8 @@ from typing import Any
 
 from pipeline.rendering import with_renderer
 from pipeline.reports import refresh_marker
-from pipeline.targets import ON_DEMAND, all_targets, report_files
+from pipeline.studies import study_job
+from pipeline.targets import all_targets, report_files
 from slider.artefacts.circumstances import note_start, revision
 from slider.artefacts.maintenance import date_now, drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
@@ -107,11 +108,11 @@ class Pipeline:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.
 
         Raises:
-            UserError: a variant of the ablation does not compose.
+            UserError: a variant of a study does not compose.
         """
 
         def find(wildcards: Any) -> str:
-            if target in ON_DEMAND:
+            if target in self.config.study:
                 self._plan_also(target)
             return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
@@ -136,7 +137,7 @@ class Pipeline:
         targets = {name: self.plan.jobs[recipe] for name, recipe in self.plan.targets.items()}
         if target in targets:
             return
-        job = ON_DEMAND[target](self.config, targets, self.overrides, self.conf)
+        job = study_job(target, self.config, targets, self.overrides, self.conf)
         self.plan = build_plan(targets | {target: job})
         self.plan_path = _lay_out(self.plan, self.store, self.config)
 
@@ -207,8 +208,8 @@ def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config,
     """
     config = with_renderer(checked(compose(overrides, conf)))
     targets = all_targets(config, overrides, conf)
-    if target in ON_DEMAND and target not in targets:
-        targets[target] = ON_DEMAND[target](config, targets, overrides, conf)
+    if target in config.study and target not in targets:
+        targets[target] = study_job(target, config, targets, overrides, conf)
     return config, build_plan(targets)
 
 

@@ -43,7 +43,8 @@ def make(folder: Path, *arguments: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    "overrides", ["", "experiment=smoke", "ablation.run=['a b',\"c\"]  seeds=$(touch pwned) `x`"]
+    "overrides",
+    ["", "experiment=smoke", "study.ablation.run=['a b',\"c\"]  seeds=$(touch pwned) `x`"],
 )
 def test_overrides_arrive_as_they_are_typed(folder, overrides):
     typed = overrides.replace("$", "$$")  # make's own sign

@@ -7,9 +7,7 @@ in the recipe.
 On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
 that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
 controllers of ``conf/control``; those that walk by gaits need the library and its foot placement.
-The ablation compares several configurations and has a module of its own, ``pipeline.ablation``; so
-have the sensitivity, which changes the robot, and the study of the gaits, which changes mesh and
-start.
+Studies compare several configurations: ``pipeline.studies``.
 """
 
 from pipeline.stages.entries import job

@@ -31,10 +31,7 @@ ENTRIES = {
     "gait_walks": "slider.evaluation.gait_walks:run",
     "figures": "slider.reports.figures.stage:run",
     "policy_export": "slider.control.export.stage:run",
-    "ablation": "slider.reports.ablation:run",
-    "sensitivity_policy": "slider.evaluation.stage:run_changed",
-    "sensitivity": "slider.reports.sensitivity:run",
-    "gait_convergence": "slider.reports.gait_convergence:run",
+    "study": "slider.reports.study:run",
     "video": "slider.reports.video:run",
     "report": "slider.reports.page:run",
 }

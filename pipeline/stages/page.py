@@ -53,7 +53,7 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
     """The configuration without what has no part in the page."""
     shown = without(
         to_dict(config),
-        *("resources", "tracking", "store", "ablation", "sensitivity", "gait_study", "protocols"),
+        *("resources", "tracking", "store", "study", "protocols"),
     )
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}
@@ -61,8 +61,6 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
         shown["protocols"] = {name: protocol_section(p) for name, p in protocols.items()}
     used = {c for p in (config.evaluation, *protocols.values()) for c in p.controllers}
     shown["control"] = {name: node for name, node in shown["control"].items() if name in used}
-    if "ablation" in inputs:
-        shown["ablation"] = to_dict(config.ablation)
     return shown
 
 

@@ -18,12 +18,11 @@ TAGS = ("paper", "earlier", "assumed")
 
 
 def options() -> list[str]:
-    """``group=name`` for every file but bases, which others use, and controllers: all are in."""
+    """``group=name`` for every file but bases, and but controllers and studies, of which all are in."""
     paths = [path.relative_to(CONF) for path in CONF.rglob("*.yaml") if path.stem != "base"]
     groups = {path: str(path.parent) for path in paths}
-    return sorted(
-        f"{group}={p.stem}" for p, group in groups.items() if group not in (".", "control")
-    )
+    apart = (".", "control", "study")
+    return sorted(f"{group}={p.stem}" for p, group in groups.items() if group not in apart)
 
 
 @pytest.mark.parametrize(
@@ -46,8 +45,8 @@ def test_every_option_composes(option):
         ("+protocols.Ä=${protocols.sweep}", "protocols.Ä=${protocols.sweep}"),
         ("+control.Mine=${control.hzd}", "control: expected names of small letters, digits and _"),
         (
-            "++ablation.variants={../../x:{label:a,overrides:[]}}",
-            "ablation.variants: expected names of small letters, digits and _ after a letter",
+            "++study.ablation.variants={../../x:{label:a,overrides:[]}}",
+            "study.ablation.variants: expected names of small letters, digits and _ after a letter",
         ),
         ("+robot.provenance.zzz=paper", "robot.provenance: expected keys below robot that hold"),
         (
@@ -144,7 +143,7 @@ def test_every_option_composes(option):
         ("train.walking.ppo.gamma=1.5", "ppo.gamma: expected a number in (0, 1], found 1.5"),
         ("train.walking.ppo.max_grad_norm=0", "ppo.max_grad_norm: expected a number in (0, 1e9],"),
         ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
-        ("ablation.seeds=[1,-2]", "ablation.seeds[1]: expected an integer in [0,"),
+        ("study.ablation.training.seeds=[1,-2]", "training.seeds[1]: expected an integer in [0,"),
         ("evaluation.seed=-5", "evaluation.seed: expected an integer in [0, 9223372036854775807]"),
         ("evaluation.warm_up=9.999", "evaluation.warm_up: expected a time in [0, 9.98] s"),
         ("evaluation.commands=[0.2,0.2]", "evaluation.commands: expected each once"),

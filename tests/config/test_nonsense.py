@@ -36,7 +36,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.yaw_rate[[]*",
             "*commands[[]*",
         ),  # backward, right
-        *("*.speeds[[]0]", "speeds.table1[[]*"),  # as above
+        *("*.speeds[[]*", "speeds.table1[[]*"),  # as above
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster
         *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
@@ -44,7 +44,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     0: (
         *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "speeds.table1[[]*"),  # to stand still
-        "*.speeds[[]0]",
+        "*.speeds[[]*",
         *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
         *("*.start.*", "*.sensing.*", "*.delay.*", "*.centre_of_mass", "*.push.speed"),  # nominal
         *("*.amplitude", "*.damping", "*.armature"),  # flat; none of its own
@@ -79,15 +79,17 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     "nonsense": (
         *("*.name", "*.label", "tracking.experiment", "store.remote"),  # names
         "*.overrides[[]*",  # read when the variant is composed
-        "report.sections[[]*",  # known to whoever lays out the jobs
+        *("report.sections[[]*", "study.*.metrics[[]*"),  # known to whoever lays out the jobs
     ),
     "[]": (
-        *("*.extra", "*.overrides", "sensitivity.parameters"),  # nothing beside the rest; all
+        *("*.extra", "*.overrides", "study.*.parameters"),  # nothing beside the rest; all
         *("report.*commands", "protocols.*.commands"),  # nothing drawn; a profile instead
     ),
     None: (
         *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's
         *("protocols.*.profile", "verification.bounds.*"),  # constant commands; reported only
+        *("study.*.scaling", "study.*.starts"),  # no further variants; own guesses
+        *("study.*.training", "study.sensitivity.evaluation"),  # the pipeline's policy; gaits alone
     ),
 }
 
@@ -197,7 +199,7 @@ def test_every_exception_has_a_leaf(plain):
         ("robot.geometry.leg_length", 1e5),
         ("evaluation.duration", 1e9),
         ("evaluation.commands", [0.2, 0.2000000001]),
-        ("ablation.seeds", [1, 1]),
+        ("study.ablation.training.seeds", [1, 1]),
     ],
 )
 def test_absurd_sizes_and_doubles_are_refused(name, wrong, config, plain):

@@ -8,7 +8,6 @@ from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.parameters import choose, parameters, scaled, tag
 from slider.config.robot import RobotConfig
-from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -88,30 +87,3 @@ def test_zeros_are_known_as_such(robot):
     assert "links.base.com" not in zero  # one of its numbers is not
     for path in zero:
         assert scaled(robot, path, 1.2) == robot
-
-
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
-        ("sensitivity.change=1.0", "sensitivity.change: expected a number in (0, 1), found 1.0"),
-        ("sensitivity.change=0", "sensitivity.change: expected a number in (0, 1), found 0"),
-        ("sensitivity.commands=[]", "sensitivity.commands: expected a list of one or more"),
-        ("sensitivity.commands=[1.2,1.2]", "sensitivity.commands: expected each once"),
-        ("sensitivity.robots=0", "sensitivity.robots: expected an integer in [1, 1e6], found 0"),
-        ("sensitivity.duration=1.0", "sensitivity.warm_up: expected a time in [0, 0.98] s"),
-        ("sensitivity.parameters=[legs]", "numbers of the robot tagged assumed, found legs"),
-        ("sensitivity.parameters=[geometry.foot_radius]", "tagged assumed, found geometry.foot"),
-        ("sensitivity.provenance=[guessed]", "sensitivity.provenance[0]: expected one of paper, "),
-        ("sensitivity.provenance=[]", "sensitivity.provenance: expected a list of one or more"),
-    ],
-)
-def test_every_mistake_is_one_line(override, message):
-    with pytest.raises(UserError) as error:
-        compose([override], CONF)
-    assert message in str(error.value)
-    assert "\n" not in str(error.value)
-
-
-def test_something_must_be_looked_at():
-    with pytest.raises(UserError, match="expected one of gaits and policy true, found both false"):
-        compose(["sensitivity.gaits=false", "sensitivity.policy=false"], CONF)

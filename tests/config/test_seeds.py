@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.ablation import ablation_job
 from pipeline.stages import entries, table1_jobs
 from pipeline.stages.evaluation import protocol_jobs
+from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
@@ -45,9 +45,9 @@ def checked(report: JobSpec) -> set[int]:
     return found
 
 
-def ablation(*overrides: str) -> JobSpec:
+def study(name: str, *overrides: str) -> JobSpec:
     config = compose(overrides, CONF)
-    return ablation_job(config, table1_jobs(config)["library"], overrides, CONF)
+    return study_job(name, config, table1_jobs(config), overrides, CONF)
 
 
 @pytest.mark.parametrize("experiment", EXPERIMENTS)
@@ -56,10 +56,10 @@ def test_no_reported_seed_is_chosen_by(experiment):
     config = compose(given, CONF)
     jobs = table1_jobs(config)
     protocols = protocol_jobs(config, jobs)
-    seeds = ablation(*given, "ablation=seeds", "ablation.run=[default]")
+    seeds = study("seeds", *given)
     final = drawn([jobs["table1"], *protocols.values(), seeds])
 
-    compared = ablation(*given, "ablation.run=[default,without_pretraining]")
+    compared = study("ablation", *given, "study.ablation.run=[default,without_pretraining]")
     development = table1_jobs(compose([*given, "evaluation=development"], CONF))["table1"]
     chosen = drawn([compared, development]) | checked(jobs["table1"]) | checked(compared)
     chosen |= checked(table1_jobs(compose([*given, FINETUNED], CONF))["table1"])
@@ -86,10 +86,13 @@ def test_no_reported_seed_is_chosen_by(experiment):
         ),
         (["protocols.sweep.seed=5"], r"^protocols\.sweep\.seed: expected seeds within"),
         (
-            ["ablation.evaluation_seed=20260"],
-            r"^ablation\.evaluation_seed: expected seeds within 1000 to 1999, found 20260 to 20260",
+            ["study.ablation.evaluation.seed=20260"],
+            r"^study\.ablation\.evaluation\.seed: expected seeds within 1000 to 1999, found 20260",
         ),
-        (["ablation=seeds", "ablation.run=[default,paper]"], r"^ablation\.evaluation_seed: expect"),
+        (
+            ["+study.seeds.variants.x={label: x, overrides: []}", "study.seeds.run=[default,x]"],
+            r"^study\.seeds\.evaluation\.seed: expected seeds within 1000 to 1999",
+        ),
         (
             ["train.walking.selection.seed=20261"],
             r"^train\.walking\.selection\.seed: expected seeds within 1000 to 1999, found",
@@ -102,7 +105,10 @@ def test_no_reported_seed_is_chosen_by(experiment):
             ["train.walking.seed=20262"],
             r"^train\.walking\.seed: expected none of seeds\.final \(20260 to 21259\), found 20262",
         ),
-        (["ablation.seeds=[1,21259]"], r"^ablation\.seeds\[1\]: expected none of seeds\.final"),
+        (
+            ["study.ablation.training.seeds=[1,21259]"],
+            r"^study\.ablation\.training\.seeds\[1\]: expected none of seeds\.final",
+        ),
     ],
 )
 def test_seeds_of_another_block_are_one_line(overrides, message):
@@ -114,5 +120,8 @@ def test_seeds_of_another_block_are_one_line(overrides, message):
 def test_one_value_moves_a_block():
     moved = compose(["seeds.final={first: 50000, last: 50099}"], CONF)
     assert {moved.evaluation.seed, *(p.seed for p in moved.protocols.values())} == {50000}
-    seeds = compose(["ablation=seeds", "seeds.final.first=20300"], CONF)
-    assert seeds.ablation.evaluation_seed == 20300
+    config = compose(["seeds.final.first=20300"], CONF)
+    for name in ("seeds", "sensitivity"):
+        rollouts = config.study[name].evaluation
+        assert rollouts is not None
+        assert rollouts.seed == 20300

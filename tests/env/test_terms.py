@@ -227,9 +227,9 @@ def test_a_mistake_of_a_fine_tuning_names_it():
     [
         ("+env.termination.terms.boredom=1.0", "slider: env.termination.terms: expected some of"),
         (
-            "report.sections=[ablation] ablation.run=[default] "
-            """'ablation.variants.default.overrides=["+env.observation.terms.nose=1.0"]'""",
-            "slider: ablation.variants.default: env.observation.terms: expected some of",
+            "report.sections=[ablation] study.ablation.run=[default] "
+            """'study.ablation.variants.default.overrides=["+env.observation.terms.nose=1.0"]'""",
+            "slider: study.ablation.variants.default: env.observation.terms: expected some of",
         ),
     ],
 )

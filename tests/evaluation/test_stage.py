@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from slider.config.convert import to_dict
+from slider.config.parameters import scaled
 from slider.control.network import PolicyNetwork
 from slider.control.policy_file import Policy, save_policy
 from slider.core.errors import UserError
@@ -15,7 +16,9 @@ from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
 from slider.evaluation import baseline, protocol, results, stage
+from slider.evaluation.protocol import read_protocol
 from slider.evaluation.results import Evaluation
+from slider.robot.mjcf import nominal_qpos
 from tests.env.synthetic import config, gait_table, make_agent, stand
 
 WHOLE = ("experiment=test", "evaluation.duration=0.6")
@@ -233,3 +236,52 @@ def test_traces_are_mean_and_spread_of_the_survivors(walking, tmp_path, monkeypa
     found = np.load(tmp_path / "out" / "velocity.npy")
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-7)
     assert np.ptp(found[:, 1]) > 0.0
+
+
+def on(robot, walking):
+    """The policy on another robot than it was trained on."""
+    values = section() | {"robot": to_dict(robot)}
+    test = read_protocol(values)
+    return stage.simulate(values, {"walking": [walking]}, test.count, test.disturbance)
+
+
+def test_on_another_robot_the_policy_keeps_its_own_model(walking):
+    """With a longer leg the plant stands higher; the policy's nominal height stays."""
+    robot = config("experiment=test").robot
+    longer = scaled(robot, "geometry.leg_length", 1.05)
+    simulated = on(longer, walking)
+    own, other = nominal_qpos(robot)[2], nominal_qpos(longer)[2]
+    assert other == pytest.approx(own + 0.05 * robot.geometry.leg_length)
+    assert simulated.physics.nominal[2] == other
+    assert simulated.physics.robot == longer
+    agent = simulated.controller.agent
+    assert agent.nominal_height == own
+    np.testing.assert_array_equal(agent.nominal, nominal_qpos(robot)[7:])
+
+
+def test_narrower_joints_of_the_plant_do_not_narrow_the_targets(walking):
+    """The stops of the plant hold the joint; the targets are those of the policy's own robot."""
+    robot = config("experiment=test").robot
+    narrow = scaled(robot, "joints.hip_pitch.upper", 0.01)
+    actions = np.full((TRIALS * ROBOTS, 12), 5.0)
+    targets = [on(one, walking).controller.agent.act(actions) for one in (robot, narrow)]
+    np.testing.assert_array_equal(*targets)
+
+
+def test_on_another_robot_starts_are_those_of_the_plant(walking, tmp_path, monkeypatch):
+    seen = []
+    real = protocol.roll_out
+
+    def spying(controller, physics, env, start, *rest):
+        seen.append(start[0])
+        return real(controller, physics, env, start, *rest)
+
+    monkeypatch.setattr(protocol, "roll_out", spying)
+    robot = config("experiment=test").robot
+    for name, one in (("own", robot), ("long", scaled(robot, "geometry.leg_length", 1.05))):
+        (tmp_path / name).mkdir()
+        values = section() | {"robot": to_dict(one)}
+        stage.run(values, {"walking": [walking]}, tmp_path / name, Job(tmp_path))
+    own, other = seen
+    np.testing.assert_allclose(own[:, 3:], other[:, 3:])  # the same noise
+    assert (other[:, 2] - own[:, 2]).min() > 0.02

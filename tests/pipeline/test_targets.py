@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.targets import ON_DEMAND, RULES, all_targets, report_files
+from pipeline.targets import RULES, all_targets, report_files
 from slider.config.compose import compose
 from slider.core.errors import UserError
 
@@ -27,10 +27,16 @@ def test_a_protocol_takes_no_name_of_another(name):
 
 
 def test_every_target_but_protocols_is_taken():
-    protocols = {*compose(SMALL, CONF).protocols}
-    for name in {*targets(), *ON_DEMAND} - protocols:
+    config = compose(SMALL, CONF)
+    for name in {*targets(), *config.study} - {*config.protocols}:
         with pytest.raises(UserError, match=rf"^protocols\.{name}: expected"):
             targets(f"+protocols.{name}=${{protocols.sweep}}")
+
+
+@pytest.mark.parametrize("name", ["table1", "sweep", "study", "figures", "gait_quality"])
+def test_a_study_takes_no_name_of_another(name):
+    with pytest.raises(UserError, match=rf"{name}: expected a name that no target, stage, rule"):
+        targets(f"+study.{name}=${{study.gait_starts}}")
 
 
 def test_rules_with_a_name_of_their_own_are_known():

@@ -33,10 +33,9 @@ def test_stability_is_a_target_of_its_own(workspace):
 
 def test_a_policy_on_top_of_the_controller_goes_through_the_ablation(workspace):
     """Its foot placement is that of the gaits whose stability is known."""
-    hydra = "ablation.run=[residual_hzd] ablation.seeds=[1]"
+    hydra = "study.ablation.run=[residual_hzd] study.ablation.training.seeds=[1]"
     found = workspace.computed(hydra, target="reports/ablation.csv")
-    assert found == ["ablation", "evaluation", "evaluation", "foot_placement", "walking"]
-    rows = list(
-        csv.DictReader((workspace.folder / "reports/ablation.csv").read_text().splitlines())
-    )
+    assert found == ["evaluation", "evaluation", "foot_placement", "study", "walking"]
+    text = (workspace.folder / "reports/ablation_runs.csv").read_text()
+    rows = [row for row in csv.DictReader(text.splitlines()) if row["speed"]]
     assert [(row["variant"], row["success_rate"]) for row in rows] == 2 * [("residual_hzd", "1")]

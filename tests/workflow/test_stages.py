@@ -4,14 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.ablation import ablation_job
-from pipeline.gait_study import gait_study_job
-from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs, entries, table1_jobs
 from pipeline.stages import numerics as stage_numerics
 from pipeline.stages.evaluation import protocol_jobs
 from pipeline.stages.gaits import commands
 from pipeline.stages.page import report
+from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
@@ -211,11 +209,10 @@ def processor(monkeypatch):
 
 def everything(*overrides: str) -> list[JobSpec]:
     """Every job that there is, those of studies too."""
-    config = compose(
-        ["experiment=test", "report.video.renderer=egl", CONTROLLERS, *overrides], CONF
-    )
+    given = ["experiment=test", "report.video.renderer=egl", CONTROLLERS, *overrides]
+    config = compose(given, CONF)
     targets = all_jobs(config)
-    studies = [sensitivity_job(config, targets["walking"]), gait_study_job(config)]
+    studies = [study_job("gait_starts", config, targets, given, CONF)]
     made = dict(enumerate([*targets.values(), *studies, report(config, targets)]))
     return list(build_plan({str(name): job for name, job in made.items()}).jobs.values())
 
@@ -237,7 +234,7 @@ def test_the_kernels_are_in_the_sections_of_stages_whose_bytes_depend_on_them(pr
     )
     assert found == {
         **dict.fromkeys((*arrays, "verification_gaits"), ARRAYS),
-        **dict.fromkeys(("evaluation", "sensitivity_policy", "video"), NETWORKS),
+        **dict.fromkeys(("evaluation", "video"), NETWORKS),
         **{stage: {*NETWORKS, "onednn"} for stage in ("standing", "walking")},
     }
 
@@ -329,15 +326,6 @@ def test_a_fine_tuning_follows_the_walking_training():
         "walking",
         "fine-tuning",
     ]
-
-
-def test_the_ablation_is_not_fine_tuned():
-    overrides = ["experiment=test", "finetuning=robust"]
-    config = compose(overrides, CONF)
-    compared = ablation_job(config, jobs_of()["library"], overrides, CONF)
-    for walking in compared.inputs["walking"]:
-        assert walking.label.startswith("walking")
-        assert walking.section["train"]["disturbance"]["push"]["speed"] == 0
 
 
 def test_without_pretraining_the_page_does_without_it():

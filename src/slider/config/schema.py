@@ -12,7 +12,7 @@ from slider.config.gait import GaitConfig, LibraryConfig
 from slider.config.hzd import HzdConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import RobotConfig
-from slider.config.studies import AblationConfig, GaitStudyConfig, SensitivityConfig
+from slider.config.studies import StudyConfig
 from slider.config.train import TrainConfig, TrainingsConfig
 from slider.config.types import STRICT, Count, Name
 from slider.config.verification import VerificationConfig
@@ -67,9 +67,7 @@ class Config:
     protocols: dict[str, EvaluationConfig]
     verification: VerificationConfig
     report: ReportConfig
-    ablation: AblationConfig
-    sensitivity: SensitivityConfig
-    gait_study: GaitStudyConfig
+    study: dict[str, StudyConfig]
     tracking: TrackingConfig
     store: StoreConfig
     resources: ResourcesConfig

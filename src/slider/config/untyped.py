@@ -24,7 +24,7 @@ from slider.config.validation.checks import NAME
 from slider.core.errors import UserError
 
 _MOST_STEPS = 1000  # of a list from start to stop
-_CONTROL = re.compile(r"\W*control(=|$)(?!all$)")
+_ALL = re.compile(r"\W*(control|study)(=|$)(?!all$)")
 _HYDRA = re.compile(r"\W*hydra(\W|$)")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
 
@@ -38,8 +38,9 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
     _check_hydra(overrides)
-    _check_control(overrides)
-    _store_controllers(conf)
+    _check_all(overrides)
+    _store_all(conf, "control")
+    _store_all(conf, "study")
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
         try:
@@ -110,24 +111,24 @@ def _check_hydra(overrides: Sequence[str]) -> None:
             raise UserError(f"hydra: expected keys of conf/, found {text}, which has no effect")
 
 
-def _check_control(overrides: Sequence[str]) -> None:
-    """All controllers are there; protocols say which of them walk."""
+def _check_all(overrides: Sequence[str]) -> None:
+    """All controllers and studies are there; protocols and targets choose among them."""
     for text in overrides:
-        if _CONTROL.match(text):
-            found = text.partition("=")[2] or text
-            chooses = "all; evaluation.controllers chooses controllers"
-            raise UserError(f"control: expected {chooses}, found {found}")
+        if group := _ALL.match(text):
+            found, name = text.partition("=")[2] or text, group.group(1)
+            chooses = "; evaluation.controllers chooses controllers" if name == "control" else ""
+            raise UserError(f"{name}: expected all{chooses}, found {found}")
 
 
-def _store_controllers(conf: Path) -> None:
-    """Write the option ``control=all``: each file of ``conf/control`` under its own name."""
-    names = sorted(path.stem for path in (conf / "control").glob("*.yaml"))
+def _store_all(conf: Path, group: str) -> None:
+    """Write the option ``GROUP=all``: each file of ``conf/GROUP`` under its own name."""
+    names = sorted(path.stem for path in (conf / group).glob("*.yaml"))
     for name in names:
         if not NAME.fullmatch(name) or name == "all":
             expected = "small letters, digits and _ after a letter, and not all"
-            raise UserError(f"{conf / 'control'}/{name}.yaml: expected {expected}, found {name}")
+            raise UserError(f"{conf / group}/{name}.yaml: expected {expected}, found {name}")
     defaults = [f"{name}@{name}" for name in names if name != "base"]
-    ConfigStore.instance().store("all", {"defaults": defaults}, group="control")
+    ConfigStore.instance().store("all", {"defaults": defaults}, group=group)
 
 
 def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""How far stored gaits depend on their mesh, and which solutions are one optimum."""
+"""Comparison of stored gaits that may be on different meshes."""
 
 from dataclasses import dataclass
 from math import gcd
@@ -43,9 +43,9 @@ class MeshGait:
         return float(np.sum(simpson(squares, dx=1.0 / self.intervals, axis=-1)))
 
     def difference(self, other: "MeshGait") -> dict[str, float]:
-        """Relative difference of cost, and the greatest ones [rad] of joints and roll.
+        """Greatest differences [rad] of joints and roll at the phases that both meshes have.
 
-        At the phases that both meshes have, in both steps; ``roll_end``: at their ends alone.
+        Of both steps; ``roll_end``: at their ends alone.
         """
         common = gcd(self.intervals, other.intervals)
         joints, roll = (
@@ -53,20 +53,7 @@ class MeshGait:
             for mine, its in ((self.joints, other.joints), (self.roll, other.roll))
         )
         return {
-            "torque_cost_difference": self.torque_cost / other.torque_cost - 1.0,
             "joints_difference": float(joints.max()),
             "roll_difference": float(roll.max()),
             "roll_end_difference": float(roll[:, -1].max()),
         }
-
-
-def optima(costs: np.ndarray, same: float) -> np.ndarray:
-    """Number of the optimum of each solution (n,), the cheapest 0, from their positive costs.
-
-    A new one begins where a cost exceeds the next smaller one by more than the share ``same``.
-    """
-    order = np.argsort(costs)
-    ascending = costs[order]
-    numbers = np.empty(len(costs), dtype=int)
-    numbers[order] = np.cumsum(np.diff(ascending, prepend=ascending[:1]) > same * ascending)
-    return numbers

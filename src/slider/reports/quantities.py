@@ -39,7 +39,8 @@ class Quantity:
             return "∞"
         shown = self.scale * value
         if self.share:
-            return "< 0.1" if 0 < shown < 0.05 else f"{shown:.1f}".removesuffix(".0")
+            found = f"{shown:.1f}".removesuffix(".0")
+            return "< 0.1" if 0 < shown < 0.05 else "0" if found == "-0" else found
         found = f"{shown:.{decimals(abs(shown))}f}"
         return found if float(found) else "0"
 
@@ -97,7 +98,25 @@ QUANTITIES = {
     "fastest": Quantity("Fastest robot", "m/s"),
     "drift": Quantity("Drift, mean", "m"),
     "drift_max": Quantity("Drift, greatest", "m"),
+    "samples_to_walk": Quantity("Samples until 95 % of a check's robots survive", "M", 1e-6),
 }
+GAIT_QUANTITIES = {
+    "converged": _share("Gaits that converge"),
+    "reaches_best": _share("Gaits that reach the least cost"),
+    "cost": Quantity("Cost of the gait"),
+    "cost_change": _share("Cost of the gait, change"),
+    "cost_excess": _share("Cost above the least of all solutions"),
+    "torque_cost": Quantity("(1/T) ∫ ‖τ‖² dt of both steps", "N² m²"),
+    "torque_cost_change": _share("(1/T) ∫ ‖τ‖² dt of both steps, change"),
+    "iterations": Quantity("Iterations of IPOPT"),
+    "max_violation": Quantity("Worst residual at the nodes"),
+    "step_time": Quantity("Step time", "s"),
+    "joints_difference": Quantity("Joints, from the reference", "rad"),
+    "roll_difference": Quantity("Roll, from the reference", "rad"),
+    "roll_end_difference": Quantity("Roll at the end, from the reference", "rad"),
+    "between_foot_line_moment": Quantity("Roll equation between nodes", "N m"),
+}
+QUANTITIES |= GAIT_QUANTITIES
 
 
 def quantity(name: str) -> Quantity:

@@ -6,11 +6,10 @@ from typing import Any
 
 import pytest
 
-from pipeline.gait_study import gait_study_job
-from pipeline.sensitivity import sensitivity_job
 from pipeline.stages import all_jobs, table1_jobs
 from pipeline.stages.entries import ENTRIES
 from pipeline.stages.page import video
+from pipeline.studies import study_job
 from slider.artefacts.forecast import times
 from slider.artefacts.forecast.times import START, Row, Times
 from slider.artefacts.plan import JobSpec, build_plan
@@ -97,7 +96,7 @@ def test_each_value_that_a_size_is_a_product_of_is_in_the_section_of_its_stage()
     """One that was renamed would count as 1."""
     config = compose([], CONF)
     targets = all_jobs(config)
-    targets |= {"a": sensitivity_job(config, targets["walking"]), "b": gait_study_job(config)}
+    targets["starts"] = study_job("gait_starts", config, targets, [], CONF)
     targets |= {"c": video(config, "policy", 0.2, targets)}  # the page has one with a renderer
     way = {job.stage: job.section for job in build_plan(targets).jobs.values()}
     for stage, keys in times._FACTORS.items():

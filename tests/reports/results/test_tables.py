@@ -28,12 +28,6 @@ policy,ours,measured,3,0,inf,inf
 mpc_wbc_literal,literal,measured,0.2,1,0.01,0.002
 guided_drl,paper,paper,0.2,0.731,0.0317,
 """
-SEEDS = """\
-variant,seed,command_velocity,success_rate,mse,mse_steady,tracking_rate,alternation,flight,slip,heading_worst,robots_cross,cost_of_transport
-default,1,0.4,1,0.01,0.001,1,1,0,0.03,0.1,0,0.8
-default,2,0.4,0.99,0.02,0.002,1,1,0,0.05,0.2,0,0.9
-default,3,0.4,1,0.03,0.004,1,0.9,0.01,0.04,,0,1.5
-"""
 ABLATION = """\
 # Ablation
 
@@ -46,27 +40,6 @@ Means.
 | variant | 0.4 m/s |
 |---|---|
 | default | 100.0 |
-"""
-SENSITIVITY = """\
-# Sensitivity
-
-## Which guesses carry the result
-
-One of 2 parameters carries it.
-
-![Sensitivity](figures/sensitivity.png)
-
-## The strongest 2 of 2 parameters
-
-A legend.
-
-| parameter |
-|---|
-| `geometry.toe` |
-
-## The unchanged robot
-
-No.
 """
 
 
@@ -99,34 +72,6 @@ def test_the_summary_has_a_line_per_command(tmp_path):
     ]
 
 
-def test_seeds_have_a_median_between_least_and_greatest(tmp_path):
-    lines = make("seeds", SEEDS, tmp_path).splitlines()
-    assert lines[0] == "Trainings from the seeds 1, 2, 3: median (least to greatest)."
-    assert "| Success rate [%] | 100 (99–100) |" in lines
-    assert "| Velocity MSE after the warm-up [m²/s²] | 0.00200 (0.00100–0.00400) |" in lines
-    assert "| Slip of loaded heels and toes [cm/s] | 4.00 (3.00–5.00) |" in lines
-    assert "| Tracking rate [%] | 100 |" in lines
-    assert "| Largest heading error, worst robot [rad] | 0.150 (0.100–0.200) |" in lines
-
-
-def test_the_papers_method_has_its_curve_and_the_rows_of_table_1(tmp_path):
-    checks = [("paper", 0.5e6, 0.4), ("paper", 1e6, 0.0), ("paper_alive", 0.5e6, 0.9)]
-    curves = [f"{name},1,{samples},{success},0.5" for name, samples, success in checks]
-    text = "\n".join(["variant,seed,samples,success,speed_error", *curves, ""])
-    (tmp_path / "paper_method_curves.csv").write_text(text)
-    head = "variant,seed,command_velocity,success_rate,success_low,success_high,mse_steady"
-    policies = [("paper", 0.0, 0.0, 0.004, "inf"), ("paper_alive", 1.0, 0.996, 1.0, 0.25)]
-    rows = [f"{name},1,0.2,{','.join(map(str, numbers))},0" for name, *numbers in policies]
-    shown = make("paper_method", "\n".join([f"{head},tracking_rate", *rows]) + "\n", tmp_path)
-    lines = shown.splitlines()
-    assert lines[2] == "| samples [M] |  | 0.5 | 1 |"
-    assert lines[4:6] == ["| Success rate [%] | `paper` | 40 | 0 |", "|  | `paper_alive` | 90 |  |"]
-    assert lines[7] == "|  | `paper_alive` | 0.500 |  |"
-    assert "| Success rate [%] | `paper` | 0 [0, 0.4] |" in lines
-    assert "|  | `paper_alive` | 100 [99.6, 100] |" in lines
-    assert "| Velocity MSE after the warm-up [m²/s²] | `paper` | ∞ |" in lines
-
-
 def test_the_ablation_has_neither_title_nor_figure(tmp_path):
     text = make("ablation", ABLATION, tmp_path)
     assert text.startswith("Means.\n\n**Success rate [%]**\n\n| variant | 0.4 m/s |")
@@ -136,12 +81,6 @@ def test_the_convergence_of_the_gaits_begins_with_its_first_table(tmp_path):
     report = "# Gaits\n\n![Gaits](figures/a.png)\n\n## Meshes\n\n| nodes |\n|---|\n| 5 |\n"
     text = make("gait_convergence", report, tmp_path)
     assert text == "**Meshes**\n\n| nodes |\n|---|\n| 5 |"
-
-
-def test_of_the_sensitivity_the_verdict_and_the_strongest(tmp_path):
-    text = make("sensitivity", SENSITIVITY, tmp_path)
-    assert text.startswith("One of 2 parameters carries it.\n\n**The strongest 2 of 2 parameters**")
-    assert text.endswith("| `geometry.toe` |")
 
 
 def test_the_verification_counts_its_bounds(tmp_path):

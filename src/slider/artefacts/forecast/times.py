@@ -33,7 +33,6 @@ _FACTORS = {
     "walking": _TRAINING,
     "evaluation": _EVALUATION,
     "baseline": _EVALUATION,
-    "sensitivity_policy": _EVALUATION,
     "gait_walks": ("steps",),
     "video": ("video.duration",),
 }

@@ -8,9 +8,10 @@ from slider.config.validation.control import check_controls
 from slider.config.validation.env import check_env
 from slider.config.validation.evaluation import check_protocols
 from slider.config.validation.gait import check_gait, check_regulator
-from slider.config.validation.reports import check_ablation, check_report, check_sensitivity
+from slider.config.validation.reports import check_report
 from slider.config.validation.robot import check_robot
 from slider.config.validation.seeds import check_seeds
+from slider.config.validation.studies import check_studies
 from slider.config.validation.train import check_trainings
 
 
@@ -28,6 +29,5 @@ def validate(config: Config) -> None:
     check_protocols(config)
     check_regulator(config.verification.replay.regulator)
     check_report(config.report, config.env.control_period)
-    check_ablation(config.ablation)
     check_seeds(config)
-    check_sensitivity(config)
+    check_studies(config)

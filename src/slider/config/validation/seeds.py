@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from slider.config.evaluation import SeedBlock, SeedsConfig
 from slider.config.schema import Config
-from slider.config.studies import AblationConfig
+from slider.config.studies import StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.validation.checks import ordered, require
 
@@ -16,7 +16,8 @@ def check_seeds(config: Config) -> None:
     for key, protocol in config.evaluations.items():
         blocks = (seeds.final, seeds.development)
         _within(f"{key}.seed", protocol.seed, protocol.trials, blocks)
-    _ablation(config.ablation, seeds)
+    for name, study in config.study.items():
+        _study(study, seeds, f"study.{name}")
     for key, train in config.trainings.items():
         _training(train, seeds, key)
 
@@ -38,13 +39,15 @@ def _within(key: str, first: int, trials: int, blocks: Sequence[SeedBlock]) -> N
     require(inside, key, expected, found)
 
 
-def _ablation(ablation: AblationConfig, seeds: SeedsConfig) -> None:
-    """Several variants are there to be chosen from; one alone, from several seeds, is reported."""
-    compared = len(ablation.run) > 1
-    blocks = (seeds.development,) if compared else (seeds.final, seeds.development)
-    _within("ablation.evaluation_seed", ablation.evaluation_seed, ablation.trials, blocks)
-    for index, seed in enumerate(ablation.seeds):
-        _not_final(f"ablation.seeds[{index}]", seed, seeds)
+def _study(study: StudyConfig, seeds: SeedsConfig, key: str) -> None:
+    """Trained variants are there to be chosen from; other policies are only reported."""
+    training, rollouts = study.training, study.evaluation
+    if rollouts is not None:
+        compared = training is not None and len(study.run) > 1
+        blocks = (seeds.development,) if compared else (seeds.final, seeds.development)
+        _within(f"{key}.evaluation.seed", rollouts.seed, rollouts.trials, blocks)
+    for index, seed in enumerate(training.seeds if training else ()):
+        _not_final(f"{key}.training.seeds[{index}]", seed, seeds)
 
 
 def _training(train: TrainConfig, seeds: SeedsConfig, key: str) -> None:

@@ -13,17 +13,16 @@ import numpy as np
 
 from slider.artefacts.store import Store
 from slider.hzd.summary import QUANTITIES as HZD_QUANTITIES
-from slider.reports.ablation import Ablation, spread
 from slider.reports.comparison import METRICS
 from slider.reports.controllers import PAPER, speed
 from slider.reports.protocols.cases import case_tables
 from slider.reports.protocols.speeds import highest_table
-from slider.reports.quantities import QUANTITIES, Quantity
+from slider.reports.quantities import QUANTITIES
 from slider.reports.results.origin import ancestry, facts, made
 from slider.reports.rows import NAN, Row, by, distinct, read
 from slider.reports.sections.provenance import in_order, stage_title
 from slider.reports.sections.verification import bounds_table
-from slider.reports.table import Cell, Table, grid, markdown
+from slider.reports.table import grid, markdown
 
 _PRINTED = "MSE as the paper prints it [m²/s²]"
 _QUALITY = (
@@ -44,18 +43,6 @@ _QUALITY = (
     "peak_effort",
     "peak_speed",
 )
-_SEEDS = (
-    "success_rate",
-    "tracking_rate",
-    "mse_steady",
-    "mse",
-    "alternation",
-    "flight",
-    "slip",
-    "heading_worst",
-    "robots_cross",
-    "cost_of_transport",
-)
 _COMPARED = ("policy", "hzd", "mpc_wbc_tuned")
 _LEARNING = (
     *("velocity_variance", "reference_velocity_variance", "cost_of_transport", "slip"),
@@ -69,8 +56,6 @@ _WALK_EDGES = (1.2, 2.0)  # between the ranges of speeds [m/s]
 _ROBUST = ("success_rate", "tracking_rate", "mse_steady")
 _SUMMARY = ("policy", "hzd", "mpc_wbc_tuned", "guided_drl")
 _SHORT = {"success_rate": "success [%]", "mse_steady": "MSE [m²/s²]", "mse": "MSE [m²/s²]"}
-_SPEED_ERROR = Quantity("Mean distance of the speed from the command", "m/s")
-_VERDICT, _STRONGEST = "Which guesses carry the result", "The strongest"
 
 
 class Unmade(Exception):
@@ -171,22 +156,10 @@ def sweep(report: Path, store: Store) -> str:
     return highest_table(read(report)).markdown
 
 
-@block("seeds.csv")
+@block("seeds.md", "seeds.csv")
 def seeds(report: Path, store: Store) -> str:
-    """Of the first variant the median of the seeds, and the least to the greatest of them."""
-    rows = next(iter(by(read(report), "variant").values()))
-    groups = by(rows, "command_velocity")
-    body = [
-        [Cell(QUANTITIES[name].heading)]
-        + [
-            spread(QUANTITIES[name], [row[name] for row in groups[command]], np.median)
-            for command in sorted(groups)
-        ]
-        for name in _SEEDS
-    ]
-    names = ", ".join(f"{seed:g}" for seed in distinct(rows, "seed"))
-    table = Table(["command [m/s]", *map(speed, sorted(groups))], body)
-    return f"Trainings from the seeds {names}: median (least to greatest).\n\n{table.markdown}"
+    """All of the report."""
+    return _whole(report)
 
 
 @block("ablation.md", "ablation.csv")
@@ -195,24 +168,10 @@ def ablation(report: Path, store: Store) -> str:
     return _whole(report)
 
 
-@block("paper_method.csv")
+@block("paper_method.md", "paper_method.csv")
 def paper_method(report: Path, store: Store) -> str:
-    """Survival and error in the checks over the samples, then what Table 1 has, by variant."""
-    found = Ablation.load(report.parent, report.stem)
-    samples, body = distinct(found.checks, "samples"), []
-    for name, quantity in (("success", QUANTITIES["success_rate"]), ("speed_error", _SPEED_ERROR)):
-        for index, (variant, rows) in enumerate(by(found.checks, "variant").items()):
-            texts = {row["samples"]: quantity.text(row[name]) for row in rows}
-            title = "" if index else quantity.heading
-            body.append([title, f"`{variant}`", *(texts.get(count, "") for count in samples)])
-    heads = ["samples [M]", "", *(f"{1e-6 * count:.3g}" for count in samples)]
-    curve = grid(heads, body).markdown
-    lines = [
-        ("" if index else QUANTITIES[name].heading, f"`{variant}`", mine, name)
-        for name in ("success_rate", "mse_steady", "tracking_rate")
-        for index, (variant, mine) in enumerate(by(found.policies, "variant").items())
-    ]
-    return f"Checks of the trainings:\n\n{curve}\n\n{_across(found.policies, lines)}"
+    """All of the report."""
+    return _whole(report)
 
 
 @block("gait_quality.csv")
@@ -259,14 +218,16 @@ def gait_convergence(report: Path, store: Store) -> str:
     return _whole(report)
 
 
+@block("gait_starts.md", "gait_starts.csv")
+def gait_starts(report: Path, store: Store) -> str:
+    """All of the report."""
+    return _whole(report)
+
+
 @block("sensitivity.md", "sensitivity.csv")
 def sensitivity(report: Path, store: Store) -> str:
-    """The paragraph of the guesses that carry the result, and the strongest parameters."""
-    parts = dict(_parts(report))
-    strongest = next((title for title in parts if title.startswith(_STRONGEST)), None)
-    if _VERDICT not in parts or strongest is None:
-        raise Unmade(f"{report} has other sections")
-    return f"{parts[_VERDICT]}\n\n**{strongest}**\n\n{parts[strongest]}"
+    """All of the report."""
+    return _whole(report)
 
 
 @block("verification.json", "verification.csv")

@@ -28,7 +28,7 @@ _STAGES = {  # in the order in which they run; others follow
     "speeds": "protocols of constant commands",
     "segments": "protocols of changing commands",
     "cases": "protocols of several cases",
-    "ablation": "ablation",
+    "study": "studies",
     "verification_gaits": "verification, per gait",
     "verification": "verification, verdict",
     "video": "videos",

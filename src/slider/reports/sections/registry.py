@@ -104,12 +104,9 @@ def learning(sources: "Sources") -> Blocks:
 @section("Ablation", "ablation")
 def ablation(sources: "Sources") -> Blocks:
     """What each choice of the method is worth."""
-    from slider.reports.ablation import NAME, Ablation, blocks
+    from slider.reports.study import blocks
 
-    settings = sources.configuration["ablation"]
-    variants = {name: settings["variants"][name] for name in settings["run"]}
-    found = Ablation.load(sources.inputs[NAME][0])
-    return blocks(NAME, sources.file(NAME, f"{NAME}.svg"), found, variants)
+    return blocks("ablation", sources.inputs["ablation"][0])
 
 
 @section("The paper, statement by statement")

@@ -1,0 +1,220 @@
+"""Studies: gaits, trainings and evaluations of several variants, compared by metrics.
+
+A variant is the configuration of the pipeline with some overrides more. Its jobs are ordinary ones:
+what variants have in common is computed once, and a further variant or seed computes only itself.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from pipeline.stages.entries import job
+from pipeline.stages.evaluation import evaluations_of
+from pipeline.stages.gaits import gait, gait_section, library_job
+from pipeline.stages.training import training_jobs
+from slider.artefacts.plan import JobSpec
+from slider.config.compose import compose
+from slider.config.control import POLICY
+from slider.config.convert import to_dict
+from slider.config.parameters import choose, parameters, scaled
+from slider.config.schema import Config
+from slider.config.studies import BudgetConfig, RolloutsConfig, StartsConfig, StudyConfig
+from slider.config.train import TrainConfig
+from slider.config.validation import validate
+from slider.config.validation.checks import one_of
+from slider.core.errors import UserError
+from slider.env.terms import checked
+from slider.reports.quantities import GAIT_QUANTITIES, QUANTITIES
+
+GAITS_ONLY = ("virtual_knee",)
+"""Parts of the robot that the simulated one lacks: no rollout depends on them."""
+STARTS = "_starts"
+"""End of the name of a variant's gaits from random starts."""
+Keyed = tuple[str, list[Any], JobSpec]
+"""Group of inputs; variant, seed, and speed [m/s] or samples of an iteration; the job."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A row of a study; without a configuration, ``note`` says why."""
+
+    name: str
+    label: str
+    changes: str
+    config: Config | None = None
+    note: str = ""
+
+
+def study_job(
+    name: str,
+    config: Config,
+    targets: Mapping[str, JobSpec],
+    overrides: Sequence[str],
+    conf: Path,
+) -> JobSpec:
+    """Jobs of all variants, and the comparison of their results.
+
+    Args:
+        name: of the study, in ``config.study``.
+        config: configuration of the pipeline.
+        targets: its jobs ``library`` and ``walking``.
+        overrides: with which ``config`` was composed.
+        conf: folder of the configuration.
+
+    Raises:
+        UserError: an unknown metric, or the overrides of a variant do not compose.
+    """
+    study, key = config.study[name], f"study.{name}"
+    for metric in study.metrics:
+        one_of(f"{key}.metrics", metric, _metrics(study))
+    variants = list(_variants(config, study, overrides, conf, key))
+    keyed = [item for variant in variants for item in _jobs(variant, study, config, targets)]
+    inputs: dict[str, list[JobSpec]] = {}
+    keys: dict[str, list[list[Any]]] = {}
+    for group, place, made in keyed:
+        inputs.setdefault(group, []).append(made)
+        keys.setdefault(group, []).append(place)
+    if study.training is not None:
+        inputs["library"] = [targets["library"]]
+    rows = [(v.name, v.label, v.changes, v.note) for v in variants]
+    if study.starts is not None:
+        rows += [(f"{v.name}{STARTS}", f"{v.label}, random starts", "", "") for v in variants]
+    section = {
+        "name": name,
+        "metrics": study.metrics,
+        "variants": rows,
+        "keys": keys,
+        "max_violation": config.library.max_violation,
+        "same_cost": study.starts.same_cost if study.starts else None,
+    }
+    return job("study", name, section, inputs)
+
+
+def _metrics(study: StudyConfig) -> list[str]:
+    """Metrics that the results of a study have."""
+    return [
+        name
+        for name in QUANTITIES
+        if (study.gaits if name in GAIT_QUANTITIES else study.evaluation is not None)
+    ]
+
+
+def _variants(
+    config: Config, study: StudyConfig, overrides: Sequence[str], conf: Path, key: str
+) -> Iterator[Variant]:
+    for name in study.run:
+        variant = study.variants[name]
+        try:
+            changed = checked(compose([*overrides, *variant.overrides], conf))
+        except UserError as error:
+            raise UserError(f"{key}.variants.{name}: {error}") from None
+        yield Variant(name, variant.label, " ".join(variant.overrides), changed)
+    if study.scaling is None:
+        return
+    scaling = study.scaling
+    for item in choose(parameters(config.robot), scaling.provenance, scaling.parameters):
+        for factor in (round(1 + sign * scaling.change, 10) for sign in (-1, 1)):
+            yield _scaled(config, item.path, item.value, factor)
+
+
+def _scaled(config: Config, path: str, value: Sequence[float], factor: float) -> Variant:
+    """The robot with one number, or vector, multiplied by a factor; some cannot be built."""
+    text = ",".join(f"{number * factor:.6g}" for number in value)
+    changes = f"robot.{path}={f'[{text}]' if len(value) > 1 else text}"
+    variant = Variant(f"{path}*{factor:g}", f"{path} × {factor:g}", changes)
+    if not any(value):
+        return replace(variant, note="zero, which no factor changes")
+    try:
+        changed = replace(config, robot=scaled(config.robot, path, factor))
+        validate(changed)
+    except UserError as error:
+        return replace(variant, note=f"no such robot: {error}")
+    return replace(variant, config=changed)
+
+
+def _jobs(
+    variant: Variant, study: StudyConfig, config: Config, targets: Mapping[str, JobSpec]
+) -> Iterator[Keyed]:
+    """All results of a variant that are compared."""
+    changed, rollouts, note = variant.config, study.evaluation, f" ({variant.name})"
+    if changed is None:
+        return
+    if study.gaits:
+        yield from _gaits(variant, changed, study)
+    if rollouts is None:
+        return
+    if study.training is None:
+        unused = {name: getattr(config.robot, name) for name in GAITS_ONLY}
+        plant = _evaluated(
+            replace(changed, robot=replace(changed.robot, **unused)), study, rollouts
+        )
+        made = {"walking": targets["walking"]}
+        for one in evaluations_of(plant, plant.evaluation, made, note):
+            yield "evaluations", [variant.name, "", one.section["command"]], one
+        return
+    library = library_job(changed)
+    for seed in study.training.seeds:
+        note = f" ({variant.name}, seed {seed})"
+        own = _evaluated(_with_budget(changed, study.training, seed), study, rollouts)
+        walking = training_jobs(own, library, note)["walking"]
+        yield "walking", [variant.name, seed, _batch(own.train.walking)], walking
+        for one in evaluations_of(own, own.evaluation, {"walking": walking}, note):
+            yield "evaluations", [variant.name, seed, one.section["command"]], one
+
+
+def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:
+    """From the guesses of ``gait.solver``, and from each random start."""
+    shared, starts = gait_section(config), study.starts
+    for speed in study.speeds:
+        solved = gait(shared, (speed, 0.0, 0.0))
+        label = f"{solved.label} ({variant.name})"
+        yield "gaits", [variant.name, "", speed], replace(solved, label=label)
+        for index in range(starts.count if starts else 0):
+            place = [f"{variant.name}{STARTS}", index, speed]
+            yield "gaits", place, gait_start(shared, starts, speed, index)
+
+
+def gait_start(shared: dict[str, Any], starts: StartsConfig, speed: float, index: int) -> JobSpec:
+    """One gait from a random start alone, whatever the number of starts."""
+    start = {"seed": starts.seed, "index": index, "spread": to_dict(starts.spread)}
+    section = shared | {"command": [speed, 0.0, 0.0], "start": start}
+    return job("gait_start", f"gait {speed:.2f} m/s from start {index}", section, tracked=False)
+
+
+def _evaluated(config: Config, study: StudyConfig, rollouts: RolloutsConfig) -> Config:
+    """A configuration whose protocol is the study's."""
+    evaluation = replace(
+        config.evaluation,
+        controllers=[POLICY],
+        commands=study.speeds,
+        profile=None,
+        **to_dict(rollouts),
+    )
+    return replace(config, evaluation=evaluation)
+
+
+def _with_budget(config: Config, budget: BudgetConfig, seed: int) -> Config:
+    """Trainings from a seed with the samples of a study, not fine-tuned."""
+    train = replace(
+        config.train,
+        standing=_trained(config.train.standing, budget.pretraining_samples, budget, seed),
+        walking=_trained(config.train.walking, budget.samples, budget, seed),
+    )
+    return replace(config, train=train, finetuning=None)
+
+
+def _trained(train: TrainConfig, samples: int, budget: BudgetConfig, seed: int) -> TrainConfig:
+    """A training of so many samples, in whole iterations, checked at even distances."""
+    interval = max(1, round(budget.check_every / _batch(train)))
+    return replace(
+        train,
+        iterations=max(1, round(samples / _batch(train))),
+        seed=seed,
+        selection=replace(train.selection, interval=interval),
+    )
+
+
+def _batch(train: TrainConfig) -> int:
+    """Samples of one iteration."""
+    return train.gpus * train.robots * train.steps_per_iteration

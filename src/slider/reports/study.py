@@ -1,0 +1,296 @@
+"""The stage ``study``: variants compared by metrics, as tables and a figure."""
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.special import stdtrit
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation.proportions import wilson
+from slider.evaluation.results import Evaluation
+from slider.gait import REPORT
+from slider.gait.study import MeshGait
+from slider.library.stage import acceptable
+from slider.reports import rows
+from slider.reports.controllers import speed as speed_text
+from slider.reports.figures import study as figure
+from slider.reports.figures.style import write_pictures
+from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity
+from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.training.results import Training
+
+WALKS = 0.95
+"""Share of robots that survive a check of a policy that has learned to walk."""
+SHOWN = 30
+"""Variants in table and figure; of more those with the greatest changes."""
+KEYS = ["variant", "seed", "speed"]
+STATISTICS = (
+    *("count", "mean", "std", "least", "greatest", "low", "high"),
+    *("change", "change_low", "change_high", "relative_change"),
+)
+_GIVEN = {"success_rate": ("success_low", "success_high")}
+"""Metric → its own interval, over the robots of one run."""
+_EITHER = ("converged", "reaches_best")
+"""Metrics that a run has or has not, whose interval is a proportion's."""
+_CHECKS = ("success", "speed_error", "flight")
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write ``NAME.csv``, ``NAME_runs.csv``, ``NAME.md``, ``.svg``, ``.png``.
+
+    Where variants are trained also ``NAME_curves.csv``.
+    """
+    name = section["name"]
+    curves = _curves(section, inputs)
+    runs = pd.concat([_gaits(section, inputs), _policies(section, inputs), _walks(curves)])
+    runs = runs.groupby(KEYS, sort=False, dropna=False, as_index=False).first()
+    found = summarise(runs, section["variants"], section["metrics"])
+    tables = {name: found, f"{name}_runs": runs}
+    if "walking" in inputs:
+        tables[f"{name}_curves"] = curves
+    for stem, table in tables.items():
+        table.to_csv(out / f"{stem}.csv", index=False, float_format="%.6g", lineterminator="\n")
+        job.tracker.log_file(out / f"{stem}.csv")
+    write_pictures(out / name, lambda: figure.draw(strongest(found), curves))
+    text = document(name.replace("_", " ").capitalize(), blocks(name, out))
+    (out / f"{name}.md").write_text(text, encoding="utf-8")
+    job.tracker.log_file(out / f"{name}.png")
+    return {"runs": len(runs), "variants": len(section["variants"])}
+
+
+def _curves(section: Section, inputs: Inputs) -> pd.DataFrame:
+    """Checks of all trainings over their samples."""
+    tables = []
+    for (variant, seed, batch), folder in _items(section, inputs, "walking"):
+        checks = Training.load(folder).checks
+        columns = {"samples": checks["iteration"] * batch, **{n: checks[n] for n in _CHECKS}}
+        tables.append(pd.DataFrame({"variant": variant, "seed": seed, **columns}))
+    return pd.concat(tables) if tables else pd.DataFrame(columns=["variant", "seed", "samples"])
+
+
+def _walks(curves: pd.DataFrame) -> pd.DataFrame:
+    """Samples until a training first walks; ∞ for never."""
+    found = [
+        {"variant": variant, "seed": seed, "samples_to_walk": _first_walk(mine)}
+        for (variant, seed), mine in curves.groupby(["variant", "seed"], sort=False)
+    ]
+    return pd.DataFrame(found, columns=[*KEYS, "samples_to_walk"])
+
+
+def _first_walk(checks: pd.DataFrame) -> float:
+    walks = checks.loc[checks["success"] >= WALKS, "samples"]
+    return float(walks.iloc[0]) if len(walks) else np.inf
+
+
+def _policies(section: Section, inputs: Inputs) -> pd.DataFrame:
+    """A row per evaluation: the columns of Table 1 and of the quality of walking."""
+    reference = rows.reference_gaits(inputs.get("library", ()))
+    table = []
+    for key, folder in _items(section, inputs, "evaluations"):
+        evaluation = Evaluation.load(folder)
+        row = rows.table_row(evaluation)
+        row |= rows.with_reference(rows.quality_row(evaluation), reference)
+        for name in (*rows.NAMED, "source", "command_velocity"):
+            del row[name]
+        table.append(dict(zip(KEYS, key, strict=True)) | row)
+    return pd.DataFrame(table, columns=None if table else KEYS)
+
+
+def _gaits(section: Section, inputs: Inputs) -> pd.DataFrame:
+    """A row per gait; costs of those that converge, with differences from the reference's gait."""
+    table, reference, references = [], section["variants"][0][0], {}
+    for (variant, seed, speed), folder in _items(section, inputs, "gaits"):
+        report = json.loads((folder / REPORT).read_text())
+        row = dict(zip(KEYS, (variant, seed, speed), strict=True))
+        row |= _outcome(report, section["max_violation"])
+        if row["converged"] and (folder / "roll.npy").is_file():
+            gait = MeshGait.load(folder)
+            row |= {"torque_cost": gait.torque_cost, "step_time": gait.step_time}
+            if variant == reference:
+                references[speed] = gait
+            if speed in references:
+                row |= gait.difference(references[speed])
+        table.append(row)
+    if not table:
+        return pd.DataFrame(columns=KEYS)
+    gaits = pd.DataFrame(table)
+    base = gaits[gaits["variant"] == reference].set_index("speed")
+    for name in ("cost", "torque_cost"):
+        gaits[f"{name}_change"] = gaits[name] / gaits["speed"].map(base[name]) - 1.0
+    return gaits if section["same_cost"] is None else _with_optima(gaits, section["same_cost"])
+
+
+def _outcome(report: dict[str, Any], limit: float) -> rows.Row:
+    converged, residuals = acceptable(report, limit), report["residuals"]
+    return {
+        "converged": float(converged),
+        "status": report["status"],
+        "iterations": float(report["iterations"]),
+        "cost": report["cost"] if converged else np.nan,
+        "torque_cost": np.nan,
+        "max_violation": report["max_violation"],
+        "worst_constraint": max(residuals, key=residuals.__getitem__),
+        **{f"between_{name}": worst for name, worst in report.get("between_nodes", {}).items()},
+    }
+
+
+def _with_optima(gaits: pd.DataFrame, same: float) -> pd.DataFrame:
+    """Add the number of each optimum, 0 for the cheapest, and the cost above the cheapest.
+
+    At each speed by ascending cost a new optimum begins where a cost exceeds the one before by more
+    than the share ``same``.
+    """
+    ascending = gaits.sort_values("cost", kind="stable")
+    costs = ascending.groupby("speed")["cost"]
+    jumps = (costs.diff() > same * ascending["cost"]).astype(float).where(ascending["cost"].notna())
+    gaits["optimum"] = jumps.groupby(ascending["speed"]).cumsum()
+    gaits["cost_excess"] = gaits["cost"] / gaits.groupby("speed")["cost"].transform("min") - 1.0
+    gaits["reaches_best"] = (gaits["cost_excess"] <= same).astype(float)
+    return gaits
+
+
+def summarise(
+    runs: pd.DataFrame, variants: Sequence[Sequence[str]], metrics: Sequence[str]
+) -> pd.DataFrame:
+    """Statistics of each metric over the runs of a variant, at each speed.
+
+    ``low``, ``high``: 95 % interval of the mean, by Student's t over the runs; of a share of runs,
+    or of the robots of a single run, Wilson's. ``change``: mean difference from the reference, the
+    first variant, paired by seed where that has several runs, with its interval by Student's t.
+    A variant without a result is one row with its note.
+
+    Args:
+        runs: a row per variant, seed and speed [m/s].
+        variants: name, label, changes and note of each.
+        metrics: columns of ``runs``.
+    """
+    reference, found = variants[0][0], []
+    for metric in (name for name in metrics if name in runs):
+        for speed, mine in runs.dropna(subset=metric).groupby("speed", sort=True, dropna=False):
+            values = {name: own.set_index("seed") for name, own in mine.groupby("variant")}
+            base = values.get(reference, mine.iloc[:0])[metric]
+            for name, own in values.items():
+                row = {"variant": name, "speed": speed, "metric": metric}
+                found.append(row | _statistics(metric, own) | _change(own[metric], base))
+    columns = ["variant", "speed", "metric", *STATISTICS]
+    names = pd.DataFrame([*variants], columns=["variant", "label", "changes", "note"])
+    return names.merge(pd.DataFrame(found, columns=columns), on="variant", how="left")
+
+
+def _statistics(metric: str, runs: pd.DataFrame) -> dict[str, float]:
+    values = runs[metric].to_numpy(float)
+    low, high = _interval(values)
+    if metric in _EITHER and len(values) > 1:
+        low, high = wilson(int(values.sum()), len(values))
+    elif len(values) == 1 and metric in _GIVEN:
+        low, high = (float(runs[name].iloc[0]) for name in _GIVEN[metric])
+    return {
+        "count": len(values),
+        "mean": float(values.mean()),
+        "std": float(values.std(ddof=1)) if _spreads(values) else np.nan,
+        "least": float(values.min()),
+        "greatest": float(values.max()),
+        "low": low,
+        "high": high,
+    }
+
+
+def _change(own: pd.Series, reference: pd.Series) -> dict[str, float]:
+    base = reference.iloc[0] if len(reference) == 1 else reference
+    with np.errstate(invalid="ignore"):
+        differences = (own - base).dropna().to_numpy(float)
+    if not len(differences):
+        return {}
+    change = float(differences.mean())
+    low, high = _interval(differences)
+    size = float(np.mean(base))
+    relative = change / abs(size) if size and np.isfinite(size) else np.nan
+    return {
+        "change": change,
+        "change_low": low,
+        "change_high": high,
+        "relative_change": relative,
+    }
+
+
+def _interval(values: np.ndarray) -> tuple[float, float]:
+    """95 % interval of the mean by Student's t; NaN for a single value."""
+    if not _spreads(values):
+        return np.nan, np.nan
+    half = stdtrit(len(values) - 1, 0.975) * values.std(ddof=1) / np.sqrt(len(values))
+    return float(values.mean() - half), float(values.mean() + half)
+
+
+def _spreads(values: np.ndarray) -> bool:
+    return len(values) > 1 and bool(np.isfinite(values).all())
+
+
+def strongest(found: pd.DataFrame) -> pd.DataFrame:
+    """The reference, the variants whose shares [%] change most, ``SHOWN`` in all, and all notes."""
+    names = found.loc[found["metric"].notna(), "variant"].drop_duplicates()
+    if len(names) <= SHOWN:
+        return found
+    shares = found["metric"].isin(name for name, metric in QUANTITIES.items() if metric.share)
+    size = found["change"].where(shares).abs()
+    order = size.groupby(found["variant"]).max().reindex(names[1:]).fillna(0.0)
+    order = order.sort_values(ascending=False, kind="stable").index[: SHOWN - 1]
+    place = {name: index for index, name in enumerate([names.iloc[0], *order])}
+    shown = found[found["variant"].isin(place) | found["metric"].isna()]
+    by_place = shown["variant"].map(place).sort_values(kind="stable").index
+    return shown.loc[by_place]
+
+
+def blocks(name: str, folder: Path) -> Iterator[Written]:
+    """Figure and tables from the files of a study: per metric variants down, speeds across."""
+    found = pd.read_csv(folder / f"{name}.csv", keep_default_na=False, na_values=[""])
+    shown, count = strongest(found), found["variant"].nunique()
+    yield Text(
+        "Means over runs (least to greatest); of a single run with its 95 % interval where there "
+        "is one. Errors and quality are those of surviving robots. \\*: the 95 % interval of the "
+        f"change against the first row excludes 0. `reports/{name}.csv` has all {count} variants."
+    )
+    yield Picture(folder / f"{name}.svg")
+    yield _variants(shown)
+    for metric, mine in shown.dropna(subset="metric").groupby("metric", sort=False):
+        yield _table(quantity(str(metric)), mine)
+
+
+def _variants(found: pd.DataFrame) -> Table:
+    body = [
+        [Cell(row.label), Cell(" ".join(f"`{text}`" for text in _words(row.changes)) or "none")]
+        + [Cell(" ".join(_words(row.note)))]
+        for row in found.drop_duplicates("variant").itertuples()
+    ]
+    return Table(["variant", "overrides", "not compared"], body, sortable=False)
+
+
+def _words(text: object) -> list[str]:
+    return text.split() if isinstance(text, str) else []
+
+
+def _table(metric: Quantity, found: pd.DataFrame) -> Table:
+    speeds = list(found["speed"].sort_values().unique())
+    body = []
+    for label, mine in found.groupby("label", sort=False):
+        cells = {row.speed: _cell(metric, row) for row in mine.itertuples()}
+        body.append([Cell(str(label), str(label)), *(cells.get(v, Cell(NONE)) for v in speeds)])
+    heads = ["variant", *(f"{speed_text(v)} m/s" if v == v else "training" for v in speeds)]
+    return Table(heads, body, metric.heading)
+
+
+def _cell(metric: Quantity, row: Any) -> Cell:
+    if row.count == 1:
+        text = metric.between(row.mean, row.low, row.high)
+    else:
+        text = metric.ranged(row.mean, row.least, row.greatest)
+    different = row.change_low > 0 or row.change_high < 0
+    return Cell(f"{text} \\*" if different else text, row.mean)
+
+
+def _items(section: Section, inputs: Inputs, group: str) -> Iterator[tuple[list[Any], Path]]:
+    """Key and folder of each job of a group."""
+    return zip(section["keys"].get(group, ()), inputs.get(group, ()), strict=True)

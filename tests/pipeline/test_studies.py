@@ -1,0 +1,262 @@
+"""Jobs of the studies: equal ones are shared, one thing differs, laid out only when asked for."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.entry import open_pipeline
+from pipeline.stages import entries, table1_jobs
+from pipeline.studies import GAITS_ONLY, study_job
+from pipeline.targets import all_targets
+from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.recipe import Code
+from slider.config.compose import compose
+from slider.config.parameters import choose, parameters, scaled
+from slider.core.errors import UserError
+from slider.robot.mjcf import SimulationOptions, build_spec
+
+CONF = Path(__file__).parents[2] / "conf"
+TEST = "experiment=test"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _constant_code():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(entries, "code_of", lambda entry: Code(entry, "source", {}))
+        yield
+
+
+def study(name: str, *overrides: str, experiment: str = TEST) -> JobSpec:
+    given = [experiment, *overrides]
+    config = compose(given, CONF)
+    return study_job(name, config, table1_jobs(config), given, CONF)
+
+
+def keyed(job: JobSpec, group: str) -> dict[tuple, JobSpec]:
+    return {
+        tuple(key): made
+        for key, made in zip(job.section["keys"][group], job.inputs[group], strict=True)
+    }
+
+
+def samples(job: JobSpec) -> list[int]:
+    trainings = [walking.section["train"] for walking in job.inputs["walking"]]
+    return [t["iterations"] * t["robots"] * t["steps_per_iteration"] for t in trainings]
+
+
+def difference(one: object, other: object, path: str = "") -> set[str]:
+    """Paths at which nested values differ."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        names = one.keys() | other.keys()
+        return set().union(
+            *(difference(one.get(n), other.get(n), f"{path}.{n}".lstrip(".")) for n in names)
+        )
+    return set() if one == other else {path}
+
+
+def has(node: Any, path: str) -> bool:
+    for name in path.split("."):
+        if not isinstance(node, dict) or name not in node:
+            return False
+        node = node[name]
+    return True
+
+
+def test_each_seed_of_a_variant_has_a_training_and_an_evaluation_per_speed():
+    job = study("ablation")
+    walking, evaluations = keyed(job, "walking"), keyed(job, "evaluations")
+    runs = [(v, s) for v in ("default", "without_pretraining") for s in (1, 2)]
+    assert [key[:2] for key in walking] == runs
+    assert [*evaluations] == [(*run, speed) for run in runs for speed in (0.2, 0.4)]
+    for (variant, seed, speed), made in evaluations.items():
+        assert made.section["command"] == speed
+        assert made.section["evaluation"]["robots"] == 3
+        assert made.inputs["walking"] == [walking[variant, seed, 128]]
+        assert made.inputs["walking"][0].section["train"]["seed"] == seed
+    starts = [{"library", "start"}] * 2 + [{"library"}] * 2
+    assert [set(made.inputs) for made in job.inputs["walking"]] == starts
+    assert set(samples(job)) == {384}
+    stages = [made.stage for made in build_plan({"": job}).jobs.values()]
+    found = {name: stages.count(name) for name in ("gait", "library", "standing", "walking")}
+    assert found == {"gait": 2, "library": 1, "standing": 2, "walking": 4}  # shared where equal
+
+
+def test_variants_train_on_as_many_samples_whatever_their_batch():
+    run = ("study.ablation.run=[default,paper]", "study.ablation.training.seeds=[1]")
+    assert samples(study("ablation", *run, experiment="experiment=default")) == pytest.approx(
+        [4e6, 4e6], rel=0.01
+    )
+
+
+def test_one_of_the_seeds_is_the_pipeline_s_own_policy():
+    own, seeds = table1_jobs(compose([], CONF)), study("seeds", experiment="experiment=default")
+    assert own["walking"].recipe in {made.recipe for made in seeds.inputs["walking"]}
+    rows = {made.recipe for made in own["table1"].inputs["evaluations"]}
+    found = {made.recipe for made in seeds.inputs["evaluations"]}
+    assert len(found) == 3 * 7
+    assert len(found & rows) == 7
+
+
+def test_trained_variants_are_not_fine_tuned():
+    for walking in study("ablation", "finetuning=robust").inputs["walking"]:
+        assert walking.label.startswith("walking")
+        assert walking.section["train"]["disturbance"]["push"]["speed"] == 0
+
+
+@pytest.fixture(scope="module")
+def everything() -> JobSpec:
+    """All assumed numbers of the robot."""
+    return study("sensitivity", "study.sensitivity.scaling.parameters=[]")
+
+
+def test_every_assumed_number_has_two_variants_and_zeros_have_no_job(everything):
+    assumed = choose(parameters(compose([TEST], CONF).robot), ["assumed"], [])
+    names, _, changes, notes = zip(*everything.section["variants"][1:], strict=True)
+    assert [*names] == [f"{item.path}*{factor}" for item in assumed for factor in (0.8, 1.2)]
+    zeros = {name.partition("*")[0] for name, note in zip(names, notes, strict=True) if note}
+    assert zeros >= {item.path for item in assumed if item.zero}
+    evaluated = {key[0] for key in keyed(everything, "evaluations")}
+    assert evaluated == {"nominal", *(n for n, note in zip(names, notes, strict=True) if not note)}
+    assert "robot.links.base.inertia=[0.036,0.0216,0.0336]" in changes
+
+
+def test_a_job_differs_in_its_parameter_alone_and_is_shared_where_it_has_no_effect(everything):
+    """Gaits do not use the gains of the position loop, rollouts not the virtual knee."""
+    shared = 0
+    for group in ("gaits", "evaluations"):
+        jobs = keyed(everything, group)
+        for (variant, seed, speed), made in jobs.items():
+            path, nominal = variant.partition("*")[0], jobs["nominal", seed, speed]
+            if variant == "nominal":
+                continue
+            assert difference(made.section, nominal.section) <= {f"robot.{path}"}
+            assert made.inputs == nominal.inputs
+            unused = path.partition(".")[0] in GAITS_ONLY and group == "evaluations"
+            used = has(nominal.section["robot"], path) and not unused
+            assert (made.recipe != nominal.recipe) == used, variant
+            shared += not used
+    assert shared > 0
+
+
+def test_the_simulated_robot_has_no_part_that_only_gaits_use():
+    robot = compose([], CONF).robot
+    options = SimulationOptions(0.005, 10, 10)
+    before = build_spec(robot, options).to_xml()
+    for item in parameters(robot):
+        if item.path.partition(".")[0] in GAITS_ONLY:
+            assert build_spec(scaled(robot, item.path, 1.2), options).to_xml() == before
+
+
+def test_a_robot_that_cannot_be_built_is_a_row_with_a_note():
+    """A thigh of half its length: thigh and shank do not reach the ankle."""
+    key = "study.sensitivity.scaling"
+    job = study("sensitivity", f"{key}.parameters=[virtual_knee.thigh_length]", f"{key}.change=0.5")
+    _, short, long = job.section["variants"]
+    assert short[3].startswith("no such robot: robot.virtual_knee: expected thigh + shank")
+    assert "\n" not in short[3]
+    assert long[3] == ""
+    assert {key[0] for key in keyed(job, "gaits")} == {"nominal", long[0]}
+
+
+def test_gaits_alone_need_no_training():
+    job = study(
+        "sensitivity", "study.sensitivity.evaluation=null", "study.sensitivity.metrics=[cost]"
+    )
+    assert {made.stage for made in build_plan({"": job}).jobs.values()} == {"gait", "study"}
+
+
+def test_meshes_are_variants_and_the_library_s_is_solved_once():
+    mesh = '+study.gait_convergence.variants.own={label: own, overrides: ["gait.nodes=21"]}'
+    job = study("gait_convergence", mesh, "study.gait_convergence.run=[nodes_5,own]")
+    found = {key[0]: made for key, made in keyed(job, "gaits").items()}
+    assert found["nodes_5"].section["formulation"]["nodes"] == 5
+    library = table1_jobs(compose([TEST], CONF))["library"]
+    assert found["own"].recipe in {gait.recipe for gait in library.inputs["gaits"]}
+
+
+def test_more_starts_leave_the_first_ones_alone():
+    def starts(*overrides: str) -> list[str]:
+        found = keyed(study("gait_starts", *overrides), "gaits")
+        return [made.recipe for key, made in found.items() if key[0] == "library_starts"]
+
+    few, many = starts(), starts("study.gait_starts.starts.count=5")
+    assert (many[:2], len(set(many))) == (few, 5)
+    assert not {*starts("study.gait_starts.starts.seed=2")} & {*few}
+
+
+def test_a_page_does_not_depend_on_the_settings_of_studies():
+    def page(*overrides: str) -> str:
+        given = [TEST, "report.video.renderer=none", *overrides]
+        return all_targets(compose(given, CONF), given, CONF)["report"].recipe
+
+    assert page() == page("study.sensitivity.scaling.change=0.1")
+
+
+def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    own = "+study.mine=${study.gait_convergence}"
+    opened = open_pipeline({"hydra": f"{TEST} '{own}'"}, CONF)
+    before = dict(opened.plan.jobs)
+    assert not opened.config.study.keys() & opened.plan.targets.keys()
+    manifests = {name: opened.manifest(name)(None) for name in ("mine", "seeds", "ablation")}
+    for name, manifest in manifests.items():
+        assert Path(manifest).stem == opened.plan.targets[name]
+        assert Path(f"artefacts/current/{name}").is_file()
+        assert f"reports/{name}.csv" in opened.reports[name]
+    assert "reports/mine_curves.csv" not in opened.reports["mine"]
+    assert before.keys() < opened.plan.jobs.keys()
+    assert str(opened.plan_path) in opened.run
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("ablation.run=[x]", "study.ablation.run: expected one of default, "),
+        ("ablation.metrics=[speed]", "study.ablation.metrics: expected one of success_rate, "),
+        ("ablation.metrics=[cost]", "study.ablation.metrics: expected one of success_rate, "),
+        ("ablation.variants.default.overrides=['a=1']", "study.ablation.variants.default: unknown"),
+        ("ablation.evaluation=null", "study.ablation: expected gaits=true or an evaluation, found"),
+        ("gait_starts.gaits=false", "study.gait_starts: expected gaits=true or an evaluation"),
+        ("sensitivity.gaits=false", "study.sensitivity.metrics: expected one of success_rate, "),
+        ("gait_starts.starts.count=0", "study.gait_starts.starts.count: expected an integer in"),
+        ("sensitivity.scaling.change=1.0", "scaling.change: expected a number in (0, 1), found"),
+        ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
+        ("sensitivity.scaling.parameters=[geometry.foot_radius]", "tagged assumed, found geometry"),
+        ("sensitivity.scaling.provenance=[guessed]", "scaling.provenance[0]: expected one of pape"),
+        ("sensitivity.speeds=[1.2,1.2]", "study.sensitivity.speeds: expected each once"),
+    ],
+)
+def test_a_mistake_is_one_line_that_names_it(override, message):
+    name = override.partition(".")[0]
+    with pytest.raises(UserError) as error:
+        study(name, f"study.{override}")
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("gait.dynamics=knee", "env.action.offset: expected none of the family hzd with"),
+        ("env/phase=fixed", "env.phase: expected no step_time and no halt"),
+        (
+            "+control.hzd.observer={delay:0.0,position:0.5,velocity:0.5}",
+            "control.hzd.observer: expected null below actions",
+        ),
+    ],
+)
+def test_actions_on_a_controller_that_cannot_be_are_refused(override, message):
+    with pytest.raises(UserError, match=message):
+        table1_jobs(compose([TEST, "env.action.offset=hzd", override], CONF))
+
+
+def test_what_is_under_the_actions_is_of_that_variant_alone():
+    """Library and foot placement of hzd, and its settings; the default's recipes stay."""
+    run = ("study.ablation.training.seeds=[1]", "study.ablation.run=[default,residual_hzd]")
+    default, residual = study("ablation", *run).inputs["walking"]
+    other, changed = study("ablation", *run, "control.hzd.ahead=0.3").inputs["walking"]
+    assert set(residual.inputs) == {"library", "foot_placement"}
+    assert residual.section["control"]["family"] == "hzd"
+    assert "hzd" not in default.section
+    assert (default.recipe == other.recipe, residual.recipe == changed.recipe) == (True, False)

@@ -6,7 +6,7 @@ import pytest
 
 from slider.bench.control import measure
 from slider.cli import main
-from slider.control.whole_body import qp
+from slider.control import qp
 from tests.control.hzd.test_controller import gaits
 from tests.env.synthetic import config
 

@@ -28,7 +28,7 @@ from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 from slider.control.hzd.controller import EnforcedGaits
 from slider.control.model_based import build_controller
-from slider.control.whole_body import qp
+from slider.control import qp
 from slider.core.errors import UserError
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out

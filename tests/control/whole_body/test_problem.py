@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.control.whole_body import qp
+from slider.control import qp
 from slider.control.whole_body.nominal import Dynamics, NominalModel
 from slider.control.whole_body.problem import WholeBody
 from slider.control.whole_body.tasks import BodyTasks, join

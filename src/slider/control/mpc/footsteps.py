@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.config.control import PlannedStepConfig, PlannerConfig
-from slider.control.whole_body import lip, qp
+from slider.control import qp
+from slider.control.whole_body import lip
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 
 from slider.config.control import WholeBodyConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body import qp
+from slider.control import qp
 from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
 from slider.core.compiled import compiled, part
 from slider.robot import names

@@ -14,7 +14,7 @@ from pipeline.entry import open_pipeline
 from pipeline.stages import all_jobs
 from slider.cli import main
 from slider.config.kinds import kind
-from slider.control.export.layout import describe
+from slider.control.layout import describe
 from slider.core.errors import UserError
 from slider.env import observations, rewards, terminations
 from slider.env.declaration import Needs

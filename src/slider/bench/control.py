@@ -26,9 +26,9 @@ from slider.config.control import HzdControlConfig
 from slider.config.env import PlantConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
+from slider.control import qp
 from slider.control.hzd.controller import EnforcedGaits
 from slider.control.model_based import build_controller
-from slider.control import qp
 from slider.core.errors import UserError
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from slider.evaluation.proportions import wilson
+from slider.evaluation.results import wilson
 from slider.reports.controllers import speed
 from slider.reports.quantities import NONE, Quantity
 from slider.reports.rows import Row, by

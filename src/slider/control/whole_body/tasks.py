@@ -3,13 +3,17 @@
 Torques are (n, 12) [N m or N]; with them goes whether the QP has a solution (n,).
 """
 
+import time
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 
 from slider.config.control import TaskConfig, WholeBodyConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.clock import TickClock
 from slider.control.whole_body.memory import FEET, Memory
-from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
+from slider.control.whole_body.model import NUM_DOFS, Dynamics
 from slider.control.whole_body.problem import Tasks, WholeBody
 from slider.core.compiled import compiled
 from slider.robot.kinematics import about_z
@@ -18,6 +22,26 @@ _LINE, _UP = 5, 2  # coordinates of a foot's line: place, pitch, yaw; its height
 Part = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Jacobian (n, r, 18), desired acceleration less the bias (n, r), weight (r,)."""
 Solved = tuple[np.ndarray, np.ndarray]
+
+
+class TickClock:
+    """Adds up the processor time of named parts of a tick; for display, never part of a result."""
+
+    def __init__(self) -> None:
+        self.ticks = 0
+        self._seconds: dict[str, float] = defaultdict(float)
+
+    @contextmanager
+    def part(self, name: str) -> Iterator[None]:
+        """Time the block; parts are not nested."""
+        start = time.process_time()
+        yield
+        self._seconds[name] += time.process_time() - start
+
+    def microseconds(self) -> dict[str, float]:
+        """Mean processor time per robot and tick of each part [µs]."""
+        ticks = max(self.ticks, 1)
+        return {name: round(1e6 * value / ticks, 2) for name, value in self._seconds.items()}
 
 
 class BodyControl:
@@ -151,15 +175,15 @@ def _stance(
     jacobians, biases, rotations = terms
     for robot in range(len(feet)):
         for place, foot in enumerate(feet[robot]):
-            own, bias = jacobians[robot, foot], biases[robot, foot]
+            foot_jacobian, bias = jacobians[robot, foot], biases[robot, foot]
             x, y = rotations[robot, foot, 0, 0], rotations[robot, foot, 1, 0]
             length = np.sqrt(x * x + y * y)
             rows, rate = jacobian[robot, place], desired[robot, place]
             for dof in range(NUM_DOFS):
                 for axis in range(3):
-                    rows[axis, dof] = own[axis, dof]
-                rows[3, dof] = (x * own[4, dof] - y * own[3, dof]) / length
-                rows[4, dof] = own[5, dof]
+                    rows[axis, dof] = foot_jacobian[axis, dof]
+                rows[3, dof] = (x * foot_jacobian[4, dof] - y * foot_jacobian[3, dof]) / length
+                rows[4, dof] = foot_jacobian[5, dof]
             for axis in range(3):
                 rate[axis] = -bias[axis]
             rate[3], rate[4] = -(x * bias[4] - y * bias[3]) / length, -bias[5]
@@ -195,9 +219,9 @@ def point_velocity(jacobian: np.ndarray, qvel: np.ndarray) -> np.ndarray:
     return (jacobian @ qvel[:, :, None])[..., 0]
 
 
-def _rotation_error(desired: np.ndarray, found: np.ndarray) -> np.ndarray:
-    """World vector (n, 3) [rad] of the turn from ``found`` to ``desired``, small angles."""
-    difference = desired @ found.swapaxes(1, 2)
+def _rotation_error(desired: np.ndarray, actual: np.ndarray) -> np.ndarray:
+    """World vector (n, 3) [rad] of the turn from ``actual`` to ``desired``, small angles."""
+    difference = desired @ actual.swapaxes(1, 2)
     skew = 0.5 * (difference - difference.swapaxes(1, 2))
     return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 

@@ -1,4 +1,4 @@
-"""The layout of a policy: all that a robot's own software needs beside the network, as plain data.
+"""The layout of a policy: the plain data that a robot's own software needs beside the network.
 
 Units: SI and radians. x forward, y left, z up. Positive joint angles are right-handed turns about
 the axes in the robot model; a slide grows as the leg gets longer.
@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from slider.config.convert import to_dict
-from slider.control.export import REFERENCE
-from slider.control.hzd.underlying import underlying_of
+from slider.control import REFERENCE
 from slider.control.policy_file import Policy
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
@@ -51,10 +50,6 @@ _PROCEDURE = [
     "kp * (angle - own angle) - kd * own speed, at most torque_limit in size and within the line "
     "from stall_torque at rest to 0 at no_load_speed",
 ]
-_RESIDUAL = (
-    "motor[m] gives the torque of the controller under the actions, computed at its own rate, plus "
-    "kp * sum of joints[name] * scale * a, within its limits; that controller is in the policy file"
-)
 
 
 def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
@@ -62,21 +57,20 @@ def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
 
     Args:
         policy: with the robot and the environment of its training.
-        provenance: where it comes from, copied as it is.
+        provenance: origin, copied unchanged.
     """
-    under = underlying_of(policy.underlying)
-    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference, under)
+    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
     return {
         "format": FORMAT,
         "version": VERSION,
         "robot": policy.robot.name,
         "control_period": policy.env.control_period,
-        "procedure": _PROCEDURE if under is None else [*_PROCEDURE[:-1], _RESIDUAL],
+        "procedure": _PROCEDURE,
         "network": _network(policy),
         "observation": _observation(policy, agent),
         "action": _action(policy, agent),
         "clock": _clock(policy),
-        "reference": _reference(policy) if under is None else None,
+        "reference": _reference(policy),
         "simulation": {
             "timestep": policy.env.physics.timestep,
             "substeps": policy.env.physics.substeps,
@@ -147,7 +141,7 @@ def reference_table(policy: Policy) -> JointTable:
 
 
 def _reference(policy: Policy) -> dict[str, Any]:
-    """Where a zero action leads, by reference velocity and phase."""
+    """Joint positions of a zero action, by reference velocity and phase."""
     table = reference_table(policy)
     return {
         "file": REFERENCE,

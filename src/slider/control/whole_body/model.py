@@ -1,19 +1,25 @@
-"""Dynamics of the controller's own, nominal model of the robot: MuJoCo's terms."""
+"""Dynamics of the controller's nominal model of the robot: MuJoCo's terms.
+
+Many copies of the robot stand in one MuJoCo model, so that a call of its routines evaluates all of
+them. The terms of a copy equal those of a model with one robot to the bit.
+"""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.copies import Copies
 from slider.core.compiled import compiled, part
 from slider.robot import names
-from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from slider.robot.mjcf import SimulationOptions, build_model, build_spec, nominal_qpos
 
 NUM_DOFS = 6 + names.NUM_JOINTS
+_COPIES = 32
 _BASE_BODY = 1
 _FLOATING, _BASE_TURN = 6, 3  # degrees of freedom of the base; from here on they are its rotation
 _LEGS = ((6, 11), (12, 17))  # without the upper feet, which move no sole
@@ -21,7 +27,7 @@ _LEGS = ((6, 11), (12, 17))  # without the upper feet, which move no sole
 
 @dataclass(frozen=True)
 class Dynamics:
-    """Terms of M q̈ + h = Sᵀτ + Jᵀf for n robots, and where their parts are.
+    """Terms of M q̈ + h = Sᵀτ + Jᵀf for n robots, and places of their parts.
 
     Attributes:
         base_position: (n, 3) [m].
@@ -55,7 +61,7 @@ class Dynamics:
     foot_jacobians: np.ndarray
     foot_bias: np.ndarray
 
-    def of(self, index: np.ndarray) -> "Dynamics":
+    def take(self, index: np.ndarray) -> "Dynamics":
         """The terms of some of the robots, in their order."""
         if len(index) == len(self.qvel) and index.dtype != bool:
             return self  # all of them
@@ -68,7 +74,7 @@ class NominalModel:
     def __init__(self, robot: RobotConfig) -> None:
         self.model = build_model(robot, SimulationOptions(actuation="torque"))
         self.mass = float(self.model.body_subtreemass[_BASE_BODY])
-        self._copies = Copies(robot)
+        self._copies = _Copies(robot)
         self._damping = self.model.dof_damping.reshape(NUM_DOFS, -1)[:, 0].copy()
         self.nominal_height = self._standing_com_height(robot)
 
@@ -86,9 +92,9 @@ class NominalModel:
         soles, turns = np.empty((n, 2, 3)), np.empty((n, 2, 9))
         jacobians, rates = np.empty((n, 2, 6, NUM_DOFS)), np.empty((n, 2, 6))
         places = copies.soles, copies.bodies
-        found = mass, bias, com, turn, soles, turns, jacobians, rates
+        results = mass, bias, com, turn, soles, turns, jacobians, rates
         for start in copies.evaluate(qpos, qvel):
-            _read(copies.terms, copies.entries, places, start, qvel, found)
+            _read(copies.terms, copies.entries, places, start, qvel, results)
         com_jacobian = mass[:, :3] / self.mass  # momentum = mass × velocity of the centre of mass
         return Dynamics(
             base_position=qpos[:, :3],
@@ -109,6 +115,71 @@ class NominalModel:
         )
 
 
+class _Copies:
+    """Evaluates any number of robots, as many at once as the model has copies.
+
+    Attributes:
+        terms: MuJoCo's arrays (copies, …) of the last evaluation: M, as its sparse entries, bias
+            forces, centres of mass, rotations and sites, and about the centre of mass, angular
+            above linear, velocities of bodies, axes of degrees of freedom and their derivatives.
+        entries: rows (r,), columns (r,) of the sparse M.
+        soles, bodies: places of the soles among the sites; of base and feet among the bodies.
+    """
+
+    def __init__(self, robot: RobotConfig) -> None:
+        self._model = model = _repeated(robot)
+        self._data = data = mujoco.MjData(model)
+        self._qpos, self._qvel = _per_copy(data.qpos), _per_copy(data.qvel)
+        self.terms = tuple(
+            _per_copy(values)
+            for values in (
+                *(data.M, data.qfrc_bias, data.subtree_com[1:], data.xmat[1:]),
+                *(data.site_xpos, data.site_xmat, data.cvel[1:], data.cdof, data.cdof_dot),
+            )
+        )
+        rows = np.repeat(np.arange(model.nv), model.M_rownnz)
+        first = slice(self.terms[0].shape[1])
+        self.entries = rows[first].copy(), model.M_colind[first].astype(int)
+        self.soles = np.array([model.site(f"0_{names.sole(side)}").id for side in names.SIDES])
+        bodies = names.BASE, *(names.foot(side) for side in names.SIDES)
+        self.bodies = np.array([model.body(f"0_{name}").id - 1 for name in bodies])
+
+    def evaluate(self, qpos: np.ndarray, qvel: np.ndarray) -> Iterator[int]:
+        """Evaluate positions (n, 19) and velocities (n, 18); the first robot of each of the calls.
+
+        The copies that are left over in the last call have terms of robots before.
+        """
+        for start in range(0, len(qvel), _COPIES):
+            batch = slice(start, start + _COPIES)
+            self._move(slice(len(qvel[batch])), qpos[batch], qvel[batch])
+            yield start
+
+    def _move(self, copies: slice, qpos: np.ndarray, qvel: np.ndarray) -> None:
+        model, data = self._model, self._data
+        self._qpos[copies], self._qvel[copies] = qpos, qvel
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_tendon(model, data)
+        mujoco.mj_makeM(model, data)  # with the capstan rotors' inertia
+        mujoco.mj_comVel(model, data)
+        mujoco.mj_rne(model, data, 0, data.qfrc_bias)
+
+
+def _repeated(robot: RobotConfig) -> mujoco.MjModel:
+    """Copies of the robot in an empty world, their names with a number before them."""
+    spec = mujoco.MjSpec()
+    for number in range(_COPIES):
+        single = build_spec(robot, SimulationOptions(actuation="torque"))
+        spec.option = single.option
+        spec.worldbody.add_frame().attach_body(single.body(names.BASE), f"{number}_", "")
+    return spec.compile()
+
+
+def _per_copy(values: np.ndarray) -> np.ndarray:
+    """A view (copies, …) of a model's values, row by row or one after the other."""
+    return values.reshape(_COPIES, -1, *values.shape[1:])
+
+
 _Arrays = tuple[np.ndarray, ...]
 
 
@@ -119,11 +190,11 @@ def _read(
     places: _Arrays,
     start: int,
     qvel: np.ndarray,
-    found: _Arrays,
+    results: _Arrays,
 ) -> None:
-    """Terms of the robots from ``start`` on, of as many as there are copies; see ``Copies``."""
+    """Terms of the robots from ``start`` on, of as many as there are copies; see ``_Copies``."""
     sparse, forces, coms, rotations, sites, site_rotations, twists, axes, rates = terms
-    mass, bias, com, rotation, soles, sole_rotations, jacobians, foot_bias = found
+    mass, bias, com, rotation, soles, sole_rotations, jacobians, foot_bias = results
     (rows, columns), (own_sites, bodies) = entries, places
     offset, speed = np.empty(3), np.empty(3)
     for copy in range(min(len(sparse), len(qvel) - start)):

@@ -88,7 +88,7 @@ class Memory:
 
     @classmethod
     def on_both_feet(cls, velocity: np.ndarray, heading: np.ndarray) -> "Memory":
-        """Before the first step, with a commanded ``velocity`` (N, 3) and ``heading`` (N,) [rad]."""
+        """Before the first step, with ``velocity`` (N, 3) and ``heading`` (N,) [rad] commanded."""
         n = len(velocity)
         return cls(
             velocity=velocity,
@@ -99,7 +99,7 @@ class Memory:
             stance=np.full(n, LEFT),
             elapsed=np.zeros(n),
             duration=np.zeros(n),
-            foothprevious=np.zeros((n, 2)),
+            foothold=np.zeros((n, 2)),
             swing=np.zeros((n, 3, 3)),
             walked=np.zeros(n),
             steps=np.zeros(n, dtype=int),

@@ -104,6 +104,10 @@ class Policy:
 
 def save_policy(policy: Policy, path: Path) -> None:
     """Write a policy file; loadable with ``torch.load(path, weights_only=True)``."""
+    reference = None
+    if policy.reference is not None:
+        positions = torch.from_numpy(policy.reference.positions)
+        reference = {**_tensors(policy.reference.times), "positions": positions}
     content = {
         "format": FORMAT,
         "version": VERSION,
@@ -116,7 +120,7 @@ def save_policy(policy: Policy, path: Path) -> None:
         "robot": to_dict(policy.robot),
         "env": to_dict(policy.env),
         "facts": dict(policy.facts),
-        "reference": None if policy.reference is None else _reference_tensors(policy.reference),
+        "reference": reference,
     }
     torch.save(content, path)
 
@@ -170,13 +174,9 @@ def _times(tensors: dict[str, torch.Tensor]) -> StepTimes:
     return StepTimes(**{name: value.numpy() for name, value in tensors.items()})
 
 
-def _reference_tensors(reference: JointTable) -> dict[str, torch.Tensor]:
-    return {**_tensors(reference.times), "positions": torch.from_numpy(reference.positions)}
-
-
 def _reference(tensors: dict[str, torch.Tensor] | None) -> JointTable | None:
-    """The gaits under the actions; files from before there was such a choice have none."""
+    """Gaits under the actions; None in a policy about the nominal pose."""
     if tensors is None:
         return None
-    times = {name: value for name, value in tensors.items() if name != "positions"}
-    return JointTable(_times(times), tensors["positions"].numpy())
+    positions = tensors.pop("positions").numpy()
+    return JointTable(_times(tensors), positions)

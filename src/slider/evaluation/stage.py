@@ -10,7 +10,7 @@ from slider.config.env import EnvConfig, PlantConfig
 from slider.config.robot import RobotConfig
 from slider.control import POLICY_FILE
 from slider.control.hzd.gaits import EnforcedGaits
-from slider.control.model_based import ModelBased, build_controller, build_plant
+from slider.control.model_based import build_controller, build_plant
 from slider.control.policy import PolicyController, agent_of
 from slider.control.policy_file import load_policy
 from slider.core.job import Inputs, Job, Section, Summary
@@ -35,10 +35,7 @@ def run_baseline(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     protocol = read_protocol(section)
     disturbance, threads = protocol.disturbance, job.threads
     simulated = simulate_baseline(section, inputs, protocol.count, disturbance, threads)
-    summary = evaluate(protocol, simulated, out, job)
-    assert isinstance(simulated.controller, ModelBased)
-    job.volatile["tick_us"] = simulated.controller.clock.microseconds()
-    return summary
+    return evaluate(protocol, simulated, out, job)
 
 
 def run_changed(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:

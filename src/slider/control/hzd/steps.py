@@ -134,9 +134,7 @@ class HzdSteps:
         now = self._motion(walk, memory, robots, dynamics)
         parts = [
             self._outputs(walk, now),
-            self._body.tasks.stance(
-                dynamics, memory.stance[robots, None], np.zeros((len(robots), 1))
-            ),
+            self._body.stance(dynamics, memory.stance[robots, None], np.zeros((len(robots), 1))),
         ]
         feet = memory.stance[robots, None]
         solved = self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))

@@ -40,7 +40,7 @@ class MpcSteps:
     """
 
     def __init__(self, config: MpcConfig, plant: PlantModel) -> None:
-        self._config, self._period, self._clock = config, plant.period, plant.clock
+        self._config, self._period = config, plant.period
         self._velocity = ReferenceVelocity(config.velocity, plant.period)
         self._planner = FootstepPlanner(config.step, config.planner, plant.omega)
         self._omega, self._body = plant.omega, plant.body
@@ -90,7 +90,7 @@ class MpcSteps:
             *self._body.body(memory, robots, dynamics, flat, support[:, 2], weight),
             self._swing(dynamics, foot, memory.swing[robots]),
             self._swing_rotation(dynamics, foot, heading, yaw_rate),
-            self._body.tasks.stance(dynamics, feet, np.zeros(feet.shape)),
+            self._body.stance(dynamics, feet, np.zeros(feet.shape)),
         ]
         return self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
 
@@ -131,8 +131,7 @@ class MpcSteps:
             duration=memory.duration[robots],
             reference_velocity=self._velocity.planned(memory, robots),
         )
-        with self._clock.part("footsteps"):
-            plan = self._planner.plan(pendulum)
+        plan = self._planner.plan(pendulum)
         memory.foothold[robots] = foot + memory.to_world(plan.step, robots)
         memory.duration[robots] = plan.duration
 

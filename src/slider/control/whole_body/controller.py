@@ -15,7 +15,7 @@ from slider.control.whole_body.memory import LEFT, OFF, STAND, SWAY, WALK, Memor
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.control.whole_body.modes import Entry, Modes, Stepping
 from slider.control.whole_body.references import natural_frequency
-from slider.control.whole_body.tasks import BodyControl, Solved, TickClock
+from slider.control.whole_body.tasks import BodyControl, Solved
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names
@@ -29,7 +29,6 @@ class PlantModel:
     Attributes:
         model: nominal, not the plant.
         period: of a tick [s].
-        clock: cost of the parts of a tick.
         omega: natural frequency of the pendulum [rad/s].
         body: tasks of the body and their solution.
     """
@@ -37,12 +36,12 @@ class PlantModel:
     def __init__(
         self, robot: RobotConfig, config: ModelBasedConfig, search: float, period: float
     ) -> None:
-        self.clock, self.period = TickClock(), period
+        self.period = period
         self.model = NominalModel(robot)
         self.omega = natural_frequency(self.model.nominal_height)
         self.reach = min(robot.geometry.heel, robot.geometry.toe)
         height = self.model.nominal_height
-        self.body = BodyControl(robot, config.whole_body, search, height, self.clock)
+        self.body = BodyControl(robot, config.whole_body, search, height)
         self.entry = Entry(config.step, config.entry, self.omega, self.reach)
 
 
@@ -55,7 +54,6 @@ class WalkingController:
     """
 
     def __init__(self, plant: PlantModel, stepping: Stepping) -> None:
-        self.clock = plant.clock
         self._period, self._model = plant.period, plant.model
         self._entry, self._body, self._stepping = plant.entry, plant.body, stepping
         self._modes = Modes(plant.entry, stepping, plant.omega, plant.reach)
@@ -99,9 +97,7 @@ class WalkingController:
         torques = np.zeros((state.num_robots, names.NUM_JOINTS))
         active = np.flatnonzero(memory.mode != OFF)
         if len(active):
-            self.clock.ticks += len(active)
-            with self.clock.part("model"):
-                dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
+            dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
             contact = state.foot_forces[active] > CONTACT_FORCE
             self._modes.switch(memory, active, dynamics, contact)
             torques[active] = self._drive(active, dynamics, contact)

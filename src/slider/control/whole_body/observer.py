@@ -15,7 +15,6 @@ from slider.config.control import ObserverConfig
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.control.whole_body.controller import WalkingController
-from slider.control.whole_body.tasks import TickClock
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import multiply_quaternions
 from slider.env.state import RobotState
@@ -103,11 +102,6 @@ class ObservingController:
     def __init__(self, controller: WalkingController, observer: Observer) -> None:
         self._controller, self._observer = controller, observer
 
-    @property
-    def clock(self) -> TickClock:
-        """Cost of the parts of a tick."""
-        return self._controller.clock
-
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew; see :class:`WalkingController`."""
         self._observer.reset(state)
@@ -124,9 +118,7 @@ class ObservingController:
 
     def control(self, state: RobotState) -> np.ndarray:
         """Torques (N, 12) [N m or N] from measured states."""
-        with self.clock.part("observer"):
-            estimate = self._observer.estimate(state)
-        torques = self._controller.control(estimate)
+        torques = self._controller.control(self._observer.estimate(state))
         self._observer.send(torques)
         return torques
 

@@ -3,11 +3,6 @@
 Torques are (n, 12) [N m or N]; with them goes whether the QP has a solution (n,).
 """
 
-import time
-from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import numpy as np
 
 from slider.config.control import TaskConfig, WholeBodyConfig
@@ -24,26 +19,6 @@ Part = tuple[np.ndarray, np.ndarray, np.ndarray]
 Solved = tuple[np.ndarray, np.ndarray]
 
 
-class TickClock:
-    """Adds up the processor time of named parts of a tick; for display, never part of a result."""
-
-    def __init__(self) -> None:
-        self.ticks = 0
-        self._seconds: dict[str, float] = defaultdict(float)
-
-    @contextmanager
-    def part(self, name: str) -> Iterator[None]:
-        """Time the block; parts are not nested."""
-        start = time.process_time()
-        yield
-        self._seconds[name] += time.process_time() - start
-
-    def microseconds(self) -> dict[str, float]:
-        """Mean processor time per robot and tick of each part [µs]."""
-        ticks = max(self.ticks, 1)
-        return {name: round(1e6 * value / ticks, 2) for name, value in self._seconds.items()}
-
-
 class BodyControl:
     """Turns references of n robots into torques; on both feet whatever the way of stepping.
 
@@ -52,20 +27,12 @@ class BodyControl:
         config: gains, weights and limits.
         search: velocity at which feet without contact sink [m/s].
         height: of the pendulum [m].
-        clock: for the parts ``assembly`` and ``solution``.
     """
 
     def __init__(
-        self,
-        robot: RobotConfig,
-        config: WholeBodyConfig,
-        search: float,
-        height: float,
-        clock: TickClock,
+        self, robot: RobotConfig, config: WholeBodyConfig, search: float, height: float
     ) -> None:
-        self._config, self._height, self._clock = config, height, clock
-        self._search = search
-        self.tasks = BodyTasks(config)
+        self._config, self._search, self._height = config, search, height
         self._whole_body = WholeBody(robot, config)
 
     def on_both_feet(
@@ -93,7 +60,7 @@ class BodyControl:
         sinking = np.where(contact, 0.0, self._search)
         parts = [
             *self.body(memory, robots, dynamics, flat, ground, weight),
-            self.tasks.stance(dynamics, feet, sinking),
+            self.stance(dynamics, feet, sinking),
         ]
         return self.solve(dynamics, parts, feet, contact)
 
@@ -107,34 +74,20 @@ class BodyControl:
         weight: np.ndarray,
     ) -> list[Part]:
         """Centre of mass with level acceleration ``flat`` (n, 2) above ``ground`` (n,), base."""
-        lift = self._lift(dynamics, ground)
-        acceleration = np.concatenate([flat, lift[:, None]], axis=1)
-        return [
-            self.tasks.com(dynamics, acceleration, weight),
-            self.tasks.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
-        ]
-
-    def _lift(self, dynamics: Dynamics, ground: np.ndarray) -> np.ndarray:
-        """Vertical acceleration (n,) that holds the pendulum's height above the ground."""
         task = self._config.com
         error = self._height - (dynamics.com[:, 2] - ground)
-        return task.kp * error - task.kd * dynamics.com_velocity[:, 2]
+        lift = task.kp * error - task.kd * dynamics.com_velocity[:, 2]
+        acceleration = np.concatenate([flat, lift[:, None]], axis=1)
+        return [
+            self.com(dynamics, acceleration, weight),
+            self.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
+        ]
 
     def solve(
         self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
     ) -> Solved:
         """Torques for tasks in ``parts`` on ``feet`` (n, k), of which those ``loaded`` carry."""
-        with self._clock.part("assembly"):
-            problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
-        with self._clock.part("solution"):
-            return self._whole_body.solve(problem)
-
-
-class BodyTasks:
-    """Builds tasks for n robots from their dynamics and references."""
-
-    def __init__(self, config: WholeBodyConfig) -> None:
-        self._config = config
+        return self._whole_body.solve(self._whole_body.build(dynamics, join(parts), feet, loaded))
 
     def com(self, dynamics: Dynamics, acceleration: np.ndarray, weight: np.ndarray) -> Part:
         """Centre of mass with a desired acceleration (n, 3) [m/s²]."""

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slider.control.export.folder import write_files
+from slider.control.export import write_files
 from slider.control.policy import PolicyController
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.library.lookup import GaitTable
 from slider.robot.mjcf import nominal_qpos
-from tests.control.export import policies
-from tests.control.export.policies import write_policy
+from tests.control import policies
+from tests.control.policies import write_policy
 from tests.env.synthetic import config, turning_library
 
-EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "run_policy.py"
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "run_policy.py"
 COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
 COMPUTED = {  # by the program; a robot's own terms are left out of the policies here
     "base_linear_velocity",

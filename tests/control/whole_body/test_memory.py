@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from slider.control.rows import consecutive, put, take
+from slider.control.whole_body.memory import consecutive, scatter, take
 
 
 @dataclass(frozen=True)
@@ -50,6 +50,6 @@ def test_rows_are_put_back_and_the_others_stay():
     some = take(whole, index)
     some.numbers += 10
     some.inner.values[:] = -1
-    put(whole, index, some)
+    scatter(whole, index, some)
     assert whole.numbers.tolist() == [0.0, 11.0, 2.0, 13.0]
     assert whole.inner.values[:, 0].tolist() == [0.0, -1.0, 4.0, -1.0]

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.control.whole_body.nominal import NominalModel
+from slider.control.whole_body.model import NominalModel
 from slider.robot.mjcf import SimulationOptions, build_model
 from tests.env.synthetic import (
     TORQUE_LIMITS,
@@ -88,19 +88,6 @@ def test_biases_are_the_accelerations_without_joint_acceleration(nominal, poses)
         (case.foot_jacobians @ poses[1][:, None, :, None])[..., 0] for case in (ahead, behind)
     ]
     np.testing.assert_allclose(dynamics.foot_bias, (speeds[0] - speeds[1]) / (2 * EPS), atol=1e-5)
-
-
-def test_foot_jacobians_are_the_derivatives_of_the_soles(nominal, poses):
-    dynamics = nominal.evaluate(*poses)
-    ahead, behind = (nominal.evaluate(moved(nominal, *poses, s * EPS), poses[1]) for s in (1, -1))
-    speed = (dynamics.foot_jacobians[:, :, :3] @ poses[1][:, None, :, None])[..., 0]
-    slope = (ahead.foot_positions - behind.foot_positions) / (2 * EPS)
-    np.testing.assert_allclose(speed, slope, atol=1e-7)
-    turn = (ahead.foot_rotations - behind.foot_rotations) / (2 * EPS)
-    skew = turn @ dynamics.foot_rotations.swapaxes(-1, -2)
-    angular = (dynamics.foot_jacobians[:, :, 3:] @ poses[1][:, None, :, None])[..., 0]
-    np.testing.assert_allclose(angular[..., 2], skew[..., 1, 0], atol=1e-6)
-    np.testing.assert_allclose(angular[..., 0], skew[..., 2, 1], atol=1e-6)
 
 
 def test_equations_of_motion_are_mujocos(nominal, poses):

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.control.export.layout import describe, reference_table
+from slider.control.layout import describe, reference_table
 from slider.env.observations import TERMS
 from slider.robot.names import JOINTS
-from tests.control.export.policies import make_policy
+from tests.control.policies import make_policy
 from tests.env.synthetic import gait_table, motor_angles
 
 

@@ -19,7 +19,7 @@ from slider.control.policy_file import (
 from slider.core.errors import UserError
 from slider.robot.names import JOINTS
 from slider.training.ppo import NORMALISER_EPSILON
-from tests.env.synthetic import config, gait_table, make_agent, make_physics, make_state
+from tests.env.synthetic import config, gait_table, make_agent, make_state
 
 LAYOUT = {"command": 4, "joint_positions": 12}
 SIZE = sum(LAYOUT.values())

@@ -20,7 +20,7 @@ from slider.env import observations, rewards, terminations
 from slider.env.declaration import Needs
 from slider.env.rewards import RewardView, reward
 from slider.env.terms import check_clock, checked, uses_library
-from tests.control.export.policies import make_policy
+from tests.control.policies import make_policy
 from tests.env.synthetic import CONF, config, make_guide, make_state, make_view
 from tests.env.test_rewards import moving_view
 from tests.env.test_vec_env import NUM_ENVS, actions, build, settings

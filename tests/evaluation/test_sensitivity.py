@@ -9,8 +9,7 @@ import torch
 
 from slider.config.convert import to_dict
 from slider.config.parameters import scaled
-from slider.control.network import PolicyNetwork
-from slider.control.policy_file import Policy, save_policy
+from slider.control.policy_file import Policy, PolicyNetwork, save_policy
 from slider.core.job import Job
 from slider.evaluation import protocol, stage
 from slider.evaluation.protocol import read_protocol

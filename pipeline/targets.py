@@ -14,7 +14,7 @@ from slider.artefacts.plan import JobSpec
 from slider.config.schema import Config
 from slider.config.studies import StudyConfig
 from slider.config.validation.checks import require
-from slider.control.export import FILES as POLICY_FILES
+from slider.control import EXPORT_FILES as POLICY_FILES
 from slider.reports.figures import FILES as FIGURES
 from slider.reports.figures import STABILITY_FILES
 from slider.reports.sections.registry import OPTIONAL, PROTOCOLS, SECTIONS, check_sections

@@ -13,7 +13,7 @@ ENTRIES = {
     "standing": "slider.training.stage:run_standing",
     "walking": "slider.training.stage:run_walking",
     "evaluation": "slider.evaluation.stage:run",
-    "baseline": "slider.evaluation.mpc:run",
+    "baseline": "slider.evaluation.stage:run_baseline",
     "table1": "slider.reports.table1:run",
     "velocity_tracking": "slider.reports.velocity_tracking:run",
     "speeds": "slider.reports.protocols.speeds:run",
@@ -30,7 +30,7 @@ ENTRIES = {
     "stability_figures": "slider.reports.figures.stability:run",
     "gait_walks": "slider.evaluation.gait_walks:run",
     "figures": "slider.reports.figures.stage:run",
-    "policy_export": "slider.control.export.stage:run",
+    "policy_export": "slider.control.export:run",
     "study": "slider.reports.study:run",
     "video": "slider.reports.video:run",
     "report": "slider.reports.page:run",
@@ -38,10 +38,10 @@ ENTRIES = {
 """Stage → entry point ``module:function``."""
 
 OF_HZD = {
-    "standing": "slider.training.residual:run_standing",
-    "walking": "slider.training.residual:run_walking",
-    "evaluation": "slider.evaluation.residual:run",
-    "baseline": "slider.evaluation.enforced:run",
+    "standing": "slider.training.stage:run_standing",
+    "walking": "slider.training.stage:run_walking",
+    "evaluation": "slider.evaluation.stage:run",
+    "baseline": "slider.evaluation.stage:run_baseline",
 }
 """The same where ``hzd`` walks, alone or below the actions: no other job depends on its source."""
 

@@ -37,16 +37,6 @@ def test_the_store_that_is_measured_is_a_store(tmp_path):
     assert all(store.usable(path) for path in store.manifests())
 
 
-def test_more_cores_take_no_longer_and_never_less_than_the_bound(monkeypatch):
-    monkeypatch.setattr(growth, "_CORES", (1, 3, 1000))
-    points = list(growth.CURVES["cores"](Namespace()))
-    minutes = [value for _, name, value in points if name.startswith("Table 1")]
-    bounds = [value for _, name, value in points if name.startswith("least")]
-    assert minutes[0] > 2 * minutes[1] > 2 * minutes[2] > 0
-    assert minutes[0] == pytest.approx(bounds[0])
-    assert minutes[2] == pytest.approx(bounds[2])
-
-
 def test_a_larger_problem_takes_longer(monkeypatch):
     monkeypatch.setattr(growth, "_NODES", (5, 51))
     monkeypatch.setattr("slider.bench.gaits.VELOCITIES", ((0.3, 0.0),))

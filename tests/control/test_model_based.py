@@ -1,13 +1,10 @@
 """Controllers of ``conf/control`` are built from their settings and what these need."""
 
-from dataclasses import replace
-
 import pytest
 
 from slider.config.control import MpcConfig
 from slider.control.model_based import build_controller
-from slider.control.mpc.controller import mpc_controller
-from slider.control.whole_body.controller import ObservingController
+from slider.control.whole_body.observer import ObservingController
 from slider.core.errors import UserError
 from tests.env.synthetic import config, robot_config
 
@@ -24,7 +21,3 @@ def test_an_observer_stands_before_the_controller_where_there_is_one(name):
     assert isinstance(control, MpcConfig)
     built = build_controller(robot_config(), control, config().env.physics, 1)
     assert isinstance(built, ObservingController) == (control.observer is not None)
-    bare = build_controller(
-        robot_config(), replace(control, observer=None), config().env.physics, 1
-    )
-    assert type(bare) is type(mpc_controller(robot_config(), control, 0.005))

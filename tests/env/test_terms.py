@@ -14,13 +14,13 @@ from pipeline.entry import open_pipeline
 from pipeline.stages import all_jobs
 from slider.cli import main
 from slider.config.kinds import kind
-from slider.control.export.layout import describe
+from slider.control.layout import describe
 from slider.core.errors import UserError
 from slider.env import observations, rewards, terminations
 from slider.env.declaration import Needs
 from slider.env.rewards import RewardView, reward
 from slider.env.terms import check_clock, checked, uses_library
-from tests.control.export.policies import make_policy
+from tests.control.policies import make_policy
 from tests.env.synthetic import CONF, config, make_guide, make_state, make_view
 from tests.env.test_rewards import moving_view
 from tests.env.test_vec_env import NUM_ENVS, actions, build, settings

@@ -1,4 +1,4 @@
-"""The baseline's stage: the policy's protocol on torque drives."""
+"""The stage ``baseline``: the policy's protocol on torque drives."""
 
 from dataclasses import replace
 
@@ -8,8 +8,7 @@ import pytest
 from pipeline.stages import table1_jobs
 from slider.config.convert import to_dict
 from slider.core.job import Job
-from slider.env.starts import at_rest
-from slider.evaluation import mpc, protocol
+from slider.evaluation import stage
 from slider.evaluation.results import COLUMNS, Evaluation
 from tests.env.synthetic import config
 
@@ -31,8 +30,7 @@ def section(controller: str = "mpc_wbc_tuned", **changes) -> dict:
 
 def run(out, controller: str = "mpc_wbc_tuned", **changes):
     out.mkdir()
-    job = Job(out.parent)
-    return mpc.run(section(controller, **changes), {}, out, job), job
+    return stage.run_baseline(section(controller, **changes), {}, out, Job(out.parent))
 
 
 WALK = {"duration": 3.0, "warm_up": 1.4}  # [s]; from there on whole strides
@@ -43,7 +41,7 @@ WALK = {"duration": 3.0, "warm_up": 1.4}  # [s]; from there on whole strides
 )
 def test_walks_and_its_records_are_those_of_the_policy(tmp_path, controller, speed):
     """A command of 0.2 m/s; the literal settings take it as the speed at the end of a step."""
-    summary, job = run(tmp_path / "out", controller, **WALK)
+    summary = run(tmp_path / "out", controller, **WALK)
     found = Evaluation.load(tmp_path / "out")
     assert tuple(found.robots.columns) == COLUMNS
     assert len(found.robots.survived) == 6
@@ -53,36 +51,8 @@ def test_walks_and_its_records_are_those_of_the_policy(tmp_path, controller, spe
     np.testing.assert_array_equal(found.robots.columns["alternation"], 1.0)
     step = config(*PROTOCOL).control[controller].step
     np.testing.assert_allclose(found.robots.columns["touchdown_rate"], 1 / step.time, atol=0.7)
-    assert {"model", "assembly", "solution"} <= set(job.volatile["tick_us"])
     assert found.controller == controller
     assert found.robots.success.value == 1.0
-
-
-def test_same_input_same_bytes(tmp_path):
-    run(tmp_path / "one")
-    run(tmp_path / "other")
-    for path in (tmp_path / "one").iterdir():
-        assert path.read_bytes() == (tmp_path / "other" / path.name).read_bytes(), path.name
-
-
-def test_starts_are_the_protocols(tmp_path, monkeypatch):
-    seen = []
-    real = protocol.roll_out
-
-    def spying(controller, physics, env, start, command, *rest):
-        seen.append((start, command))
-        return real(controller, physics, env, start, command, *rest)
-
-    monkeypatch.setattr(protocol, "roll_out", spying)
-    run(tmp_path / "out")
-    whole = config(*PROTOCOL)
-    noise, seed = whole.evaluation.start, whole.evaluation.seed
-    draws = (np.random.default_rng(seed + trial) for trial in range(2))  # trials of 3 robots
-    starts = [at_rest(whole.robot, noise, draw, 3) for draw in draws]
-    qpos, qvel = (np.concatenate(values) for values in zip(*starts, strict=True))
-    np.testing.assert_array_equal(seen[0][0][0], qpos)
-    np.testing.assert_array_equal(seen[0][0][1], qvel)
-    np.testing.assert_array_equal(seen[0][1], np.tile([0.2, 0.0, 0.0], (6, 1)))
 
 
 def jobs(*overrides: str) -> dict:
@@ -98,7 +68,6 @@ def test_both_settings_are_jobs_of_their_own_that_need_no_training():
     for (controller, _), job in found.items():
         assert (job.stage == "baseline") == (controller in config().control)
         assert bool(job.inputs) == (controller in ("policy", "hzd"))
-    assert "torch" not in found["mpc_wbc_tuned", 0.2].code.versions
 
 
 def test_a_setting_reruns_only_its_own_jobs():
@@ -111,7 +80,7 @@ def test_walks_disturbed_robots(tmp_path):
     """Noise, 5 ms of delay, another robot than the nominal model."""
     overrides = ("evaluation=robust", "evaluation.disturbance.delay={lower: 0.005, upper: 0.005}")
     disturbance = config(*overrides).evaluation.disturbance
-    calm, _ = run(tmp_path / "calm", **WALK)
-    rough, _ = run(tmp_path / "rough", disturbance=disturbance, **WALK)
+    calm = run(tmp_path / "calm", **WALK)
+    rough = run(tmp_path / "rough", disturbance=disturbance, **WALK)
     assert rough["success_rate"] == 1.0
     assert calm["mse_steady"] < 0.001 < rough["mse_steady"] < 0.02

@@ -1,6 +1,7 @@
 """An evaluation comes back from its folder as it was, and its numbers are those by hand."""
 
 import json
+import math
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -10,7 +11,6 @@ import pytest
 from slider.core.errors import UserError
 from slider.env.metrics import GaitQuality, Tracking
 from slider.evaluation import segments
-from slider.evaluation.proportions import wilson
 from slider.evaluation.results import (
     COLUMNS,
     ROBOTS,
@@ -18,10 +18,11 @@ from slider.evaluation.results import (
     SEGMENTS,
     Evaluation,
     Robots,
+    Z,
     robots,
+    wilson,
 )
-from tests.evaluation.test_profile import case
-from tests.evaluation.test_segments import protocol, recording
+from tests.evaluation.test_segments import case, protocol, recording
 
 
 def random_robots() -> Robots:
@@ -89,12 +90,6 @@ def test_save_then_load(tmp_path, written):
     assert ("case" in about) == bool(written.case)
 
 
-def test_robots_of_a_trial_are_neighbours():
-    columns = random_robots().columns
-    np.testing.assert_array_equal(columns["trial"], [0, 0, 0, 1, 1, 1])
-    np.testing.assert_array_equal(columns["robot"], [0, 1, 2, 0, 1, 2])
-
-
 @pytest.mark.parametrize(("name", "columns"), [(ROBOTS, COLUMNS), (SEGMENTS, SEGMENT_COLUMNS)])
 def test_other_columns_are_one_line(tmp_path, name, columns):
     changing().save(tmp_path)
@@ -119,11 +114,6 @@ def test_numbers_by_hand():
     assert found.tracking_rate.spread == 0.0
 
 
-def test_the_spread_is_over_trials_not_robots():
-    same_trials = make_robots([[1, 1], [1, 1], [1, 1]], [[1, 5], [5, 1], [1, 5]])
-    assert same_trials.mse.spread == 0.0
-
-
 def test_none_survives():
     found = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
     assert found.success.value == found.success.spread == 0.0
@@ -142,3 +132,41 @@ def test_one_trial_has_no_spread():
     found = make_robots([[1, 1]], [[1, 2]])
     estimates = (found.success, found.mse, found.mse_steady, found.tracking_rate)
     assert np.isnan([estimate.spread for estimate in estimates]).all()
+
+
+@pytest.mark.parametrize(
+    ("successes", "count", "low", "high"),
+    [
+        (81, 263, 0.2553, 0.3662),  # Newcombe 1998, Statistics in Medicine 17, table I, method 3
+        (15, 148, 0.0624, 0.1605),
+        (0, 20, 0.0, 0.1611),
+        (1, 29, 0.0061, 0.1718),
+    ],
+)
+def test_published_values(successes, count, low, high):
+    assert wilson(successes, count) == pytest.approx((low, high), abs=5e-5)
+
+
+@pytest.mark.parametrize(("successes", "count"), [(1, 3), (50, 100), (997, 1000)])
+def test_the_ends_are_z_standard_errors_away(successes, count):
+    for end in wilson(successes, count):
+        error = math.sqrt(end * (1 - end) / count)
+        assert abs(successes / count - end) == pytest.approx(Z * error)
+
+
+@pytest.mark.parametrize("count", [1, 7, 100, 1000])
+def test_none_and_all_have_one_exact_end(count):
+    """The other one is z² / (count + z²) away."""
+    far = Z**2 / (count + Z**2)
+    assert wilson(0, count)[0] == 0.0
+    assert wilson(0, count)[1] == pytest.approx(far)
+    assert wilson(count, count)[1] == 1.0
+    assert wilson(count, count)[0] == pytest.approx(1 - far)
+
+
+def test_what_is_no_share_is_refused():
+    for successes, count in ((0, 0), (3, 2), (-1, 2)):
+        with pytest.raises(
+            ValueError, match=f"^expected 0 to {count} of at least 1, found {successes}$"
+        ):
+            wilson(successes, count)

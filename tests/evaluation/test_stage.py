@@ -9,13 +9,13 @@ import torch
 
 from slider.config.convert import to_dict
 from slider.config.parameters import scaled
-from slider.control.network import PolicyNetwork
-from slider.control.policy_file import Policy, save_policy
+from slider.control.model_based import build_plant
+from slider.control.policy_file import Policy, PolicyNetwork, save_policy
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
-from slider.evaluation import baseline, protocol, results, stage
+from slider.evaluation import protocol, results, stage
 from slider.evaluation.protocol import read_protocol
 from slider.evaluation.results import Evaluation
 from slider.robot.mjcf import nominal_qpos
@@ -142,33 +142,33 @@ def test_a_robots_result_does_not_depend_on_the_others(walking, tmp_path):
         np.testing.assert_allclose(many[name][: 2 * ROBOTS], few[name], rtol=1e-5, atol=1e-7)
 
 
-def test_a_policy_of_another_layout_is_one_line(walking, tmp_path):
+def reordered(terms: dict) -> dict:
+    return dict(reversed(terms.items()))
+
+
+def without_phase(terms: dict) -> dict:
+    return {name: scale for name, scale in terms.items() if name != "phase"}
+
+
+@pytest.mark.parametrize(
+    ("change", "offset", "message"),
+    [
+        (
+            without_phase,
+            "gait",
+            "env.observation.terms.phase=1.0, as in its training, found nothing",
+        ),
+        (reordered, "gait", "the observations "),
+        (dict, "nominal", "env.action.offset=gait, as in its training, found nominal"),
+    ],
+)
+def test_policy_of_another_interface_is_one_line(walking, tmp_path, change, offset, message):
     (tmp_path / "out").mkdir()
     other = section()
-    other["env"]["observation"]["terms"].pop("phase")
-    with pytest.raises(UserError) as error:
+    other["env"]["observation"]["terms"] = change(other["env"]["observation"]["terms"])
+    other["env"]["action"]["offset"] = offset
+    with pytest.raises(UserError, match=f"^policy: expected {message}"):
         stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
-    expected = "env.observation.terms.phase=1.0, as in its training, found nothing"
-    assert str(error.value) == f"policy: expected {expected}"
-
-
-def test_a_policy_of_the_same_terms_in_another_order_is_refused(walking, tmp_path):
-    (tmp_path / "out").mkdir()
-    other = section()
-    terms = other["env"]["observation"]["terms"]
-    other["env"]["observation"]["terms"] = dict(reversed(terms.items()))
-    with pytest.raises(UserError, match="policy: expected the observations"):
-        stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
-
-
-def test_a_policy_about_another_origin_is_refused(walking, tmp_path):
-    (tmp_path / "out").mkdir()
-    other = section()
-    other["env"]["action"]["offset"] = "nominal"
-    with pytest.raises(UserError) as error:
-        stage.run(other, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
-    expected = "env.action.offset=gait, as in its training, found nominal"
-    assert str(error.value) == f"policy: expected {expected}"
 
 
 def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
@@ -213,9 +213,7 @@ def test_policy_and_baseline_meet_the_same_robots():
     test = protocol.Protocol("policy", 0.2, None, whole.robot, whole.evaluation)
     count, control = test.count, whole.control["mpc_wbc_tuned"]
     slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=test.disturbance)
-    fast = baseline.build_plant(
-        whole.robot, whole.env.physics, control, count, disturbance=test.disturbance
-    )
+    fast = build_plant(whole.robot, whole.env.physics, control, count, disturbance=test.disturbance)
     stand(slow), stand(fast)
     np.testing.assert_array_equal(slow.masses, fast.masses)
     assert len(np.unique(slow.masses)) == count

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from slider.control import POLICY_FILE
-from slider.control.agent import agent_of
-from slider.control.policy import PolicyController
+from slider.control.policy import PolicyController, agent_of
 from slider.control.policy_file import load_policy
 from slider.env.guide import Guide
 from slider.env.metrics import gait_quality, tracking

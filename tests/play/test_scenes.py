@@ -11,7 +11,7 @@ from slider.commands.play import add_arguments, choose
 from slider.config.env import TerminationConfig
 from slider.core.errors import UserError
 from slider.play import scenes
-from tests.control.export.policies import write_policy
+from tests.control.policies import write_policy
 from tests.env.synthetic import CONF
 
 

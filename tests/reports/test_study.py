@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
+from slider.evaluation.proportions import wilson
 
 from slider.core.job import Job
-from slider.evaluation.proportions import wilson
 from slider.gait import REPORT
 from slider.library.gait_numbers import gait_numbers
 from slider.library.reader import GaitLibrary

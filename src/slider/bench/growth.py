@@ -1,4 +1,4 @@
-"""``slider benchmark-growth``: how times grow with gaits, nodes, robots, threads and objects."""
+"""``slider benchmark-growth``: growth of times with gaits, nodes, robots, threads and objects."""
 
 import argparse
 import multiprocessing
@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -30,11 +30,10 @@ _COUNTS = (100, 1000, 10_000)
 _ENVS = (256, 1024, 4096)
 _SIZES = (100, 1000, 4000)
 _CONTROLLER, _SPEED, _SECONDS = "mpc_wbc_tuned", 0.6, 2.0
-_CORES = (1, 2, 4, 8, 16, 64)
 _BYTES = 4096  # of a small object
 
 Curve = Iterator[tuple[float, str, float]]
-"""How much of what grows there is; a quantity with its unit, and its value."""
+"""Size, a quantity with its unit, and its value."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,32 +71,30 @@ def _nodes(arguments: argparse.Namespace) -> Curve:
 
     for nodes in _NODES:
         config = compose([f"gait.nodes={nodes}"], arguments.conf)
-        found = _apart(1, measure, config.robot, config.gait, VELOCITIES)
-        yield nodes, "build [s]", found.build
-        yield nodes, "solve, median [s]", float(np.median(found.cpu))
-        yield nodes, "iteration [ms]", 1e3 * found.iteration
+        result = _apart(1, measure, config.robot, config.gait, VELOCITIES)
+        yield nodes, "build [s]", result.build
+        yield nodes, "solve, median [s]", float(np.median(result.cpu))
+        yield nodes, "iteration [ms]", 1e3 * result.iteration
 
 
 def _environments(arguments: argparse.Namespace) -> Curve:
     """Physics alone, environment and whole training at each number of robots and threads."""
-    from slider.bench.throughput import measure
+    from slider.bench.loop import measure
     from slider.config.compose import compose
-    from slider.core.numerics import kernels, precision
 
     config, library = compose([], arguments.conf), library_path(arguments)
-    how = [precision("auto", kernels())], 1.0, 3
     for threads in arguments.threads:
         for envs in _ENVS:
-            found = _apart(threads, measure, config, library, threads, envs, *how)[0]
+            row = _apart(threads, measure, config, library, threads, envs, 1.0, 3)
             plural = "thread" if threads == 1 else "threads"
             for part in ("bare", "environment", "loop"):
                 name = f"{part}, {threads} {plural} [1000 steps/s]"
-                yield envs, name, getattr(found, part).wall / 1e3
+                yield envs, name, getattr(row, part).wall / 1e3
 
 
 def _robots(arguments: argparse.Namespace) -> Curve:
     """A baseline, whole and its physics alone, at each number of robots."""
-    from slider.bench.control import measure
+    from slider.bench.controllers import measure
     from slider.config.compose import compose
 
     config = compose([], arguments.conf)
@@ -105,7 +102,7 @@ def _robots(arguments: argparse.Namespace) -> Curve:
     for robots in _SIZES:
         cost = _apart(1, measure, config, _CONTROLLER, None, robots, _SPEED, _SECONDS)
         yield robots, "controller and physics [µs per robot and tick]", cost.whole
-        yield robots, "physics alone [µs per robot and tick]", cost.physics
+        yield robots, "physics alone [µs per robot and tick]", cost.parts["physics"]
 
 
 def _objects(_: argparse.Namespace) -> Curve:
@@ -139,46 +136,11 @@ def _fill(store: Any, count: int) -> None:
 
 
 def _gaits(arguments: argparse.Namespace) -> Curve:
-    """What a dry run takes, by the number of gaits; what the default takes, by that of cores."""
+    """A dry run by the number of gaits."""
     for step in _VY_STEPS:
         seconds, plan = _dry_run(_PLAN.format(step))
         gaits = sum(job.stage == "gait" for job in plan.jobs.values())
         yield gaits, "dry run [s]", seconds
-
-
-def _cores(arguments: argparse.Namespace) -> Curve:
-    """Table 1 by a schedule of the times that ship: all, and the longest way alone."""
-    from slider.artefacts.forecast.schedule import Forecast
-
-    plan = _dry_run("tracking.enabled=false")[1]
-    work = sum(one.seconds for one in _works(plan, 1).values())
-    for cores in _CORES:
-        works = _works(plan, cores)
-        yield cores, "Table 1 [min]", Forecast(works, cores).left(0.0) / 60
-        bound = max(work / cores, max(one.priority for one in works.values()))
-        yield cores, "least: work / cores, or the longest way [min]", bound / 60
-
-
-def _works(plan: Any, cores: int) -> Mapping[str, Any]:
-    """The jobs of Table 1 with their times; more urgent is what has the longer way to the end."""
-    from slider.artefacts.forecast.schedule import Work
-    from slider.artefacts.forecast.times import Times, shipped
-    from slider.artefacts.plan import build_plan
-    from slider.core.threads import threads
-
-    jobs = build_plan({"table1": plan.jobs[plan.targets["table1"]]}).jobs
-    times, way = Times([], shipped()), dict.fromkeys(jobs, 0.0)
-    works = {}
-    for recipe, job in reversed(list(jobs.items())):  # inputs come first
-        trained = job.stage in ("standing", "walking")
-        seconds = times.seconds(job, threads(cores) if trained else 1)
-        inputs = [item.recipe for items in job.inputs.values() for item in items]
-        way[recipe] += seconds
-        uses = times.seconds(job) / seconds
-        works[recipe] = Work(job.stage, seconds, inputs, way[recipe], uses=uses)
-        for item in inputs:
-            way[item] = max(way[item], way[recipe])
-    return works
 
 
 def _dry_run(hydra: str) -> tuple[float, Any]:
@@ -200,7 +162,7 @@ def _dry_run(hydra: str) -> tuple[float, Any]:
 
 
 def _apart(threads: int, function: Callable[..., Any], *arguments: Any) -> Any:
-    """What a function returns in a process of its own, in which so many threads are allowed."""
+    """Result of a function in a process of its own with a limit of threads."""
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, context, initializer=_limit, initargs=(threads,)) as pool:
         return pool.submit(function, *arguments).result()
@@ -226,5 +188,4 @@ CURVES: dict[str, Callable[[argparse.Namespace], Curve]] = {
     "robots": _robots,
     "objects": _objects,
     "gaits": _gaits,
-    "cores": _cores,
 }

@@ -14,7 +14,6 @@ from slider.core.errors import UserError
 _MAKE = "snakemake -j2 policy"
 _ORIGINS = {
     "nominal": "the nominal pose",
-    "hzd": "the torques of the controller hzd, which the file carries with its gaits",
 }
 
 
@@ -54,15 +53,15 @@ def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
 
 
 def _export(file: Path, origin: dict[str, Any], out: Path) -> None:
-    from slider.control.export import FILES
-    from slider.control.export.folder import export
+    from slider.control import EXPORT_FILES
+    from slider.control.export import export
 
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"--out: {out}: {error.strerror}") from None
     found = export(file, origin, out)
-    for name in FILES:
+    for name in EXPORT_FILES:
         print(out / name)
     print(
         f"largest difference of an action over {found.observations} observations of a roll-out: "
@@ -71,7 +70,7 @@ def _export(file: Path, origin: dict[str, Any], out: Path) -> None:
 
 
 def _show(file: Path, origin: dict[str, Any], as_json: bool) -> None:
-    from slider.control.export.layout import describe
+    from slider.control.layout import describe
     from slider.control.policy_file import load_policy
 
     layout = describe(load_policy(file), origin)
@@ -88,7 +87,7 @@ def summary_lines(layout: dict[str, Any]) -> list[str]:
         f"control period  {layout['control_period']:g} s",
         f"network         {' × '.join(map(str, widths))}, {network['activation']}",
         "training        " + ", ".join(f"{k} {v:g}" for k, v in layout["training"].items()),
-        "clock           " + _clock_line(clock, layout["action"]["offset"]),
+        "clock           " + _clock_line(clock),
         f"actions about   {_origin(layout)}",
         "",
         f"{'observation':<26}{'at':>4}{'width':>7}{'scale':>7}  frame    unit",
@@ -122,9 +121,9 @@ def _origin(layout: dict[str, Any]) -> str:
     return f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"
 
 
-def _clock_line(clock: dict[str, Any] | None, offset: str) -> str:
+def _clock_line(clock: dict[str, Any] | None) -> str:
     if clock is None:
-        return "that of the steps of hzd" if offset == "hzd" else "none"
+        return "none"
     times = np.ravel(clock["step_time"])
     mirror = "mirrored in right stance" if clock["mirror"] else "not mirrored"
     return f"steps of {times.min():.2f} to {times.max():.2f} s, {mirror}"

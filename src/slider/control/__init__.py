@@ -1,3 +1,10 @@
-"""Controllers of the robot: the learned policy and the model-predictive ones."""
+"""Controllers of the robot: the learned policy and the model-based ones."""
 
 POLICY_FILE = "policy.pt"  # of a training
+ONNX = "policy.onnx"
+TORCH_EXPORT = "policy.pt2"
+LAYOUT = "policy.json"
+MODEL = "robot.xml"
+REFERENCE = "reference.npy"
+EXPORT_FILES = (POLICY_FILE, ONNX, TORCH_EXPORT, LAYOUT, MODEL, REFERENCE)
+"""Files of a policy for use without this package."""

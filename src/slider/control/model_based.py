@@ -1,30 +1,20 @@
-"""The controllers of ``conf/control`` of any family: all that are not learned."""
+"""The controllers of ``conf/control``: all that are not learned."""
 
-from functools import partial
+from dataclasses import replace
 
 from slider.config.control import AnyControl, MpcConfig
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.control.hzd.controller import EnforcedGaits, hzd_controller
-from slider.control.mpc.controller import mpc_controller
-from slider.control.whole_body.controller import ModelBased, WalkingController
-from slider.control.whole_body.observed import observed
+from slider.control.hzd.gaits import EnforcedGaits
+from slider.control.hzd.steps import hzd_controller
+from slider.control.mpc.steps import mpc_controller
+from slider.control.whole_body.controller import WalkingController
+from slider.control.whole_body.observer import Observer, ObservingController
 from slider.core.errors import UserError
+from slider.env.disturbance.draws import Disturbance
+from slider.env.physics import BatchedPhysics
 
-
-def any_controller(
-    robot: RobotConfig, config: AnyControl, period: float, gaits: EnforcedGaits | None
-) -> WalkingController:
-    """A controller for a nominal robot, with ticks of ``period`` [s].
-
-    Raises:
-        UserError: the controller walks by gaits, and there are none.
-    """
-    if isinstance(config, MpcConfig):
-        return mpc_controller(robot, config, period)
-    if gaits is None:
-        raise UserError("controller: expected gaits to walk by, found none")
-    return hzd_controller(robot, config, gaits, period)
+ModelBased = WalkingController | ObservingController
 
 
 def build_controller(
@@ -35,6 +25,40 @@ def build_controller(
     gaits: EnforcedGaits | None = None,
     threads: int = 1,
 ) -> ModelBased:
-    """``any_controller`` for ``count`` robots, behind its observer."""
-    build = partial(any_controller, gaits=gaits)
-    return observed(build, robot, config, physics, count, threads)
+    """A controller for ``count`` robots, behind the observer of its settings, if there is one.
+
+    Args:
+        robot: the nominal robot, not the plant.
+        config: settings of one of the families.
+        physics: of the plant; the observer's model has the same.
+        count: number of robots.
+        gaits: of the family ``hzd``.
+        threads: of the observer's simulation.
+
+    Raises:
+        UserError: the controller enforces gaits, and there are none.
+    """
+    tick = replace(physics, substeps=config.substeps)
+    period = tick.substeps * tick.timestep
+    if isinstance(config, MpcConfig):
+        controller = mpc_controller(robot, config, period)
+    elif gaits is not None:
+        controller = hzd_controller(robot, config, gaits, period)
+    else:
+        raise UserError("controller: expected gaits to walk by, found none")
+    if config.observer is None:
+        return controller
+    return ObservingController(controller, Observer(robot, tick, config.observer, count, threads))
+
+
+def build_plant(
+    robot: RobotConfig,
+    config: PhysicsConfig,
+    control: AnyControl,
+    count: int,
+    disturbance: Disturbance | None = None,
+    threads: int = 1,
+) -> BatchedPhysics:
+    """The simulation on torque drives, stepped from one control tick to the next."""
+    settings = replace(config, substeps=control.substeps)
+    return BatchedPhysics(robot, settings, count, threads, "torque", disturbance)

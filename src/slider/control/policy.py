@@ -1,10 +1,17 @@
-"""The learned policy as a controller."""
+"""The learned policy as a controller, and the agent's side of a policy from a file."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import torch
 
+from slider.config.convert import to_dict
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.control.policy_file import Policy
+from slider.core.dotted import flatten
+from slider.core.errors import UserError
 from slider.env.interface import AgentInterface
 from slider.env.state import RobotState
 
@@ -14,8 +21,7 @@ class PolicyController:
 
     Args:
         network: observations (N, size) → actions (N, 12), deterministic.
-        agent: observations, actions and clock of N robots; stays at hand as an attribute. With a
-            controller under the actions the plant has several ticks per observation.
+        agent: observations, actions and clock of N robots; also an attribute.
     """
 
     def __init__(
@@ -23,34 +29,61 @@ class PolicyController:
     ) -> None:
         self._network = network
         self.agent = agent
-        self._tick = 0
-        self._acted = np.zeros(0)
-        self._everyone = np.arange(agent.num_robots)
-        self._velocity = agent.command[:, :3].copy()
+        self._started = False
+        self._robots = np.arange(agent.num_robots)
+        self._velocity = np.zeros((agent.num_robots, 3))
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew with clocks at zero (left stance), commanded to ``velocity`` (N, 3)."""
+        """Start with clocks at zero (left stance), commanded to ``velocity`` (N, 3)."""
         self.command(velocity)
-        self.agent.set_velocity_command(self._everyone, velocity)
-        self.agent.reset(self._everyone, state)
+        self.agent.set_velocity_command(self._robots, velocity)
+        self.agent.reset(self._robots, state)
         self.agent.refresh_heading(state)
-        self._tick = 0
+        self._started = False
 
     def command(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from the next observation on, as in training."""
         self._velocity = velocity
 
     def control(self, state: RobotState) -> np.ndarray:
-        """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
-        if self._tick % self.agent.ticks == 0:
-            self._acted = self._act(state)
-        self._tick += 1
-        return self.agent.inputs(self._acted, state)
-
-    def _act(self, state: RobotState) -> np.ndarray:
-        if self._tick:
-            self.agent.advance(state)  # with the command of the period that is over
-            self.agent.set_velocity_command(self._everyone, self._velocity)
+        """Desired joint positions (N, 12) [rad or m], once per control period."""
+        if self._started:
+            self.agent.advance(state)  # with the velocity of the period that is over
+            self.agent.set_velocity_command(self._robots, self._velocity)
         with torch.inference_mode():
             actions = self._network(torch.from_numpy(self.agent.observe(state)))
+        self._started = True
         return self.agent.act(actions.numpy().astype(np.float64))
+
+
+def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> AgentInterface:
+    """Observations and actions of ``count`` robots under a policy.
+
+    Args:
+        policy: read from a file.
+        robot, env: machine, observations and actions.
+        count: number of robots.
+
+    Raises:
+        UserError: the policy is for other observations, actions, clock or control rate.
+    """
+    trained, given = _interface(policy.env), _interface(env)
+    for key in dict.fromkeys([*trained, *given]):
+        expected, value = (interface.get(key, "nothing") for interface in (trained, given))
+        if value != expected:
+            raise UserError(
+                f"policy: expected env.{key}={expected}, as in its training, found {value}"
+            )
+    agent = AgentInterface(robot, env, count, policy.times, policy.reference)
+    if list(agent.observer.layout.items()) != list(policy.observations.items()):  # order counts
+        raise UserError(
+            f"policy: expected the observations {agent.observer.layout}, "
+            f"found {policy.observations}"
+        )
+    return agent
+
+
+def _interface(env: EnvConfig) -> dict[str, Any]:
+    """Settings of observations and actions, by dotted key."""
+    parts = ("control_period", "reference", "observation", "action", "phase")
+    return flatten({name: value for name, value in to_dict(env).items() if name in parts})

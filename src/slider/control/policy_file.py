@@ -1,17 +1,18 @@
-"""The policy file: network, normaliser, layout, clock and everything else needed to run it."""
+"""A trained policy: the network with its normaliser, and the file with everything to run it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
+from torch import nn
 
 from slider.config.convert import from_dict, to_dict
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
-from slider.control.network import PolicyNetwork
 from slider.core.errors import UserError
 from slider.library.joint_table import JointTable
 from slider.library.step_times import StepTimes
@@ -19,6 +20,61 @@ from slider.robot.names import JOINTS
 
 FORMAT = "slider-policy"
 VERSION = 7
+UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
+ACTIVATIONS: dict[str, type[nn.Module]] = {
+    "elu": nn.ELU,
+    "relu": nn.ReLU,
+    "tanh": nn.Tanh,
+}
+
+
+class PolicyNetwork(nn.Module):
+    """Deterministic policy: observations (N, num_observations) → actions (N, num_actions)."""
+
+    mean: torch.Tensor
+    std: torch.Tensor
+
+    def __init__(
+        self, num_observations: int, num_actions: int, hidden: Sequence[int], activation: str
+    ) -> None:
+        super().__init__()
+        self.register_buffer("mean", torch.zeros(num_observations))
+        self.register_buffer("std", torch.ones(num_observations))
+        sizes = [num_observations, *hidden, num_actions]
+        layers: list[nn.Module] = []
+        for inputs, outputs in pairwise(sizes):
+            layers += [nn.Linear(inputs, outputs), ACTIVATIONS[activation]()]
+        self.mlp = nn.Sequential(*layers[:-1])
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        """Actions of observations, normalised with the statistics of training."""
+        return self.mlp((observations - self.mean) / self.std)
+
+
+def from_actor(
+    state: Mapping[str, torch.Tensor], hidden: Sequence[int], activation: str, epsilon: float
+) -> PolicyNetwork:
+    """Copy an rsl-rl actor's parameters.
+
+    Args:
+        state: ``state_dict`` of an ``MLPModel`` with observation normalisation.
+        hidden: widths of its hidden layers.
+        activation: name of its activation.
+        epsilon: added by its normaliser to the standard deviation.
+
+    An observation that did not vary in training is not scaled: otherwise a velocity that is new to
+    the policy would reach its first layer a hundred times as large as it is.
+    """
+    weights = {k.removeprefix("mlp."): v for k, v in state.items() if k.startswith("mlp.")}
+    num_observations = weights["0.weight"].shape[1]
+    num_actions = weights[f"{2 * len(hidden)}.bias"].shape[0]  # an activation after each layer
+    with torch.random.fork_rng(devices=[]):  # initial weights, overwritten below
+        network = PolicyNetwork(num_observations, num_actions, hidden, activation)
+    network.mlp.load_state_dict({k: v.clone() for k, v in weights.items()})
+    network.mean.copy_(state["obs_normalizer._mean"].squeeze(0))
+    std = state["obs_normalizer._std"].squeeze(0)
+    network.std.copy_(torch.where(std < UNVARIED, 1.0, std) + epsilon)
+    return network.eval()
 
 
 @dataclass(frozen=True)
@@ -29,12 +85,10 @@ class Policy:
         network: with its normaliser.
         observations: name → width of the observation terms, in order.
         times: step times of the gait library for the clock, or None without a clock.
-        robot: what it was trained on; gains, limits and drives.
-        env: where it was trained; control period, scales, clips, phase clock.
-        facts: where the weights come from: seed, iteration and the score that they were kept for.
+        robot: of the training; gains, limits and drives.
+        env: of the training; control period, scales, clips, phase clock.
+        facts: origin of the weights: seed, iteration and the score that selected them.
         reference: joint positions of the gaits, where actions are about the gait.
-        underlying: plain content of the controller under the actions, where there is one
-            (``UnderlyingHzd.from_plain``): the policy is nothing without it.
     """
 
     network: PolicyNetwork
@@ -46,11 +100,14 @@ class Policy:
     env: EnvConfig
     facts: Mapping[str, float]
     reference: JointTable | None = None
-    underlying: Mapping[str, Any] | None = None
 
 
 def save_policy(policy: Policy, path: Path) -> None:
     """Write a policy file; loadable with ``torch.load(path, weights_only=True)``."""
+    reference = None
+    if policy.reference is not None:
+        positions = torch.from_numpy(policy.reference.positions)
+        reference = {**_tensors(policy.reference.times), "positions": positions}
     content = {
         "format": FORMAT,
         "version": VERSION,
@@ -63,10 +120,8 @@ def save_policy(policy: Policy, path: Path) -> None:
         "robot": to_dict(policy.robot),
         "env": to_dict(policy.env),
         "facts": dict(policy.facts),
-        "reference": None if policy.reference is None else _reference_tensors(policy.reference),
+        "reference": reference,
     }
-    if policy.underlying is not None:
-        content["underlying"] = dict(policy.underlying)
     torch.save(content, path)
 
 
@@ -91,7 +146,6 @@ def load_policy(path: Path) -> Policy:
         env=from_dict(EnvConfig, content["env"]),
         facts=content["facts"],
         reference=_reference(content["reference"]),
-        underlying=content.get("underlying"),
     )
 
 
@@ -102,9 +156,9 @@ def _read(path: Path) -> dict[str, Any]:
         raise UserError(f"expected a policy file at {path}, found none") from None
     except Exception:  # torch raises pickle, zip and runtime errors for foreign files
         raise UserError(f"{path}: expected a policy file of this project") from None
-    found = content.get("format") if isinstance(content, dict) else type(content).__name__
-    if found != FORMAT:
-        raise UserError(f"{path}: expected format {FORMAT}, found {found}")
+    format_name = content.get("format") if isinstance(content, dict) else type(content).__name__
+    if format_name != FORMAT:
+        raise UserError(f"{path}: expected format {FORMAT}, found {format_name}")
     if content["version"] != VERSION:
         raise UserError(f"{path}: expected version {VERSION}, found {content['version']}")
     if tuple(content["joints"]) != JOINTS:
@@ -120,13 +174,9 @@ def _times(tensors: dict[str, torch.Tensor]) -> StepTimes:
     return StepTimes(**{name: value.numpy() for name, value in tensors.items()})
 
 
-def _reference_tensors(reference: JointTable) -> dict[str, torch.Tensor]:
-    return {**_tensors(reference.times), "positions": torch.from_numpy(reference.positions)}
-
-
 def _reference(tensors: dict[str, torch.Tensor] | None) -> JointTable | None:
-    """The gaits under the actions; files from before there was such a choice have none."""
+    """Gaits under the actions; None in a policy about the nominal pose."""
     if tensors is None:
         return None
-    times = {name: value for name, value in tensors.items() if name != "positions"}
-    return JointTable(_times(times), tensors["positions"].numpy())
+    positions = tensors.pop("positions").numpy()
+    return JointTable(_times(tensors), positions)

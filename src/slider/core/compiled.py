@@ -1,36 +1,34 @@
-"""Functions over arrays as machine code, compiled by numba once per source and kept.
+"""Functions over arrays as machine code, compiled by numba and kept in its cache.
 
 There is no fast-math and no contraction, so that each operation rounds as IEEE 754 says, and the
-target is one and the same for all x86-64 processors with AVX2: results are those of any of them.
-Products of matrices are those of SciPy's BLAS (``slider.core.numerics``).
+target is the same for all x86-64 processors with AVX2: results are those of any of them.
+Products of matrices are those of SciPy's BLAS (``slider.core.numerics``). Settings of numba from
+the environment or from ``.numba_config.yaml``, such as ``NUMBA_DISABLE_JIT``, do not apply.
 
-What is compiled lies in ``NUMBA_CACHE_DIR``, or beside the source, where Python keeps its bytecode.
-Jobs that start at once compile each for itself, and one of the results stays. A damaged file is
-compiled anew; where nothing can be written, every process compiles.
+The cache lies in ``NUMBA_CACHE_DIR``, or beside the source, where Python keeps its bytecode.
+Numba checks neither the constants of other modules nor damage: each function has a folder named
+after its source and constants, with the digests of its files. Jobs that start at once compile each
+for itself. Where nothing can be written, every process compiles.
 """
 
 import hashlib
 import os
-import pickle
-import sys
 from collections.abc import Callable
-from contextlib import suppress
+from functools import cached_property, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import llvmlite
 import numba
 import numpy as np
-import scipy
-from numba.core import serialize
-from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
 
+from slider.core import files
 from slider.core.machine import cpuinfo
 
 F = TypeVar("F", bound=Callable[..., Any])
 _SETTINGS = cast(Any, numba).config  # without type stubs
 _TARGET = "haswell", "+avx,+avx2,+bmi,+bmi2,+fma,+lzcnt,+movbe,+popcnt,+sse4.2"
+_OPTIONS = {"error_model": "numpy"}
+_DIGESTS = "digests.json"
 
 
 def compiled(function: F) -> F:
@@ -39,79 +37,86 @@ def compiled(function: F) -> F:
     It may use numbers, arrays and ``part``s of its own module only: these and the source of the
     module tell whether the machine code is up to date.
     """
-    dispatcher = cast(Any, numba.njit(function, error_model="numpy"))
-    dispatcher._cache = _Kept(function)
-    return dispatcher
+    return cast(F, _Compiled(function))
 
 
 def part(function: F) -> F:
     """Let compiled functions of the module call a function: it is compiled with each of them."""
-    return cast(F, numba.njit(function, error_model="numpy"))
+    return cast(F, numba.njit(function, **_OPTIONS))
 
 
-def _fix_target() -> None:
-    """Through the environment: numba reads its settings anew whenever that changes."""
+def _fix_settings() -> None:
+    """Through the environment, which numba reads again whenever it changes."""
+    for name in [name for name in os.environ if name.startswith("NUMBA_")]:
+        if name != "NUMBA_CACHE_DIR":
+            del os.environ[name]
+    os.environ["NUMBA_DISABLE_JIT"] = "0"
     if os.uname().machine == "x86_64" and "avx2" in cpuinfo("flags").split():
         os.environ.update(NUMBA_CPU_NAME=_TARGET[0], NUMBA_CPU_FEATURES=_TARGET[1])
-        _SETTINGS.reload_config()
+    _SETTINGS.reload_config()
 
 
-_fix_target()  # before numba makes anything
+_fix_settings()  # before numba compiles anything
 
 
-class _Kept(_Cache):
-    """Machine code of a function, a file for each signature: digest of what follows, pickle."""
+class _Compiled:
+    """A function whose machine code is loaded or compiled when it is first called."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        source = Path(function.__code__.co_filename)
-        self._source, self._name = source, f"{source.stem}.{function.__qualname__}"
-        self._values = function.__globals__
-        self._folder = Path(os.environ.get("NUMBA_CACHE_DIR") or source.parent / "__pycache__")
+        self._function = function
+        update_wrapper(self, function)
 
-    @property
-    def cache_path(self) -> str:
-        """Folder."""
-        return str(self._folder)
+    def __call__(self, *arguments: Any) -> Any:
+        signatures = len(self.dispatcher.overloads)
+        try:
+            result = self.dispatcher(*arguments)
+        except OSError:  # the machine code is there, but cannot be written
+            return self.dispatcher(*arguments)
+        if len(self.dispatcher.overloads) > signatures and self._folder.is_dir():
+            _write_digests(self._folder)
+        return result
 
-    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
-        """What is kept for a signature; none where there is none, or it is damaged."""
-        target_context.refresh()
-        with suppress(OSError):
-            digest, content = _split(self._path(sig).read_bytes())
-            if digest == hashlib.sha256(content).digest():
-                return CompileResult._rebuild(target_context, *pickle.loads(content))
-        return None
+    @cached_property
+    def dispatcher(self) -> Any:
+        """Numba's dispatcher, with a cache where one can be written."""
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            return numba.njit(self._function, **_OPTIONS)
+        if not os.access(self._folder, os.W_OK):  # numba would take another folder
+            return numba.njit(self._function, **_OPTIONS)
+        _drop_damaged(self._folder)
+        _SETTINGS.CACHE_DIR = str(self._folder)
+        return numba.njit(self._function, cache=True, **_OPTIONS)
 
-    def save_overload(self, sig: Any, data: CompileResult) -> None:
-        """Keep it, if that is possible."""
-        content = serialize.dumps(data._reduce())
-        path = self._path(sig)
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")  # files.TEMPORARY_PATTERN
-        with suppress(OSError):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            part.write_bytes(hashlib.sha256(content).digest() + content)
-            part.replace(path)
-
-    def _path(self, sig: Any) -> Path:
-        kinds = int, float, tuple, np.ndarray
-        constants = {n: v for n, v in self._values.items() if isinstance(v, kinds)}
-        values = {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in constants.items()}
-        versions = numba.__version__, llvmlite.__version__, scipy.__version__, sys.version
-        target = _SETTINGS.CPU_NAME, _SETTINGS.CPU_FEATURES
-        facts = repr((str(sig), values, *versions, *target)).encode()
-        digest = hashlib.sha256(self._source.read_bytes() + facts).hexdigest()
-        return self._folder / f"{self._name}-{digest[:16]}.machine"
-
-    def enable(self) -> None:
-        """Nothing: it always is."""
-
-    def disable(self) -> None:
-        """Nothing."""
-
-    def flush(self) -> None:
-        """Nothing: what is out of date has another name."""
+    @cached_property
+    def _folder(self) -> Path:
+        source = Path(self._function.__code__.co_filename)
+        values = self._function.__globals__.items()
+        constants = {n: v for n, v in values if isinstance(v, int | float | tuple | np.ndarray)}
+        plain = {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in constants.items()}
+        digest = hashlib.sha256(source.read_bytes() + repr(plain).encode()).hexdigest()
+        parent = Path(os.environ.get("NUMBA_CACHE_DIR") or source.parent / "__pycache__")
+        return parent / f"{source.stem}.{self._function.__qualname__}-{digest[:16]}"
 
 
-def _split(content: bytes) -> tuple[bytes, bytes]:
-    size = hashlib.sha256().digest_size
-    return content[:size], content[size:]
+def _cache_files(folder: Path) -> list[Path]:
+    """Numba's indices and machine code below a folder."""
+    return sorted(folder.glob("*/*.nb[ic]"))
+
+
+def _write_digests(folder: Path) -> None:
+    paths = _cache_files(folder)
+    files.write_json(folder / _DIGESTS, {path.name: files.digest_file(path) for path in paths})
+
+
+def _drop_damaged(folder: Path) -> None:
+    """Remove the files of a cache, if one of them is not as it was written."""
+    try:
+        digests = files.read_json(folder / _DIGESTS)
+        intact = all(digests[p.name] == files.digest_file(p) for p in _cache_files(folder))
+    except (OSError, ValueError, KeyError, TypeError):
+        intact = False
+    if not intact:
+        for path in _cache_files(folder):
+            path.unlink(missing_ok=True)

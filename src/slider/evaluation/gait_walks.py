@@ -1,7 +1,7 @@
-"""The stage ``gait_walks``: every gait walked in MuJoCo from its own first sample, by feedback.
+"""The stage ``gait_walks``: walks of every gait in MuJoCo from its own first sample, by feedback.
 
-The controller ``hzd``, integral action included, at the gait's constant command, without noise and
-without the bound of its fastest gait.
+The controller is ``hzd``, integral action included, at the gait's constant velocity, without noise
+and without the bound of its fastest gait.
 """
 
 import csv
@@ -14,17 +14,18 @@ from slider.config.control import HzdControlConfig
 from slider.config.convert import from_dict
 from slider.config.env import PlantConfig
 from slider.config.robot import RobotConfig
-from slider.control.hzd.controller import EnforcedGaits, hzd_controller
+from slider.control.hzd.gaits import EnforcedGaits
+from slider.control.hzd.steps import hzd_controller
+from slider.control.model_based import build_plant
 from slider.control.whole_body.controller import WalkingController
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
-from slider.evaluation.baseline import build_plant
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import COMMAND, NUM_JOINTS
 
 CSV, MARKDOWN = "gait_walks.csv", "gait_walks.md"
-_IN_PLACE = 1e-9  # forward [m/s]; a command of zero means to stand
+_IN_PLACE = 1e-9  # forward [m/s]; a robot stands at zero velocity
 _PATIENCE = 1.5  # a walk has this many times the gaits' duration for its steps
 
 
@@ -38,12 +39,12 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     gaits = EnforcedGaits.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
     physics = build_plant(robot, plant.physics, config, len(library), threads=job.threads)
     controller = hzd_controller(robot, config, gaits, physics.period)
-    found = walk(controller, physics, plant, library, section["steps"], job)
-    columns = dict(zip(COMMAND, library.commands.T, strict=True)) | found
+    walks = walk(controller, physics, plant, library, section["steps"], job)
+    columns = dict(zip(COMMAND, library.commands.T, strict=True)) | walks
     rows = [{name: float(v[k]) for name, v in columns.items()} for k in range(len(library))]
     _write(rows, section["steps"], out)
     job.tracker.log_file(out / CSV)
-    return {"gaits": len(rows), "walked": int((found["walked"] >= section["steps"]).sum())}
+    return {"gaits": len(rows), "walked": int((walks["walked"] >= section["steps"]).sum())}
 
 
 def walk(
@@ -55,13 +56,12 @@ def walk(
     job: Job,
 ) -> dict[str, np.ndarray]:
     """Completed steps (G,), and mean speed along each robot's heading up to the last [m/s] (G,)."""
-    everyone = np.arange(len(library))
-    physics.reset(everyone, *first_samples(library))
+    physics.reset(np.arange(len(library)), *first_samples(library))
     state = physics.read()
-    commands = library.commands.copy()
-    commands[(commands == 0.0).all(axis=1), 0] = _IN_PLACE
-    turn = commands[:, 2] * library.step_time[:, 0]
-    controller.start_on_gait(state, commands, -turn / 2)
+    velocities = library.commands.copy()
+    velocities[(velocities == 0.0).all(axis=1), 0] = _IN_PLACE
+    turn = velocities[:, 2] * library.step_time[:, 0]
+    controller.start_on_gait(state, velocities, -turn / 2)
     alive, walked = np.ones(len(library), dtype=bool), np.zeros(len(library), dtype=int)
     ticks, distance = np.zeros(len(library)), np.zeros(len(library))
     longest = _PATIENCE * steps * library.step_time.max()

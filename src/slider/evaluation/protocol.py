@@ -1,4 +1,4 @@
-"""The protocol, the same for every controller: plant, starts, command, termination, records."""
+"""The protocol, the same for every controller: plant, starts, velocity, termination, records."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,7 +16,7 @@ from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.starts import at_rest
-from slider.evaluation import profile, results, segments
+from slider.evaluation import results, segments
 from slider.evaluation.results import Evaluation
 from slider.evaluation.segments import profile_of
 
@@ -79,7 +79,7 @@ def read_protocol(section: Section) -> Protocol:
 def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> Summary:
     """Roll a controller out and write per-robot records and mean velocity traces.
 
-    In a case of a profile also what happened in each segment.
+    In a case of a profile also the records and traces of its segments.
     """
     config = protocol.config
     recording = _simulate(protocol, simulated, job)
@@ -87,8 +87,8 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
         recording, config.warm_up, config.tracking_tolerance, config.tracking_relative
     )
     quality = gait_quality(recording, config.warm_up)
-    found = results.robots(config.trials, config.robots, tracked, quality, recording.diverged)
-    evaluation = Evaluation(protocol.controller, protocol.command, found, _traces(recording))
+    robots = results.robots(config.trials, config.robots, tracked, quality, recording.diverged)
+    evaluation = Evaluation(protocol.controller, protocol.command, robots, _traces(recording))
     if protocol.case is not None:
         evaluation = replace(
             evaluation,
@@ -106,21 +106,21 @@ def _simulate(protocol: Protocol, simulated: Simulated, job: Job) -> Recording:
         simulated.physics,
         simulated.env,
         _starts(protocol.robot, protocol.config),
-        _command(protocol, simulated.env.control_period),
+        _velocities(protocol, simulated.env.control_period),
         protocol.config.duration,
         lambda share: job.progress(f"{100 * share:.0f} %"),
     )
 
 
-def _command(protocol: Protocol, period: float) -> np.ndarray:
-    """Of all robots: (N, 3), or (S, N, 3) in a case."""
+def _velocities(protocol: Protocol, period: float) -> np.ndarray:
+    """Commanded velocities (N, 3), or (S, N, 3) in a case."""
     if protocol.case is not None:
         ramp = profile_of(protocol.config).ramp
-        values = profile.commands(protocol.case, ramp, protocol.config.duration, period)
+        values = segments.commands(protocol.case, ramp, protocol.config.duration, period)
         return np.repeat(values[:, None], protocol.count, axis=1)
-    velocity = np.zeros((protocol.count, 3))
-    velocity[:, 0] = protocol.command
-    return velocity
+    velocities = np.zeros((protocol.count, 3))
+    velocities[:, 0] = protocol.command
+    return velocities
 
 
 def _starts(robot: RobotConfig, config: EvaluationConfig) -> tuple[np.ndarray, np.ndarray]:
@@ -142,10 +142,11 @@ def _traces(recording: Recording) -> np.ndarray:
 
 def _summary(evaluation: Evaluation) -> dict[str, Any]:
     robots = evaluation.robots
-    about = {"controller": evaluation.controller, "command": evaluation.command}
-    if evaluation.case:
-        about["case"] = evaluation.case
-    return about | {
+    case = {"case": evaluation.case} if evaluation.case else {}
+    return {
+        "controller": evaluation.controller,
+        "command": evaluation.command,
+        **case,
         "success_rate": robots.success.value,
         "mse_steady": robots.mse_steady.value if robots.survived.any() else None,
         "blow_ups": int(robots.columns["diverged"].sum()),

@@ -1,6 +1,7 @@
-"""What an evaluation found, read from and written to its folder here alone."""
+"""Results of an evaluation, and the files of its folder, read and written only here."""
 
 import json
+import math
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import NamedTuple
@@ -10,7 +11,6 @@ import numpy as np
 from slider.core import columns
 from slider.core.columns import Columns
 from slider.env.metrics import GaitQuality, Tracking
-from slider.evaluation.proportions import wilson
 
 ABOUT, ROBOTS, VELOCITY = "command.json", "robots.csv", "velocity.npy"
 SEGMENTS, TRACES = "segments.csv", "traces.npy"
@@ -27,6 +27,7 @@ MEASURES = (
     "displacement",  # of the base, from first to last moment [m]
     "fastest",  # largest |mean (vx, vy)| over any second of it [m/s]
 )
+Z = 1.959963984540054  # 97.5 % quantile of the normal distribution
 SEGMENT_COLUMNS = ("trial", "robot", "segment", "survived", *MEASURES)
 
 
@@ -43,13 +44,13 @@ class Estimate(NamedTuple):
 
 @dataclass(frozen=True)
 class Robots:
-    """Columns (N,) of N robots: ``trial``, ``survived`` and others, NaN where a robot fell."""
+    """Records of N robots in columns (N,): ``trial``, ``survived``, … ; NaN where a robot fell."""
 
     columns: Columns
 
     @property
     def survived(self) -> np.ndarray:
-        """Which robots (N,) did."""
+        """Whether a robot survived (N,)."""
         return self.columns["survived"]
 
     def survivors(self, name: str) -> np.ndarray:
@@ -102,9 +103,9 @@ class Evaluation:
         velocity: (S, 2) mean and standard deviation over survivors of the forward velocity [m/s].
         case: name of the case.
         segments: in a case the robots of each segment, columns ``SEGMENT_COLUMNS``; ``survived``
-            is true for robots that stood until its end, whatever happened later.
+            is true for robots that stood until its end, even if they fell later.
         traces: in a case (S, 10), see :func:`slider.evaluation.segments.traces`.
-        label: what people call the controller; not in the folder, since nothing depends on it.
+        label: display name of the controller; not in the folder, since nothing depends on it.
     """
 
     controller: str
@@ -118,10 +119,10 @@ class Evaluation:
 
     def save(self, folder: Path) -> None:
         """Write the files of a folder."""
-        about = {"controller": self.controller, "command": self.command}
+        metadata = {"controller": self.controller, "command": self.command}
         if self.case:
-            about["case"] = self.case
-        (folder / ABOUT).write_text(json.dumps(about) + "\n")
+            metadata["case"] = self.case
+        (folder / ABOUT).write_text(json.dumps(metadata) + "\n")
         columns.write(self.robots.columns, folder / ROBOTS)
         np.save(folder / VELOCITY, self.velocity)
         if self.segments:
@@ -138,14 +139,14 @@ class Evaluation:
         Raises:
             UserError: a table has other columns.
         """
-        about = json.loads((folder / ABOUT).read_text())
+        metadata = json.loads((folder / ABOUT).read_text())
         flags = ("survived", "tracked", "diverged")
         return cls(
-            about["controller"],
-            about["command"],
+            metadata["controller"],
+            metadata["command"],
             Robots(columns.read(folder / ROBOTS, COLUMNS, flags)),
             np.load(folder / VELOCITY),
-            about.get("case", ""),
+            metadata.get("case", ""),
             _read_segments(folder / SEGMENTS),
             np.load(folder / TRACES) if (folder / TRACES).is_file() else None,
         )
@@ -164,6 +165,26 @@ def robots(
             "diverged": diverged,
         }
     )
+
+
+def wilson(successes: int, count: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of the probability behind ``successes`` out of ``count``.
+
+    Its ends are the p with |successes / count − p| = z √(p (1 − p) / count), z being ``Z``
+    (E. B. Wilson, 1927). The draws are taken as independent.
+
+    Raises:
+        ValueError: the count is not positive, or smaller than the successes.
+    """
+    if not 0 <= successes <= count or count == 0:
+        raise ValueError(f"expected 0 to {count} of at least 1, found {successes}")
+    return _lower(successes, count), 1.0 - _lower(count - successes, count)
+
+
+def _lower(successes: int, count: int) -> float:
+    """Lower end; exactly 0 for no success."""
+    spread = Z * math.sqrt(Z**2 + 4 * successes * (1 - successes / count))
+    return (2 * successes + Z**2 - spread) / (2 * (count + Z**2))
 
 
 def spread(values: np.ndarray, trial: np.ndarray) -> float:

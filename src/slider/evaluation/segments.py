@@ -1,28 +1,58 @@
-"""What happened in each segment of a changing command: per robot, and as traces over time."""
+"""Segments of a changing velocity: its time series, records per robot and traces over time."""
 
 import numpy as np
 
-from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
+from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
 from slider.core.columns import Columns
 from slider.env.instruments import touchdowns
 from slider.env.metrics import heading_error
 from slider.env.rollout import Recording
-from slider.evaluation import profile as profiles
 from slider.evaluation.results import AXES, MEASURES, Robots
 
 SMOOTHING = 1.0  # means over this time, more than a stride in place, leave its sway out [s]
 
 
+def commands(case: CaseConfig, ramp: float, duration: float, period: float) -> np.ndarray:
+    """Velocities (S, 3): vx, vy [m/s], yaw rate [rad/s] of each control ``period`` [s].
+
+    Constant in each segment but for its first ``ramp`` seconds, which lead linearly from the
+    velocity of the segment before.
+    """
+    times = period * np.arange(round(duration / period))
+    values = np.array([command(segment) for segment in case.segments])
+    starts = np.array([segment.time for segment in case.segments])
+    current = np.searchsorted(starts, times + period / 2, side="right") - 1
+    previous = values[np.maximum(current - 1, 0)]
+    since = times - starts[current]
+    share = np.ones_like(since) if ramp == 0.0 else np.clip(since / ramp, 0.0, 1.0)
+    return previous + share[:, None] * (values[current] - previous)
+
+
+def windows(case: CaseConfig, warm_up: float, duration: float, period: float) -> list[slice]:
+    """Control steps of each segment but for its first ``warm_up`` seconds."""
+    starts = [segment.time for segment in case.segments]
+    ends = [*starts[1:], duration]
+    return [
+        slice(round((start + warm_up) / period), round(end / period))
+        for start, end in zip(starts, ends, strict=True)
+    ]
+
+
+def command(segment: Segment) -> tuple[float, float, float]:
+    """vx, vy [m/s] and yaw rate [rad/s] of a segment."""
+    return segment.vx, segment.vy, segment.yaw_rate
+
+
 def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) -> list[Robots]:
     """Robots of each segment with their ``MEASURES``.
 
-    They survive a segment if they stand until its end, whatever happens later.
+    They survive a segment if they stand until its end, even if they fall later.
     """
     warm_up, count = profile_of(protocol).warm_up, protocol.trials * protocol.robots
-    windows = profiles.windows(case, warm_up, protocol.duration, recording.period)
+    steps = windows(case, warm_up, protocol.duration, recording.period)
     parts = []
     touchdown = _touchdowns(recording)
-    for index, window in enumerate(windows):
+    for index, window in enumerate(steps):
         survived = recording.alive[window.stop - 1]
         part = {
             "trial": np.repeat(np.arange(protocol.trials), protocol.robots),
@@ -31,8 +61,8 @@ def measure(recording: Recording, protocol: EvaluationConfig, case: CaseConfig) 
             "survived": survived,
         }
         values = _measures(recording, touchdown, window)
-        found = {name: np.where(survived, values[name], np.nan) for name in MEASURES}
-        parts.append(Robots(part | found))
+        values = {name: np.where(survived, values[name], np.nan) for name in MEASURES}
+        parts.append(Robots(part | values))
     return parts
 
 
@@ -60,11 +90,11 @@ def _measures(recording: Recording, touchdown: np.ndarray, window: slice) -> Col
 
 
 def _fastest(velocity: np.ndarray, period: float) -> np.ndarray:
-    """Of means (N,) over whole ``SMOOTHING`` of (S, N, 2), or over all of it if that is shorter."""
+    """Largest speed (N,) of means of (S, N, 2) over ``SMOOTHING``, or over all of it if shorter."""
     width = min(len(velocity), max(1, round(SMOOTHING / period)))
     means = _moving_average(velocity, width)
-    whole = means[width // 2 : len(velocity) - (width + 1) // 2 + 1]
-    return np.linalg.norm(whole, axis=2).max(axis=0)
+    full = means[width // 2 : len(velocity) - (width + 1) // 2 + 1]
+    return np.linalg.norm(full, axis=2).max(axis=0)
 
 
 def traces(recording: Recording, protocol: EvaluationConfig) -> np.ndarray:

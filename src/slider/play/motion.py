@@ -11,18 +11,15 @@ from slider.config.control import AnyControl
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
-from slider.control.agent import agent_of
-from slider.control.hzd.controller import EnforcedGaits
-from slider.control.hzd.underlying import underlying_of
-from slider.control.model_based import build_controller
-from slider.control.policy import PolicyController
+from slider.control.hzd.gaits import EnforcedGaits
+from slider.control.model_based import build_controller, build_plant
+from slider.control.policy import PolicyController, agent_of
 from slider.control.policy_file import Policy
 from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest, multiply_quaternions
-from slider.env.underlying import Underlying, build_physics
-from slider.evaluation.baseline import build_plant
 from slider.library.reader import GaitLibrary
 from slider.library.step_times import StepTimes
 from slider.robot.kinematics import about_z
@@ -144,11 +141,8 @@ def simulate_policy(
     Raises:
         UserError: the policy is for other observations or actions.
     """
-    underlying = underlying_of(policy.underlying)
-    agent = agent_of(policy, robot, env, 1, underlying)
-    return _simulate_network(
-        robot, env, agent, policy.network, noise, seed, disturbance, underlying
-    )
+    agent = agent_of(policy, robot, env, 1)
+    return _simulate_network(robot, env, agent, policy.network, noise, seed, disturbance)
 
 
 def simulate_model_based(
@@ -192,11 +186,10 @@ def _simulate_network(
     noise: StartNoise,
     seed: int,
     disturbance: DisturbanceConfig | None = None,
-    underlying: Underlying | None = None,
 ) -> Simulation:
     controller = PolicyController(network, agent)
     disturbed = None if disturbance is None else Disturbance(disturbance, (seed,))
-    physics = build_physics(robot, env.physics, 1, 1, disturbed, underlying)
+    physics = BatchedPhysics(robot, env.physics, 1, 1, disturbance=disturbed)
     episode = Episode(controller, physics, env)
     return Simulation(episode, env.control_period, _starts(robot, noise, seed))
 

@@ -10,7 +10,7 @@ from slider.config.env import EnvConfig, PlantConfig
 from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
-from slider.control.hzd.controller import EnforcedGaits
+from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary

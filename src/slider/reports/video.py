@@ -2,7 +2,6 @@
 
 import json
 import os
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -30,13 +29,10 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
     import torch
 
-    from slider.control.hzd.controller import EnforcedGaits
-    from slider.control.hzd.underlying import underlying_of
-    from slider.control.model_based import any_controller
     from slider.env.disturbance.draws import Disturbance
     from slider.env.episode import Episode
     from slider.env.starts import at_rest
-    from slider.evaluation import baseline, stage
+    from slider.evaluation import stage
 
     torch.set_num_threads(job.threads)
     robot = from_dict(RobotConfig, section["robot"])
@@ -44,12 +40,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     noise = from_dict(StartNoise, section["start"])
     config = from_dict(DisturbanceConfig, section["disturbance"])
     disturbance = Disturbance(config, (video.seed,))
-    learned = "walking" in inputs
-    if learned:
-        one = stage.simulate(section, inputs, 1, disturbance, read=underlying_of)
-    else:
-        build = partial(any_controller, gaits=EnforcedGaits.of(section, inputs))
-        one = baseline.simulate(section, build, 1, disturbance)
+    simulate = stage.simulate if "walking" in inputs else stage.simulate_baseline
+    one = simulate(section, inputs, 1, disturbance)
     episode = Episode(one.controller, one.physics, one.env)
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
     frames = [episode.start(*start, np.array([[section["command"], 0.0, 0.0]]))]

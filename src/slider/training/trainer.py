@@ -11,8 +11,7 @@ import torch
 from rsl_rl.runners import OnPolicyRunner
 
 from slider.control import POLICY_FILE
-from slider.control.network import UNVARIED, from_actor
-from slider.control.policy_file import Policy, save_policy
+from slider.control.policy_file import UNVARIED, Policy, from_actor, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
 from slider.env.underlying import build_physics
@@ -161,7 +160,6 @@ class Trainer:
         weights = self._best["weights"]
         network = self._task.train.network
         facts = {"iteration": self._best["iteration"], **self._best["score"]}
-        underlying = self._task.underlying
         policy = Policy(
             network=self._network(weights["actor_state_dict"]),
             hidden=tuple(network.hidden),
@@ -172,7 +170,6 @@ class Trainer:
             env=self._task.env,
             facts={"seed": self._task.train.seed, **facts},
             reference=self._task.reference,
-            underlying=None if underlying is None else underlying.plain(),
         )
         save_policy(policy, out / POLICY_FILE)
         torch.save(weights, out / WEIGHTS)

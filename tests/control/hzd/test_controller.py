@@ -10,8 +10,8 @@ import pytest
 
 from slider.config.env import StartNoise
 from slider.config.hzd import enforced_section
-from slider.control.hzd.controller import EnforcedGaits, hzd_controller
-from slider.control.hzd.gaits import GaitTables, at_phase
+from slider.control.hzd.gaits import EnforcedGaits, GaitTables, at_phase
+from slider.control.hzd.steps import hzd_controller
 from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.memory import OFF, STAND, WALK

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
-from slider.control.whole_body import lip
+from slider.control.whole_body import references
 from tests.env.synthetic import config
 
-OMEGA = lip.rate(0.65)
+OMEGA = references.natural_frequency(0.65)
 STEP = config().control["mpc_wbc_tuned"].step
 TIME = STEP.time
 
@@ -20,30 +20,30 @@ def planner(setting: str = "tuned", step: dict | None = None, **changes) -> Foot
     return FootstepPlanner(changed, replace(control.planner, **changes), OMEGA)
 
 
-def pendulum(position, velocity, command=(0.0, 0.0), elapsed: float = 0.1, **changes) -> Pendulum:
+def pendulum(position, velocity, target=(0.0, 0.0), elapsed: float = 0.1, **changes) -> Pendulum:
     values = {
         "position": np.array([position], dtype=float),
         "velocity": np.array([velocity], dtype=float),
         "swing_sign": np.array([-1.0]),
         "elapsed": np.array([elapsed]),
         "duration": np.array([TIME]),
-        "command": np.array([command], dtype=float),
+        "reference_velocity": np.array([target], dtype=float),
     }
     return Pendulum(**(values | changes))
 
 
-def on_orbit(command: float, elapsed: float) -> Pendulum:
+def on_orbit(speed: float, elapsed: float) -> Pendulum:
     """Walking on the left foot, right foot in the air, exactly on both orbits."""
-    along = lip.step_map(OMEGA, elapsed) @ [
-        -command * TIME / 2,
-        lip.forward_end_velocity(OMEGA, TIME, np.array(command)),
+    along = references.step_map(OMEGA, elapsed) @ [
+        -speed * TIME / 2,
+        references.forward_end_velocity(OMEGA, TIME, np.array(speed)),
     ]
-    across = lip.step_map(OMEGA, elapsed) @ [
+    across = references.step_map(OMEGA, elapsed) @ [
         -STEP.width / 2,
-        lip.lateral_end_velocity(OMEGA, TIME, STEP.width),
+        references.lateral_end_velocity(OMEGA, TIME, STEP.width),
     ]
     state = np.stack([along, across], axis=-1)
-    return pendulum(state[0], state[1], (command, 0.0), elapsed)
+    return pendulum(state[0], state[1], (speed, 0.0), elapsed)
 
 
 @pytest.mark.parametrize("elapsed", [0.0, 0.13, 0.2])
@@ -56,9 +56,9 @@ def test_the_orbit_is_a_fixed_point(elapsed):
 
 def velocities(start: np.ndarray, remaining: float, lengths: np.ndarray) -> np.ndarray:
     """Velocities at the ends of the steps, step by step."""
-    state, found = lip.step_map(OMEGA, remaining) @ start, []
+    state, found = references.step_map(OMEGA, remaining) @ start, []
     for length in lengths:
-        state = lip.step_map(OMEGA, TIME) @ (state - [length, 0.0])
+        state = references.step_map(OMEGA, TIME) @ (state - [length, 0.0])
         found.append(state[1])
     return np.array(found)
 
@@ -103,15 +103,15 @@ def test_literal_settings_take_the_command_as_the_velocity_at_the_end():
     literal, tuned = planner("literal"), planner("tuned")
     now = pendulum((0.0, -0.1), (0.5, 0.0), (0.5, 0.0))
     assert literal.references(now)[0][0, 0, 0] == pytest.approx(0.5)
-    expected = lip.forward_end_velocity(OMEGA, TIME, np.array(0.5))
+    expected = references.forward_end_velocity(OMEGA, TIME, np.array(0.5))
     assert tuned.references(now)[0][0, 0, 0] == pytest.approx(expected)
 
 
 def test_sideways_commands_move_both_feet_by_the_same():
     speeds, lengths, _, _ = planner().references(pendulum((0, 0), (0, 0), (0.0, 0.1)))
     np.testing.assert_allclose(lengths[0, 1] - [-0.2, 0.2, -0.2], 0.1 * TIME)
-    drift = lip.forward_end_velocity(OMEGA, TIME, np.array(0.1))
-    orbit = lip.lateral_end_velocity(OMEGA, TIME, 0.2)
+    drift = references.forward_end_velocity(OMEGA, TIME, np.array(0.1))
+    orbit = references.lateral_end_velocity(OMEGA, TIME, 0.2)
     np.testing.assert_allclose(speeds[0, 1], drift + np.array([orbit, -orbit, orbit]))
 
 

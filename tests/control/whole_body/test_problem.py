@@ -6,13 +6,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.control.whole_body import qp
-from slider.control.whole_body.nominal import Dynamics, NominalModel
+from slider.control import qp
+from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.control.whole_body.problem import WholeBody
-from slider.control.whole_body.tasks import BodyTasks, join
+from slider.control.whole_body.tasks import BodyControl, join
 from slider.env.starts import at_rest
 from slider.robot import names
-from tests.control.whole_body.test_qp import conditions
+from tests.control.test_qp import conditions
 from tests.env.synthetic import TORQUE_LIMITS, config, motor_torques, robot_config
 
 CONTROL = config().control["mpc_wbc_tuned"].whole_body
@@ -34,7 +34,8 @@ def dynamics(nominal) -> Dynamics:
 
 
 def build(dynamics: Dynamics, feet: np.ndarray, acceleration=(0.0, 0.0, 0.0), settings=CONTROL):
-    motion, body = BodyTasks(settings), WholeBody(robot_config(), settings)
+    motion = BodyControl(robot_config(), settings, search=0.1, height=0.65)
+    body = WholeBody(robot_config(), settings)
     zero = np.zeros(COUNT)
     parts = [
         motion.com(dynamics, np.tile(acceleration, (COUNT, 1)), np.ones(3)),

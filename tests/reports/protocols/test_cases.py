@@ -13,9 +13,8 @@ from slider.core.job import Job
 from slider.env.metrics import tracking
 from slider.env.rollout import Recording
 from slider.evaluation import segments
-from slider.evaluation.profile import commands
-from slider.evaluation.proportions import wilson
-from slider.evaluation.results import Evaluation
+from slider.evaluation.results import Evaluation, wilson
+from slider.evaluation.segments import commands
 from slider.reports.protocols import cases
 from tests.env.synthetic import config, make_contacts
 from tests.evaluation.test_results import random_robots

@@ -12,9 +12,8 @@ from slider.core.job import Job
 from slider.evaluation import segments
 from slider.evaluation.results import AXES, MEASURES, Evaluation
 from slider.reports.protocols import segments as report
-from tests.evaluation.test_profile import case
 from tests.evaluation.test_results import random_robots
-from tests.evaluation.test_segments import protocol, recording
+from tests.evaluation.test_segments import case, protocol, recording
 
 
 def write_evaluation(folder: Path, fall: bool = False) -> Path:

@@ -1,28 +1,32 @@
-"""What the controller needs of the gaits, blended for the commands of many robots at once.
+"""Gaits to be enforced, blended for the velocities of many robots at once.
 
 Everything is in the frame of the stance foot, reflected in right stance, so that left and right
 steps have the same form.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from slider.config.convert import from_dict
+from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.motion import side_of
 from slider.core.errors import UserError
 from slider.hzd.gains import FootPlacement
 from slider.hzd.polynomials import NodeTable
 from slider.library.mesh import CommandMesh
-from slider.library.reader import GaitLibrary
+from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import SIDES
 
 _STEPS = len(SIDES)
 
 
 @dataclass(frozen=True)
-class Steps:
-    """Steps of n robots; S phases.
+class GaitSteps:
+    """Steps of the gaits of n robots; S phases.
 
     Attributes:
         duration: (n,) [s].
@@ -52,8 +56,8 @@ class GaitTables:
     """All gaits of a library with their foot placement.
 
     Attributes:
-        arrays: ``commands`` (G, 3), ``step_time`` (G, 2), and what :class:`Steps` has of each of
-            the two steps (G, 2, …).
+        arrays: ``commands`` (G, 3), ``step_time`` (G, 2), and the fields of :class:`GaitSteps`
+            for each of the two steps (G, 2, …).
     """
 
     def __init__(self, arrays: Mapping[str, np.ndarray]) -> None:
@@ -67,14 +71,16 @@ class GaitTables:
 
     @classmethod
     def of(cls, library: GaitLibrary, feedback: FootPlacement) -> "GaitTables":
-        """Of a library and its foot placement.
+        """Tables of a library and its foot placement.
 
         Raises:
-            UserError: the two are not of the same gaits.
+            UserError: the two have different gaits.
         """
         if not np.array_equal(library.commands, feedback.commands):
-            found = f"found one of {len(feedback.commands)} others"
-            raise UserError(f"expected the foot placement of {len(library)} gaits, {found}")
+            raise UserError(
+                f"expected the foot placement of {len(library)} gaits, "
+                f"found one of {len(feedback.commands)} others"
+            )
         time = library.step_time[:, :, None, None]
         arrays = {name: getattr(feedback, name) for name in ("hip", "gains", "orbit", "placement")}
         arrays["gains"] = feedback.gains.swapaxes(1, 2)  # steps come first
@@ -83,18 +89,59 @@ class GaitTables:
         arrays["roll"] = library.arrays["roll"] * np.concatenate(orders, axis=3)
         return cls({"commands": library.commands, "step_time": library.step_time, **arrays})
 
-    def at(self, command: np.ndarray, stance: np.ndarray) -> Steps:
-        """Steps on the feet ``stance`` (n,) at commands (n, 3); each as if it were alone."""
+    def at(self, velocities: np.ndarray, stance: np.ndarray) -> GaitSteps:
+        """Steps on the feet ``stance`` (n,) at velocities (n, 3); each as if it were alone."""
         values = np.empty((len(stance), self._table.shape[2]))
-        for row, weights in enumerate(self._mesh.weights(command)):
+        for row, weights in enumerate(self._mesh.weights(velocities)):
             near = np.flatnonzero(weights)
             values[row] = weights[near] @ self._table[stance[row], near]
         split = np.split(values, self._ends[:-1], axis=1)
         parts = [v.reshape(len(stance), *s) for v, s in zip(split, self._shapes, strict=True)]
         times, coefficients, roll, hip, gains, orbit, placement = parts
         # Also where no gait turns so fast: the foot's line is the course in the middle of the step.
-        turns = command[:, 2] * times * side_of(stance)
-        return Steps(times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement)
+        turns = velocities[:, 2] * times * side_of(stance)
+        return GaitSteps(
+            times, turns, coefficients, _table(roll), _table(hip), gains, orbit, placement
+        )
+
+
+@dataclass(frozen=True)
+class EnforcedGaits:
+    """Gaits, the virtual constraints to enforce, and the feedback from step to step.
+
+    Attributes:
+        gaits: with their foot placement.
+        constraints: outputs and their phase.
+        reach: largest displacement of a foothold [m].
+    """
+
+    gaits: GaitTables
+    constraints: VirtualConstraintsConfig
+    reach: float
+
+    @classmethod
+    def load(cls, library: Path, placement: Path, section: Mapping[str, Any]) -> "EnforcedGaits":
+        """Read the folders of a library and of its foot placement.
+
+        Raises:
+            UserError: they do not belong together.
+        """
+        gaits, feedback = GaitLibrary.load(library / STORE), FootPlacement.load(placement)
+        constraints = from_dict(VirtualConstraintsConfig, section["constraints"])
+        slow = gaits.commands[:, 0] < constraints.slowest_hip
+        if not np.array_equal(feedback.clock, slow | (constraints.phase == "time")):
+            expected = f"hzd.phase={constraints.phase}, hzd.slowest_hip={constraints.slowest_hip:g}"
+            raise UserError(f"expected foot placement for {expected}, found that of other phases")
+        return cls(GaitTables.of(gaits, feedback), constraints, section["reach"])
+
+    @classmethod
+    def of(
+        cls, section: Mapping[str, Any], inputs: Mapping[str, Sequence[Path]]
+    ) -> "EnforcedGaits | None":
+        """Gaits of a stage's inputs, if they have foot placement."""
+        if "foot_placement" not in inputs:
+            return None
+        return cls.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
 
 
 def _table(orders: np.ndarray) -> NodeTable:
@@ -102,12 +149,12 @@ def _table(orders: np.ndarray) -> NodeTable:
     return NodeTable(*(orders[:, :, k, None] for k in range(3)))
 
 
-def at_phase(table: np.ndarray, phase: np.ndarray, *which: np.ndarray) -> np.ndarray:
-    """Rows (n, …) of a table (n, S, …) over equally spaced phases, linearly; the ends hold.
+def at_phase(table: np.ndarray, phase: np.ndarray, *indices: np.ndarray) -> np.ndarray:
+    """Interpolate a table (n, S, …) over equally spaced phases linearly; the ends hold: (n, …).
 
-    Of a larger table (n, …, S, …) they are those at the places ``which``, each (n,).
+    A larger table (n, …, S, …) is read at ``indices``, each (n,), of the axes before S.
     """
-    robots = np.arange(len(phase)), *which
+    robots = np.arange(len(phase)), *indices
     last = table.shape[len(robots)] - 1
     place = np.clip(phase, 0.0, 1.0) * last
     left = np.minimum(place.astype(int), last - 1)

@@ -1,4 +1,4 @@
-"""What steps by virtual constraints see of robots in stance: coordinates, hip and section.
+"""Measurements of robots in stance for steps by virtual constraints: coordinates, hip, section.
 
 All is in the frame of the stance foot, reflected in right stance. ``stance`` (n,) are the feet.
 """
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.control.whole_body.memory import RIGHT
-from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
+from slider.control.whole_body.model import NUM_DOFS, Dynamics
 from slider.control.whole_body.tasks import pitch_and_yaw, point_velocity, wrapped
 from slider.hzd.outputs import JOINTS, NUM_COORDINATES, YAW, stance_first, stance_selection
 from slider.robot.kinematics import turn_to_heading, yaw_of

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.config.control import PlannedStepConfig, PlannerConfig
-from slider.control.whole_body import lip, qp
+from slider.control import qp
+from slider.control.whole_body import references
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Pendulum:
         swing_sign: (n,) +1 where the left foot is in the air, −1 for the right one.
         elapsed: time in this step (n,) [s].
         duration: planned time of this step (n,) [s].
-        command: reference velocity (n, 2) [m/s].
+        reference_velocity: reference velocity (n, 2) [m/s].
     """
 
     position: np.ndarray
@@ -32,7 +33,7 @@ class Pendulum:
     swing_sign: np.ndarray
     elapsed: np.ndarray
     duration: np.ndarray
-    command: np.ndarray
+    reference_velocity: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class FootstepPlanner:
         self._step, self._config, self.omega = step, config, omega
         powers = [np.eye(2)]
         for _ in range(config.steps):
-            powers.append(powers[-1] @ lip.step_map(omega, step.time))
+            powers.append(powers[-1] @ references.step_map(omega, step.time))
         self._free = np.stack([power[1] for power in powers[1:]])  # (N, 2): ξ₀ → v
         self._effect = np.zeros((config.steps, config.steps))  # F
         for end in range(config.steps):
@@ -86,7 +87,7 @@ class FootstepPlanner:
     def solve(self, pendulum: Pendulum, remaining: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lengths of the next steps (…, n, 2, N) [m] and cost (…, n), for times left (…, n) [s]."""
         start = np.stack([pendulum.position, pendulum.velocity], axis=-1)  # (n, axis, 2)
-        end = np.einsum("...nij,naj->...nai", lip.step_map(self.omega, remaining), start)
+        end = np.einsum("...nij,naj->...nai", references.step_map(self.omega, remaining), start)
         speeds, lengths, lower, upper = self.references(pendulum)
         free = np.einsum("kj,...naj->...nak", self._free, end) - speeds
         gradient = free @ self._effect - self._config.length_weight * lengths
@@ -97,7 +98,7 @@ class FootstepPlanner:
         return result, cost.sum(axis=-1)
 
     def _bounded(self, gradient: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-        """Minimisers (…, n, 2, N); the solver is asked only where a bound is active."""
+        """Minimisers (…, n, 2, N); solved as a QP only where a bound is active."""
         result = -gradient @ self._inverse
         outside = ((result < lower) | (result > upper)).any(axis=-1)
         if outside.any():
@@ -105,9 +106,9 @@ class FootstepPlanner:
             low, high, slope = lower[robots, axes], upper[robots, axes], gradient[outside]
             count, size = slope.shape
             hessians = np.broadcast_to(self.hessian, (count, size, size))
-            found, solved = qp.solve(hessians, slope, np.zeros((count, 0, size)), low, high)
-            found = np.where(solved[:, None], found, result[outside])
-            result[outside] = np.clip(found, low, high)
+            bounded, solved = qp.solve(hessians, slope, np.zeros((count, 0, size)), low, high)
+            bounded = np.where(solved[:, None], bounded, result[outside])
+            result[outside] = np.clip(bounded, low, high)
         return result
 
     def references(
@@ -117,11 +118,11 @@ class FootstepPlanner:
         step, config = self._step, self._config
         shape = (len(pendulum.elapsed), 2, config.steps)
         side = pendulum.swing_sign[:, None] * self._signs  # +1: on to the left foot
-        along = np.broadcast_to(pendulum.command[:, :, None], shape)
+        along = np.broadcast_to(pendulum.reference_velocity[:, :, None], shape)
         speeds = along.copy()
         if config.speed == "mean":
-            speeds = lip.forward_end_velocity(self.omega, step.time, along)
-        speeds[:, 1] -= side * lip.lateral_end_velocity(self.omega, step.time, step.width)
+            speeds = references.forward_end_velocity(self.omega, step.time, along)
+        speeds[:, 1] -= side * references.lateral_end_velocity(self.omega, step.time, step.width)
         lengths = along * step.time
         lengths[:, 1] += side * step.width
         lower, upper = np.full(shape, -config.length_max), np.full(shape, config.length_max)

@@ -1,35 +1,53 @@
-"""Steps of the walking robots: start, end, footholds and swing foot."""
+"""Steps of the MPC baseline: start, end, footholds, swing foot and torques on one foot.
+
+References of the swing foot are quintics, planned at every tick from the reference itself. Forward
+and sideways they lead to the planned foothold, at rest there; up to the apex at half of the step's
+time, then down to the ground with a touchdown velocity. Past the step's time the foot sinks on.
+"""
 
 import numpy as np
 
-from slider.config.control import MpcConfig
-from slider.control.mpc import swing
+from slider.config.control import MpcConfig, SwingConfig
+from slider.config.robot import RobotConfig
 from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
-from slider.control.mpc.single_support import SingleSupport
-from slider.control.whole_body.controller import Surroundings
+from slider.control.whole_body.controller import PlantModel, WalkingController
 from slider.control.whole_body.memory import LEFT, Memory
-from slider.control.whole_body.nominal import Dynamics
-from slider.control.whole_body.tasks import Solved
-from slider.control.whole_body.velocity import ReferenceVelocity
+from slider.control.whole_body.model import Dynamics
+from slider.control.whole_body.references import ReferenceVelocity, quintic
+from slider.control.whole_body.tasks import (
+    Part,
+    Solved,
+    feedback,
+    pitch_and_yaw,
+    point_velocity,
+    wrapped,
+)
+from slider.robot.kinematics import yaw_of
 
 
-class Steps:
+def mpc_controller(robot: RobotConfig, config: MpcConfig, period: float) -> WalkingController:
+    """The baseline for a nominal robot, with ticks of ``period`` [s]."""
+    plant = PlantModel(robot, config, config.swing.search_velocity, period)
+    return WalkingController(plant, MpcSteps(config, plant))
+
+
+class MpcSteps:
     """Plans and advances steps.
 
     Args:
         config: settings of the baseline.
-        around: the robot.
+        plant: the nominal robot.
     """
 
-    def __init__(self, config: MpcConfig, around: Surroundings) -> None:
-        self._config, self._period, self._clock = config, around.period, around.clock
-        self._velocity = ReferenceVelocity(config.velocity, around.period)
-        self._planner = FootstepPlanner(config.step, config.planner, around.omega)
-        self._support = SingleSupport(config, around.body, around.model.nominal_height)
-        self._ticks_per_plan = max(1, round(config.planner.period / around.period))
+    def __init__(self, config: MpcConfig, plant: PlantModel) -> None:
+        self._config, self._period = config, plant.period
+        self._velocity = ReferenceVelocity(config.velocity, plant.period)
+        self._planner = FootstepPlanner(config.step, config.planner, plant.omega)
+        self._omega, self._body = plant.omega, plant.body
+        self._ticks_per_plan = max(1, round(config.planner.period / plant.period))
 
     def reset(self, count: int) -> None:
-        """Nothing: the memory has it all."""
+        """Nothing: all state is in the memory."""
 
     def command(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
@@ -45,7 +63,7 @@ class Steps:
         memory.elapsed[robots] = 0.0
         memory.duration[robots] = self._config.step.time
         start = dynamics.foot_positions[np.arange(len(robots)), 1 - stance]
-        memory.swing[robots] = swing.begin(start)
+        memory.swing[robots] = swing_at_rest(start)
         memory.steps[robots] += 1
         self._velocity.correct(memory, robots, dynamics.com[:, :2])
         self._plan(memory, robots, dynamics, np.arange(len(robots)))
@@ -59,9 +77,22 @@ class Steps:
         return (contact & (elapsed > step.early * duration)) | (elapsed > duration + step.late)
 
     def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
-        """Torques of this tick."""
+        """The pendulum falls freely over the stance foot; the other one follows its reference."""
         self._advance(memory, robots, dynamics)
-        return self._support.torques(memory, robots, dynamics)
+        config, stance = self._config, memory.stance[robots]
+        support = dynamics.foot_positions[np.arange(len(robots)), stance]
+        flat = self._omega**2 * (dynamics.com - support)[:, :2]
+        weight = np.array(config.whole_body.com.weight)
+        foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
+        heading = memory.heading[robots] + 0.5 * yaw_rate * config.step.time
+        feet = stance[:, None]
+        parts = [
+            *self._body.body(memory, robots, dynamics, flat, support[:, 2], weight),
+            self._swing(dynamics, foot, memory.swing[robots]),
+            self._swing_rotation(dynamics, foot, heading, yaw_rate),
+            self._body.stance(dynamics, feet, np.zeros(feet.shape)),
+        ]
+        return self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
 
     def _advance(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> None:
         """One tick on, with a new plan where it is time for one."""
@@ -71,7 +102,7 @@ class Steps:
             due = np.flatnonzero(left > config.planner.lock)
             self._plan(memory, robots[due], dynamics, due)
         ground = dynamics.foot_positions[np.arange(len(robots)), memory.stance[robots], 2]
-        memory.swing[robots] = swing.advance(
+        memory.swing[robots] = advance_swing(
             memory.swing[robots],
             memory.foothold[robots],
             memory.elapsed[robots],
@@ -98,9 +129,82 @@ class Steps:
             swing_sign=np.where(stance == LEFT, -1.0, 1.0),
             elapsed=memory.elapsed[robots],
             duration=memory.duration[robots],
-            command=self._velocity.of(memory, robots),
+            reference_velocity=self._velocity.planned(memory, robots),
         )
-        with self._clock.part("footsteps"):
-            plan = self._planner.plan(pendulum)
+        plan = self._planner.plan(pendulum)
         memory.foothold[robots] = foot + memory.to_world(plan.step, robots)
         memory.duration[robots] = plan.duration
+
+    def _swing(self, dynamics: Dynamics, foot: np.ndarray, reference: np.ndarray) -> Part:
+        """Swing foot (n,) follows ``reference`` (n, 3, 3): axis; place, velocity, acceleration."""
+        robots = np.arange(len(foot))
+        jacobian = dynamics.foot_jacobians[robots, foot, :3]
+        error = reference[:, :, 0] - dynamics.foot_positions[robots, foot]
+        rate = reference[:, :, 1] - point_velocity(jacobian, dynamics.qvel)
+        desired, weight = feedback(self._config.whole_body.swing, error, rate)
+        bias = dynamics.foot_bias[robots, foot, :3]
+        return jacobian, desired + reference[:, :, 2] - bias, weight
+
+    def _swing_rotation(
+        self, dynamics: Dynamics, foot: np.ndarray, heading: np.ndarray, yaw_rate: np.ndarray
+    ) -> Part:
+        """Swing foot (n,) level, along ``heading`` (n,) [rad]; free about its line."""
+        robots = np.arange(len(foot))
+        rotation = dynamics.foot_rotations[robots, foot]
+        axes = pitch_and_yaw(rotation)
+        jacobian = axes @ dynamics.foot_jacobians[robots, foot, 3:]
+        bias = (axes @ dynamics.foot_bias[robots, foot, 3:, None])[..., 0]
+        error = np.stack(
+            [np.arcsin(rotation[:, 2, 0]), wrapped(heading - yaw_of(rotation))], axis=1
+        )
+        rate = -point_velocity(jacobian, dynamics.qvel)
+        rate[:, 1] += yaw_rate
+        desired, weight = feedback(self._config.whole_body.swing_rotation, error, rate)
+        return jacobian, desired - bias, weight[1:]
+
+
+def swing_at_rest(position: np.ndarray) -> np.ndarray:
+    """Reference (n, 3, 3) at rest at ``position`` (n, 3) [m]."""
+    reference = np.zeros((*position.shape, 3))
+    reference[:, :, 0] = position
+    return reference
+
+
+def advance_swing(
+    reference: np.ndarray,
+    target: np.ndarray,
+    elapsed: np.ndarray,
+    duration: np.ndarray,
+    ground: np.ndarray,
+    apex: float,
+    config: SwingConfig,
+    period: float,
+) -> np.ndarray:
+    """Reference one tick later.
+
+    Args:
+        reference: (n, 3, 3) coordinate; position, velocity, acceleration.
+        target: foothold (n, 2) [m].
+        elapsed, duration: of the step (n,) [s].
+        ground: height of the sole on the ground (n,) [m].
+        apex: largest height above it [m].
+        config: touchdown.
+        period: of a tick [s].
+    """
+    result = np.empty_like(reference)
+    left = duration - elapsed
+    time = np.maximum(left, 2 * period)
+    goal = np.zeros((len(target), 2, 3))
+    goal[:, :, 0] = target
+    result[:, :2] = quintic(reference[:, :2], goal, time[:, None], period)
+    rising = elapsed < duration / 2 - 2 * period
+    height = np.zeros((len(target), 3))
+    height[:, 0] = ground + np.where(rising, apex, 0.0)
+    height[:, 1] = np.where(rising, 0.0, -config.touchdown_velocity)
+    time = np.where(rising, np.maximum(duration / 2 - elapsed, 2 * period), time)
+    result[:, 2] = quintic(reference[:, 2], height, time, period)
+    late = left < period / 2
+    result[late] = swing_at_rest(reference[late, :, 0])
+    result[late, 2, 0] -= config.search_velocity * period
+    result[late, 2, 1] = -config.search_velocity
+    return result

@@ -1,13 +1,14 @@
-"""What a controller remembers of N robots between ticks; its other parts have no state.
+"""State of a controller for N robots between ticks, and rows of it; its other parts have none.
 
 Feet are numbered left, right; modes are on both feet (STAND, SWAY), stepping (WALK) and OFF.
 """
 
-from dataclasses import dataclass
+import copy
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
-from slider.control.whole_body.entry import Sway
 from slider.env.phase import standing
 from slider.robot.kinematics import turn_to_heading
 
@@ -15,13 +16,40 @@ SWAY, WALK, OFF, STAND = 0, 1, 2, 3
 LEFT, RIGHT = 0, 1
 FEET = np.array([LEFT, RIGHT])
 
+T = TypeVar("T")
+
+
+@dataclass
+class Sway:
+    """Sways of n robots in double support, in the frame of their heading.
+
+    Attributes:
+        middle: (n, 2) point between the feet [m].
+        side: (n,) +1 where the left foot is the first stance foot, −1 for the right one.
+        start: (n, 3) place [m] from the middle towards that foot, velocity and acceleration at
+            the start.
+        centre: (n,) forward place of the centre of pressure from the middle [m].
+        elapsed: (n,) [s].
+    """
+
+    middle: np.ndarray
+    side: np.ndarray
+    start: np.ndarray
+    centre: np.ndarray
+    elapsed: np.ndarray
+
+    @classmethod
+    def zeros(cls, n: int) -> "Sway":
+        """Of n robots that have not begun."""
+        return cls(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), np.zeros(n), np.zeros(n))
+
 
 @dataclass
 class Memory:
     """Memory of N robots; methods take and give the rows of some of them, ``robots`` (n,).
 
     Attributes:
-        command: (N, 3) vx, vy [m/s], yaw rate [rad/s].
+        velocity: (N, 3) commanded vx, vy [m/s], yaw rate [rad/s].
         tick: number of ticks since the start.
         mode: (N,) SWAY, WALK, OFF or STAND.
         heading: (N,) desired yaw [rad].
@@ -34,13 +62,13 @@ class Memory:
         steps: (N,) number of steps.
         starts: (N, 2, 3) place of the centre of mass (2) [m] and ``walked`` at the starts of the
             last two steps, the older one first.
-        correction: (N, 2) added to the commanded velocity [m/s].
-        old: (N, 2) reference velocity when the command last changed [m/s].
+        correction: (N, 2) of the integral action, added to the reference velocity [m/s].
+        previous: (N, 2) reference velocity when the commanded one last changed [m/s].
         changed: ``walked`` at that time (N,) [s].
-        yaw_command: (N,) commanded yaw rate, to which a walk's grows [rad/s].
+        target_yaw_rate: (N,) yaw rate [rad/s] to which that of ``velocity`` grows in a walk.
     """
 
-    command: np.ndarray
+    velocity: np.ndarray
     tick: int
     mode: np.ndarray
     heading: np.ndarray
@@ -54,18 +82,18 @@ class Memory:
     steps: np.ndarray
     starts: np.ndarray
     correction: np.ndarray
-    old: np.ndarray
+    previous: np.ndarray
     changed: np.ndarray
-    yaw_command: np.ndarray
+    target_yaw_rate: np.ndarray
 
     @classmethod
-    def on_both_feet(cls, command: np.ndarray, heading: np.ndarray) -> "Memory":
-        """Before the first step, with ``command`` (N, 3), facing along ``heading`` (N,) [rad]."""
-        n = len(command)
+    def on_both_feet(cls, velocity: np.ndarray, heading: np.ndarray) -> "Memory":
+        """Before the first step, with ``velocity`` (N, 3) and ``heading`` (N,) [rad] commanded."""
+        n = len(velocity)
         return cls(
-            command=command,
+            velocity=velocity,
             tick=0,
-            mode=np.where(standing(command), STAND, SWAY),
+            mode=np.where(standing(velocity), STAND, SWAY),
             heading=heading.copy(),
             sway=Sway.zeros(n),
             stance=np.full(n, LEFT),
@@ -77,23 +105,23 @@ class Memory:
             steps=np.zeros(n, dtype=int),
             starts=np.zeros((n, 2, 3)),
             correction=np.zeros((n, 2)),
-            old=np.zeros((n, 2)),
+            previous=np.zeros((n, 2)),
             changed=np.zeros(n),
-            yaw_command=command[:, 2].copy(),
+            target_yaw_rate=velocity[:, 2].copy(),
         )
 
     def forget_walk(self, robots: np.ndarray) -> None:
         """As before the first step."""
-        for values in (self.walked, self.steps, self.old, self.changed, self.correction):
+        for values in (self.walked, self.steps, self.previous, self.changed, self.correction):
             values[robots] = 0
 
     def commanded_to_stand(self, robots: np.ndarray) -> np.ndarray:
-        """Whether the command is to stand (n,)."""
-        return standing(self.command[robots])
+        """Whether the commanded velocity is zero (n,)."""
+        return standing(self.velocity[robots])
 
     def yaw_rate(self, robots: np.ndarray) -> np.ndarray:
         """Commanded yaw rate (n,) [rad/s]; on both feet the robot does not turn."""
-        return np.where(self.mode[robots] == WALK, self.command[robots, 2], 0.0)
+        return np.where(self.mode[robots] == WALK, self.velocity[robots, 2], 0.0)
 
     def to_heading(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
         """World (n, 2) → forward, left."""
@@ -102,3 +130,33 @@ class Memory:
     def to_world(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
         """Forward, left (n, 2) → world."""
         return turn_to_heading(vectors, -self.heading[robots])
+
+
+def consecutive(indices: np.ndarray) -> np.ndarray | slice:
+    """The rows ``indices`` (n,), increasing, as a slice if none is left out."""
+    gapless = len(indices) and indices[-1] - indices[0] == len(indices) - 1
+    return slice(indices[0], indices[-1] + 1) if gapless else indices
+
+
+def take(batch: T, indices: np.ndarray | slice) -> T:
+    """Rows of all arrays of a dataclass, nested dataclasses included; a slice copies none."""
+    rows = copy.copy(batch)
+    for name, value in _parts(batch):
+        part = value[indices] if isinstance(value, np.ndarray) else take(value, indices)
+        object.__setattr__(rows, name, part)
+    return rows
+
+
+def scatter(batch: T, indices: np.ndarray, rows: T) -> None:
+    """Overwrite the rows ``indices`` of all arrays with those of another batch."""
+    for name, value in _parts(batch):
+        if isinstance(value, np.ndarray):
+            value[indices] = getattr(rows, name)
+        else:
+            scatter(value, indices, getattr(rows, name))
+
+
+def _parts(batch: Any) -> list[tuple[str, Any]]:
+    """Arrays and nested dataclasses."""
+    parts = [(item.name, getattr(batch, item.name)) for item in fields(batch)]
+    return [(n, v) for n, v in parts if isinstance(v, np.ndarray) or is_dataclass(v)]

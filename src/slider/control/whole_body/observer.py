@@ -1,4 +1,4 @@
-"""State observer: where the robot will be when the drives get the torques.
+"""State observer: the state of the robot at the time when the drives receive the torques.
 
 A Luenberger observer with the nominal robot in MuJoCo, contacts included: each tick it simulates
 the torques that act now, moves its estimate towards what is measured, and simulates the torques
@@ -14,6 +14,7 @@ import numpy as np
 from slider.config.control import ObserverConfig
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
+from slider.control.whole_body.controller import WalkingController
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import multiply_quaternions
 from slider.env.state import RobotState
@@ -42,18 +43,18 @@ class Observer:
         self._config = config
         self._model = BatchedPhysics(robot, physics, count, threads, "torque", instruments=False)
         self._ticks = round(config.delay / self._model.period)
-        self._everyone = np.arange(count)
+        self._robots = np.arange(count)
 
     def reset(self, measured: RobotState) -> None:
-        """Begin with a measured state; until the first torques arrive the drives give none."""
+        """Start from a measured state; the drives give no torque until the first ones arrive."""
         self._qpos, self._qvel = measured.qpos, measured.qvel
         self._given_up = np.zeros(measured.num_robots, dtype=bool)
-        none = np.zeros((len(self._everyone), names.NUM_JOINTS))
+        none = np.zeros((len(self._robots), names.NUM_JOINTS))
         self._under_way = deque([none] * self._ticks)
         self._acting: np.ndarray | None = None
 
     def give_up(self, robots: np.ndarray) -> None:
-        """Let the estimates of ``robots`` (N,) be."""
+        """Estimate the states of ``robots`` (N,) no longer."""
         self._given_up |= robots
 
     def estimate(self, measured: RobotState) -> RobotState:
@@ -75,7 +76,7 @@ class Observer:
 
     def _simulate(self, inputs: "list[np.ndarray] | deque[np.ndarray]") -> None:
         """Let the estimate go on, one tick for each of the torques (N, 12)."""
-        self._model.reset(self._everyone, self._qpos, self._qvel)
+        self._model.reset(self._robots, self._qpos, self._qvel)
         self._model.retire(self._given_up)
         for torques in inputs:
             self._model.step(torques)
@@ -91,8 +92,35 @@ class Observer:
 
     def _now(self, measured: RobotState) -> RobotState:
         """The estimate, with the contact flags that are measured: nothing is under way."""
-        self._model.reset(self._everyone, self._qpos, self._qvel)
+        self._model.reset(self._robots, self._qpos, self._qvel)
         return replace(self._model.read(), foot_forces=measured.foot_forces)
+
+
+class ObservingController:
+    """The controller behind its observer, whose estimates it receives."""
+
+    def __init__(self, controller: WalkingController, observer: Observer) -> None:
+        self._controller, self._observer = controller, observer
+
+    def reset(self, state: RobotState, velocity: np.ndarray) -> None:
+        """Start anew; see :class:`WalkingController`."""
+        self._observer.reset(state)
+        self._controller.reset(state, velocity)
+
+    def give_up(self, robots: np.ndarray) -> None:
+        """Switch the drives of ``robots`` (N,) off and observe them no longer."""
+        self._observer.give_up(robots)
+        self._controller.give_up(robots)
+
+    def command(self, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from now on."""
+        self._controller.command(velocity)
+
+    def control(self, state: RobotState) -> np.ndarray:
+        """Torques (N, 12) [N m or N] from measured states."""
+        torques = self._controller.control(self._observer.estimate(state))
+        self._observer.send(torques)
+        return torques
 
 
 def rotation_between(old: np.ndarray, new: np.ndarray) -> np.ndarray:

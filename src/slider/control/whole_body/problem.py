@@ -13,8 +13,8 @@ import numpy as np
 
 from slider.config.control import WholeBodyConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body import qp
-from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
+from slider.control import qp
+from slider.control.whole_body.model import NUM_DOFS, Dynamics
 from slider.core.compiled import compiled, part
 from slider.robot import names
 from slider.robot.transmission import Transmission
@@ -85,9 +85,9 @@ class WholeBody:
         rows, still = np.empty((n, NUM_ACTUATED + len(cone), size)), np.empty((n, NUM_ACTUATED))
         rows[:, NUM_ACTUATED:] = cone
         terms = dynamics.mass_matrix, dynamics.bias, contact
-        wanted = tasks.jacobian, tasks.desired, np.sqrt(tasks.weight)
+        targets = tasks.jacobian, tasks.desired, np.sqrt(tasks.weight)
         settings = self._damping(ranks), self._to_motors
-        _reduce(terms, wanted, settings, hessian, gradient, efforts, rows, still)
+        _reduce(terms, targets, settings, hessian, gradient, efforts, rows, still)
         low, high = self._motors.torque_limits(self._motors.angles(dynamics.qvel[:, _BASE:]))
         force_low, force_high = self._force_bounds(loaded)
         zero = np.zeros((n, len(cone)))
@@ -120,12 +120,12 @@ class WholeBody:
 
     def solve(self, problem: Problem) -> tuple[np.ndarray, np.ndarray]:
         """Torques (n, 12) [N m or N] of all joints, and which robots (n,) have a solution."""
-        found, solved = qp.solve(
+        minimisers, solved = qp.solve(
             problem.hessian, problem.gradient, problem.rows, problem.lower, problem.upper
         )
-        torques = np.zeros((len(found), names.NUM_JOINTS))
+        torques = np.zeros((len(minimisers), names.NUM_JOINTS))
         maps, offsets = problem.efforts[:, :, :-1], problem.efforts[:, :, -1]
-        torques[:, _JOINTS] = (maps @ found[:, :, None])[..., 0] + offsets
+        torques[:, _JOINTS] = (maps @ minimisers[:, :, None])[..., 0] + offsets
         torques[~solved] = 0.0
         return torques, solved
 
@@ -157,7 +157,7 @@ _Arrays = tuple[np.ndarray, np.ndarray, np.ndarray]
 @compiled
 def _reduce(
     terms: _Arrays,
-    wanted: _Arrays,
+    targets: _Arrays,
     settings: tuple[np.ndarray, np.ndarray],
     hessian: np.ndarray,
     gradient: np.ndarray,
@@ -170,7 +170,11 @@ def _reduce(
     With q̈ᵤ = S (y, 1), the cost is Σ (√w (Jᵤ S y + Jₐ q̈ₐ − b))² + ρ y² and the efforts are
     Mₐᵤ S y + Mₐₐ q̈ₐ + hₐ − Jₐᵀ f.
     """
-    (mass, bias, contact), (jacobian, desired, root), (damping, to_motors) = terms, wanted, settings
+    (mass, bias, contact), (jacobian, desired, root), (damping, to_motors) = (
+        terms,
+        targets,
+        settings,
+    )
     size, count, free = hessian.shape[1], len(root), len(_UNACTUATED)
     square, follows = np.empty((free, free)), np.empty((free, size + 1))  # Mᵤᵤ, S
     shares, scaled, target = np.empty((count, free)), np.empty((count, size)), np.empty(count)

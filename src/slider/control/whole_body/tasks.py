@@ -7,9 +7,8 @@ import numpy as np
 
 from slider.config.control import TaskConfig, WholeBodyConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.clock import TickClock
 from slider.control.whole_body.memory import FEET, Memory
-from slider.control.whole_body.nominal import NUM_DOFS, Dynamics
+from slider.control.whole_body.model import NUM_DOFS, Dynamics
 from slider.control.whole_body.problem import Tasks, WholeBody
 from slider.core.compiled import compiled
 from slider.robot.kinematics import about_z
@@ -28,20 +27,12 @@ class BodyControl:
         config: gains, weights and limits.
         search: velocity at which feet without contact sink [m/s].
         height: of the pendulum [m].
-        clock: for the parts ``assembly`` and ``solution``.
     """
 
     def __init__(
-        self,
-        robot: RobotConfig,
-        config: WholeBodyConfig,
-        search: float,
-        height: float,
-        clock: TickClock,
+        self, robot: RobotConfig, config: WholeBodyConfig, search: float, height: float
     ) -> None:
-        self._config, self._height, self._clock = config, height, clock
-        self._search = search
-        self.tasks = BodyTasks(config)
+        self._config, self._search, self._height = config, search, height
         self._whole_body = WholeBody(robot, config)
 
     def on_both_feet(
@@ -69,7 +60,7 @@ class BodyControl:
         sinking = np.where(contact, 0.0, self._search)
         parts = [
             *self.body(memory, robots, dynamics, flat, ground, weight),
-            self.tasks.stance(dynamics, feet, sinking),
+            self.stance(dynamics, feet, sinking),
         ]
         return self.solve(dynamics, parts, feet, contact)
 
@@ -83,34 +74,20 @@ class BodyControl:
         weight: np.ndarray,
     ) -> list[Part]:
         """Centre of mass with level acceleration ``flat`` (n, 2) above ``ground`` (n,), base."""
-        lift = self._lift(dynamics, ground)
-        acceleration = np.concatenate([flat, lift[:, None]], axis=1)
-        return [
-            self.tasks.com(dynamics, acceleration, weight),
-            self.tasks.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
-        ]
-
-    def _lift(self, dynamics: Dynamics, ground: np.ndarray) -> np.ndarray:
-        """Vertical acceleration (n,) that holds the pendulum's height above the ground."""
         task = self._config.com
         error = self._height - (dynamics.com[:, 2] - ground)
-        return task.kp * error - task.kd * dynamics.com_velocity[:, 2]
+        lift = task.kp * error - task.kd * dynamics.com_velocity[:, 2]
+        acceleration = np.concatenate([flat, lift[:, None]], axis=1)
+        return [
+            self.com(dynamics, acceleration, weight),
+            self.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
+        ]
 
     def solve(
         self, dynamics: Dynamics, parts: list[Part], feet: np.ndarray, loaded: np.ndarray
     ) -> Solved:
         """Torques for tasks in ``parts`` on ``feet`` (n, k), of which those ``loaded`` carry."""
-        with self._clock.part("assembly"):
-            problem = self._whole_body.build(dynamics, join(parts), feet, loaded)
-        with self._clock.part("solution"):
-            return self._whole_body.solve(problem)
-
-
-class BodyTasks:
-    """Builds tasks for n robots from their dynamics and references."""
-
-    def __init__(self, config: WholeBodyConfig) -> None:
-        self._config = config
+        return self._whole_body.solve(self._whole_body.build(dynamics, join(parts), feet, loaded))
 
     def com(self, dynamics: Dynamics, acceleration: np.ndarray, weight: np.ndarray) -> Part:
         """Centre of mass with a desired acceleration (n, 3) [m/s²]."""
@@ -151,15 +128,15 @@ def _stance(
     jacobians, biases, rotations = terms
     for robot in range(len(feet)):
         for place, foot in enumerate(feet[robot]):
-            own, bias = jacobians[robot, foot], biases[robot, foot]
+            foot_jacobian, bias = jacobians[robot, foot], biases[robot, foot]
             x, y = rotations[robot, foot, 0, 0], rotations[robot, foot, 1, 0]
             length = np.sqrt(x * x + y * y)
             rows, rate = jacobian[robot, place], desired[robot, place]
             for dof in range(NUM_DOFS):
                 for axis in range(3):
-                    rows[axis, dof] = own[axis, dof]
-                rows[3, dof] = (x * own[4, dof] - y * own[3, dof]) / length
-                rows[4, dof] = own[5, dof]
+                    rows[axis, dof] = foot_jacobian[axis, dof]
+                rows[3, dof] = (x * foot_jacobian[4, dof] - y * foot_jacobian[3, dof]) / length
+                rows[4, dof] = foot_jacobian[5, dof]
             for axis in range(3):
                 rate[axis] = -bias[axis]
             rate[3], rate[4] = -(x * bias[4] - y * bias[3]) / length, -bias[5]
@@ -195,9 +172,9 @@ def point_velocity(jacobian: np.ndarray, qvel: np.ndarray) -> np.ndarray:
     return (jacobian @ qvel[:, :, None])[..., 0]
 
 
-def _rotation_error(desired: np.ndarray, found: np.ndarray) -> np.ndarray:
-    """World vector (n, 3) [rad] of the turn from ``found`` to ``desired``, small angles."""
-    difference = desired @ found.swapaxes(1, 2)
+def _rotation_error(desired: np.ndarray, actual: np.ndarray) -> np.ndarray:
+    """World vector (n, 3) [rad] of the turn from ``actual`` to ``desired``, small angles."""
+    difference = desired @ actual.swapaxes(1, 2)
     skew = 0.5 * (difference - difference.swapaxes(1, 2))
     return np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
 

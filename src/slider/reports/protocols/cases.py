@@ -8,10 +8,8 @@ import numpy as np
 from slider.config.convert import from_dict
 from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation.profile import command
-from slider.evaluation.proportions import wilson
-from slider.evaluation.results import AXES, Evaluation, Robots
-from slider.evaluation.segments import SMOOTHING, profile_of
+from slider.evaluation.results import AXES, Evaluation, Robots, wilson
+from slider.evaluation.segments import SMOOTHING, command, profile_of
 from slider.reports import rows as tables
 from slider.reports.figures.protocols import draw_cases
 from slider.reports.protocols import write

@@ -6,9 +6,8 @@ from pathlib import Path
 from slider.config.convert import from_dict
 from slider.config.evaluation import EvaluationConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation.profile import command
 from slider.evaluation.results import AXES, MEASURES, Evaluation
-from slider.evaluation.segments import profile_of
+from slider.evaluation.segments import command, profile_of
 from slider.reports import rows as tables
 from slider.reports.figures.protocols import draw_segments
 from slider.reports.protocols import write

@@ -1,0 +1,228 @@
+"""The stage ``policy_export``: a policy for use without this package, as files of one folder.
+
+The networks are an ONNX file, which runtimes since 2022 load, and a ``torch.export`` file, with the
+layout inside both. Their actions are compared with the policy's on observations of a roll-out.
+"""
+
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import onnx
+import onnxruntime
+import torch
+from onnx import TensorProto, helper, numpy_helper
+from torch import nn
+
+from slider.control import (
+    EXPORT_FILES,
+    LAYOUT,
+    MODEL,
+    ONNX,
+    POLICY_FILE,
+    REFERENCE,
+    TORCH_EXPORT,
+)
+from slider.control.layout import INPUT, OUTPUT, describe, reference_table
+from slider.control.policy import PolicyController
+from slider.control.policy_file import Policy, PolicyNetwork, load_policy
+from slider.core.errors import UserError
+from slider.core.files import digest_file
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import roll_out
+from slider.env.starts import USUAL_NOISE, at_rest
+from slider.robot.mjcf import SimulationOptions, build_spec
+from slider.robot.names import JOINTS, MOTORS
+from slider.robot.transmission import Transmission
+
+LAYOUT_KEY = "slider_policy_layout"  # in the metadata of the ONNX file
+LAYOUT_FILE = "layout.json"  # among the extra files of the torch.export file
+_IR, _OPSET = 8, 13  # of ONNX 1.10, which onnxruntime has loaded since 1.10
+_TRACES = ("stack_trace", "nn_module_stack", "source_fn_stack", "from_node", "torch_fn")
+_DURATION = 4.0  # of the roll-out [s]
+TOLERANCE = 1e-5  # of an action
+SPEEDS = (0.0, 0.4, 0.8, 1.2, 2.2, 3.0)  # commands of the roll-out [m/s]
+_ROBOTS = 4  # per command
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Largest differences of an action from the policy's over ``observations`` observations."""
+
+    observations: int
+    onnx: float
+    torch_export: float
+
+    def check(self) -> None:
+        """Refuse an export that acts differently.
+
+        Raises:
+            UserError: a difference is larger than ``TOLERANCE``.
+        """
+        for name, difference in (("ONNX", self.onnx), ("torch.export", self.torch_export)):
+            if not difference <= TOLERANCE:  # NaN is refused too
+                raise UserError(
+                    f"policy export: expected the actions of the {name} file within "
+                    f"{TOLERANCE:g} of the policy's, found a difference of {difference:.3g}"
+                )
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Export the walking policy."""
+    torch.set_num_threads(job.threads)
+    agreement = export(inputs["walking"][0] / POLICY_FILE, section["origin"], out, job.threads)
+    job.volatile["onnx_difference"] = agreement.onnx  # rounding depends on the machine
+    job.volatile["torch_export_difference"] = agreement.torch_export
+    for name in EXPORT_FILES:
+        job.tracker.log_file(out / name)
+    return {"observations": agreement.observations, "tolerance": TOLERANCE}
+
+
+def export(policy_file: Path, origin: dict[str, Any], out: Path, threads: int = 1) -> Agreement:
+    """Write the files ``EXPORT_FILES`` into ``out`` and compare the networks with the policy.
+
+    Args:
+        policy_file: of this project.
+        origin: provenance, copied into the layout beside the digest of the policy file.
+        out: existing folder.
+        threads: of the roll-out.
+
+    Raises:
+        UserError: no policy file, or an exported network acts differently.
+    """
+    policy = write_files(policy_file, origin, out)
+    observations = record_observations(policy, _DURATION, threads)
+    agreement = compare(policy, out / ONNX, out / TORCH_EXPORT, observations)
+    agreement.check()
+    return agreement
+
+
+def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
+    """Write the files, unchecked; return the policy. Arguments and errors as in ``export``."""
+    policy = load_policy(policy_file)
+    layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin})
+    save_onnx(policy.network, layout, out / ONNX)
+    save_torch(policy.network, layout, out / TORCH_EXPORT)
+    (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")
+    np.save(out / REFERENCE, reference_table(policy).positions)
+    (out / MODEL).write_text(_model_xml(policy))
+    if policy_file.resolve() != (out / POLICY_FILE).resolve():
+        shutil.copyfile(policy_file, out / POLICY_FILE)
+    return policy
+
+
+def record_observations(policy: Policy, duration: float, threads: int = 1) -> np.ndarray:
+    """Observations (steps · N, size) of robots that walk under the policy for ``duration`` [s]."""
+    count = len(SPEEDS) * _ROBOTS
+    recorded: list[torch.Tensor] = []
+
+    def network(observations: torch.Tensor) -> torch.Tensor:
+        recorded.append(observations)
+        return policy.network(observations)
+
+    agent = AgentInterface(policy.robot, policy.env, count, policy.times, policy.reference)
+    physics = BatchedPhysics(policy.robot, policy.env.physics, count, threads)
+    start = at_rest(policy.robot, USUAL_NOISE, np.random.default_rng(0), count)
+    velocities = np.zeros((count, 3))
+    velocities[:, 0] = np.repeat(SPEEDS, _ROBOTS)
+    roll_out(PolicyController(network, agent), physics, policy.env, start, velocities, duration)
+    return torch.cat(recorded).numpy()
+
+
+def compare(policy: Policy, onnx_file: Path, exported: Path, observations: np.ndarray) -> Agreement:
+    """Run both files, read back from disk, on observations (N, size)."""
+    with torch.inference_mode():
+        expected = policy.network(torch.from_numpy(observations)).numpy()
+        reloaded = torch.export.load(exported).module()(torch.from_numpy(observations)).numpy()
+    return Agreement(
+        observations=len(observations),
+        onnx=float(np.abs(run_onnx(onnx_file, observations) - expected).max()),
+        torch_export=float(np.abs(reloaded - expected).max()),
+    )
+
+
+def run_onnx(path: Path, observations: np.ndarray) -> np.ndarray:
+    """Actions (N, 12) of observations (N, size) by onnxruntime, with one thread."""
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    session = onnxruntime.InferenceSession(path, options, providers=["CPUExecutionProvider"])
+    return np.asarray(session.run(None, {INPUT: observations})[0])
+
+
+def save_torch(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> None:
+    """Write for ``torch.export.load(path).module()``, any number of robots: (N, size) → (N, 12)."""
+    robots = torch.export.Dim("robots")
+    example = torch.zeros(2, len(network.mean))
+    program = torch.export.export(network.eval(), (example,), dynamic_shapes=({0: robots},))
+    for node in program.graph.nodes:
+        for name in _TRACES:  # they hold paths of this machine
+            node.meta.pop(name, None)
+    torch.export.save(program, path, extra_files={LAYOUT_FILE: json.dumps(layout)})
+
+
+def save_onnx(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> None:
+    """Write the normaliser and the layers for any ONNX runtime: (N, size) → (N, 12)."""
+    tensors = {"mean": network.mean, "std": network.std}
+    nodes = [
+        helper.make_node("Sub", [INPUT, "mean"], ["centred"]),
+        helper.make_node("Div", ["centred", "std"], ["normalised"]),
+    ]
+    last = "normalised"
+    for index, layer in enumerate(network.mlp):
+        output = OUTPUT if index == len(network.mlp) - 1 else f"layer{index}"
+        if isinstance(layer, nn.Linear):
+            names = [f"weight{index}", f"bias{index}"]
+            tensors |= dict(zip(names, (layer.weight, layer.bias), strict=True))
+            nodes.append(helper.make_node("Gemm", [last, *names], [output], transB=1))
+        else:
+            operator = type(layer).__name__.capitalize()  # Elu, Relu, Tanh
+            nodes.append(helper.make_node(operator, [last], [output]))
+        last = output
+    sizes = len(network.mean), tensors[nodes[-1].input[2]].numel()
+    ends = [
+        helper.make_tensor_value_info(name, TensorProto.FLOAT, ["robots", size])
+        for name, size in zip((INPUT, OUTPUT), sizes, strict=True)
+    ]
+    values = [numpy_helper.from_array(t.detach().numpy(), name) for name, t in tensors.items()]
+    graph = helper.make_graph(nodes, "policy", ends[:1], ends[1:], values)
+    opset = [helper.make_opsetid("", _OPSET)]
+    model = helper.make_model(graph, ir_version=_IR, opset_imports=opset, producer_name="slider")
+    helper.set_model_props(model, {LAYOUT_KEY: json.dumps(layout)})
+    onnx.checker.check_model(model, full_check=True)
+    path.write_bytes(model.SerializeToString(deterministic=True))
+
+
+def _model_xml(policy: Policy) -> str:
+    """MJCF of the simulated robot, ground and sensors."""
+    physics = policy.env.physics
+    options = SimulationOptions(
+        physics.timestep, physics.solver_iterations, physics.line_search_iterations
+    )
+    spec = build_spec(policy.robot, options)
+    model = spec.compile()
+    return _with_all_digits(spec.to_xml(), Transmission.of(policy.robot), model)
+
+
+def _with_all_digits(xml: str, motors: Transmission, model: mujoco.MjModel) -> str:
+    """MuJoCo writes six digits; coefficients of tendons and parameters of motors need them all."""
+    root = ElementTree.fromstring(xml)
+    for tendon in root.iter("fixed"):
+        row = motors.matrix[MOTORS.index(tendon.attrib["name"])]
+        for joint in tendon.iter("joint"):
+            joint.set("coef", repr(float(row[JOINTS.index(joint.attrib["joint"])])))
+    for motor in root.iter("general"):
+        count = len(motor.attrib["gainprm"].split())
+        values = model.actuator(motor.attrib["name"]).gainprm[:count]
+        motor.set("gainprm", " ".join(repr(float(value)) for value in values))
+    return ElementTree.tostring(root, encoding="unicode")

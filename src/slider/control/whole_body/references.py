@@ -1,0 +1,132 @@
+"""References: the linear inverted pendulum (LIP), quintics and the reference velocity.
+
+The pendulum is in closed form, one axis, vectorised: ẍ = ω² (x − p) with the foot p fixed during a
+step; Kajita et al., "The 3D linear inverted pendulum mode", IROS 2001. Its states are (…, 2):
+position relative to the foot [m] and velocity [m/s].
+"""
+
+import numpy as np
+
+from slider.config.control import VelocityConfig
+from slider.control.whole_body.memory import Memory
+from slider.robot.kinematics import turn_to_heading
+from slider.robot.names import GRAVITY
+
+
+def natural_frequency(height: float) -> float:
+    """Natural frequency ω [rad/s] of a pendulum of ``height`` [m]."""
+    return float(np.sqrt(GRAVITY / height))
+
+
+def step_map(omega: float, time: np.ndarray | float) -> np.ndarray:
+    """Matrices (…, 2, 2) that move a state on by ``time`` (…) [s] with the foot in place."""
+    cosh, sinh = np.cosh(omega * np.asarray(time)), np.sinh(omega * np.asarray(time))
+    rows = [[cosh, sinh / omega], [omega * sinh, cosh]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def forward_end_velocity(omega: float, time: float, mean: np.ndarray) -> np.ndarray:
+    """Velocity at the end of a step of the orbit with ``mean`` velocity (…) [m/s].
+
+    The orbit goes from −L/2 to L/2 with L = mean · time, so that
+    v_end = ω (L/2) / tanh(ω time / 2): faster than the mean.
+    """
+    return omega * mean * time / 2 / np.tanh(omega * time / 2)
+
+
+def lateral_end_velocity(omega: float, time: float, width: float) -> float:
+    """Speed [m/s] away from the foot at the end of a step of the sideways orbit.
+
+    The orbit starts and ends half of ``width`` [m] beside the foot:
+    v = ω (width/2) tanh(ω time / 2).
+    """
+    return float(omega * width / 2 * np.tanh(omega * time / 2))
+
+
+def orbital_energy(omega: float, state: np.ndarray) -> np.ndarray:
+    """(ẋ/ω)² − x² (…) [m²], constant during a step; negative: the pendulum turns back."""
+    return (state[..., 1] / omega) ** 2 - state[..., 0] ** 2
+
+
+def quintic(
+    start: np.ndarray, end: np.ndarray, duration: np.ndarray, time: np.ndarray | float
+) -> np.ndarray:
+    """State at ``time`` of the quintic that joins two states.
+
+    Args:
+        start: (…, 3) position, velocity and acceleration at 0.
+        end: (…, 3) the same at ``duration``.
+        duration: (…), positive [s].
+        time: (…), between 0 and ``duration`` [s].
+
+    Returns:
+        (…, 3).
+    """
+    t = np.asarray(time)
+    p0, v0, a0 = np.moveaxis(start, -1, 0)
+    gap = end[..., 0] - p0 - v0 * duration - 0.5 * a0 * duration**2
+    dv = (end[..., 1] - v0 - a0 * duration) * duration
+    da = (end[..., 2] - a0) * duration**2
+    c3 = (10 * gap - 4 * dv + 0.5 * da) / duration**3
+    c4 = (-15 * gap + 7 * dv - da) / duration**4
+    c5 = (6 * gap - 3 * dv + 0.5 * da) / duration**5
+    position = p0 + t * (v0 + t * (0.5 * a0 + t * (c3 + t * (c4 + t * c5))))
+    velocity = v0 + t * (a0 + t * (3 * c3 + t * (4 * c4 + t * 5 * c5)))
+    acceleration = a0 + t * (6 * c3 + t * (12 * c4 + t * 20 * c5))
+    return np.stack([position, velocity, acceleration], axis=-1)
+
+
+class ReferenceVelocity:
+    """Reference velocity: on the way to the commanded one, with integral action.
+
+    Args:
+        config: acceleration and integral action.
+        period: of a tick [s].
+    """
+
+    def __init__(self, config: VelocityConfig, period: float) -> None:
+        self._config, self._period = config, period
+
+    def change(self, memory: Memory, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from now on; the reference grows from where it is."""
+        changed = np.flatnonzero((velocity != memory.velocity).any(axis=1))
+        memory.previous[changed] = self._on_the_way(memory, changed)
+        memory.changed[changed] = memory.walked[changed]
+        memory.correction[changed] = 0.0
+        # No velocity error of a stride in between.
+        memory.steps[changed] = np.minimum(memory.steps[changed], 1)
+        memory.velocity = velocity
+
+    def planned(self, memory: Memory, robots: np.ndarray, ahead: float = 0.0) -> np.ndarray:
+        """Velocity (n, 2) forward, left [m/s] to plan steps for, ``ahead`` [s] from now."""
+        return self._on_the_way(memory, robots, ahead) + memory.correction[robots]
+
+    def _on_the_way(self, memory: Memory, robots: np.ndarray, ahead: float = 0.0) -> np.ndarray:
+        """From the previous velocity with constant acceleration (n, 2) [m/s]."""
+        previous = memory.previous[robots]
+        change = memory.velocity[robots, :2] - previous
+        size = np.maximum(np.linalg.norm(change, axis=1), 1e-9)
+        time = memory.walked[robots] - memory.changed[robots] + ahead
+        share = np.minimum(1.0, self._config.acceleration * time / size)
+        return previous + change * share[:, None]
+
+    def correct(self, memory: Memory, robots: np.ndarray, com: np.ndarray) -> None:
+        """Add the velocity error of the last stride at the start of a step.
+
+        Args:
+            memory: memory, of which ``starts`` and ``correction`` change.
+            robots: that start a step (n,).
+            com: their centres of mass (n, 2) [m], world.
+        """
+        now = np.concatenate([com, memory.walked[robots, None]], axis=1)
+        moved = now - memory.starts[robots, 0]
+        memory.starts[robots] = np.stack([memory.starts[robots, 1], now], axis=1)
+        # Not in the first stride, nor while it brakes in order to stand.
+        valid = (memory.steps[robots] > 2) & ~memory.commanded_to_stand(robots)
+        valid &= memory.walked[robots] - memory.changed[robots] >= self._config.integral_after
+        halfway = memory.heading[robots] - 0.5 * memory.velocity[robots, 2] * moved[:, 2]
+        mean = turn_to_heading(moved, halfway) / np.maximum(moved[:, 2:], self._period)
+        error = np.where(valid[:, None], memory.velocity[robots, :2] - mean, 0.0)
+        limit = self._config.integral_limit
+        total = memory.correction[robots] + self._config.integral * error
+        memory.correction[robots] = np.clip(total, -limit, limit)

@@ -1,0 +1,215 @@
+"""The baseline walks in the simulator: 3 s of each setting, sideways, turning, perturbed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.config.env import StartNoise
+from slider.config.robot import RobotConfig
+from slider.control.mpc.steps import advance_swing, mpc_controller, swing_at_rest
+from slider.control.whole_body.controller import WalkingController
+from slider.control.whole_body.memory import OFF, STAND, WALK
+from slider.control.whole_body.references import ReferenceVelocity
+from slider.env.metrics import CONTACT_FORCE
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Recording, roll_out
+from slider.env.starts import at_rest
+from tests.env.synthetic import TORQUE_LIMITS, config, make_state, motor_torques, robot_config
+
+COUNT, SECONDS = 2, 3.0
+SETTLED = 6.0  # the integral action needs some strides [s]
+
+
+def walk(
+    command: tuple[float, float, float] | np.ndarray,
+    setting: str = "tuned",
+    plant: RobotConfig | None = None,
+    seconds: float = SECONDS,
+    noise: bool = False,
+) -> tuple[Recording, WalkingController]:
+    whole = config()
+    control = whole.control[f"mpc_wbc_{setting}"]
+    settings = replace(whole.env.physics, substeps=control.substeps)
+    physics = BatchedPhysics(plant or robot_config(), settings, COUNT, 1, "torque")
+    controller = mpc_controller(robot_config(), control, physics.period)
+    spread = whole.evaluation.start if noise else StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    start = at_rest(robot_config(), spread, np.random.default_rng(7), COUNT)
+    velocity = np.tile(command, (COUNT, 1)) if np.ndim(command) == 1 else np.asarray(command)
+    return roll_out(controller, physics, whole.env, start, velocity, seconds), controller
+
+
+def profile(*segments: tuple[float, tuple[float, float, float]]) -> np.ndarray:
+    """Commands (S, COUNT, 3) of segments: how long [s], and what."""
+    return np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
+
+
+def steady(recording: Recording, steps: int = 90) -> np.ndarray:
+    """Mean velocity (2,) over robots and the last 1.6 to 1.8 s, whole strides [m/s]."""
+    assert recording.survived.all()
+    return recording.velocity[-steps:].mean(axis=(0, 1))
+
+
+def test_walks_forward_with_the_mean_velocity_that_it_is_told():
+    recording, controller = walk((0.6, 0.0, 0.0), seconds=SETTLED)
+    np.testing.assert_allclose(steady(recording), [0.6, 0.0], atol=0.05)
+    assert (controller.memory.mode == WALK).all()
+    expected = (SETTLED - 0.3) / config().control["mpc_wbc_tuned"].step.time
+    np.testing.assert_allclose(controller.memory.steps, expected, atol=3)
+    contact = recording.foot_forces > CONTACT_FORCE
+    single = contact.sum(axis=2) == 1
+    assert single[50:].mean() > 0.9
+    assert 0.3 < contact[50:, :, 0].mean() < 0.7, "both legs carry"
+    np.testing.assert_allclose(recording.yaw[-1], 0.0, atol=0.1)
+
+
+def test_literal_settings_walk_slower_than_the_command():
+    """The command is the velocity at the end of a step, where it is largest."""
+    recording, _ = walk((0.4, 0.0, 0.0), "literal")
+    assert 0.25 < steady(recording, 80)[0] < 0.37
+    clearance = recording.foot_positions[50:, :, :, 2].max()
+    assert 0.085 < clearance < 0.115
+
+
+@pytest.mark.parametrize("setting", ["literal", "tuned"])
+def test_starts_from_the_protocols_starts(setting):
+    recording, controller = walk((0.6, 0.0, 0.0), setting, noise=True)
+    assert recording.survived.all()
+    assert (controller.memory.mode == WALK).all()
+
+
+def test_steps_in_place_sideways_and_turns():
+    recording, _ = walk((0.0, -0.15, 0.4))
+    assert recording.survived.all()
+    np.testing.assert_allclose(steady(recording)[1], -0.15, atol=0.04)
+    turned = np.unwrap(recording.yaw, axis=0)[-1] - recording.yaw[50]
+    np.testing.assert_allclose(turned / (SECONDS - 1.02), 0.4, atol=0.05)
+
+
+def test_walks_on_a_plant_that_is_not_its_nominal_model():
+    robot = robot_config()
+    base = replace(robot.links.base, mass=1.2 * robot.links.base.mass, com=(0.01, 0.0, 0.06))
+    plant = replace(robot, links=replace(robot.links, base=base))
+    recording, _ = walk((0.4, 0.0, 0.0), plant=plant, seconds=SETTLED)
+    np.testing.assert_allclose(steady(recording), [0.4, 0.0], atol=0.08)
+
+
+def test_a_robot_does_not_depend_on_the_others():
+    recording, _ = walk((0.6, 0.0, 0.0), seconds=1.0, noise=True)
+    whole = config()
+    physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
+    controller = mpc_controller(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
+    qpos, qvel = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
+    alone = roll_out(
+        controller, physics, whole.env, (qpos[1:2], qvel[1:2]), np.array([[0.6, 0, 0]]), 1.0
+    )
+    np.testing.assert_allclose(alone.velocity[:, 0], recording.velocity[:50, 1], atol=1e-6)
+
+
+def test_switches_off_where_it_has_fallen():
+    control = config().control["mpc_wbc_tuned"]
+    controller = mpc_controller(robot_config(), control, 0.005)
+    state = make_state(2, foot_forces=60.0)
+    controller.reset(state, np.zeros((2, 3)))
+    lying = replace(state, gravity=np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]))
+    torques = controller.control(lying)
+    assert controller.memory.mode[1] == OFF
+    assert not torques[1].any()
+    assert np.abs(torques[0, [3, 9]]).min() > 20, "the other one stands"
+    assert not controller.control(state)[1].any(), "off is for ever"
+
+
+def test_torques_stay_within_the_limits():
+    recorded = []
+    whole = config()
+    physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
+    controller = mpc_controller(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
+    step = physics.step
+
+    def spying(torques: np.ndarray) -> None:
+        step(torques)
+        recorded.append((motor_torques(torques[0]), physics.read().motor_torques[0]))
+
+    physics.step = spying
+    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), 1)
+    roll_out(controller, physics, whole.env, start, np.array([[0.8, 0.0, 0.0]]), 1.0)
+    asked, applied = (np.array(column) for column in zip(*recorded, strict=True))
+    assert len(asked) == 200, "200 Hz"
+    np.testing.assert_allclose(applied, asked, atol=1e-4)  # the motors clip nothing
+    assert (np.abs(asked) <= TORQUE_LIMITS + 1e-4).all()
+    assert np.abs(asked).max(axis=0).min() > 0.1, "all of them work"
+
+
+@pytest.mark.parametrize("setting", ["literal", "tuned"])
+def test_stands_still_goes_sideways_and_turning_and_stops(setting):
+    """At 0.4 m/s with 0.1 m/s to the left, then with 0.3 rad/s; both ends on both feet."""
+    still, sideways, turning = (0.0, 0.0, 0.0), (0.4, 0.1, 0.0), (0.4, 0.0, 0.3)
+    command = profile((1.0, still), (5.0, sideways), (3.0, turning), (2.5, still))
+    recording, controller = walk(command, setting, seconds=11.5, noise=True)
+    assert recording.survived.all()
+    steps = np.cumsum([50, 250, 150, 125])
+    contact = recording.foot_forces > CONTACT_FORCE
+    assert contact[25:50].all(), "it stands before a command to go"
+    leftward = recording.velocity[steps[1] - 90 : steps[1], :, 1].mean()
+    np.testing.assert_allclose(leftward, 0.1, atol=0.04)
+    yaw = np.unwrap(recording.yaw, axis=0)
+    turned = yaw[steps[2] - 1] - yaw[steps[1] + 50]
+    np.testing.assert_allclose(turned / 1.98, 0.3, atol=0.02)
+    assert (controller.memory.mode == STAND).all()
+    assert contact[-50:].all(), "it stands again"
+    moved = recording.position[-1] - recording.position[-50]
+    np.testing.assert_allclose(np.linalg.norm(moved, axis=1), 0.0, atol=0.01)
+
+
+def test_the_reference_goes_from_the_old_command_to_the_new_one():
+    command = profile((1.5, (0.6, 0.0, 0.0)), (0.1, (0.0, 0.1, 0.0)))
+    _, controller = walk(command, seconds=1.6)
+    memory = controller.memory
+    np.testing.assert_allclose(memory.previous[:, 0], 0.6)
+    since = memory.walked - memory.changed
+    np.testing.assert_allclose(since, 0.1, atol=1e-9)
+    settings = config().control["mpc_wbc_tuned"].velocity
+    left = np.hypot(0.6, 0.1) - settings.acceleration * 0.1
+    reference = ReferenceVelocity(settings, 0.005).planned(memory, np.arange(COUNT))
+    found = np.linalg.norm(reference - [0.0, 0.1], axis=1)
+    np.testing.assert_allclose(found, left, atol=1e-9)
+
+
+SETTINGS = config().control["mpc_wbc_tuned"].swing
+TIME, APEX, PERIOD, GROUND = 0.3, 0.07, 0.005, 0.002
+
+
+def fly(target_at) -> np.ndarray:
+    """Reference (ticks, 3, 3) of one swing and 10 ticks beyond; ``target_at`` maps time → (2,)."""
+    reference, path = swing_at_rest(np.array([[-0.2, 0.1, 0.0]])), []
+    for tick in range(round(TIME / PERIOD) + 10):
+        reference = advance_swing(
+            reference,
+            np.array([target_at(tick * PERIOD)]),
+            np.array([tick * PERIOD]),
+            np.array([TIME]),
+            np.array([GROUND]),
+            APEX,
+            SETTINGS,
+            PERIOD,
+        )
+        path.append(reference[0])
+    return np.array(path)
+
+
+def test_lands_on_the_foothold_in_time_and_sinks_on():
+    path = fly(lambda t: (0.2, 0.12))
+    end = round(TIME / PERIOD) - 1
+    np.testing.assert_allclose(path[end, :2, 0], [0.2, 0.12], atol=1e-3)
+    assert path[end, 2, 0] == pytest.approx(GROUND, abs=1e-3)
+    assert path[:, 2, 0].max() == pytest.approx(APEX + GROUND, abs=2e-3)
+    assert abs(int(path[:, 2, 0].argmax()) - end // 2) <= 3
+    np.testing.assert_allclose(np.diff(path[end + 1 :, 2, 0]), -SETTINGS.search_velocity * PERIOD)
+
+
+def test_a_foothold_that_moves_is_still_met_and_nothing_jumps():
+    path = fly(lambda t: (0.2, 0.12) if t < 0.1 else (0.26, 0.08))
+    end = round(TIME / PERIOD) - 1
+    np.testing.assert_allclose(path[end, :2, 0], [0.26, 0.08], atol=2e-3)
+    speed = np.diff(path[: end + 1, :2, 0], axis=0) / PERIOD
+    assert np.abs(np.diff(speed, axis=0)).max() < 0.3  # [m/s] within a tick

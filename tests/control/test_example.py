@@ -1,0 +1,144 @@
+"""The documented program without this package does what the package does."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.control.export import write_files
+from slider.control.policy import PolicyController
+from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
+from slider.library.lookup import GaitTable
+from slider.robot.mjcf import nominal_qpos
+from tests.control import policies
+from tests.control.policies import write_policy
+from tests.env.synthetic import config, turning_library
+
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "run_policy.py"
+COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
+COMPUTED = {  # by the program; a robot's own terms are left out of the policies here
+    "base_linear_velocity",
+    "target_linear_velocity",
+    "base_angular_velocity",
+    "target_angular_velocity",
+    "projected_gravity",
+    "command",
+    "joint_positions",
+    "joint_velocities",
+    "previous_action",
+    "action_before_previous",
+    "base_height",
+    "filtered_velocity",
+    "reference_velocity",
+    "velocity_error",
+    "phase",
+    "height_scan",
+}
+STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards
+
+
+def written(folder: Path, *overrides: str) -> Path:
+    terms = config("experiment=test", *overrides).env.observation.terms
+    without = (f"~env.observation.terms.{name}" for name in terms if name not in COMPUTED)
+    write_policy(folder / "policy.pt", *overrides, *without)
+    return folder / "policy.pt"
+
+
+def load_example():
+    spec = importlib.util.spec_from_file_location("run_policy", EXAMPLE)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("turning", [False, True])
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        (),
+        ("env=paper",),
+        ("env.phase.mirror=false",),
+        ("env.phase.halt.below=5.0", "env.phase.halt.above=5.0"),
+        ("env.action.offset=nominal",),
+        ("env.reference.acceleration=0",),
+    ],
+)
+def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, turning):
+    if turning:
+        table = GaitTable.from_library(turning_library())
+        monkeypatch.setattr(policies, "gait_table", lambda: table)
+    policy = write_files(written(tmp_path, *overrides), {}, tmp_path)
+    physics = BatchedPhysics(policy.robot, policy.env.physics, 1)
+    physics.reset(np.arange(1), nominal_qpos(policy.robot)[None], np.zeros((1, 18)))
+    agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
+    controller = PolicyController(policy.network, agent)
+    controller.reset(physics.read(), np.zeros((1, 3)))
+    example = load_example()
+    model, data = example.start(tmp_path)
+    outside = example.Policy(tmp_path)
+    actions, halted = [], []
+    for step in range(STEPS):
+        command = COMMAND if STARTED <= step < STOPPED else np.zeros(3)
+        controller.command(command[None])
+        expected = controller.control(physics.read())
+        targets = outside.targets(example.observe(data), command)
+        np.testing.assert_allclose(targets, expected[0], atol=1e-4, err_msg=f"step {step}")
+        physics.step(expected)
+        data.qacc_warmstart[:] = 0.0  # the package keeps no warm start from step to step
+        example.simulate(model, data, outside, targets)
+        actions.append(outside.action)
+        halted.append(outside.halted)
+        np.testing.assert_allclose(data.qpos, physics.qpos[0], atol=1e-6)
+        torques = physics.read().motor_torques[0]
+        np.testing.assert_allclose(data.actuator_force, torques, atol=1e-3)
+        # A foot may touch down a step of the simulation sooner in one of the two: go on as one.
+        data.qpos[:], data.qvel[:] = physics.qpos[0], physics.qvel[0]
+    moved = agent.view(physics.read()).action_scale > 0
+    assert np.std(actions, axis=0)[moved].min() > 1e-3, "the policy must do something"
+    if policy.env.phase.halt.below > 0:
+        assert halted[0]
+        assert not any(halted[STARTED + 1 : STOPPED])
+        assert halted[-1]
+    if policy.env.phase.mirror:
+        assert agent.clock is not None
+        assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()
+
+
+@pytest.mark.parametrize("name", ["default", "paper"])
+def test_it_computes_every_term_of_a_configuration(name):
+    more = config(f"env/observation={name}").env.observation.terms.keys() - COMPUTED
+    if more:
+        pytest.skip(f"docs/examples/run_policy.py computes no {', '.join(sorted(more))}")
+
+
+def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
+    write_files(written(tmp_path), {}, tmp_path)
+    example = load_example()
+    _, data = example.start(tmp_path)
+    outside, state = example.Policy(tmp_path), example.observe(data)
+    outside.heading_target = 0.0
+    assert outside.terms(state, COMMAND).keys() >= COMPUTED
+    outside.layout["observation"]["terms"][3] |= {"name": "smell", "meaning": "how it smells"}
+    with pytest.raises(SystemExit, match="expected a value of smell here: how it smells"):
+        outside.targets(state, COMMAND)
+
+
+def test_it_runs_as_a_program_without_the_package(tmp_path):
+    write_files(written(tmp_path), {}, tmp_path)
+    blocked = tmp_path / "blocked" / "slider"
+    blocked.mkdir(parents=True)
+    (blocked / "__init__.py").write_text("raise ImportError('the example needs the package')")
+    answer = subprocess.run(
+        [sys.executable, str(EXAMPLE), str(tmp_path), "--command", "0", "0", "0", "--seconds", "1"],
+        env={"PYTHONPATH": str(blocked.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.stdout.startswith(("walked: 1.0 s", "fell: 1.0 s")), answer.stderr

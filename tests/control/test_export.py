@@ -1,0 +1,190 @@
+"""The exported files: the same actions, complete, the same bytes, and nothing of this machine."""
+
+import json
+
+import mujoco
+import numpy as np
+import onnx
+import pytest
+import torch
+
+from slider.cli import main
+from slider.control import EXPORT_FILES, LAYOUT, MODEL, ONNX, TORCH_EXPORT
+from slider.control.export import (
+    LAYOUT_FILE,
+    LAYOUT_KEY,
+    Agreement,
+    compare,
+    export,
+    record_observations,
+    run,
+    run_onnx,
+    save_onnx,
+    write_files,
+)
+from slider.control.policy_file import PolicyNetwork, load_policy
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.env.physics import BatchedPhysics
+from slider.robot.mjcf import nominal_qpos
+from slider.robot.names import BASE_PAIRS, LEG_PAIRS, MOTORS
+from tests.control.policies import make_policy, write_policy
+from tests.env.synthetic import motor_angles
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("export")
+    write_policy(folder / "policy.pt")
+    export(folder / "policy.pt", {"recipe": "abc"}, folder)
+    return folder
+
+
+def test_both_networks_act_like_the_policy(folder):
+    policy = load_policy(folder / "policy.pt")
+    observations = record_observations(policy, 0.4)
+    assert observations.shape == (20 * 24, sum(policy.observations.values()))
+    assert observations.std(axis=0).max() > 0.1
+    found = compare(policy, folder / ONNX, folder / TORCH_EXPORT, observations)
+    assert 0 <= found.onnx <= 1e-5
+    assert 0 <= found.torch_export <= 1e-5
+    with torch.inference_mode():
+        expected = policy.network(torch.from_numpy(observations[:1])).numpy()
+    np.testing.assert_allclose(run_onnx(folder / ONNX, observations[:1]), expected, atol=1e-5)
+
+
+def test_another_network_is_refused(folder):
+    policy = load_policy(folder / "policy.pt")
+    observations = record_observations(policy, 0.1)
+    policy.network.std[3] += 0.01
+    found = compare(policy, folder / ONNX, folder / TORCH_EXPORT, observations)
+    with pytest.raises(UserError, match="actions of the ONNX file within 1e-05"):
+        found.check()
+    with pytest.raises(UserError, match=r"torch.export file within 1e-05"):
+        Agreement(1, onnx=0.0, torch_export=float("nan")).check()
+
+
+def test_the_layout_is_in_all_three_files(folder):
+    layout = json.loads((folder / LAYOUT).read_text())
+    model = onnx.load(folder / ONNX)
+    assert json.loads({p.key: p.value for p in model.metadata_props}[LAYOUT_KEY]) == layout
+    extra = {LAYOUT_FILE: ""}
+    torch.export.load(folder / TORCH_EXPORT, extra_files=extra)
+    assert json.loads(extra[LAYOUT_FILE]) == layout
+    assert layout["provenance"]["recipe"] == "abc"
+    assert len(layout["provenance"]["policy_sha256"]) == 64
+    assert layout["training"] == {"seed": 1, "iteration": 20, "value": 0.25}
+
+
+def models(folder):
+    """The simulated model and the one of the export."""
+    policy = make_policy()
+    plant = BatchedPhysics(policy.robot, policy.env.physics, 1).model
+    return plant, mujoco.MjModel.from_xml_path(str(folder / MODEL))
+
+
+def test_the_model_is_the_simulated_one(folder):
+    plant, model = models(folder)
+    for name in ("body_mass", "body_inertia", "body_ipos", "jnt_range", "dof_damping"):
+        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name))
+    for name in ("actuator_gainprm", "actuator_biasprm", "actuator_forcerange", "geom_friction"):
+        np.testing.assert_allclose(getattr(model, name), getattr(plant, name), rtol=1e-12)
+    for name in ("dof_armature", "tendon_armature", "wrap_type", "wrap_objid", "wrap_prm"):
+        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name), err_msg=name)
+    for name in ("pair_geom1", "pair_geom2", "pair_dim", "pair_friction", "pair_solref"):
+        np.testing.assert_array_equal(getattr(model, name), getattr(plant, name), err_msg=name)
+    for name in ("timestep", "iterations", "ls_iterations", "integrator", "jacobian"):
+        assert getattr(model.opt, name) == getattr(plant.opt, name)
+
+
+def test_the_model_has_solid_legs_tendons_motors_and_cameras(folder):
+    _, model = models(folder)
+    pairs = {
+        frozenset(model.geom(int(geom[i])).name for geom in (model.pair_geom1, model.pair_geom2))
+        for i in range(model.npair)
+    }
+    assert pairs == {frozenset(pair) for pair in (*LEG_PAIRS, *BASE_PAIRS)}
+    assert [model.actuator(i).name for i in range(model.nu)] == list(MOTORS)
+    tendons = [model.tendon(i).name for i in range(model.ntendon)]
+    assert tendons == [name for name in MOTORS if "capstan" in name]
+    assert {model.camera(i).name for i in range(model.ncam)} == {"side", "front"}
+
+
+def test_the_model_steps_like_the_simulated_one(folder):
+    """In the air, on the ground, and with legs that touch: 40 steps from the same states."""
+    plant, model = models(folder)
+    air, standing, crossed = np.tile(nominal_qpos(make_policy().robot), (3, 1))
+    air[2], standing[2] = 1.2, standing[2] - 0.002
+    crossed[2], crossed[[8, 14]] = 1.2, (-0.16, 0.16)  # hip rolls that bring the legs together
+    feet, tubes = {"left_foot", "right_foot"}, {"left_tube", "right_tube"}
+    rng = np.random.default_rng(0)
+    for qpos, touching in ((air, set()), (standing, feet | {"floor"}), (crossed, tubes)):
+        qvel, inputs = 0.1 * rng.standard_normal(18), motor_angles(qpos[7:])
+        inputs = inputs + 0.2 * rng.standard_normal(10)
+        ends = []
+        for each in (plant, model):
+            data = mujoco.MjData(each)
+            data.qpos[:], data.qvel[:], data.ctrl[:] = qpos, qvel, inputs
+            mujoco.mj_forward(each, data)
+            assert {each.geom(int(g)).name for c in data.contact for g in c.geom} == touching
+            for _ in range(40):
+                mujoco.mj_step(each, data)
+            ends.append(np.concatenate([data.qpos, data.qvel, data.actuator_force]))
+        np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-9)
+
+
+def test_same_policy_same_bytes_and_no_paths_of_this_machine(folder, tmp_path):
+    write_policy(tmp_path / "policy.pt")
+    write_files(tmp_path / "policy.pt", {"recipe": "abc"}, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == set(EXPORT_FILES)
+    for name in EXPORT_FILES:
+        content = (tmp_path / name).read_bytes()
+        assert content == (folder / name).read_bytes(), name
+        assert b"site-packages" not in content, name
+
+
+def test_the_stage_exports_the_walking_policy(folder, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    job = Job(tmp_path)
+    summary = run({"origin": {"recipe": "abc"}}, {"walking": [folder]}, out, job)
+    assert summary == {"observations": 4800, "tolerance": 1e-5}
+    assert job.volatile["onnx_difference"] <= 1e-5
+    assert {path.name for path in out.iterdir()} == set(EXPORT_FILES)
+
+
+def test_the_command_exports_and_shows(folder, tmp_path, capsys):
+    assert main(["policy", "export", str(folder / "policy.pt"), "--out", str(tmp_path / "a")]) == 0
+    assert "largest difference of an action over 4800 observations" in capsys.readouterr().out
+    assert {path.name for path in (tmp_path / "a").iterdir()} == set(EXPORT_FILES)
+    assert main(["policy", "show", str(folder / "policy.pt")]) == 0
+    shown = capsys.readouterr().out
+    size = sum(load_policy(folder / "policy.pt").observations.values())
+    assert f"{size} × 24 × 16 × 12, elu" in shown
+    assert "actions about   the gait of the reference velocity, which changes by 2.5 m/s²" in shown
+    assert "left_slide" in shown
+    assert main(["policy", "show", "--json", str(folder / "policy.pt")]) == 0
+    assert json.loads(capsys.readouterr().out)["observation"]["size"] == size
+
+
+@pytest.mark.parametrize("activation", ["elu", "relu", "tanh"])
+def test_onnx_loads_in_the_runtimes_of_2022_with_any_activation(tmp_path, activation):
+    network = PolicyNetwork(5, 12, (8, 4), activation).eval()
+    network.mean.fill_(0.3)
+    network.std.fill_(2.0)
+    save_onnx(network, {}, tmp_path / ONNX)
+    model = onnx.load(tmp_path / ONNX)
+    assert (model.ir_version, model.opset_import[0].version) == (8, 13)
+    observations = torch.randn(7, 5)
+    with torch.inference_mode():
+        expected = network(observations).numpy()
+    actions = run_onnx(tmp_path / ONNX, observations.numpy())
+    np.testing.assert_allclose(actions, expected, atol=1e-6)
+
+
+def test_foreign_file_is_one_line(tmp_path, capsys):
+    (tmp_path / "policy.pt").write_text("not a policy")
+    assert main(["policy", "show", str(tmp_path / "policy.pt")]) == 1
+    assert "expected a policy file of this project" in capsys.readouterr().err
+    assert main(["policy", "export", "--artefacts", str(tmp_path)]) == 1
+    assert capsys.readouterr().err.count("\n") == 1

@@ -1,0 +1,121 @@
+"""The layout says everything, and says it right."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.control.layout import describe, reference_table
+from slider.env.observations import TERMS
+from slider.robot.names import JOINTS
+from tests.control.policies import make_policy
+from tests.env.synthetic import gait_table, motor_angles
+
+
+def test_every_term_of_an_observation_is_explained():
+    policy = make_policy("env=paper")
+    terms = dict.fromkeys(TERMS, 1.0)
+    env = replace(policy.env, observation=replace(policy.env.observation, terms=terms))
+    rows = describe(replace(policy, env=env), {})["observation"]["terms"]
+    assert [row["name"] for row in rows] == list(TERMS)
+    for row in rows:
+        assert row["meaning"].endswith("."), row["name"]
+        assert "\n" not in row["meaning"]
+        assert len(row["units"]) == row["width"], row["name"]
+        assert len(row["components"]) == row["width"] or row["name"] == "height_scan"
+
+
+@pytest.mark.parametrize("env", ["default", "paper"])
+def test_the_terms_tile_the_observation(env):
+    policy = make_policy(f"env={env}")
+    layout = describe(policy, {})
+    assert json.loads(json.dumps(layout)) == layout
+    end = 0
+    for term in layout["observation"]["terms"]:
+        assert term["start"] == end
+        assert len(term["units"]) == term["width"]
+        end += term["width"]
+    assert end == layout["observation"]["size"] == sum(policy.observations.values())
+    assert [t["name"] for t in layout["observation"]["terms"]] == list(policy.env.observation.terms)
+
+
+def test_gains_limits_and_scales_are_the_robots():
+    policy = make_policy("robot.gains.capstan.kp=2.2", "env.action.scale.slide=0.07")
+    action = describe(policy, {})["action"]
+    joints = {joint["name"]: joint for joint in action["joints"]}
+    slide, foot = joints["right_slide"], joints["left_upper_foot"]
+    assert (slide["scale"], slide["unit"]) == (0.07, "m")
+    assert (slide["lower"], slide["upper"]) == (-0.4, 0.4)
+    assert not foot["actuated"]
+    assert foot["scale"] == 0.0
+    assert list(joints)[:3] == ["left_hip_yaw", "left_hip_roll", "left_hip_pitch"]
+    motors = {motor["name"]: motor for motor in action["motors"]}
+    assert list(motors) == [
+        f"{side}_{motor}"
+        for side in ("left", "right")
+        for motor in ("hip_yaw", "hip_roll", "hip_pitch", "capstan_1", "capstan_2")
+    ]
+    assert motors["left_hip_yaw"] == {
+        "name": "left_hip_yaw",
+        "joints": {"left_hip_yaw": 1.0},
+        "kp": 80.0,
+        "kd": 2.5,
+        "torque_limit": 40.0,
+        "stall_torque": 80.0,
+        "no_load_speed": 15.0,
+        "rotor_inertia": 0.02,
+    }
+    for number, sense in ((1, 1.0), (2, -1.0)):
+        assert motors[f"right_capstan_{number}"] == {
+            "name": f"right_capstan_{number}",
+            "joints": {"right_slide": 1 / 0.025, "right_ankle": sense * 1 / 0.35},
+            "kp": 2.2,
+            "kd": 0.047,
+            "torque_limit": 9.0,
+            "stall_torque": 18.0,
+            "no_load_speed": 120.0,
+            "rotor_inertia": 6.25e-4,
+        }
+
+
+def test_the_motors_take_targets_to_the_angles_that_the_procedure_says():
+    policy = make_policy()
+    targets = np.random.default_rng(2).uniform(-0.3, 0.3, 12)
+    named = dict(zip(JOINTS, targets, strict=True))
+    angles = [
+        sum(share * named[joint] for joint, share in motor["joints"].items())
+        for motor in describe(policy, {})["action"]["motors"]
+    ]
+    np.testing.assert_allclose(angles, motor_angles(targets), rtol=1e-12)
+
+
+def test_a_reflection_undoes_itself():
+    layout = describe(make_policy(), {})
+    for part in ("observation", "action"):
+        mirror = layout[part]["mirror"]
+        values = np.random.default_rng(0).standard_normal(layout[part]["size"])
+        once = values[mirror["permutation"]] * mirror["sign"]
+        np.testing.assert_array_equal(once[mirror["permutation"]] * mirror["sign"], values)
+
+
+def test_a_policy_without_a_clock_says_so():
+    assert describe(make_policy("env=paper"), {})["clock"] is None
+    clock = describe(make_policy(), {})["clock"]
+    assert np.shape(clock["step_time"]) == (len(clock["vx"]), len(clock["vy"]), 1)
+    assert clock["yaw_rate"] == [0.0]
+
+
+def test_a_zero_action_is_the_nominal_pose_or_the_gait():
+    plain, about = make_policy("env.action.offset=nominal"), make_policy("env.action.offset=gait")
+    gaits = gait_table().joints
+    assert about.reference is not None
+    np.testing.assert_array_equal(reference_table(about).positions, gaits.positions)
+    found = describe(about, {})["reference"]
+    assert [describe(p, {})["action"]["offset"] for p in (plain, about)] == ["nominal", "gait"]
+    assert found["shape"] == list(gaits.positions.shape)
+    assert found["vx"] == gaits.times.vx.tolist()
+    nominal = [joint["nominal"] for joint in describe(plain, {})["action"]["joints"]]
+    for phase in (0.0, 0.4, 0.9):
+        pose = reference_table(plain).at(np.zeros((1, 3)), np.array([phase]))
+        np.testing.assert_array_equal(pose[0], nominal)

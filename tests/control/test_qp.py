@@ -1,0 +1,62 @@
+"""The solver's answers meet the optimality conditions."""
+
+# daqp has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
+import daqp
+import numpy as np
+import pytest
+
+from slider.control import qp
+
+
+def conditions(hessian, gradient, rows, lower, upper, x) -> None:
+    """Karush–Kuhn–Tucker: feasible, and −∇ is a non-negative combination of active normals."""
+    bounds = len(lower) - len(rows)
+    normals = np.vstack([np.eye(len(x))[:bounds], rows])
+    values = normals @ x
+    assert (values > lower - 1e-5).all()
+    assert (values < upper + 1e-5).all()
+    at_upper, at_lower = values > upper - 1e-5, values < lower + 1e-5
+    active = np.vstack([normals[at_upper], -normals[at_lower]])
+    slope = -(hessian @ x + gradient)
+    if len(active) == 0:
+        np.testing.assert_allclose(slope, 0, atol=1e-5)
+        return
+    multipliers = np.linalg.lstsq(active.T, slope, rcond=None)[0]
+    np.testing.assert_allclose(active.T @ multipliers, slope, atol=1e-4)
+    assert (multipliers > -1e-4).all()
+
+
+def programmes(count: int):
+    """With bounds on three of six variables and limits of four rows."""
+    rng = np.random.default_rng(0)
+    root = rng.normal(size=(count, 6, 6))
+    hessian = root @ root.swapaxes(1, 2) + 0.1 * np.eye(6)
+    width = rng.uniform(0.1, 0.5, (count, 7))
+    gradient = 5 * rng.normal(size=(count, 6))
+    return hessian, gradient, rng.normal(size=(count, 4, 6)), -width, width
+
+
+def test_optimality_conditions():
+    parts = programmes(8)
+    found, solved = qp.solve(*parts)
+    assert solved.all()
+    for *single, x in zip(*parts, found, strict=True):
+        conditions(*single, x)
+        assert np.abs(x + np.linalg.solve(*single[:2])).max() > 1e-3, "some constraint is active"
+
+
+def test_infeasible_programme_has_no_solution():
+    """Of the second of three."""
+    lower, upper = np.tile([1.0, -qp.UNBOUNDED], (3, 1)), np.tile([2.0, 1.5], (3, 1))
+    upper[1, 1] = 0.0
+    x, solved = qp.solve(np.ones((3, 1, 1)), np.zeros((3, 1)), np.ones((3, 1, 1)), lower, upper)
+    np.testing.assert_array_equal(solved, [True, False, True])
+    np.testing.assert_allclose(x[:, 0], [1.0, 0.0, 1.0], atol=1e-9)
+
+
+def test_solver_that_did_not_run_is_an_error(monkeypatch):
+    monkeypatch.setattr(daqp, "solve", lambda *_: (np.zeros(6), 0.0, 0, {}))
+    with pytest.raises(RuntimeError, match="found 0"):
+        qp.solve(*programmes(1))

@@ -1,0 +1,153 @@
+"""The nominal model's terms against finite differences and MuJoCo's other routines."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from slider.control.whole_body.model import NominalModel
+from slider.robot.mjcf import SimulationOptions, build_model
+from tests.env.synthetic import (
+    TORQUE_LIMITS,
+    joint_efforts,
+    motor_angles,
+    random_pose,
+    robot_config,
+)
+
+EPS = 1e-6
+
+
+@pytest.fixture(scope="module")
+def nominal() -> NominalModel:
+    return NominalModel(robot_config())
+
+
+@pytest.fixture
+def poses() -> tuple[np.ndarray, np.ndarray]:
+    return random_pose(np.random.default_rng(3), 4)
+
+
+def moved(nominal: NominalModel, qpos: np.ndarray, qvel: np.ndarray, time: float) -> np.ndarray:
+    """Positions after ``time`` at constant generalised velocity: q̈ = 0."""
+    result = qpos.copy()
+    for row, rate in zip(result, qvel, strict=True):
+        mujoco.mj_integratePos(nominal.model, row, rate, time)
+    return result
+
+
+@pytest.mark.parametrize("count", [1, 32, 45])
+def test_terms_of_many_robots_are_mujocos_of_each(nominal, count):
+    """Also where the robots are not a multiple of the model's copies."""
+    qpos, qvel = random_pose(np.random.default_rng(5), count)
+    found = nominal.evaluate(qpos, qvel)
+    model, data = nominal.model, mujoco.MjData(nominal.model)
+    feet = [(model.body(f"{s}_foot").id, model.site(f"{s}_sole").id) for s in ("left", "right")]
+    mass, jacobian, rate = np.zeros((18, 18)), np.zeros((6, 18)), np.zeros((6, 18))
+    for i in range(count):
+        data.qpos[:], data.qvel[:] = qpos[i], qvel[i]
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        np.testing.assert_allclose(found.mass_matrix[i], mass, rtol=1e-12, atol=1e-14)
+        bias = data.qfrc_bias - data.qfrc_passive  # of the joints' damping
+        np.testing.assert_allclose(found.bias[i], bias, rtol=1e-12, atol=1e-11)
+        np.testing.assert_allclose(found.com[i], data.subtree_com[1], rtol=1e-12, atol=1e-14)
+        np.testing.assert_array_equal(found.base_rotation[i].ravel(), data.xmat[1])
+        for leg, (body, sole) in enumerate(feet):
+            place = data.site_xpos[sole]
+            np.testing.assert_array_equal(found.foot_positions[i, leg], place)
+            np.testing.assert_array_equal(
+                found.foot_rotations[i, leg].ravel(), data.site_xmat[sole]
+            )
+            mujoco.mj_jac(model, data, jacobian[:3], jacobian[3:], place, body)
+            mujoco.mj_jacDot(model, data, rate[:3], rate[3:], place, body)
+            np.testing.assert_allclose(found.foot_jacobians[i, leg], jacobian, rtol=0, atol=1e-14)
+            np.testing.assert_allclose(found.foot_bias[i, leg], rate @ qvel[i], rtol=0, atol=1e-11)
+
+
+def test_mass_matrix_rows_are_the_jacobian_of_the_centre_of_mass(nominal, poses):
+    dynamics = nominal.evaluate(*poses)
+    data, jacobian = mujoco.MjData(nominal.model), np.zeros((3, 18))
+    for i in range(4):
+        data.qpos[:], data.qvel[:] = poses[0][i], poses[1][i]
+        mujoco.mj_forward(nominal.model, data)
+        mujoco.mj_jacSubtreeCom(nominal.model, data, jacobian, 1)
+        np.testing.assert_allclose(dynamics.com_jacobian[i], jacobian, atol=1e-10)
+    ahead, behind = (nominal.evaluate(moved(nominal, *poses, s * EPS), poses[1]) for s in (1, -1))
+    np.testing.assert_allclose(
+        dynamics.com_velocity, (ahead.com - behind.com) / (2 * EPS), atol=1e-7
+    )
+
+
+def test_biases_are_the_accelerations_without_joint_acceleration(nominal, poses):
+    dynamics = nominal.evaluate(*poses)
+    ahead, behind = (nominal.evaluate(moved(nominal, *poses, s * EPS), poses[1]) for s in (1, -1))
+    com = (ahead.com_velocity - behind.com_velocity) / (2 * EPS)
+    np.testing.assert_allclose(dynamics.com_bias, com, atol=1e-5)
+    speeds = [
+        (case.foot_jacobians @ poses[1][:, None, :, None])[..., 0] for case in (ahead, behind)
+    ]
+    np.testing.assert_allclose(dynamics.foot_bias, (speeds[0] - speeds[1]) / (2 * EPS), atol=1e-5)
+
+
+def test_equations_of_motion_are_mujocos(nominal, poses):
+    """M q̈ + h = Sᵀτ with MuJoCo's own accelerations in the air."""
+    dynamics = nominal.evaluate(*poses)
+    data = mujoco.MjData(nominal.model)
+    rng = np.random.default_rng(0)
+    for i in range(4):
+        data.qpos[:], data.qvel[:] = poses[0][i] + [0, 0, 5, *np.zeros(16)], poses[1][i]
+        torques = data.ctrl[:] = rng.uniform(-5, 5, 10)
+        mujoco.mj_forward(nominal.model, data)
+        force = dynamics.mass_matrix[i] @ data.qacc + dynamics.bias[i]
+        np.testing.assert_allclose(force[:6], 0.0, atol=1e-6)
+        np.testing.assert_allclose(force[6:], joint_efforts(torques), atol=1e-6)
+
+
+def test_the_mass_matrix_is_the_plants_and_has_the_rotors(nominal, poses):
+    """Rotors add Σ J (∂motor angle/∂joint)²: 2 J/r² on the slide, 2 J/n² on the ankle."""
+    plant = build_model(robot_config(), SimulationOptions(actuation="position"))
+    bare = build_model(robot_config(), SimulationOptions())
+    bare.tendon_armature[:] = 0.0
+    bare.dof_armature[:] = 0.0
+    leg = [0.02, 0.02, 0.02, 2 * 6.25e-4 / 0.025**2, 2 * 6.25e-4 / 0.35**2, 0.001]
+    rotors = np.diag([0.0] * 6 + leg * 2)
+    found = nominal.evaluate(*poses).mass_matrix
+    for i in range(4):
+        for model, added in ((plant, 0.0), (bare, rotors)):
+            data, mass = mujoco.MjData(model), np.zeros((18, 18))
+            data.qpos[:] = poses[0][i]
+            mujoco.mj_forward(model, data)
+            mujoco.mj_fullM(model, data, mass)
+            np.testing.assert_allclose(found[i], mass + added, atol=1e-12)
+
+
+def test_the_model_with_torques_moves_like_the_plant_with_positions(nominal, poses):
+    """Torques of the motors' position loops, computed here, give the same accelerations."""
+    plant = build_model(robot_config(), SimulationOptions(actuation="position"))
+    kp = np.array([80.0, 200.0, 200.0, 1.875, 1.875] * 2)
+    kd = np.array([2.5, 5.0, 5.0, 0.047, 0.047] * 2)
+    rng = np.random.default_rng(0)
+    for qpos, qvel in zip(*poses, strict=True):
+        targets = qpos[7:] + 0.01 * rng.standard_normal(12)
+        angle, speed = motor_angles(qpos[7:]), motor_angles(qvel[6:])
+        torques = kp * (motor_angles(targets) - angle) - kd * speed
+        assert (np.abs(torques) < TORQUE_LIMITS).all(), "no limit is in the way"
+        accelerations = []
+        for model, inputs in ((plant, motor_angles(targets)), (nominal.model, torques)):
+            data = mujoco.MjData(model)
+            data.qpos[:], data.qvel[:], data.ctrl[:] = qpos + [0, 0, 5, *np.zeros(16)], qvel, inputs
+            mujoco.mj_forward(model, data)
+            np.testing.assert_allclose(data.actuator_force, torques, atol=1e-9)
+            accelerations.append(data.qacc.copy())
+        np.testing.assert_allclose(accelerations[0], accelerations[1], rtol=1e-9, atol=1e-9)
+
+
+def test_height_of_the_pendulum(nominal):
+    robot = robot_config()
+    links = robot.links
+    assert nominal.mass == pytest.approx(12.5248, abs=1e-9)
+    assert 0.6 < nominal.nominal_height < 0.72
+    leg = links.yaw.mass + links.roll.mass + links.pitch.mass + links.tube.mass
+    leg += links.foot.mass + links.upper_foot.mass
+    assert nominal.mass == pytest.approx(links.base.mass + 2 * leg)

@@ -11,7 +11,7 @@ from pipeline.stages.gaits import gait_section
 from slider.config.compose import compose
 from slider.config.schema import Config
 from slider.gait.formulation import Formulation, formulate
-from slider.gait.layout import NODE
+from slider.gait.transcription import NODE
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve

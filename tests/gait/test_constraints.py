@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.gait.constraint import Constraint, at_least, between, equality, scaled_bounds
+from slider.gait.constraints import Constraint, at_least, between, equality, scaled_bounds
 from slider.gait.constraints import of_node
 from slider.gait.formulation import formulate
-from slider.gait.layout import NODE
+from slider.gait.transcription import NODE
 from slider.gait.motion import Node
 from tests.gait.gaits import config, form, nodes, problem, solved
 

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from slider.core.job import Job
-from slider.gait.decoupling import NAME, decoupling, shortfall
+from slider.gait.rooted import NAME, decoupling, shortfall
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.rooted import NUM, RootedRobot
 from slider.gait.stage import REPORT, run

@@ -9,7 +9,7 @@ import pytest
 
 from slider.config.gait import StepTime
 from slider.gait import bezier
-from slider.gait.dense import DENSE, dense_nodes, dense_violations
+from slider.gait.solution import DENSE, dense_nodes, dense_violations
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import build
 from slider.gait.solution import coefficients, knee_trajectory

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from slider.core.job import Job
-from slider.gait.dense import dense_violations
+from slider.gait.solution import dense_violations
 from slider.gait.formulation import formulate, least_hip_rate
 from slider.gait.problem import build
 from slider.gait.solution import knee_trajectory

@@ -8,7 +8,7 @@ import pytest
 
 from slider.core.casadi_code import Compiled, interpreted
 from slider.core.job import Job
-from slider.hzd.batch import Batch
+from slider.hzd.model import Batch
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from slider.hzd.model import RootedModel
-from slider.hzd.outputs import ANKLE, stance_first
+from slider.gait.outputs import ANKLE, stance_first
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from tests.gait.gaits import config

@@ -7,9 +7,9 @@ import pytest
 
 from slider.config.hzd import ImpactGrid
 from slider.gait.outputs import ANKLE, YAW, output_matrix
-from slider.hzd.basin import Placement, portrait, steps_until_return
+from slider.hzd.perturbed import Placement, portrait, steps_until_return
 from slider.hzd.feedback import regulate
-from slider.hzd.invariance import invariance
+from slider.hzd.perturbed import invariance
 from slider.hzd.plans import motion, start
 from slider.hzd.poincare import chain, differences, multipliers
 from slider.hzd.step import PHASES, ClosedLoop, _Run

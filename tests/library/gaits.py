@@ -11,7 +11,7 @@ from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.library.reader import GaitLibrary
-from slider.library.schema import ARRAYS
+from slider.library.reader import ARRAYS
 from slider.library.stage import run
 
 SAMPLES, HALF = 42, 21

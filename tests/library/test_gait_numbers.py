@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.library.gait_numbers import gait_numbers
+from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from tests.library.gaits import HALF, library
 

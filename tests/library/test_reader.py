@@ -10,7 +10,7 @@ import zarr
 
 from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary
-from slider.library.schema import ARRAYS, CONSTRAINT, COORDINATES
+from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES
 from tests.library.gaits import value, write_store
 
 GAITS, HOLES = [(0.0, 0.0), (0.5, 0.1)], [(0.5, 0.0)]

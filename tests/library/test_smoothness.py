@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.library.smoothness import neighbours, smoothness
+from slider.library.measures import neighbours, smoothness
 
 COMMANDS = np.array(
     [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.3, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, -0.1, 0.0)]

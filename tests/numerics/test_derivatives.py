@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from slider.gait.guess import STARTS, cold_start
-from slider.gait.layout import NODE, STEP
+from slider.gait.transcription import NODE, STEP
 from slider.gait.nlp import assemble
 from tests.gait.gaits import problem, solver
 

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.gait.constraint import Constraint
+from slider.gait.constraints import Constraint
 from slider.gait.nlp import assemble
 from slider.gait.stage import gait_arrays
 from slider.robot.kinematics import rotation_from_quaternion, yaw_of

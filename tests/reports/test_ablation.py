@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from slider.core.job import Job
-from slider.library.gait_numbers import gait_numbers
+from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports.ablation import check_rows, run, spread
 from slider.reports.quantities import Quantity

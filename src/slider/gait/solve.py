@@ -1,4 +1,4 @@
-"""Solve a gait problem for one command."""
+"""Solve a gait problem for one velocity with IPOPT."""
 
 import time
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from slider.gait.problem import GaitProblem
 from slider.robot.names import COMMAND
 
 GIVEN = "given"  # name of a start that is no guess of the configuration
-RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
+RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the velocity on the way to it
 # No permutation, scaling by the diagonal, AMD: on these gaits the fastest of MUMPS's choices.
 _MUMPS = {"mumps_permuting_scaling": 0, "mumps_scaling": 1, "mumps_pivot_order": 0}
 _WARM = {
@@ -38,7 +38,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Solve:
-    """Outcome of one optimisation; a failure is an outcome too.
+    """Result of one optimisation, failed or not.
 
     Attributes:
         variables: (size,) best point found.
@@ -49,7 +49,7 @@ class Solve:
         residuals: worst violation by constraint name, in the constraint's own unit.
         wall, cpu: time of all attempts [s].
         evaluations: time of that attempt in each function [s].
-        attempts: what was tried, in order.
+        attempts: all attempts, in order.
     """
 
     variables: np.ndarray
@@ -99,7 +99,7 @@ def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
 
 
 class GaitSolver:
-    """IPOPT on one problem; reusable for several commands."""
+    """IPOPT on one problem; reusable for several velocities."""
 
     def __init__(self, problem: GaitProblem, config: SolverConfig, step_time: StepTime) -> None:
         self.problem = problem
@@ -130,6 +130,7 @@ class GaitSolver:
             "bound_relax_factor": 1e-9,
             "print_level": 0,
             "sb": "yes",
+            "option_file_name": "",  # else an ipopt.opt in the working directory changes the gait
         }
         options = {
             "ipopt": ipopt | changes,
@@ -147,7 +148,7 @@ class GaitSolver:
     def solve(
         self, vx: float, vy: float, yaw_rate: float = 0.0, start: np.ndarray | None = None
     ) -> Solve:
-        """Solve for a command [m/s, rad/s], from the initial guesses in order.
+        """Solve for a velocity [m/s, rad/s], from the initial guesses in order.
 
         The result is the first that converges or, with ``keep: best``, the cheapest that does.
         Variables ``start`` (size,) take the place of the guesses.
@@ -163,25 +164,25 @@ class GaitSolver:
             outcomes.append(self.attempt(guess, vx, vy, yaw_rate))
             if outcomes[-1].success and self._config.keep == "first":
                 break
-        kept = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
+        best = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
         duration = duration_bounds(self._step_time, vx, vy)
         return Solve(
-            variables=kept.variables,
-            status=kept.attempt.status,
-            success=kept.success,
-            iterations=kept.attempt.iterations,
-            cost=kept.attempt.cost,
-            residuals=self.residuals(kept.rows, kept.variables, duration),
+            variables=best.variables,
+            status=best.attempt.status,
+            success=best.success,
+            iterations=best.attempt.iterations,
+            cost=best.attempt.cost,
+            residuals=self.residuals(best.rows, best.variables, duration),
             wall=time.perf_counter() - wall,
             cpu=time.process_time() - cpu,
-            evaluations=kept.evaluations,
+            evaluations=best.evaluations,
             attempts=tuple(outcome.attempt for outcome in outcomes),
         )
 
     def attempt(
         self, guess: str | np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0
     ) -> Outcome:
-        """Solve for a command [m/s, rad/s] from one initial guess, by name or as variables."""
+        """Solve for a velocity [m/s, rad/s] from one initial guess, by name or as variables."""
         function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
@@ -195,40 +196,33 @@ class GaitSolver:
         )
 
     def _solve_from(
-        self, guess: str | np.ndarray, command: np.ndarray
+        self, guess: str | np.ndarray, velocity: np.ndarray
     ) -> tuple[ca.Function, dict[str, ca.DM]]:
         """One guess: a cold start, or a ``ramp`` of warm starts from walking in place."""
         if isinstance(guess, np.ndarray):
-            return self._cold, self._call(self._cold, _Point(guess), command)
+            return self._cold, self._call(self._cold, _Point(guess), velocity)
         if guess == "ramp":
-            return self._ramp(command)
-        duration = duration_bounds(self._step_time, *command[:2])
+            return self._ramp(velocity)
+        duration = duration_bounds(self._step_time, *velocity[:2])
         degree = self.problem.config.degree
-        start = cold_start(self.problem.layout, command[0], degree, duration, STARTS[guess])
-        return self._cold, self._call(self._cold, _Point(start), command)
+        start = cold_start(self.problem.layout, velocity[0], degree, duration, STARTS[guess])
+        return self._cold, self._call(self._cold, _Point(start), velocity)
 
-    def _ramp(self, command: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
+    def _ramp(self, velocity: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
         """Walk in place first, then ever faster, each start with primal and dual values."""
         _, result = self._solve_from("cold", np.zeros(len(COMMAND)))
         for share in RAMP:
             values = (np.array(result[name]).ravel() for name in ("x", "lam_x", "lam_g"))
-            result = self._call(self._warm, _Point(*values), share * command)
+            result = self._call(self._warm, _Point(*values), share * velocity)
         return self._warm, result
 
-    def _call(self, function: ca.Function, start: _Point, command: np.ndarray) -> dict[str, ca.DM]:
-        duration = duration_bounds(self._step_time, *command[:2])
+    def _call(self, function: ca.Function, start: _Point, velocity: np.ndarray) -> dict[str, ca.DM]:
+        duration = duration_bounds(self._step_time, *velocity[:2])
         lower, upper = self.problem.variable_bounds(duration)
         row_lower, row_upper = self.problem.row_bounds
         duals = {} if start.lam_x is None else {"lam_x0": start.lam_x, "lam_g0": start.lam_g}
-        return function(
-            x0=start.x,
-            p=command,
-            lbx=lower,
-            ubx=upper,
-            lbg=row_lower,
-            ubg=row_upper,
-            **duals,
-        )
+        bounds = {"lbx": lower, "ubx": upper, "lbg": row_lower, "ubg": row_upper}
+        return function(x0=start.x, p=velocity, **bounds, **duals)
 
     def residuals(
         self, rows: np.ndarray, variables: np.ndarray, duration: tuple[float, float]

@@ -7,7 +7,7 @@ import numpy as np
 
 from slider.config.hzd import BasinConfig, ImpactGrid
 from slider.gait.rooted import NUM
-from slider.hzd.invariance import perturbed
+from slider.hzd.perturbed import perturbed
 from slider.hzd.plans import StepPlan
 from slider.hzd.return_map import Walk
 from slider.hzd.step import ClosedLoop

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from slider.gait import bezier
-from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL, SWING
+from slider.gait.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL, SWING
 from slider.hzd.polynomials import (
     NodeTable,
     Orders,

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from slider.config.hzd import ImpactGrid
-from slider.hzd.outputs import YAW, output_matrix
+from slider.gait.outputs import YAW, output_matrix
 from slider.hzd.plans import StepPlan
 from slider.hzd.step import ClosedLoop, Flow
 

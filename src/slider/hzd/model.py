@@ -13,9 +13,9 @@ import numpy as np
 from slider.config.robot import Mechanism
 from slider.core.casadi_code import Source, interpreted
 from slider.gait.rooted import NUM, RootedRobot
-from slider.gait.symbols import mirrored
-from slider.hzd.batch import Batch
-from slider.hzd.outputs import ANKLE, LEG, NUM_JOINTS
+from slider.gait.motion import mirrored
+from slider.hzd.model import Batch
+from slider.gait.outputs import ANKLE, LEG, NUM_JOINTS
 
 _POLAR, _AXIAL = ca.DM([1.0, -1.0, 1.0]), ca.DM([-1.0, 1.0, -1.0])  # sagittal reflection
 

@@ -14,8 +14,8 @@ from slider.config.convert import from_dict
 from slider.config.hzd import BasinConfig, ImpactGrid, StabilityConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.basin import Placement, axes, portrait, steps_until_return
-from slider.hzd.invariance import Invariance, invariance, perturbed
+from slider.hzd.perturbed import Placement, axes, portrait, steps_until_return
+from slider.hzd.perturbed import Invariance, invariance, perturbed
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.poincare import multipliers
 from slider.hzd.return_map import Walk, return_maps, walk

@@ -9,6 +9,7 @@ is then exact at their velocities only up to the error of the fit.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from slider.library.mesh import aligned, normalise
 from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
 from slider.robot.names import JOINTS, command_text
+
+_BLENDED = ("step_time", "coefficients", "roll")
+_OUTSIDE = 1e-6  # [m/s]
 
 
 @dataclass(frozen=True)
@@ -98,4 +102,34 @@ def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> 
     )
 
 
-_BLENDED = ("step_time", "coefficients", "roll")
+class GaitNumbers(NamedTuple):
+    """Numbers of a reference gait, to compare a controller's walk with.
+
+    Attributes:
+        touchdown_rate: of both feet, one per step: 1 / step time [1/s].
+        velocity_variance: over time, of the forward velocity [m²/s²].
+    """
+
+    touchdown_rate: float
+    velocity_variance: float
+
+
+def gait_numbers(library: GaitLibrary, vx: float) -> GaitNumbers | None:
+    """Numbers of the blended gait at (vx, 0) [m/s]; none outside of the library.
+
+    For comparison, not a bound: the gaits are not optimised for an even speed.
+    """
+    axis = library.mesh.vx
+    if not axis[0] - _OUTSIDE <= vx <= axis[-1] + _OUTSIDE:
+        return None
+    gait = blend(library, vx, 0.0)
+    speed = gait.forward.reshape(2, -1)
+    share = gait.step_time / gait.step_time.sum()
+    mean = share @ _mean(speed)
+    variance = float(share @ _mean((speed - mean) ** 2))
+    return GaitNumbers(float(1.0 / gait.step_time.mean()), variance)
+
+
+def _mean(steps: np.ndarray) -> np.ndarray:
+    """Mean over the time of each step (2,), trapezoidal, of samples (2, nodes) even in time."""
+    return np.trapezoid(steps, dx=1.0 / (steps.shape[1] - 1), axis=1)

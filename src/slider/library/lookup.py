@@ -1,19 +1,57 @@
-"""Look gaits up by command and phase, thousands at once."""
+"""Tables over the commanded velocity and the phase, for thousands of robots at once."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from slider.core.arrays import Array, zeros
-from slider.library.joint_table import JointTable, at_phase, standing
-from slider.library.mesh import aligned, corners, normalise
+from slider.core.arrays import Array, constant, namespace, zeros
+from slider.library.mesh import Axes, aligned, corners, normalise
 from slider.library.reader import GaitLibrary
-from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
 
 
 @dataclass(frozen=True)
+class StepTimes(Axes):
+    """Step time over a grid of commands.
+
+    Attributes:
+        step_time: (nx, ny, nw) [s].
+    """
+
+    step_time: Array
+
+    @classmethod
+    def constant(cls, step_time: float) -> "StepTimes":
+        """The same step time [s] at every command."""
+        return cls(np.zeros(1), np.zeros(1), np.zeros(1), np.full((1, 1, 1), step_time))
+
+    def at(self, command: Array) -> Array:
+        """Trilinear step times (N,) [s] of commands (N, 3); outside the grid its border's."""
+        result = zeros(len(command), command)
+        for node, weight in corners(self, command):
+            result += weight * self.step_time[node]
+        return result
+
+
+@dataclass(frozen=True)
+class JointTable:
+    """Joint positions on all nodes of the mesh of commands.
+
+    Attributes:
+        times: step times, and the commands of the mesh.
+        positions: (nx, ny, nw, S, 12) [rad or m] at S samples per walk, left stance first.
+    """
+
+    times: StepTimes
+    positions: Array
+
+    def at(self, command: Array, phase: Array) -> Array:
+        """Joint positions (N, 12) of commands (N, 3) at phases (N,) in [0, 1)."""
+        return at_phase(self.times, self.positions, command, phase)
+
+    @cached_property
+    @dataclass(frozen=True)
 class GaitTable:
     """Gaits on all nodes of the mesh of commands, for fast look-up.
 
@@ -67,3 +105,44 @@ class GaitTable:
             ),
             start=zeros((len(command), *samples.shape[3:]), command),
         )
+
+
+def standing(self) -> Array:
+        """Joint positions (12,) on both feet at rest: see :func:`standing`."""
+        return standing(self.times, self.positions)
+
+
+def standing(times: StepTimes, table: Array) -> Array:
+    """Row (channels,) of a table (nx, ny, nw, S, channels) for standing on both feet.
+
+    The mean of the two changes of feet of the gait in place, which are reflections of each other.
+    """
+    place, phase = zeros((2, 3), table), constant([0.0, 0.5], table)
+    return at_phase(times, table, place, phase).mean(axis=0)
+
+
+def at_phase(times: StepTimes, table: Array, command: Array, phase: Array) -> Array:
+    """Rows (N, channels) of a table (nx, ny, nw, S, channels) at commands (N, 3), phases (N,).
+
+    Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
+    """
+    samples, channels = table.shape[3:]
+    k, c = _sample(phase, samples)
+    flat = table.reshape(-1, channels)
+    result = zeros((len(command), channels), command)
+    _, ny, nw = times.shape
+    for (x, y, yaw_rate), weight in corners(times, command):
+        row = ((x * ny + y) * nw + yaw_rate) * samples + k
+        result += (weight * (1 - c))[:, None] * flat[row]
+        result += (weight * c)[:, None] * flat[row + 1]
+    return result
+
+
+def _sample(phase: Array, samples: int) -> tuple[Array, Array]:
+    """Index of the sample before a phase, and the fraction of the way to the next."""
+    per_step = samples // 2
+    xp = namespace(phase)
+    step = xp.astype(phase >= 0.5, xp.int64)
+    position = (2.0 * phase - step) * (per_step - 1)
+    node = xp.astype(position, xp.int64).clip(0, per_step - 2)
+    return step * per_step + node, position - node

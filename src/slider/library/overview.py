@@ -6,7 +6,7 @@ import numpy as np
 
 from slider.library import loads
 from slider.library.reader import GaitLibrary, Hole
-from slider.library.smoothness import smoothness
+from slider.library.measures import smoothness
 from slider.robot.names import CHANNELS, command_text
 
 _WORST = 5  # constraints that are shown by name

@@ -14,7 +14,7 @@ from slider.config.convert import from_dict
 from slider.config.robot import Mechanism
 from slider.core.errors import UserError
 from slider.library.mesh import CommandMesh, distances
-from slider.library.schema import (
+from slider.library.reader import (
     ARRAYS,
     CONSTRAINT,
     COORDINATES,

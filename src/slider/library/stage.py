@@ -14,7 +14,7 @@ from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
 from slider.library.reader import STORE
-from slider.library.schema import (
+from slider.library.reader import (
     ARRAYS,
     CONSTRAINT,
     COORDINATES,

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.gait.constraints import Constraint, at_least, between, equality, scaled_bounds
-from slider.gait.constraints import of_node
+from slider.gait.constraints import Constraint, at_least, between, equality, of_node, scaled_bounds
 from slider.gait.formulation import formulate
-from slider.gait.transcription import NODE
 from slider.gait.motion import Node
+from slider.gait.transcription import NODE
 from tests.gait.gaits import config, form, nodes, problem, solved
 
 METHOD = Path(__file__).parents[2] / "docs" / "explanation" / "method.md"

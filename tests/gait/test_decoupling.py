@@ -6,9 +6,8 @@ import casadi as ca
 import numpy as np
 
 from slider.core.job import Job
-from slider.gait.rooted import NAME, decoupling, shortfall
 from slider.gait.outputs import ANKLE, YAW, output_matrix
-from slider.gait.rooted import NUM, RootedRobot
+from slider.gait.rooted import DECOUPLING, NUM, RootedRobot, decoupling, shortfall
 from slider.gait.stage import REPORT, run
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, section
@@ -37,10 +36,13 @@ def test_a_gait_below_the_bound_names_it(tmp_path):
     given = section(0.6, 0.1, max_iterations=3, guesses=["cold"])
     given["solve"]["decoupling_min"] = 1e3
     run(given, {}, tmp_path, Job(tmp_path))
-    report, values = json.loads((tmp_path / REPORT).read_text()), np.load(tmp_path / f"{NAME}.npy")
+    report, values = (
+        json.loads((tmp_path / REPORT).read_text()),
+        np.load(tmp_path / f"{DECOUPLING}.npy"),
+    )
     assert values.shape == (42, 2)
-    assert report["residuals"][NAME] == 1e3 - values[:, 0].min() > 900
-    assert report["max_violation"] == report["residuals"][NAME]
+    assert report["residuals"][DECOUPLING] == 1e3 - values[:, 0].min() > 900
+    assert report["max_violation"] == report["residuals"][DECOUPLING]
 
 
 def test_a_regular_gait_misses_nothing():

@@ -9,10 +9,9 @@ import pytest
 
 from slider.config.gait import StepTime
 from slider.gait import bezier
-from slider.gait.solution import DENSE, dense_nodes, dense_violations
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import build
-from slider.gait.solution import coefficients, knee_trajectory
+from slider.gait.solution import DENSE, coefficients, dense_nodes, dense_violations, knee_trajectory
 from slider.gait.solve import Attempt, GaitSolver, Outcome, duration_bounds
 from slider.robot.knee_map import prismatic_joints, with_upper_feet
 from slider.robot.transmission import Transmission
@@ -82,7 +81,7 @@ def _cost(name: str, variables: np.ndarray) -> float:
         return float(layout.weights @ square)
     torques, speeds = motors(variables)
     absolute = (np.sqrt((torques * speeds) ** 2 + 1.0) - 1.0).sum(axis=1)
-    return float(layout.weights @ absolute) / 2 / (form().tree.model.mass * 9.81)
+    return float(layout.weights @ absolute) / 2 / (form().weight)
 
 
 def test_the_ramp_arrives_where_the_cold_start_does():

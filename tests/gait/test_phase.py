@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from slider.core.job import Job
-from slider.gait.solution import dense_violations
 from slider.gait.formulation import formulate, least_hip_rate
 from slider.gait.problem import build
-from slider.gait.solution import knee_trajectory
+from slider.gait.solution import dense_violations, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.stage import REPORT, run
 from tests.gait.gaits import config, form, problem, section, solved

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.library import loads
+from slider.library import measures as loads
 from slider.library.reader import GaitLibrary
 from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
 from tests.library.gaits import library as make_library

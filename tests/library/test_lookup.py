@@ -7,9 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from slider.library.lookup import GaitTable
+from slider.library.lookup import GaitTable, StepTimes
 from slider.library.reader import GaitLibrary
-from slider.library.lookup import StepTimes
 from tests.library.gaits import HALF, value, write_store
 
 VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]

@@ -12,8 +12,7 @@ import zarr
 from slider.config.convert import to_dict
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
-from slider.library.reader import GaitLibrary
-from slider.library.reader import ARRAYS
+from slider.library.reader import ARRAYS, GaitLibrary
 from slider.library.stage import run
 from slider.robot.names import CHANNELS
 from tests.library.gaits import ROBOT, value, write_gait

@@ -10,8 +10,8 @@ import pytest
 
 from slider.gait.constraints import of_touchdown
 from slider.gait.formulation import formulate
-from slider.gait.transcription import NODE
 from slider.gait.motion import NodeSymbols, StepEnd
+from slider.gait.transcription import NODE
 from slider.robot.knee_map import reflected
 from slider.robot.names import SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot, build_robot

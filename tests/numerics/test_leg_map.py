@@ -4,8 +4,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from slider.config.robot import VirtualKnee
 from slider.gait.leg_map import LegMap
-from slider.robot.knee_model import KneeModel
 from slider.verification.coordinates import SlideMap
 
 L1, L2, NOMINAL, STEP = 0.39, 0.35, 0.64, 1e-5
@@ -14,7 +14,7 @@ KNEES = [3, 8]
 
 @pytest.fixture(scope="module")
 def leg_map() -> LegMap:
-    return LegMap.of(KneeModel({}, 0.1, L1, L2, 0.045, 0.085, 0.085), NOMINAL)
+    return LegMap.of(VirtualKnee(L1, L2, 0.3), NOMINAL)
 
 
 def motion(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

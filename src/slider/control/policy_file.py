@@ -13,8 +13,7 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.control.network import PolicyNetwork
 from slider.core.errors import UserError
-from slider.library.lookup import JointTable
-from slider.library.lookup import StepTimes
+from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import JOINTS
 
 FORMAT = "slider-policy"

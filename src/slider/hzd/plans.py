@@ -7,10 +7,10 @@ from scipy.interpolate import CubicSpline
 
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.errors import UserError
+from slider.gait.outputs import JOINTS, ROLL
 from slider.gait.rooted import NUM
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.model import RootedModel
-from slider.gait.outputs import JOINTS, ROLL
 from slider.hzd.polynomials import NodeTable
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths

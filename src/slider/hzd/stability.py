@@ -1,4 +1,4 @@
-"""Stages of what people read of the gaits' stability; no controller waits for them.
+"""Stages of reports on the gaits' stability; no controller waits for them.
 
 ``return_maps`` has numbers of some gaits, ``stability`` their table. ``basin`` is about one gait.
 """
@@ -14,11 +14,18 @@ from slider.config.convert import from_dict
 from slider.config.hzd import BasinConfig, ImpactGrid, StabilityConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.perturbed import Placement, axes, portrait, steps_until_return
-from slider.hzd.perturbed import Invariance, invariance, perturbed
+from slider.hzd.perturbed import (
+    Invariance,
+    Placement,
+    axes,
+    invariance,
+    perturbed,
+    portrait,
+    steps_until_return,
+)
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.poincare import multipliers
-from slider.hzd.return_map import Walk, return_maps, walk
+from slider.hzd.return_map import ReturnMap, return_maps
 from slider.hzd.stage import POINTS, closed_loop, indices, load_library
 from slider.hzd.step import ClosedLoop
 from slider.hzd.summary import CSV, MARKDOWN, per_step, write_csv, write_markdown
@@ -50,13 +57,13 @@ def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"gaits": len(gaits), "limit_cycles": len(walks)}
 
 
-def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> dict[int, Walk]:
+def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> dict[int, ReturnMap]:
     """Of the gaits with limit cycles through ``points`` (2, n, 22)."""
-    walks, known, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
-    for gaits in (np.flatnonzero(known & clock), np.flatnonzero(known & ~clock)):
+    walks, periodic, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
+    for gaits in (np.flatnonzero(periodic & clock), np.flatnonzero(periodic & ~clock)):
         if len(gaits):
-            found = return_maps(loop, [plan.of(gaits) for plan in steps], points[:, gaits])
-            walks |= {gait: walk(loop, found, k) for k, gait in enumerate(gaits.tolist())}
+            maps = return_maps(loop, [plan.of(gaits) for plan in steps], points[:, gaits])
+            walks |= dict(zip(gaits.tolist(), maps, strict=True))
     return walks
 
 
@@ -68,8 +75,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_markdown(out / MARKDOWN, rows)
     job.tracker.log_file(out / CSV)
     radii = [row["closed_spectral_radius"] for row in rows]
-    known = [radius for radius in radii if radius is not None]
-    return {"gaits": len(rows), "stable": sum(radius < 1.0 for radius in known)}
+    return {"gaits": len(rows), "stable": sum(r is not None and r < 1.0 for r in radii)}
 
 
 def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -100,12 +106,12 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {name: int((arrays[name] >= 0).sum()) for name in cases}
 
 
-def _walk(loop: ClosedLoop, steps: Sequence[StepPlan], name: str) -> Walk:
+def _walk(loop: ClosedLoop, steps: Sequence[StepPlan], name: str) -> ReturnMap:
     points, found = find_cycles(loop, steps)
     if not found[0]:
         raise UserError(f"gait {name}: expected a limit cycle, found none")
     try:
-        return walk(loop, return_maps(loop, steps, points), 0)
+        return return_maps(loop, steps, points)[0]
     except UserError as error:
         raise UserError(f"gait {name}: {error}") from None
 
@@ -115,7 +121,7 @@ def _record(
     gait: int,
     steps: Sequence[StepPlan],
     place: int,
-    found: Walk | None,
+    found: ReturnMap | None,
     kept: Invariance,
 ) -> dict[str, Any]:
     """Values of ``slider.hzd.summary.QUANTITIES``; None where there is no limit cycle."""
@@ -136,7 +142,7 @@ def _record(
     return record | _stability(found)
 
 
-def _stability(found: Walk | None) -> dict[str, Any]:
+def _stability(found: ReturnMap | None) -> dict[str, Any]:
     if found is None:
         return dict.fromkeys(_OF_WALK)
     gains = -found.regulator.phase_gains[0, 0]

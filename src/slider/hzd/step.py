@@ -24,11 +24,10 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from slider.config.hzd import StabilityConfig
-from slider.gait.rooted import NUM
-from slider.hzd.constraints import StepConstraints
-from slider.hzd.model import Landed, Measured, RootedModel
 from slider.gait.outputs import ANKLE, JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
-from slider.hzd.constraints import phase_of, phase_rate
+from slider.gait.rooted import NUM
+from slider.hzd.constraints import StepConstraints, phase_of, phase_rate
+from slider.hzd.model import Landed, Measured, RootedModel
 from slider.hzd.plans import StepPlan
 
 PHASES = np.linspace(0.0, 1.0, 21)

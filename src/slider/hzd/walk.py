@@ -17,9 +17,9 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from slider.config.hzd import StabilityConfig
+from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.model import Measured
-from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.hzd.plans import StepPlan, motion, start
 from slider.hzd.poincare import differences, limit_cycles, orbits, restrict
 from slider.hzd.step import PHASES, ClosedLoop, Flow

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.library.reader import GaitLibrary
-from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, LABELS
+from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, LABELS, GaitLibrary
 from slider.robot.names import CHANNEL_UNITS, CHANNELS, JOINTS, SIDES
 
 _BASE_UNITS = ("m",) * 3 + ("1",) * 4 + ("m/s",) * 3 + ("rad/s",) * 3

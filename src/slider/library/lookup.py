@@ -51,7 +51,12 @@ class JointTable:
         return at_phase(self.times, self.positions, command, phase)
 
     @cached_property
-    @dataclass(frozen=True)
+    def standing(self) -> Array:
+        """Joint positions (12,) on both feet at rest: see :func:`standing`."""
+        return standing(self.times, self.positions)
+
+
+@dataclass(frozen=True)
 class GaitTable:
     """Gaits on all nodes of the mesh of commands, for fast look-up.
 
@@ -98,18 +103,10 @@ class GaitTable:
     def channels(self, command: Array) -> Array:
         """Channels (N, S, 26) of all samples of the walks at commands (N, 3)."""
         samples = self.reference[..., :NUM_CHANNELS]
-        return sum(
-            (
-                weight[:, None, None] * samples[node]
-                for node, weight in corners(self.times, command)
-            ),
-            start=zeros((len(command), *samples.shape[3:]), command),
-        )
-
-
-def standing(self) -> Array:
-        """Joint positions (12,) on both feet at rest: see :func:`standing`."""
-        return standing(self.times, self.positions)
+        result = zeros((len(command), *samples.shape[3:]), command)
+        for node, weight in corners(self.times, command):
+            result += weight[:, None, None] * samples[node]
+        return result
 
 
 def standing(times: StepTimes, table: Array) -> Array:

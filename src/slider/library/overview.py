@@ -4,9 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slider.library import loads
+from slider.library import measures
 from slider.library.reader import GaitLibrary, Hole
-from slider.library.measures import smoothness
 from slider.robot.names import CHANNELS, command_text
 
 _WORST = 5  # constraints that are shown by name
@@ -23,11 +22,11 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
         f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
         f"  step length  {lengths[0]:.3f} m, {lengths[1]:.3f} m forward",
         f"  cost         {arrays['cost'][gait]:.6g} {library.cost_unit}",
-        f"  clearance    {100 * loads.clearance(library, gait):.1f} cm at mid-step "
+        f"  clearance    {100 * measures.clearance(library, gait):.1f} cm at mid-step "
         "(lower end of the swing foot)",
         "  peaks",
     ]
-    for peak in loads.peaks(library, gait):
+    for peak in measures.peaks(library, gait):
         share = f"{100 * peak.share:.0f} %"
         values = f"{peak.value:8.2f} of {peak.limit:g} {peak.unit}"
         lines.append(f"    {peak.quantity:<12}{values:<26}{share:>6}  {peak.motor}")
@@ -99,10 +98,10 @@ def _ranges(library: GaitLibrary) -> list[str]:
         ("step time", arrays["step_time"], "s"),
         ("cost", arrays["cost"], library.cost_unit),
         ("iterations", arrays["iterations"], ""),
-        ("motor torque", 100 * loads.torque_share(library), "% of limit"),
-        ("motor voltage", 100 * loads.voltage_share(library), "% of the bus"),
-        ("slide speed", loads.slide_speed(library), "m/s"),
-        ("clearance", [100 * loads.clearance(library, i) for i in range(len(library))], "cm"),
+        ("motor torque", 100 * measures.torque_share(library), "% of limit"),
+        ("motor voltage", 100 * measures.voltage_share(library), "% of the bus"),
+        ("slide speed", measures.slide_speed(library), "m/s"),
+        ("clearance", [100 * measures.clearance(library, i) for i in range(len(library))], "cm"),
     ]
     header = f"  {'':<18}{'least':>10}{'median':>10}{'greatest':>10}"
     return [header, *(f"  {name:<18}{_spread(values)}  {unit}" for name, values, unit in rows)]
@@ -120,7 +119,7 @@ def _worst_residual(library: GaitLibrary) -> str:
 
 
 def _smoothness(library: GaitLibrary) -> str:
-    measured = smoothness(library.commands, library.arrays["samples"])
+    measured = measures.smoothness(library.commands, library.arrays["samples"])
     if not len(measured.pairs):
         return "  smoothness: no neighbouring gaits"
     first, second, channel = measured.worst

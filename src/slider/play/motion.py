@@ -23,8 +23,8 @@ from slider.env.interface import AgentInterface
 from slider.env.starts import at_rest, multiply_quaternions
 from slider.env.underlying import Underlying, build_physics
 from slider.evaluation.baseline import build_plant
-from slider.library.reader import GaitLibrary
 from slider.library.lookup import StepTimes
+from slider.library.reader import GaitLibrary
 from slider.robot.kinematics import about_z
 from slider.robot.names import NUM_JOINTS
 

@@ -14,8 +14,8 @@ from slider.control.whole_body.memory import LEFT, OFF, RIGHT, WALK, Memory
 from slider.control.whole_body.nominal import Dynamics
 from slider.env.starts import at_rest
 from slider.evaluation.gait_walks import first_samples
-from slider.hzd.gains import FootPlacement
 from slider.gait.outputs import ANKLE
+from slider.hzd.gains import FootPlacement
 from slider.library.reader import STORE, GaitLibrary
 from tests.control.hzd.test_controller import STILL, controlled, gaits
 from tests.env.synthetic import config, robot_config

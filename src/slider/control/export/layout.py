@@ -14,8 +14,7 @@ from slider.control.hzd.underlying import underlying_of
 from slider.control.policy_file import Policy
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
-from slider.library.lookup import JointTable
-from slider.library.lookup import StepTimes
+from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import (
     ACTUATED,
     CHANNEL_UNITS,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.gait.constraints import Constraint, at_least, between, equality, of_node, scaled_bounds
+from slider.gait.constraints import Constraint, between, equality, of_node, scaled_bounds
 from slider.gait.formulation import formulate
 from slider.gait.motion import Node
 from slider.gait.transcription import NODE
@@ -52,15 +52,6 @@ def test_the_documentation_names_every_constraint():
     text = METHOD.read_text()
     for constraint in constraints():
         assert f"`{constraint.name}`" in text, constraint.name
-
-
-def test_a_name_stands_for_one_group_of_rows():
-    node = [c.name for c in problem().node_constraints]
-    ends = [c.name for c in problem().end_constraints]
-    assert len(set(node)) == len(node)
-    assert not set(node) & set(ends)
-    twice = {name for name in ends if ends.count(name) == 2}
-    assert len(ends) == 2 * len(twice) + 3, "both touchdowns, and three of the walk"
 
 
 @pytest.mark.parametrize(
@@ -129,9 +120,3 @@ def test_bounds_are_scaled_and_keep_a_margin_at_the_nodes():
     np.testing.assert_allclose(upper, [[6, 6, 0]] * 3)
     between_nodes = scaled_bounds([with_margin], phase, at_nodes=False)[0]
     np.testing.assert_allclose(between_nodes, [[0, 0], [1, 2], [2, 4]])
-
-
-def test_one_sided_rows_have_no_upper_bound():
-    rows = at_least("a", "N", "", [ca.SX.sym("x"), ca.SX.sym("y")], 4.0, 2.0)
-    lower, upper = rows.bounds(np.zeros(1))
-    assert (rows.size, lower.tolist(), upper.tolist()) == (2, [[2.0, 2.0]], [[np.inf, np.inf]])

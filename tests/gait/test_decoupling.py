@@ -7,7 +7,7 @@ import numpy as np
 
 from slider.core.job import Job
 from slider.gait.outputs import ANKLE, YAW, output_matrix
-from slider.gait.rooted import DECOUPLING, NUM, RootedRobot, decoupling, shortfall
+from slider.gait.rooted import DECOUPLING, NUM, RootedRobot, decoupling
 from slider.gait.stage import REPORT, run
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, section
@@ -43,11 +43,6 @@ def test_a_gait_below_the_bound_names_it(tmp_path):
     assert values.shape == (42, 2)
     assert report["residuals"][DECOUPLING] == 1e3 - values[:, 0].min() > 900
     assert report["max_violation"] == report["residuals"][DECOUPLING]
-
-
-def test_a_regular_gait_misses_nothing():
-    assert shortfall(np.array([[2.0, 9.0], [3.0, 8.0]]), 1.5) == 0.0
-    assert shortfall(np.array([[0.0, np.inf], [3.0, 8.0]]), 1.5) == 1.5
 
 
 def test_the_hip_takes_the_place_of_the_stance_ankle():

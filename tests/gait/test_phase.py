@@ -60,10 +60,6 @@ def test_slow_gaits_have_no_bound():
     assert solve.residuals["hip_rate"] == 0.0
 
 
-def test_the_programme_with_time_for_a_phase_has_no_such_row():
-    assert "hip_rate" not in {c.name for c in problem().node_constraints}
-
-
 def test_functions_depend_on_the_formulation_but_not_on_how_great_the_bound_is():
     hip, robot = replace(config().gait, phase="hip"), config().robot
     forms = [formulate(robot, hip, hip_rate=rate) for rate in (1.0, 2.0, 0.0)]

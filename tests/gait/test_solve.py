@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from slider.gait import bezier
 from tests.gait.gaits import config, problem, solved, trajectory
 
 COMMANDS = [(0.0, 0.0), (0.4, -0.1), (1.2, 0.0), (2.2, 0.1)]
@@ -47,19 +46,3 @@ def test_neighbouring_velocities_give_neighbouring_gaits():
 def test_a_walk_in_place_is_symmetric():
     steps = solved(0.0, 0.0).variables.reshape(2, -1)
     np.testing.assert_allclose(steps[0], steps[1], atol=1e-5)
-
-
-@pytest.mark.parametrize("order", [1, 2])
-def test_bezier_derivatives(order):
-    coefficients = np.random.default_rng(0).normal(size=(3, 9))
-    s, h = np.linspace(0.1, 0.9, 9), 1e-6
-    above = bezier.evaluate(coefficients, s + h, order - 1)
-    below = bezier.evaluate(coefficients, s - h, order - 1)
-    slope = (above - below) / (2 * h)
-    np.testing.assert_allclose(bezier.evaluate(coefficients, s, order), slope, atol=1e-6)
-
-
-def test_bezier_ends_are_the_first_and_last_coefficients():
-    coefficients = np.random.default_rng(1).normal(size=(3, 9))
-    ends = bezier.evaluate(coefficients, np.array([0.0, 1.0]))
-    np.testing.assert_allclose(ends, coefficients[:, [0, -1]].T, atol=1e-14)

@@ -35,10 +35,6 @@ def coordinates(at) -> np.ndarray:
     return np.r_[at.com[0, 1], at.com_rate[0, 1], at.com_rate[0, 0], at.com[0, 0]]
 
 
-def test_the_phase_is_the_clock_for_slow_gaits():
-    assert steps()[0].clock.tolist() == [True, False]
-
-
 def test_the_hip_table_is_the_hip_of_the_gait_between_its_nodes():
     phase = np.full(2, 0.413)
     for plan in steps():

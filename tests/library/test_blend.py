@@ -71,13 +71,6 @@ def test_velocities_of_a_blend_are_the_derivatives_of_its_positions(real):
         assert not position[:, [5, 11]].any()  # the upper feet
 
 
-def test_a_blend_is_near_to_the_gaits_around_it(real):
-    between = blend(real, 0.5, 0.1).samples()
-    jump = np.abs(real.arrays["samples"][1] - real.arrays["samples"][0])
-    middle = real.arrays["samples"].mean(axis=0)
-    assert np.abs(between - middle).max() < 0.05 * jump.max()
-
-
 def test_it_is_continuous_over_the_grid_its_border_and_its_hole(made_up):
     rng = np.random.default_rng(0)
     start = rng.uniform((-0.3, -0.2), (2.3, 0.2), (150, 2))
@@ -88,25 +81,10 @@ def test_it_is_continuous_over_the_grid_its_border_and_its_hole(made_up):
         np.testing.assert_allclose(second.step_time, first.step_time, atol=small)
 
 
-def test_across_a_line_of_the_grid_nothing_jumps(made_up):
-    for line in (0.0, 0.5, 1.0, 2.0):
-        below, above = (blend(made_up, line + s, 0.03) for s in (-1e-9, 1e-9))
-        np.testing.assert_allclose(above.samples(), below.samples(), atol=1e-6)
-
-
 def test_outside_it_is_the_border_and_says_so(made_up):
     gait = blend(made_up, 9.0, 0.0)
     assert gait.command.tolist() == [2.0, 0.0, 0.0]
     np.testing.assert_array_equal(gait.samples(), blend(made_up, 2.0, 0.0).samples())
-
-
-def test_step_times_are_blended(made_up):
-    assert blend(made_up, 0.73, 0.02).step_time == pytest.approx(2 * [0.42 - 0.05 * 0.73])
-
-
-def test_quaternions_stay_unit(made_up):
-    base = blend(made_up, 0.73, 0.02).base
-    np.testing.assert_allclose(np.linalg.norm(base[:, 3:7], axis=1), 1.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("command", [(np.nan, 0.0), (0.0, np.inf)])

@@ -39,15 +39,6 @@ def test_jumps_are_shares_of_each_channel_s_range():
     np.testing.assert_allclose(measured.per_gait(5), [0.1, 1.0, 1.0, 0.1, 0.0])
 
 
-def test_the_scale_does_not_change_with_units():
-    rng = np.random.default_rng(0)
-    samples = rng.normal(size=(5, 4, 3))
-    scaled = samples * [1.0, 1000.0, 1e-3] + [5.0, 0.0, -2.0]
-    np.testing.assert_allclose(
-        smoothness(COMMANDS, scaled).jumps, smoothness(COMMANDS, samples).jumps
-    )
-
-
 def test_a_constant_channel_has_no_jump_and_a_single_gait_no_neighbour():
     assert smoothness(COMMANDS, np.ones((5, 3, 2))).largest == 0.0
     alone = smoothness(COMMANDS[:1], np.ones((1, 3, 2)))

@@ -47,21 +47,6 @@ def with_a_hole(tmp_path: Path, gaits: list[Path]) -> list[Path]:
     return [gaits[0], bad, gaits[2]]
 
 
-def test_arrays_names_and_units(gaits, tmp_path: Path):
-    summary = run(section(), {"gaits": gaits}, tmp_path / "out", Job(tmp_path))
-    group = zarr.open_group(tmp_path / "out" / "library.zarr", mode="r")
-    assert summary["gaits"] == 3
-    assert summary["holes"] == []
-    assert list(group.attrs["channels"]) == list(CHANNELS)
-    passive = [CHANNELS[i] for i in group.attrs["passive_channels"]]
-    assert passive == [name for name in CHANNELS if "upper_foot" in name]
-    np.testing.assert_array_equal(group["commands"][:], [(*v, 0.0) for v in VELOCITIES])
-    np.testing.assert_array_equal(group["samples"][1], value("samples", 0.5, 0.1))
-    for name in ARRAYS:
-        assert group[name].metadata.dimension_names == ("gait", *ARRAYS[name].axes)
-        assert group[name].attrs["units"]
-
-
 def test_same_gaits_give_the_same_bytes(gaits, tmp_path: Path):
     stores = []
     for name in ("one", "two"):

@@ -111,3 +111,11 @@ def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
     np.testing.assert_array_equal(library.straight.commands, [commands[1], commands[3]])
     assert library.straight.holes == ()
     assert library.straight.straight is library.straight
+
+
+def test_nearest_gait():
+    velocities = np.random.default_rng(1).uniform(-0.5, 2.5, (30, 3))
+    others = np.random.default_rng(0).uniform(-1.0, 3.0, (200, 3))
+    nearest = GaitLibrary({"commands": velocities}, {}).nearest(others)
+    distance = np.linalg.norm(velocities - others[:, None], axis=2)
+    np.testing.assert_array_equal(nearest, distance.argmin(axis=1))

@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
+from slider.config.types import Interval
+from slider.core.errors import UserError
 from slider.gait.constraints import Constraint, between, equality, of_node, scaled_bounds
 from slider.gait.formulation import formulate
 from slider.gait.motion import Node
+from slider.gait.problem import build
+from slider.gait.solution import knee_trajectory
+from slider.gait.solve import GaitSolver
 from slider.gait.transcription import NODE
 from tests.gait.gaits import config, form, nodes, problem, solved
 
@@ -120,3 +125,23 @@ def test_bounds_are_scaled_and_keep_a_margin_at_the_nodes():
     np.testing.assert_allclose(upper, [[6, 6, 0]] * 3)
     between_nodes = scaled_bounds([with_margin], phase, at_nodes=False)[0]
     np.testing.assert_allclose(between_nodes, [[0, 0], [1, 2], [2, 4]])
+
+
+def test_a_registered_row_is_bounded_by_its_line_in_the_configuration():
+    """The base is lower than without the bound, and the worst residual has the row's name."""
+    height, free = 0.66, knee_trajectory(problem(), solved(0.4, 0.0).variables).base_position
+    assert free[:, 2].max() > height + 0.005
+    gait = replace(config().gait, bounds={"base_height": Interval(0.0, height)})
+    low = build(formulate(config().robot, gait))
+    solve = GaitSolver(low, gait.solver, gait.step_time).solve(0.4, 0.0)
+    assert solve.success, solve.status
+    assert solve.residuals["base_height"] <= 1e-6
+    base = knee_trajectory(low, solve.variables).base_position[:, 2]
+    assert base.max() == pytest.approx(height, abs=1e-5)
+
+
+def test_a_bound_of_no_row_is_one_line():
+    gait = replace(config().gait, bounds={"height": Interval(0.0, 1.0)})
+    message = r"^gait\.bounds: expected one of base_height.*, found height$"
+    with pytest.raises(UserError, match=message):
+        build(formulate(config().robot, gait))

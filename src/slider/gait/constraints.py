@@ -1,8 +1,7 @@
 """All constraints of a gait, in the order in which the solver has them.
 
-To add one: an entry in a list below (name, unit, source, rows, bounds, scale; rows that are not
-there yet go to ``slider.gait.motion``), and its bound in ``conf/gait``. The collocation's own
-rows are in ``slider.gait.problem``.
+To add one: a function of a node that ``bounded`` registers, and its line in ``gait.bounds``. Those
+that every gait has are the lists below. The collocation's own rows are in ``slider.gait.problem``.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from slider.core.errors import UserError
 from slider.gait.formulation import Formulation
 from slider.gait.motion import (
     Node,
@@ -26,7 +26,7 @@ from slider.robot.names import LEG_JOINTS, LEG_MOTORS, SIDES
 
 ROLL_BOUNDS = (0.6, 6.0, 200.0)  # generous: solutions stay inside [rad, rad/s, rad/s²]
 _LENGTH = 0.1  # scale of small lengths [m]
-_BOUNDED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variables
+_RANGED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variables
 
 
 # One for all rows, or (n,), or for rows of a node a function of the phases (S,) that gives (S, n).
@@ -117,8 +117,44 @@ def scaled_bounds(
 
 
 def of_node(node: Node) -> list[Constraint]:
-    """What holds at every node of both steps."""
-    return [*_loads(node), *_legs(node), *_torso(node), *_phase(node)]
+    """Constraints at every node of both steps."""
+    return [*_loads(node), *_legs(node), *_torso(node), *_phase(node), *_bounded(node)]
+
+
+NodeRows = Callable[[Node], ca.SX]
+_BOUNDED: dict[str, tuple[str, NodeRows]] = {}
+
+
+def bounded(unit: str) -> Callable[[NodeRows], NodeRows]:
+    """Register rows of a node; ``gait.bounds`` bounds them under the function's name."""
+
+    def register(rows: NodeRows) -> NodeRows:
+        _BOUNDED[rows.__name__] = unit, rows
+        return rows
+
+    return register
+
+
+@bounded("m")
+def base_height(node: Node) -> ca.SX:
+    """Height of the base's origin above the stance foot's line."""
+    return node.base.origin[2]
+
+
+def _bounded(node: Node) -> list[Constraint]:
+    """Rows of ``gait.bounds``.
+
+    Raises:
+        UserError: a name that no function has.
+    """
+    constraints = []
+    for name, bound in node.form.config.bounds.items():
+        if name not in _BOUNDED:
+            raise UserError(f"gait.bounds: expected one of {', '.join(_BOUNDED)}, found {name}")
+        unit, rows = _BOUNDED[name]
+        limits = bound.lower, bound.upper
+        constraints.append(between(name, unit, "gait.bounds", rows(node), *limits))
+    return constraints
 
 
 def _loads(node: Node) -> list[Constraint]:
@@ -286,7 +322,7 @@ def _positions(node: Node) -> list[ca.SX]:
 
 
 def _ranges(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    ranges = [form.robot.joints[name] for name in _BOUNDED] * len(SIDES)
+    ranges = [form.robot.joints[name] for name in _RANGED] * len(SIDES)
     return np.array([each.lower for each in ranges]), np.array([each.upper for each in ranges])
 
 

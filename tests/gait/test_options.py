@@ -183,12 +183,3 @@ def test_between_nodes_the_constraints_nearly_hold():
 def test_dense_phases_pass_through_the_nodes():
     dense = dense_nodes(problem(), solved(*COMMAND).variables).reshape(2, -1, 34)[:, ::DENSE]
     np.testing.assert_allclose(dense.reshape(-1, 34), nodes(*COMMAND), atol=1e-9)
-
-
-def test_a_foot_that_is_too_low_between_nodes_is_seen():
-    variables = solved(*COMMAND).variables
-    layout = problem().layout
-    lowered = variables.copy()
-    swing_knee = layout.joint_slice(0).start + 8 * (config().gait.degree + 1)
-    lowered[swing_knee + 3 : swing_knee + 6] -= 0.8
-    assert dense_violations(problem(), lowered)["clearance"] > 0.01

@@ -17,16 +17,6 @@ def test_cold_starts_converge(command):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_both_steps_take_the_same_way_forward(command):
-    swing = trajectory(*command).swing_foot
-    time = solved(*command).variables[problem().layout.time_index(0)]
-    half = problem().nodes
-    expected = command[0] * time
-    assert swing[half - 1, 0] == pytest.approx(expected, abs=1e-6)
-    assert swing[-1, 0] == pytest.approx(expected, abs=1e-6)
-
-
-@pytest.mark.parametrize("command", COMMANDS)
 def test_the_swing_foot_clears_the_ground_and_stays_low(command):
     posture, half = config().gait.posture, problem().nodes
     height = trajectory(*command).swing_foot[:, 2].reshape(2, half)

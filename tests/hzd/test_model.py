@@ -2,18 +2,15 @@
 
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import replace
-
 import casadi as ca
 import mujoco
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from slider.gait.outputs import ANKLE, stance_first
 from slider.hzd.model import RootedModel
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
-from tests.gait.gaits import config, form
+from tests.gait.gaits import config
 from tests.hzd.sample import dynamics, library, loop
 
 MODEL = RootedModel(config().robot)
@@ -93,27 +90,6 @@ def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
         (slope * v).sum(axis=1), (ahead.hip - behind.hip) / 2 / size, atol=1e-7
     )
     np.testing.assert_allclose(bend, (ahead.hip_rate - behind.hip_rate) / 2 / size, atol=1e-6)
-
-
-def test_without_efforts_and_damping_energy_is_conserved():
-    robot = config().robot
-    joints = {name: replace(joint, damping=0.0) for name, joint in robot.joints.items()}
-    model = RootedModel(replace(robot, joints=joints))
-    weight = form().weight
-
-    def energy(q, v):
-        mass, _ = dynamics(model, q, v)
-        return v @ mass @ v / 2 + weight * model.measure(q[None], v[None]).com[0, 2]
-
-    def derivative(_, x):
-        mass, bias = dynamics(model, x[:NUM], x[NUM:])
-        return np.concatenate([x[NUM:], -np.linalg.solve(mass, bias)])
-
-    q, v = state(7)
-    found = solve_ivp(derivative, (0, 0.2), np.r_[q, 0.3 * v], "DOP853", rtol=1e-11, atol=1e-12)
-    energies = [energy(x[:NUM], x[NUM:]) for x in found.y.T]
-    assert np.ptp(found.y[:NUM], axis=1).max() > 0.1
-    assert np.ptp(energies) < 1e-8 * weight
 
 
 def test_the_impact_is_that_of_the_gaits():

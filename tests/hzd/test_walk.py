@@ -146,11 +146,6 @@ def test_the_return_map_has_the_rank_of_the_zero_dynamics(gait):
     np.testing.assert_allclose(np.abs(restricted[order]), np.abs(whole[:rank]), atol=1e-4)
 
 
-def test_doubled_differences_agree():
-    for gait in BOTH:
-        assert walks()[gait].error < 1e-4 * np.abs(walks()[gait].derivatives).max()
-
-
 @pytest.mark.parametrize("gait", BOTH)
 def test_a_few_directions_give_the_foot_placement_of_the_whole_return_map(gait):
     """22 columns of its derivative, from section to section, against those that count."""

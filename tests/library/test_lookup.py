@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from slider.library.lookup import GaitTable, StepTimes
+from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from tests.library.gaits import HALF, value, write_store
 
@@ -106,10 +106,3 @@ def test_standing_is_between_the_two_changes_of_feet_and_at_rest(table):
     np.testing.assert_allclose(np.linalg.norm(found[29:33]), 1.0)
     np.testing.assert_array_equal(table.joints.standing, found[:12])
     assert table.at(zero, np.zeros(2))[0, 12:26].any(), "a gait moves"
-
-
-def test_a_constant_step_time_is_that_everywhere():
-    times = StepTimes.constant(0.42).at(
-        np.array([(-1.0, 0.0, 0.0), (0.0, 0.1, 0.3), (3.0, -0.1, 0.0)])
-    )
-    np.testing.assert_array_equal(times, 0.42)

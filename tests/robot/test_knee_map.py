@@ -84,14 +84,6 @@ def test_the_mirror_swaps_the_legs_and_flips_yaw_and_roll():
     np.testing.assert_array_equal(knee_map.reflected(found), np.concatenate([left, right]))
 
 
-def test_an_unknown_variant_is_refused():
-    message = r"^expected one of \('exact', 'paper'\), found printed$"
-    with pytest.raises(ValueError, match=message):
-        knee_map.positions(THETA, THETA, THETA, L1, L2, "printed")
-    with pytest.raises(ValueError, match=message):
-        knee_map.rates(THETA, L1, L2, "printed")
-
-
 @pytest.mark.parametrize(("l1", "l2"), LENGTHS)
 def test_a_motion_has_the_derivatives_of_its_positions(l1, l2):
     """Of a motion over time, by central differences; positions are those of the exact map."""

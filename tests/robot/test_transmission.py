@@ -64,16 +64,6 @@ def test_same_sense_is_the_slide_and_opposite_senses_are_the_foot():
     np.testing.assert_allclose(MOTORS.efforts(motors(2.8, -2.8)), expected, atol=1e-12)
 
 
-def test_hip_motors_are_their_joints_and_upper_feet_have_none():
-    for motor, name in enumerate(names.MOTORS):
-        if name in names.JOINTS:
-            row = np.zeros(names.NUM_JOINTS)
-            row[names.JOINTS.index(name)] = 1.0
-            np.testing.assert_array_equal(MOTORS.matrix[motor], row)
-    assert not MOTORS.matrix[:, PASSIVE].any()
-    assert not MOTORS.inverse[:, PASSIVE].any()
-
-
 def test_motors_do_the_work_of_the_joints():
     rng = np.random.default_rng(0)
     efforts, speeds = rng.standard_normal((2, 30, names.NUM_JOINTS))

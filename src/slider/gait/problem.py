@@ -105,15 +105,10 @@ class GaitProblem:
     def blocks(self) -> list[Block]:
         """Where each named constraint is, for residuals by name."""
         node_rows, collocation_rows, _ = self.row_counts
-        total = 2 * self.nodes * node_rows
-        blocks = node_blocks(self.node_constraints, 2 * self.nodes)
-        blocks.append(Block("collocation", 1.0, total + np.arange(collocation_rows)))
-        offset = total + collocation_rows
-        for constraint in self.end_constraints:
-            rows = offset + np.arange(constraint.size)
-            blocks.append(Block(constraint.name, constraint.scale, rows))
-            offset += constraint.size
-        return blocks
+        first = 2 * self.nodes * node_rows
+        collocation = Block("collocation", 1.0, first + np.arange(collocation_rows))
+        ends = blocks_of(self.end_constraints, 1, first + collocation_rows)
+        return [*blocks_of(self.node_constraints, 2 * self.nodes), collocation, *ends]
 
     def variable_bounds(self, duration: tuple[float, float]) -> Bounds:
         """Lower and upper bounds of the variables, the step time within ``duration`` [s].
@@ -132,15 +127,20 @@ class GaitProblem:
         return sides[0], sides[1]
 
 
-def node_blocks(constraints: list[Constraint], count: int) -> list[Block]:
-    """Blocks of rows that repeat for ``count`` nodes."""
-    per_node = sum(constraint.size for constraint in constraints)
-    starts, offset, blocks = np.arange(count) * per_node, 0, []
+def blocks_of(constraints: list[Constraint], count: int, first: int = 0) -> list[Block]:
+    """Blocks of rows that repeat ``count`` times from row ``first`` on."""
+    starts = np.arange(count) * sum(constraint.size for constraint in constraints)
+    blocks = []
     for constraint in constraints:
-        rows = (starts[:, None] + offset + np.arange(constraint.size)).ravel()
+        rows = (starts[:, None] + first + np.arange(constraint.size)).ravel()
         blocks.append(Block(constraint.name, constraint.scale, rows))
-        offset += constraint.size
+        first += constraint.size
     return blocks
+
+
+def excess(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """By how much values are outside of their bounds, element by element."""
+    return np.maximum(np.maximum(lower - values, values - upper), 0.0)
 
 
 def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:

@@ -6,7 +6,7 @@ import numpy as np
 
 from slider.gait import bezier
 from slider.gait.constraints import scaled_bounds
-from slider.gait.problem import GaitProblem, node_blocks
+from slider.gait.problem import GaitProblem, blocks_of, excess
 from slider.gait.transcription import NODE, ROLL_STATES
 from slider.gait.tree import NUM_JOINTS
 from slider.robot import knee_map
@@ -130,10 +130,9 @@ def dense_violations(
     turns = np.stack([yaw_rate * np.repeat([1.0, -1.0], len(phase)), np.tile(phase - 0.5, 2)])
     evaluate = problem.node.value.map(len(x))
     rows = np.array(evaluate(x.T, np.ones((1, len(x))), turns)[1]).T
-    lower, upper = np.tile(lower, (2, 1)), np.tile(upper, (2, 1))
-    excess = np.maximum(np.maximum(lower - rows, rows - upper), 0.0).ravel()
-    blocks = node_blocks(problem.node_constraints, len(x))
-    return {block.name: float(excess[block.rows].max() * block.scale) for block in blocks}
+    beyond = excess(rows, np.tile(lower, (2, 1)), np.tile(upper, (2, 1))).ravel()
+    blocks = blocks_of(problem.node_constraints, len(x))
+    return {block.name: float(beyond[block.rows].max() * block.scale) for block in blocks}
 
 
 def dense_nodes(problem: GaitProblem, variables: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ from slider.config.gait import SolverConfig, StepTime
 from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.nlp import Nlp, assemble
-from slider.gait.problem import GaitProblem
+from slider.gait.problem import GaitProblem, excess
 from slider.robot.names import COMMAND
 
 GIVEN = "given"  # name of a start that is no guess of the configuration
@@ -67,15 +67,6 @@ class Solve:
     def max_violation(self) -> float:
         """Worst residual over all constraints."""
         return max(self.residuals.values())
-
-
-@dataclass(frozen=True)
-class _Point:
-    """Primal and dual variables."""
-
-    x: np.ndarray
-    lam_x: np.ndarray | None = None
-    lam_g: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -198,44 +189,41 @@ class GaitSolver:
     def _solve_from(
         self, guess: str | np.ndarray, velocity: np.ndarray
     ) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """One guess: a cold start, or a ``ramp`` of warm starts from walking in place."""
+        """Solve from one guess: a cold start, or a ``ramp`` of warm starts."""
         if isinstance(guess, np.ndarray):
-            return self._cold, self._call(self._cold, _Point(guess), velocity)
+            return self._cold, self._call(self._cold, velocity, x0=guess)
         if guess == "ramp":
             return self._ramp(velocity)
         duration = duration_bounds(self._step_time, *velocity[:2])
         degree = self.problem.config.degree
         start = cold_start(self.problem.layout, velocity[0], degree, duration, STARTS[guess])
-        return self._cold, self._call(self._cold, _Point(start), velocity)
+        return self._cold, self._call(self._cold, velocity, x0=start)
 
     def _ramp(self, velocity: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
         """Walk in place first, then ever faster, each start with primal and dual values."""
         _, result = self._solve_from("cold", np.zeros(len(COMMAND)))
         for share in RAMP:
-            values = (np.array(result[name]).ravel() for name in ("x", "lam_x", "lam_g"))
-            result = self._call(self._warm, _Point(*values), share * velocity)
+            start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
+            result = self._call(self._warm, share * velocity, **start)
         return self._warm, result
 
-    def _call(self, function: ca.Function, start: _Point, velocity: np.ndarray) -> dict[str, ca.DM]:
+    def _call(
+        self, function: ca.Function, velocity: np.ndarray, **start: np.ndarray
+    ) -> dict[str, ca.DM]:
         duration = duration_bounds(self._step_time, *velocity[:2])
         lower, upper = self.problem.variable_bounds(duration)
         row_lower, row_upper = self.problem.row_bounds
-        duals = {} if start.lam_x is None else {"lam_x0": start.lam_x, "lam_g0": start.lam_g}
-        bounds = {"lbx": lower, "ubx": upper, "lbg": row_lower, "ubg": row_upper}
-        return function(x0=start.x, p=velocity, **bounds, **duals)
+        return function(p=velocity, lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, **start)
 
     def residuals(
         self, rows: np.ndarray, variables: np.ndarray, duration: tuple[float, float]
     ) -> dict[str, float]:
         """Worst violation by constraint name; constraints of both steps count together."""
-        lower, upper = self.problem.row_bounds
-        excess = np.maximum(np.maximum(lower - rows, rows - upper), 0.0)
+        beyond = excess(rows, *self.problem.row_bounds)
         worst: dict[str, float] = {}
         for block in self.problem.blocks:
-            value = float(excess[block.rows].max() * block.scale)
+            value = float(beyond[block.rows].max() * block.scale)
             worst[block.name] = max(worst.get(block.name, 0.0), value)
-        low, high = self.problem.variable_bounds(duration)
-        worst["variables"] = float(
-            np.maximum(np.maximum(low - variables, variables - high), 0.0).max()
-        )
+        limits = self.problem.variable_bounds(duration)
+        worst["variables"] = float(excess(variables, *limits).max())
         return worst

@@ -11,7 +11,7 @@ from slider.hzd.feedback import regulate
 from slider.hzd.perturbed import Placement, invariance, portrait, steps_until_return
 from slider.hzd.plans import motion, start
 from slider.hzd.poincare import chain, differences, multipliers
-from slider.hzd.step import PHASES, ClosedLoop, _Run
+from slider.hzd.step import PHASES, ClosedLoop, _Steps
 from tests.hzd.sample import (
     CLOCK,
     HIP,
@@ -98,8 +98,8 @@ def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait, ankle):
 
 
 def _advanced(plan, phase, q, v, width, config):
-    run = _Run(loop().model, config, plan, plan.constraints(config))
-    return run._advance(phase, np.c_[q, v, 0.0], np.array([width]))[0]
+    steps_ = _Steps(loop().model, config, plan, plan.constraints(config))
+    return steps_._advance(phase, np.c_[q, v, 0.0], np.array([width]))[0]
 
 
 def test_outputs_stay_zero_on_the_limit_cycle_and_after_any_impact_with_re_anchoring():

@@ -63,15 +63,6 @@ def test_torques_of_the_two_capstan_motors_by_hand(library):
     assert torques[7, 3:5] == pytest.approx([2.375, 7.625])
 
 
-def test_peaks_name_the_motor_the_limit_and_the_unit(library):
-    torque, voltage = loads.peaks(library, GAIT)
-    assert (torque.quantity, torque.motor, torque.unit) == ("torque", "left_capstan_2", "N m")
-    assert (torque.value, torque.limit) == (pytest.approx(7.625), 8.0)
-    assert (voltage.quantity, voltage.motor) == ("voltage", "left_capstan_2")
-    assert (voltage.value, voltage.limit) == (pytest.approx(0.8765625), 1.0)
-    assert voltage.unit == "of the bus"
-
-
 def test_clearance_is_the_lower_end_of_the_swing_foot_at_mid_step(library):
     samples = library.arrays["samples"].copy()
     samples[0, 10, JOINTS.index("right_slide")] = -0.08  # middle of the left stance step

@@ -51,8 +51,10 @@ def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     points = np.load(inputs["gaits"][0] / POINTS).swapaxes(0, 1)
     walks = _walks(loop, steps, points)
     job.progress(f"{len(walks)} of {len(gaits)} return maps")
-    kept = invariance(loop, steps, points, from_dict(ImpactGrid, section["impacts"]))
-    records = [_record(library, gait, steps, k, walks.get(k), kept) for k, gait in enumerate(gaits)]
+    residuals = invariance(loop, steps, points, from_dict(ImpactGrid, section["impacts"]))
+    records = [
+        _record(library, gait, steps, k, walks.get(k), residuals) for k, gait in enumerate(gaits)
+    ]
     (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
     return {"gaits": len(gaits), "limit_cycles": len(walks)}
 
@@ -90,25 +92,25 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     gait = np.array([library.find(*section["command"])])
     loop = closed_loop(library, config, job)
     steps = plans(library, gait, loop.model, config)
-    found = _walk(loop, steps, command_text(section["command"]))
+    cycle = _walk(loop, steps, command_text(section["command"]))
     arrays = {name: np.array(values) for name, values in vars(axes(basin)).items()}
     arrays["command"] = library.commands[gait[0]]
     push = ImpactGrid([0.0], [_PUSH * basin.roll_rate.upper])
-    start = perturbed(loop, found.points[:1], push)[1][0]
-    cases = {"without": None, "with": Placement(found, config.feedback.reach)}
+    start = perturbed(loop, cycle.points[:1], push)[1][0]
+    cases = {"without": None, "with": Placement(cycle, config.feedback.reach)}
     for name, placement in cases.items():
         job.progress(f"basin {name} foot placement")
-        arrays[name] = steps_until_return(loop, steps, found, basin, placement)
-        arrays[f"walk_{name}"] = portrait(loop, steps, found, start, basin.steps, placement)
-    arrays["cycle"] = portrait(loop, steps, found, found.points[0], 2, None)
+        arrays[name] = steps_until_return(loop, steps, cycle, basin, placement)
+        arrays[f"walk_{name}"] = portrait(loop, steps, cycle, start, basin.steps, placement)
+    arrays["cycle"] = portrait(loop, steps, cycle, cycle.points[0], 2, None)
     for name, array in arrays.items():
         np.save(out / f"{name}.npy", array)
     return {name: int((arrays[name] >= 0).sum()) for name in cases}
 
 
 def _walk(loop: ClosedLoop, steps: Sequence[StepPlan], name: str) -> ReturnMap:
-    points, found = find_cycles(loop, steps)
-    if not found[0]:
+    points, converged = find_cycles(loop, steps)
+    if not converged[0]:
         raise UserError(f"gait {name}: expected a limit cycle, found none")
     try:
         return return_maps(loop, steps, points)[0]
@@ -121,8 +123,8 @@ def _record(
     gait: int,
     steps: Sequence[StepPlan],
     place: int,
-    found: ReturnMap | None,
-    kept: Invariance,
+    walk: ReturnMap | None,
+    residuals: Invariance,
 ) -> dict[str, Any]:
     """Values of ``slider.hzd.summary.QUANTITIES``; None where there is no limit cycle."""
     share = [p.hip_share[place] for p in steps]
@@ -135,27 +137,27 @@ def _record(
         "condition": float(values[:, 1].max()),
     }
     measured = {
-        f"invariance_{n}": getattr(kept, n) for n in ("orbit", "impact", "free", "anchored")
+        f"invariance_{n}": getattr(residuals, n) for n in ("orbit", "impact", "free", "anchored")
     }
-    for name, each in (measured | {"settle_angle": kept.settle}).items():
-        record[name] = float(each[place]) if found and np.isfinite(each[place]) else None
-    return record | _stability(found)
+    for name, each in (measured | {"settle_angle": residuals.settle}).items():
+        record[name] = float(each[place]) if walk and np.isfinite(each[place]) else None
+    return record | _stability(walk)
 
 
-def _stability(found: ReturnMap | None) -> dict[str, Any]:
-    if found is None:
+def _stability(walk: ReturnMap | None) -> dict[str, Any]:
+    if walk is None:
         return dict.fromkeys(_OF_WALK)
-    gains = -found.regulator.phase_gains[0, 0]
+    gains = -walk.regulator.phase_gains[0, 0]
     open_, closed = (
-        per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (found.maps, found.closed)
+        per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (walk.maps, walk.closed)
     )
     return {
-        "spectral_radius": per_step(multipliers(found.derivatives))[0],
+        "spectral_radius": per_step(multipliers(walk.derivatives))[0],
         "eigenvalues": open_,
         "closed_eigenvalues": closed,
-        "closed_spectral_radius": per_step(multipliers(found.closed_derivatives))[0],
+        "closed_spectral_radius": per_step(multipliers(walk.closed_derivatives))[0],
         "gain_position": float(gains[1, 0]),
         "gain_lateral": float(gains[1, 1]),
         "gain_forward": float(gains[0, 2]),
-        "difference": found.error,
+        "difference": walk.error,
     }

@@ -6,27 +6,11 @@ import numpy as np
 
 from slider.library.reader import GaitLibrary
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
-from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
+from slider.robot.names import JOINTS, NUM_JOINTS
 from slider.robot.transmission import Transmission
 
 _SPEEDS = slice(NUM_JOINTS, 2 * NUM_JOINTS)
 _SLIDES = [i for i in range(NUM_JOINTS) if JOINTS[i].endswith("slide")]
-
-
-@dataclass(frozen=True)
-class Peak:
-    """Greatest magnitude of a motor's quantity over a walk, and the limit it is held against."""
-
-    quantity: str
-    motor: str
-    value: float
-    limit: float
-    unit: str
-
-    @property
-    def share(self) -> float:
-        """Value / limit [-]."""
-        return self.value / self.limit
 
 
 def motor_torques(library: GaitLibrary, gait: int) -> np.ndarray:
@@ -54,17 +38,6 @@ def voltage_share(library: GaitLibrary) -> np.ndarray:
 def slide_speed(library: GaitLibrary) -> np.ndarray:
     """Greatest speed (G,) of the slides [m/s]."""
     return np.abs(library.arrays["samples"][..., _SPEEDS][..., _SLIDES]).max(axis=(1, 2))
-
-
-def peaks(library: GaitLibrary, gait: int) -> list[Peak]:
-    """Torque [N m] and share of the torque-speed line [-] of one gait, each at its worst motor."""
-    torque, voltage = (shares[gait] for shares in motor_shares(library))
-    worst, fastest = int(torque.argmax()), int(voltage.argmax())
-    limit = float(Transmission.of(library.robot).torque[worst])
-    return [
-        Peak("torque", MOTORS[worst], float(torque[worst] * limit), limit, "N m"),
-        Peak("voltage", MOTORS[fastest], float(voltage[fastest]), 1.0, "of the bus"),
-    ]
 
 
 def foot_heights(library: GaitLibrary, gait: int) -> np.ndarray:

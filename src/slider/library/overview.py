@@ -6,7 +6,8 @@ import numpy as np
 
 from slider.library import measures
 from slider.library.reader import GaitLibrary, Hole
-from slider.robot.names import CHANNELS, command_text
+from slider.robot.names import CHANNELS, MOTORS, command_text
+from slider.robot.transmission import Transmission
 
 _WORST = 5  # constraints that are shown by name
 
@@ -26,10 +27,17 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
         "(lower end of the swing foot)",
         "  peaks",
     ]
-    for peak in measures.peaks(library, gait):
-        share = f"{100 * peak.share:.0f} %"
-        values = f"{peak.value:8.2f} of {peak.limit:g} {peak.unit}"
-        lines.append(f"    {peak.quantity:<12}{values:<26}{share:>6}  {peak.motor}")
+    torque, voltage = (shares[gait] for shares in measures.motor_shares(library))
+    limits = Transmission.of(library.robot).torque
+    for quantity, shares, most, unit in (
+        ("torque", torque, limits, "N m"),
+        ("voltage", voltage, np.ones_like(voltage), "of the bus"),
+    ):
+        motor = int(shares.argmax())
+        peak = f"{shares[motor] * most[motor]:8.2f} of {most[motor]:g} {unit}"
+        lines.append(
+            f"    {quantity:<12}{peak:<26}{f'{100 * shares[motor]:.0f} %':>6}  {MOTORS[motor]}"
+        )
     return [*lines, "  worst residuals [SI unit of the constraint]", *_residuals(library, gait)]
 
 
@@ -58,9 +66,9 @@ def _residuals(library: GaitLibrary, gait: int) -> list[str]:
 
 def _grid(library: GaitLibrary) -> list[str]:
     mesh = library.mesh
-    asked = len(library) + len(library.holes)
+    total = len(library) + len(library.holes)
     return [
-        f"gait library: {len(library)} of {asked} gaits converged",
+        f"gait library: {len(library)} of {total} gaits converged",
         f"  vx {_axis(mesh.vx)} m/s",
         f"  vy {_axis(mesh.vy)} m/s",
         *([f"  yaw rate {_axis(mesh.yaw_rate)} rad/s"] if mesh.yaw_rate.any() else []),

@@ -90,6 +90,6 @@ def test_outside_it_is_the_border_and_says_so(made_up):
 @pytest.mark.parametrize("command", [(np.nan, 0.0), (0.0, np.inf)])
 def test_what_is_no_command_is_refused(made_up, command: tuple[float, float]):
     with pytest.raises(
-        ValueError, match=r"^expected a finite command, found \(.*(nan|inf).*\) m/s$"
+        ValueError, match=r"^expected a finite velocity, found \(.*(nan|inf).*\) m/s$"
     ):
         blend(made_up, *command)

@@ -300,7 +300,7 @@ def of_walk(
     return [
         *of_touchdown(form, ends[0], starts[1], turns[0]),
         *of_touchdown(form, ends[1], starts[0], turns[1]),
-        equality("mean_velocity", "m", "command", mean, 0.1),
+        equality("mean_velocity", "m", "commanded velocity", mean, 0.1),
         equality("equal_step_times", "s", "symmetry", times[0] - times[1], 1.0),
         equality("equal_step_lengths", "m", "symmetry", steps[0][0] - steps[1][0], 0.1),
     ]

@@ -26,7 +26,7 @@ class Formulation:
     Attributes:
         tree: kinematics and dynamics of the robot on its left foot.
         config, robot: settings, and the limits of the robot.
-        turning: whether the commands have a yaw rate; else it is zero in all expressions.
+        turning: whether the velocities have a yaw rate; else it is zero in all expressions.
         hip_rate: least forward velocity of the hip [m/s], where it is the phase.
     """
 

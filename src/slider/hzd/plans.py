@@ -86,8 +86,8 @@ def plans(
     for plan in (first, second):
         for gait in gaits[~plan.clock & (plan.hip_share <= 0.0)]:
             expected = "expected a hip that moves forward at every phase (gait.phase=hip)"
-            command = command_text(library.commands[gait])
-            raise UserError(f"{expected}, found one that turns back in the gait {command}")
+            velocity = command_text(library.commands[gait])
+            raise UserError(f"{expected}, found one that turns back in the gait {velocity}")
     return first, second
 
 

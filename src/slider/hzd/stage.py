@@ -124,10 +124,12 @@ def closed_loop(library: GaitLibrary, config: StabilityConfig, job: Job) -> Clos
     return ClosedLoop(RootedModel(library.robot, Compiled(job, "robot")), config)
 
 
-def indices(gaits: GaitLibrary | FootPlacement, commands: Sequence[Sequence[float]]) -> np.ndarray:
-    """Places of the commands that there are."""
+def indices(
+    gaits: GaitLibrary | FootPlacement, velocities: Sequence[Sequence[float]]
+) -> np.ndarray:
+    """Places of the velocities that there are."""
     places = {tuple(v): k for k, v in enumerate(gaits.commands.tolist())}
-    return np.array([places[tuple(v)] for v in commands if tuple(v) in places], dtype=int)
+    return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)
 
 
 def _tables(

@@ -51,8 +51,7 @@ class Flow:
         q, v: at ``PHASES`` (S, n, 11).
         residuals: ‖(y, ẏ)‖∞ just after the last impact, at mid-step and just before the next
             impact (3, n) [rad, m, 1/s]; of the outputs that are driven to zero.
-        before: q and v just before the impacts (n, 11) each.
-        landed: just after them.
+        landed: states just after the impacts.
         phase, time: of the impacts (n,) [-], [s].
         alive: (n,) whether the swing foot came down.
     """
@@ -60,7 +59,6 @@ class Flow:
     q: np.ndarray
     v: np.ndarray
     residuals: np.ndarray
-    before: tuple[np.ndarray, np.ndarray]
     landed: Landed
     phase: np.ndarray
     time: np.ndarray
@@ -130,7 +128,6 @@ class _Steps:
             sampled[..., :NUM],
             sampled[..., NUM:-1],
             np.stack([start, middle, self._residual(phase, z)]),
-            (q, v),
             self.model.touch_down(q, v),
             phase,
             z[:, -1],

@@ -1,4 +1,4 @@
-"""A gait at any command: blended Bézier coefficients (virtual constraints) of the gaits around it.
+"""A gait at any velocity: blended Bézier coefficients (virtual constraints) of the gaits around it.
 
 Joints come from the blended polynomials, so that velocities are the derivatives of positions and
 positions are as smooth as a gait's own. What has no polynomial (the roll about the foot line, the
@@ -74,25 +74,25 @@ class Gait:
 
 
 def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> Gait:
-    """Gait at a command [m/s, rad/s]: trilinear in the commands around it, step times included.
+    """Gait at a velocity [m/s, rad/s]: trilinear in the velocities around it, step times included.
 
-    At a command of the library it is that gait. It is continuous in the command everywhere: at
-    the border (commands outside take the nearest command inside) and at holes and commands
-    that only a part of the grid has (filled as ``slider.library.mesh`` says).
+    At a velocity of the library it is that gait. It is continuous in the velocity everywhere: at
+    the border (velocities outside take the nearest velocity inside) and at holes and velocities
+    that only a part of the grid has (filled as in ``slider.library.mesh``).
 
     Raises:
-        ValueError: the command is not finite.
+        ValueError: the velocity is not finite.
     """
-    command = np.array([vx, vy, yaw_rate])
-    if not np.isfinite(command).all():
-        raise ValueError(f"expected a finite command, found {command_text(command)}")
+    velocity = np.array([vx, vy, yaw_rate])
+    if not np.isfinite(velocity).all():
+        raise ValueError(f"expected a finite velocity, found {command_text(velocity)}")
     mesh, arrays = library.mesh, library.arrays
-    weights = mesh.weights(command[None])[0]
+    weights = mesh.weights(velocity[None])[0]
     blended = {name: np.tensordot(weights, arrays[name], axes=1) for name in _BLENDED}
     base = normalise(np.tensordot(weights, aligned(arrays["base"]), axes=1))
     speeds = np.tensordot(weights, arrays["samples"][..., 2 * len(JOINTS) :], axes=1)
     return Gait(
-        command=mesh.inside(command),
+        command=mesh.inside(velocity),
         weights=weights,
         base=base,
         forward=speeds[:, 0],

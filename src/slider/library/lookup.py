@@ -13,7 +13,7 @@ from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
 
 @dataclass(frozen=True)
 class StepTimes(Axes):
-    """Step time over a grid of commands.
+    """Step time over a grid of velocities.
 
     Attributes:
         step_time: (nx, ny, nw) [s].
@@ -23,32 +23,32 @@ class StepTimes(Axes):
 
     @classmethod
     def constant(cls, step_time: float) -> "StepTimes":
-        """The same step time [s] at every command."""
+        """The same step time [s] at every velocity."""
         return cls(np.zeros(1), np.zeros(1), np.zeros(1), np.full((1, 1, 1), step_time))
 
-    def at(self, command: Array) -> Array:
-        """Trilinear step times (N,) [s] of commands (N, 3); outside the grid its border's."""
-        result = zeros(len(command), command)
-        for node, weight in corners(self, command):
+    def at(self, velocity: Array) -> Array:
+        """Trilinear step times (N,) [s] of velocities (N, 3); outside the grid its border's."""
+        result = zeros(len(velocity), velocity)
+        for node, weight in corners(self, velocity):
             result += weight * self.step_time[node]
         return result
 
 
 @dataclass(frozen=True)
 class JointTable:
-    """Joint positions on all nodes of the mesh of commands.
+    """Joint positions on all nodes of the mesh of velocities.
 
     Attributes:
-        times: step times, and the commands of the mesh.
+        times: step times, and the velocities of the mesh.
         positions: (nx, ny, nw, S, 12) [rad or m] at S samples per walk, left stance first.
     """
 
     times: StepTimes
     positions: Array
 
-    def at(self, command: Array, phase: Array) -> Array:
-        """Joint positions (N, 12) of commands (N, 3) at phases (N,) in [0, 1)."""
-        return at_phase(self.times, self.positions, command, phase)
+    def at(self, velocity: Array, phase: Array) -> Array:
+        """Joint positions (N, 12) of velocities (N, 3) at phases (N,) in [0, 1)."""
+        return at_phase(self.times, self.positions, velocity, phase)
 
     @cached_property
     def standing(self) -> Array:
@@ -58,10 +58,10 @@ class JointTable:
 
 @dataclass(frozen=True)
 class GaitTable:
-    """Gaits on all nodes of the mesh of commands, for fast look-up.
+    """Gaits on all nodes of the mesh of velocities, for fast look-up.
 
     Attributes:
-        times: mean duration of a step, and the commands of the mesh.
+        times: mean duration of a step, and the velocities of the mesh.
         reference: (nx, ny, nw, S, 26 + 13) channels and base motion.
     """
 
@@ -70,7 +70,7 @@ class GaitTable:
 
     @classmethod
     def from_library(cls, library: GaitLibrary) -> "GaitTable":
-        """Fill every node of the library's mesh of commands."""
+        """Fill every node of the library's mesh of velocities."""
         mesh = library.mesh
         values = np.concatenate([library.samples, aligned(library.base)], axis=2)
         reference = np.tensordot(mesh.node_weights, values, axes=1)
@@ -82,12 +82,12 @@ class GaitTable:
         """The joint positions alone."""
         return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
 
-    def at(self, command: Array, phase: Array) -> Array:
-        """Channels and base motion (N, 39) of commands (N, 3) at phases (N,) in [0, 1).
+    def at(self, velocity: Array, phase: Array) -> Array:
+        """Channels and base motion (N, 39) of velocities (N, 3) at phases (N,) in [0, 1).
 
-        Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
+        Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
         """
-        result = at_phase(self.times, self.reference, command, phase)
+        result = at_phase(self.times, self.reference, velocity, phase)
         normalise(result[:, NUM_CHANNELS:])
         return result
 
@@ -100,11 +100,11 @@ class GaitTable:
         normalise(result[None, NUM_CHANNELS:])
         return result
 
-    def channels(self, command: Array) -> Array:
-        """Channels (N, S, 26) of all samples of the walks at commands (N, 3)."""
+    def channels(self, velocity: Array) -> Array:
+        """Channels (N, S, 26) of all samples of the walks at velocities (N, 3)."""
         samples = self.reference[..., :NUM_CHANNELS]
-        result = zeros((len(command), *samples.shape[3:]), command)
-        for node, weight in corners(self.times, command):
+        result = zeros((len(velocity), *samples.shape[3:]), velocity)
+        for node, weight in corners(self.times, velocity):
             result += weight[:, None, None] * samples[node]
         return result
 
@@ -118,17 +118,17 @@ def standing(times: StepTimes, table: Array) -> Array:
     return at_phase(times, table, place, phase).mean(axis=0)
 
 
-def at_phase(times: StepTimes, table: Array, command: Array, phase: Array) -> Array:
-    """Rows (N, channels) of a table (nx, ny, nw, S, channels) at commands (N, 3), phases (N,).
+def at_phase(times: StepTimes, table: Array, velocity: Array, phase: Array) -> Array:
+    """Rows (N, channels) of a table (nx, ny, nw, S, channels) at velocities (N, 3), phases (N,).
 
-    Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
+    Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
     """
     samples, channels = table.shape[3:]
     k, c = _sample(phase, samples)
     flat = table.reshape(-1, channels)
-    result = zeros((len(command), channels), command)
+    result = zeros((len(velocity), channels), velocity)
     _, ny, nw = times.shape
-    for (x, y, yaw_rate), weight in corners(times, command):
+    for (x, y, yaw_rate), weight in corners(times, velocity):
         row = ((x * ny + y) * nw + yaw_rate) * samples + k
         result += (weight * (1 - c))[:, None] * flat[row]
         result += (weight * c)[:, None] * flat[row + 1]

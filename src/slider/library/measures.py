@@ -94,29 +94,29 @@ class Smoothness:
         return result
 
 
-def smoothness(commands: np.ndarray, samples: np.ndarray) -> Smoothness:
+def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
     """Measure the jumps between neighbours; a channel that never changes has none.
 
     Args:
-        commands: (G, 3) vx, vy [m/s], yaw rate [rad/s].
+        velocities: (G, 3) vx, vy [m/s], yaw rate [rad/s].
         samples: (G, S, C) channels; each is divided by its range over all gaits and samples, so
             that 0.1 means a tenth of everything that this channel does in the whole library.
     """
-    pairs = neighbours(commands)
+    pairs = neighbours(velocities)
     extent = np.ptp(samples, axis=(0, 1))
     scale = np.where(extent > 0, extent, np.inf)
     change = np.abs(samples[pairs[:, 1]] - samples[pairs[:, 0]]).max(axis=1)
     return Smoothness(pairs, change / scale)
 
 
-def neighbours(commands: np.ndarray) -> np.ndarray:
-    """Pairs (P, 2) of gaits that follow one another along one axis of the command.
+def neighbours(velocities: np.ndarray) -> np.ndarray:
+    """Pairs (P, 2) of gaits that follow one another along one axis of the velocity.
 
     Between the two there is no further gait; a hole between them does not part them.
     """
     pairs = []
     for along, *fixed in ((0, 1, 2), (1, 0, 2), (2, 0, 1)):
-        order = np.lexsort(commands.T[[along, *fixed]])
-        same = (np.diff(commands[order][:, fixed], axis=0) == 0).all(axis=1)
+        order = np.lexsort(velocities.T[[along, *fixed]])
+        same = (np.diff(velocities[order][:, fixed], axis=0) == 0).all(axis=1)
         pairs.append(np.stack([order[:-1], order[1:]], axis=1)[same])
     return np.concatenate(pairs)

@@ -122,8 +122,8 @@ def _spread(values: Sequence[float] | np.ndarray) -> str:
 def _worst_residual(library: GaitLibrary) -> str:
     residuals = library.arrays["residuals"]
     gait, constraint = np.unravel_index(residuals.argmax(), residuals.shape)
-    name, command = library.constraints[constraint], command_text(library.commands[gait])
-    return f"  worst residual: {name} {residuals.max():.1e} at {command}"
+    name, velocity = library.constraints[constraint], command_text(library.commands[gait])
+    return f"  worst residual: {name} {residuals.max():.1e} at {velocity}"
 
 
 def _smoothness(library: GaitLibrary) -> str:

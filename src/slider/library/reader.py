@@ -99,7 +99,7 @@ _SAME = 1e-6  # velocities closer than this are equal [m/s, rad/s]
 
 @dataclass(frozen=True)
 class Hole:
-    """A command without a gait; ``residuals`` are the violated constraints, worst first."""
+    """A velocity without a gait; ``residuals`` are the violated constraints, worst first."""
 
     vx: float
     vy: float
@@ -222,7 +222,7 @@ class GaitLibrary:
 
     @cached_property
     def mesh(self) -> CommandMesh:
-        """Weights of the gaits at any command."""
+        """Weights of the gaits at any velocity."""
         return CommandMesh.of(self.commands)
 
     @cached_property
@@ -238,31 +238,31 @@ class GaitLibrary:
         arrays[CONSTRAINT] = self.arrays[CONSTRAINT]
         return GaitLibrary(arrays, {**self.attributes, "holes": holes})
 
-    def nearest(self, command: np.ndarray) -> np.ndarray:
-        """Index (N,) of the gait nearest to each command (N, 3); 1 rad/s counts as 1 m/s."""
-        return np.asarray(self._tree.query(command)[1])
+    def nearest(self, velocity: np.ndarray) -> np.ndarray:
+        """Index (N,) of the gait nearest to each velocity (N, 3); 1 rad/s counts as 1 m/s."""
+        return np.asarray(self._tree.query(velocity)[1])
 
     @cached_property
     def _tree(self) -> KDTree:
         return KDTree(self.commands)
 
     def find(self, vx: float, vy: float, yaw_rate: float = 0.0) -> int:
-        """Index of the gait of a command [m/s, rad/s].
+        """Index of the gait of a velocity [m/s, rad/s].
 
         Raises:
-            UserError: names the nearest command, or what was violated if it is a hole.
+            UserError: names the nearest velocity, or what was violated if it is a hole.
         """
-        command = (vx, vy, yaw_rate)
-        distance, text = distances(self.commands, command), command_text(command)
+        velocity = (vx, vy, yaw_rate)
+        distance, text = distances(self.commands, velocity), command_text(velocity)
         index = int(distance.argmin())
         if distance[index] <= _SAME:
             return index
         nearest = f"the nearest gait is at {command_text(self.commands[index])}"
         for hole in self.holes:
-            if distances(np.array([hole.command]), command)[0] <= _SAME:
+            if distances(np.array([hole.command]), velocity)[0] <= _SAME:
                 why = f"{hole.status}, {hole.violations}"
                 raise UserError(f"the gait {text} did not converge: {why}; {nearest}")
-        raise UserError(f"expected a command of the library, found {text}; {nearest}")
+        raise UserError(f"expected a velocity of the library, found {text}; {nearest}")
 
 
 class _Stored(Mapping[str, np.ndarray]):

@@ -32,7 +32,7 @@ Report = dict[str, Any]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Stack converged gaits in the order of the commands.
+    """Stack converged gaits in the order of the velocities.
 
     Raises:
         UserError: gaits did not converge and ``library.allow_holes`` is off.
@@ -136,7 +136,7 @@ def _describe(holes: Sequence[Report], good: int) -> str:
         return f"library: expected at least one gait, none of {len(holes)} converged: {list_}"
     return (
         f"library: {len(holes)} of {len(holes) + good} gaits did not converge: {list_}; to go on "
-        "without them: --config hydra='library.allow_holes=true'; their commands then get gaits "
+        "without them: --config hydra='library.allow_holes=true'; their velocities then get gaits "
         "interpolated from those around them, or the nearest at the border"
     )
 

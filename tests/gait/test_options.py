@@ -12,7 +12,7 @@ from slider.gait import bezier
 from slider.gait.formulation import Formulation, formulate
 from slider.gait.problem import build
 from slider.gait.solution import DENSE, coefficients, dense_nodes, dense_violations, knee_trajectory
-from slider.gait.solve import Attempt, GaitSolver, Outcome, duration_bounds
+from slider.gait.solve import Attempt, GaitSolver, Solve, duration_bounds
 from slider.robot.knee_map import prismatic_joints, with_upper_feet
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, form, nodes, problem, solved
@@ -97,11 +97,10 @@ ENDS = {"cold": (3.0, True), "fast": (1.0, False), "crouched": (2.0, True)}
 class Scripted(GaitSolver):
     """Attempts end as given: cost and success by guess."""
 
-    def attempt(self, guess: str, vx: float, vy: float, yaw_rate: float = 0.0) -> Outcome:
+    def attempt(self, guess: str, vx: float, vy: float, yaw_rate: float = 0.0) -> Solve:
         cost, success = ENDS[guess]
-        rows = np.zeros(sum(len(block.rows) for block in self.problem.blocks))
-        variables = np.full(self.problem.layout.size, cost)
-        return Outcome(Attempt(guess, "", 1, cost), success, variables, rows, {})
+        attempts = (Attempt(guess, "", 1, cost),)
+        return Solve(np.full(3, cost), "", success, 1, cost, {}, 0.0, 0.0, {}, attempts)
 
 
 @pytest.mark.parametrize(("keep", "cost", "tried"), [("first", 3.0, 1), ("best", 2.0, 3)])

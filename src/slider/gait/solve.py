@@ -1,7 +1,7 @@
 """Solve a gait problem for one velocity with IPOPT."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import casadi as ca
@@ -48,7 +48,7 @@ class Solve:
         cost: in SI units.
         residuals: worst violation by constraint name, in the constraint's own unit.
         wall, cpu: time of all attempts [s].
-        evaluations: time of that attempt in each function [s].
+        evaluations: time of the resulting attempt in each function [s].
         attempts: all attempts, in order.
     """
 
@@ -67,17 +67,6 @@ class Solve:
     def max_violation(self) -> float:
         """Worst residual over all constraints."""
         return max(self.residuals.values())
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """Where an attempt ended: at variables (size,), with scaled rows and times [s]."""
-
-    attempt: Attempt
-    success: bool
-    variables: np.ndarray
-    rows: np.ndarray
-    evaluations: dict[str, float]
 
 
 def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
@@ -149,41 +138,41 @@ class GaitSolver:
         """
         if yaw_rate and not self.problem.form.turning:
             raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
-        wall, cpu = time.perf_counter(), time.process_time()
-        outcomes: list[Outcome] = []
+        solves: list[Solve] = []
         for guess in self._config.guesses if start is None else [start]:
-            outcomes.append(self.attempt(guess, vx, vy, yaw_rate))
-            if outcomes[-1].success and self._config.keep == "first":
+            solves.append(self.attempt(guess, vx, vy, yaw_rate))
+            if solves[-1].success and self._config.keep == "first":
                 break
-        best = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
-        duration = duration_bounds(self._step_time, vx, vy)
-        return Solve(
-            variables=best.variables,
-            status=best.attempt.status,
-            success=best.success,
-            iterations=best.attempt.iterations,
-            cost=best.attempt.cost,
-            residuals=self.residuals(best.rows, best.variables, duration),
-            wall=time.perf_counter() - wall,
-            cpu=time.process_time() - cpu,
-            evaluations=best.evaluations,
-            attempts=tuple(outcome.attempt for outcome in outcomes),
+        best = min(solves, key=lambda solve: (not solve.success, solve.success and solve.cost))
+        return replace(
+            best,
+            wall=sum(solve.wall for solve in solves),
+            cpu=sum(solve.cpu for solve in solves),
+            attempts=tuple(attempt for solve in solves for attempt in solve.attempts),
         )
 
     def attempt(
         self, guess: str | np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0
-    ) -> Outcome:
+    ) -> Solve:
         """Solve for a velocity [m/s, rad/s] from one initial guess, by name or as variables."""
+        wall, cpu = time.perf_counter(), time.process_time()
         function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
-        return Outcome(
-            Attempt(guess if isinstance(guess, str) else GIVEN, status, iterations, cost),
-            bool(stats["success"]),
-            np.array(result["x"]).ravel(),
-            np.array(result["g"]).ravel(),
-            {k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
+        variables, rows = (np.array(result[name]).ravel() for name in ("x", "g"))
+        name = guess if isinstance(guess, str) else GIVEN
+        return Solve(
+            variables=variables,
+            status=status,
+            success=bool(stats["success"]),
+            iterations=iterations,
+            cost=cost,
+            residuals=self.residuals(rows, variables, duration_bounds(self._step_time, vx, vy)),
+            wall=time.perf_counter() - wall,
+            cpu=time.process_time() - cpu,
+            evaluations={k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
+            attempts=(Attempt(name, status, iterations, cost),),
         )
 
     def _solve_from(

@@ -11,10 +11,10 @@ from pipeline.stages.gaits import gait_section
 from slider.config.compose import compose
 from slider.config.schema import Config
 from slider.gait.formulation import Formulation, formulate
-from slider.gait.layout import NODE
 from slider.gait.problem import GaitProblem, build
 from slider.gait.solution import KneeTrajectory, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
+from slider.gait.transcription import NODE
 
 CONF = Path(__file__).parents[2] / "conf"
 

@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.gait.constraint import Constraint, at_least, between, equality, scaled_bounds
-from slider.gait.constraints import of_node
+from slider.config.types import Interval
+from slider.core.errors import UserError
+from slider.gait.constraints import Constraint, between, equality, of_node, scaled_bounds
 from slider.gait.formulation import formulate
-from slider.gait.layout import NODE
 from slider.gait.motion import Node
+from slider.gait.problem import build
+from slider.gait.solution import knee_trajectory
+from slider.gait.solve import GaitSolver
+from slider.gait.transcription import NODE
 from tests.gait.gaits import config, form, nodes, problem, solved
 
 METHOD = Path(__file__).parents[2] / "docs" / "explanation" / "method.md"
@@ -53,15 +57,6 @@ def test_the_documentation_names_every_constraint():
     text = METHOD.read_text()
     for constraint in constraints():
         assert f"`{constraint.name}`" in text, constraint.name
-
-
-def test_a_name_stands_for_one_group_of_rows():
-    node = [c.name for c in problem().node_constraints]
-    ends = [c.name for c in problem().end_constraints]
-    assert len(set(node)) == len(node)
-    assert not set(node) & set(ends)
-    twice = {name for name in ends if ends.count(name) == 2}
-    assert len(ends) == 2 * len(twice) + 3, "both touchdowns, and three of the walk"
 
 
 @pytest.mark.parametrize(
@@ -132,7 +127,21 @@ def test_bounds_are_scaled_and_keep_a_margin_at_the_nodes():
     np.testing.assert_allclose(between_nodes, [[0, 0], [1, 2], [2, 4]])
 
 
-def test_one_sided_rows_have_no_upper_bound():
-    rows = at_least("a", "N", "", [ca.SX.sym("x"), ca.SX.sym("y")], 4.0, 2.0)
-    lower, upper = rows.bounds(np.zeros(1))
-    assert (rows.size, lower.tolist(), upper.tolist()) == (2, [[2.0, 2.0]], [[np.inf, np.inf]])
+def test_a_registered_row_is_bounded_by_its_line_in_the_configuration():
+    """The base is lower than without the bound, and the worst residual has the row's name."""
+    height, free = 0.66, knee_trajectory(problem(), solved(0.4, 0.0).variables).base_position
+    assert free[:, 2].max() > height + 0.005
+    gait = replace(config().gait, bounds={"base_height": Interval(0.0, height)})
+    low = build(formulate(config().robot, gait))
+    solve = GaitSolver(low, gait.solver, gait.step_time).solve(0.4, 0.0)
+    assert solve.success, solve.status
+    assert solve.residuals["base_height"] <= 1e-6
+    base = knee_trajectory(low, solve.variables).base_position[:, 2]
+    assert base.max() == pytest.approx(height, abs=1e-5)
+
+
+def test_a_bound_of_no_row_is_one_line():
+    gait = replace(config().gait, bounds={"height": Interval(0.0, 1.0)})
+    message = r"^gait\.bounds: expected one of base_height.*, found height$"
+    with pytest.raises(UserError, match=message):
+        build(formulate(config().robot, gait))

@@ -1,10 +1,19 @@
-"""Gaits over the range of commands: they converge, walk, and change smoothly."""
+"""Gaits over the range of velocities, and with the hip as the phase: they converge and walk."""
+
+import json
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
-from slider.gait import bezier
-from tests.gait.gaits import config, problem, solved, trajectory
+from slider.core.job import Job
+from slider.gait.formulation import formulate, least_hip_rate
+from slider.gait.problem import build
+from slider.gait.solution import dense_violations, knee_trajectory
+from slider.gait.solve import GaitSolver, Solve
+from slider.gait.stage import REPORT, run
+from tests.gait.gaits import config, form, problem, section, solved, trajectory
 
 COMMANDS = [(0.0, 0.0), (0.4, -0.1), (1.2, 0.0), (2.2, 0.1)]
 
@@ -15,16 +24,6 @@ def test_cold_starts_converge(command):
     assert solve.success, solve.status
     assert solve.max_violation <= 1e-6
     assert solve.iterations < 60
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_both_steps_take_the_same_way_forward(command):
-    swing = trajectory(*command).swing_foot
-    time = solved(*command).variables[problem().layout.time_index(0)]
-    half = problem().nodes
-    expected = command[0] * time
-    assert swing[half - 1, 0] == pytest.approx(expected, abs=1e-6)
-    assert swing[-1, 0] == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -49,17 +48,58 @@ def test_a_walk_in_place_is_symmetric():
     np.testing.assert_allclose(steps[0], steps[1], atol=1e-5)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_bezier_derivatives(order):
-    coefficients = np.random.default_rng(0).normal(size=(3, 9))
-    s, h = np.linspace(0.1, 0.9, 9), 1e-6
-    above = bezier.evaluate(coefficients, s + h, order - 1)
-    below = bezier.evaluate(coefficients, s - h, order - 1)
-    slope = (above - below) / (2 * h)
-    np.testing.assert_allclose(bezier.evaluate(coefficients, s, order), slope, atol=1e-6)
+COMMAND = (0.6, 0.0)
+SHARE = 0.97
 
 
-def test_bezier_ends_are_the_first_and_last_coefficients():
-    coefficients = np.random.default_rng(1).normal(size=(3, 9))
-    ends = bezier.evaluate(coefficients, np.array([0.0, 1.0]))
-    np.testing.assert_allclose(ends, coefficients[:, [0, -1]].T, atol=1e-14)
+@cache
+def solver(share: float, vx: float) -> GaitSolver:
+    gait = replace(config().gait, phase="hip", hip_share=share)
+    bounded = formulate(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
+    return GaitSolver(build(bounded), gait.solver, gait.step_time)
+
+
+def least(found: GaitSolver, solve: Solve) -> float:
+    """Forward velocity of the hip [m/s]."""
+    return float(knee_trajectory(found.problem, solve.variables).base_velocity[:, 0].min())
+
+
+def test_a_bound_that_bites_is_kept_and_so_are_the_others():
+    found = solver(SHARE, COMMAND[0])
+    solve = found.solve(*COMMAND)
+    assert solve.success, solve.status
+    assert set(solve.residuals) == set(solved(*COMMAND).residuals) | {"hip_rate"}
+    assert solve.max_violation <= config().library.max_violation
+    free = knee_trajectory(problem(), solved(*COMMAND).variables).base_velocity[:, 0].min()
+    assert free < 0.95 * COMMAND[0]
+    assert least(found, solve) == pytest.approx(SHARE * COMMAND[0], abs=1e-6)
+    assert solve.cost > solved(*COMMAND).cost
+    assert dense_violations(found.problem, solve.variables)["hip_rate"] < 5e-3
+
+
+def test_slow_gaits_have_no_bound():
+    found = solver(1.0, 0.2)
+    solve = found.solve(0.2, 0.0)
+    assert solve.success, solve.status
+    assert not found.problem.form.by_hip
+    assert least(found, solve) < 0.2
+    assert solve.residuals["hip_rate"] == 0.0
+
+
+def test_functions_depend_on_the_formulation_but_not_on_how_great_the_bound_is():
+    hip, robot = replace(config().gait, phase="hip"), config().robot
+    forms = [formulate(robot, hip, hip_rate=rate) for rate in (1.0, 2.0, 0.0)]
+    forms += [form(), form(turning=True), form("knee")]
+    facts = [each.facts for each in forms]
+    assert facts[0] == facts[1]
+    assert all(facts[k] not in facts[:k] for k in range(2, len(facts)))
+
+
+def test_a_gait_that_misses_the_bound_names_it(tmp_path):
+    given = section(0.6, 0.0, max_iterations=3, guesses=["cold"])
+    given["formulation"] |= {"phase": "hip", "hip_share": 1.0}
+    run(given, {}, tmp_path, Job(tmp_path))
+    report = json.loads((tmp_path / REPORT).read_text())
+    missed = (1.0 - report["hip_share"]) * 0.6
+    assert missed > 1e-3
+    assert report["residuals"]["hip_rate"] == pytest.approx(missed, rel=1e-6)

@@ -39,6 +39,13 @@ def test_same_input_gives_the_same_bytes(gait, tmp_path: Path):
     assert summary == gait[1]
 
 
+def test_ipopts_option_file_in_the_working_directory_changes_no_byte(gait, tmp_path, monkeypatch):
+    (tmp_path / "ipopt.opt").write_text("nlp_scaling_method none\nmax_cpu_time 0.05\n")
+    monkeypatch.chdir(tmp_path)
+    solve_into(tmp_path / "hostile", 0.6, 0.1)
+    assert contents(tmp_path / "hostile") == contents(gait[0])
+
+
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_compiled_functions_give_the_same_bytes(gait, tmp_path: Path):
     out = tmp_path / "compiled"

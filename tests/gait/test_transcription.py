@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slider.gait import bezier
-from slider.gait.dense import between_nodes
+from slider.gait.solution import between_nodes
 from slider.gait.transcription import bezier_joints, collocated_joints, from_polynomials
 
 NODES = 9

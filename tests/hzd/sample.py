@@ -12,7 +12,7 @@ from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
-from slider.hzd.return_map import Walk, return_maps, walk
+from slider.hzd.return_map import ReturnMap, return_maps
 from slider.hzd.step import ClosedLoop
 from slider.hzd.walk import ZeroDynamics, find_cycles, linearise
 from slider.library import stage as library_stage
@@ -66,9 +66,9 @@ def one(gait: int) -> list[StepPlan]:
 @shared.shared
 def points() -> np.ndarray:
     """x* (2, G, 22) of the limit cycles."""
-    found = [find_cycles(loop(), one(gait)) for gait in range(len(library()))]
-    assert all(known.all() for _, known in found)
-    return np.concatenate([each for each, _ in found], axis=1)
+    cycles = [find_cycles(loop(), one(gait)) for gait in range(len(library()))]
+    assert all(found.all() for _, found in cycles)
+    return np.concatenate([x for x, _ in cycles], axis=1)
 
 
 @shared.shared
@@ -77,11 +77,15 @@ def zero(gait: int) -> ZeroDynamics:
 
 
 @shared.shared
-def walks() -> list[Walk]:
-    return [
-        walk(loop(), return_maps(loop(), one(gait), points()[:, [gait]]), 0)
-        for gait in range(len(library()))
-    ]
+def walks() -> list[ReturnMap]:
+    gaits = range(len(library()))
+    return [return_maps(loop(), one(gait), points()[:, [gait]])[0] for gait in gaits]
+
+
+def dynamics(model: RootedModel, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """M (11, 11) and h (11,) of a state."""
+    mass, bias = model.symbols.dynamics(q, v)
+    return mass.full(), bias.full()[:, 0]
 
 
 @shared.shared

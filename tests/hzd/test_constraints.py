@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slider.hzd.outputs import JOINTS, SWING
+from slider.gait.outputs import JOINTS, SWING
 from tests.hzd.sample import settings, steps
 
 RNG = np.random.default_rng(3)

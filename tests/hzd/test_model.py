@@ -1,20 +1,20 @@
-"""The rooted robot against MuJoCo, energy, and the touchdowns of gaits."""
+"""The rooted robot against MuJoCo and the touchdowns of gaits; functions of many rows at once."""
 
-# pyright: reportAttributeAccessIssue=false
-
-from dataclasses import replace
+import shutil
 
 import casadi as ca
 import mujoco
 import numpy as np
-from scipy.integrate import solve_ivp
+import pytest
 
-from slider.hzd.model import RootedModel
-from slider.hzd.outputs import ANKLE, stance_first
+from slider.core.casadi_code import Compiled, interpreted
+from slider.core.job import Job
+from slider.gait.outputs import ANKLE, stance_first
+from slider.hzd.model import Batch, RootedModel
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from tests.gait.gaits import config
-from tests.hzd.sample import library, loop
+from tests.hzd.sample import dynamics, library, loop
 
 MODEL = RootedModel(config().robot)
 DRIVEN = list(names.ACTUATED)
@@ -74,7 +74,7 @@ def test_mass_and_bias_are_mujocos_of_a_held_foot():
     held = HeldFoot()
     for seed in range(5):
         q, v = state(seed)
-        mass, bias = (found[0] for found in MODEL.dynamics(q[None], v[None]))
+        mass, bias = dynamics(MODEL, q, v)
         expected = held.dynamics(q, v)
         np.testing.assert_allclose(mass, expected[0], atol=1e-9)
         np.testing.assert_allclose(bias, expected[1], atol=1e-5)
@@ -82,7 +82,7 @@ def test_mass_and_bias_are_mujocos_of_a_held_foot():
 
 def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
     q, v = (np.stack(each) for each in zip(*(state(seed) for seed in range(4)), strict=True))
-    mass, bias = MODEL.dynamics(q, v)
+    mass, bias = (np.stack(each) for each in zip(*map(dynamics, [MODEL] * 4, q, v), strict=True))
     rows, own, slope, bend = MODEL.constrained(q, v)
     kept = [0, 1 + ANKLE]
     np.testing.assert_allclose(rows, mass[:, kept], atol=1e-12)
@@ -93,27 +93,6 @@ def test_rows_of_roll_and_ankle_are_those_of_the_whole_dynamics():
         (slope * v).sum(axis=1), (ahead.hip - behind.hip) / 2 / size, atol=1e-7
     )
     np.testing.assert_allclose(bend, (ahead.hip_rate - behind.hip_rate) / 2 / size, atol=1e-6)
-
-
-def test_without_efforts_and_damping_energy_is_conserved():
-    robot = config().robot
-    joints = {name: replace(joint, damping=0.0) for name, joint in robot.joints.items()}
-    model = RootedModel(replace(robot, joints=joints))
-    weight = model.symbols.tree.model.mass * names.GRAVITY
-
-    def energy(q, v):
-        mass, _ = model.dynamics(q[None], v[None])
-        return v @ mass[0] @ v / 2 + weight * model.measure(q[None], v[None]).com[0, 2]
-
-    def derivative(_, x):
-        mass, bias = model.dynamics(x[None, :NUM], x[None, NUM:])
-        return np.concatenate([x[NUM:], -np.linalg.solve(mass[0], bias[0])])
-
-    q, v = state(7)
-    found = solve_ivp(derivative, (0, 0.2), np.r_[q, 0.3 * v], "DOP853", rtol=1e-11, atol=1e-12)
-    energies = [energy(x[:NUM], x[NUM:]) for x in found.y.T]
-    assert np.ptp(found.y[:NUM], axis=1).max() > 0.1
-    assert np.ptp(energies) < 1e-8 * weight
 
 
 def test_the_impact_is_that_of_the_gaits():
@@ -151,10 +130,43 @@ def test_a_displaced_foot_keeps_its_height_pitch_and_yaw():
     assert not matrix[:5].any()
     rooted = MODEL.symbols
     foot = rooted.poses(rooted.q)["swing_foot"]
-    sole = rooted.tree.point(foot, rooted.sole)[0]
+    sole = rooted.tree.point(foot, rooted.tree.sole)[0]
     place = ca.Function("foot", [rooted.q], [ca.vertcat(sole, foot.rotation[1:, 0])])
     for k in range(2):
         ahead, behind = (
             place(q[0] + np.r_[0.0, sign * size * matrix[:, k]]).full()[:, 0] for sign in (1, -1)
         )
         np.testing.assert_allclose((ahead - behind) / (2 * size), np.eye(5)[k], atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "compiled",
+    [
+        False,
+        pytest.param(
+            True, marks=pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+        ),
+    ],
+)
+def test_matrices_and_columns_of_any_number_of_rows(compiled, tmp_path):
+    functions = Compiled(Job(tmp_path, cache=tmp_path), "tests") if compiled else interpreted
+    x, y = ca.SX.sym("x", 3), ca.SX.sym("y", 2)
+    results = [ca.sin(x) * y[0], x @ y.T, ca.vertcat(y[1] ** 2, 0)]
+    batch, single = Batch([x, y], results, functions), ca.Function("single", [x, y], results)
+    assert len(list(tmp_path.glob("*.so"))) == compiled
+    rng = np.random.default_rng(0)
+    for n in (1, 4, 2, 0):
+        a, b = rng.normal(size=(n, 3)), rng.normal(size=(2, n)).T  # the second not in C's order
+        found = batch(a, b)
+        assert [part.shape for part in found] == [(n, 3), (n, 3, 2), (n, 2)]
+        for row in range(n):
+            for part, expected in zip(found, single(a[row], b[row]), strict=True):
+                np.testing.assert_array_equal(part[row], expected.full().reshape(part[row].shape))
+
+
+def test_results_stay_when_it_is_called_again():
+    x = ca.SX.sym("x", 1)
+    batch = Batch([x], [2 * x])
+    first = batch(np.ones((3, 1)))[0]
+    batch(np.zeros((3, 1)))
+    np.testing.assert_array_equal(first, 2.0)

@@ -7,7 +7,7 @@ import pytest
 
 from slider.core.errors import UserError
 from slider.hzd import plans as module
-from slider.hzd.phase import phase_of
+from slider.hzd.constraints import phase_of
 from slider.hzd.plans import plans
 from tests.hzd.sample import CLOCK, HIP, library, loop, settings, steps
 

@@ -9,7 +9,6 @@ from slider.hzd.poincare import (
     differences,
     limit_cycles,
     multipliers,
-    orbits,
     restrict,
 )
 
@@ -98,12 +97,6 @@ def test_derivatives_along_directions_are_products_with_them():
     )
     np.testing.assert_allclose(values, np.einsum("nij,nj->ni", slope, points), rtol=1e-12)
     np.testing.assert_allclose(found, 50.0 * slope @ directions, rtol=1e-9)
-
-
-def test_orbits_start_where_they_are_told():
-    maps = [lambda x, k: x + k[:, None], lambda x, k: 2.0 * x]
-    found = orbits(maps, np.array([[1.0]]), np.array([3]))
-    assert found.ravel().tolist() == [1.0, 4.0, 8.0]
 
 
 @pytest.mark.parametrize("period", [1, 2])

@@ -18,7 +18,7 @@ from slider.core.job import Job
 from slider.hzd import walk
 from slider.hzd.gains import FootPlacement
 from slider.hzd.poincare import limit_cycles
-from slider.hzd.stability import RECORDS, _stability, run, run_basin, run_maps
+from slider.hzd.stability import RECORDS, run, run_basin, run_maps
 from slider.hzd.stage import collect_placement, run_gaits
 from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
 from slider.robot.names import COMMAND
@@ -63,16 +63,6 @@ def maps(chunk, tmp_path_factory) -> Path:
     inputs = {"library": [folder()], "gaits": [chunk]}
     run_maps({**spec.section, "commands": commands}, inputs, out, Job(out))
     return out
-
-
-def test_a_job_knows_only_what_it_uses():
-    made = jobs()
-    (spec,) = made["foot_placement"].inputs["gaits"]
-    assert spec.section["commands"] == [list(v) for v in [*COMMANDS, HOLE]]
-    assert not {"basin", "chunk", "impacts"} & spec.section["hzd"].keys()
-    (report,) = made["stability"].inputs["gaits"]
-    assert report.inputs["gaits"] == [spec]
-    assert "basins" not in made["stability_figures"].inputs, "none of its gaits is in the library"
 
 
 def test_records_hold_every_quantity(maps):
@@ -125,13 +115,6 @@ def test_the_table_has_a_line_per_gait(maps, tmp_path):
     assert "| `spectral_radius` | 1/step |" in (tmp_path / MARKDOWN).read_text()
 
 
-def test_gaits_that_all_go_by_time(chunk, tmp_path):
-    """Whatever other gaits are in the job."""
-    assert placed(tmp_path, COMMANDS[CLOCK]) == []
-    alone, together = FootPlacement.load(tmp_path), FootPlacement.load(chunk)
-    np.testing.assert_allclose(alone.gains[0], together.gains[1], atol=1e-7)
-
-
 def test_a_job_of_holes_has_tables_of_no_gaits(chunk, tmp_path):
     assert placed(tmp_path, HOLE) == []
     assert len(FootPlacement.load(tmp_path).commands) == 0
@@ -165,12 +148,6 @@ def test_a_basin_and_its_walks(tmp_path):
     assert found["with"] > found["without"] == 0
     assert np.load(tmp_path / "with.npy").shape == (2, 2)
     assert np.load(tmp_path / "walk_with.npy").shape == (2 * 21, 2)
-
-
-def test_a_gait_without_limit_cycle_has_no_numbers():
-    record = _stability(None)
-    assert set(record) <= QUANTITIES.keys()
-    assert not any(record.values())
 
 
 def test_gaits_of_the_virtual_knee_are_refused(tmp_path):

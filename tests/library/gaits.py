@@ -10,8 +10,7 @@ import numpy as np
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.core.job import Job
-from slider.library.reader import GaitLibrary
-from slider.library.schema import ARRAYS
+from slider.library.reader import ARRAYS, GaitLibrary
 from slider.library.stage import run
 
 SAMPLES, HALF = 42, 21

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from slider.library.export import write_csv, write_npz
-from slider.library.reader import GaitLibrary
-from slider.library.schema import ARRAYS
+from slider.library.reader import ARRAYS, GaitLibrary
 from slider.robot.names import CHANNELS, JOINTS
 from tests.library.gaits import library as make_library
 from tests.library.gaits import value

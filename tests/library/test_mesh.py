@@ -79,15 +79,6 @@ def test_a_hole_is_filled_along_the_yaw_rate_too():
     assert found @ linear(holed) == pytest.approx(2.5)
 
 
-def test_one_yaw_rate_leaves_the_weights_of_velocities_alone():
-    rng = np.random.default_rng(3)
-    asked = rng.uniform((-0.1, -0.2, -1.0), (0.5, 0.2, 1.0), (200, 3))
-    straight = asked * [1.0, 1.0, 0.0]
-    for commands in (GRID, WITHOUT_ONE, BLOCKS):
-        mesh = CommandMesh.of(commands)
-        np.testing.assert_array_equal(mesh.weights(asked), mesh.weights(straight))
-
-
 def test_the_nearer_pair_counts_more():
     commands = np.zeros((5, 3))
     commands[:, :2] = [(0.0, 0.0), (1.0, 0.1), (1.0, -0.1), (3.0, 0.0), (2.0, 0.1)]

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from slider.gait.guess import STARTS, cold_start
-from slider.gait.layout import NODE, STEP
 from slider.gait.nlp import assemble
+from slider.gait.transcription import NODE, STEP
 from tests.gait.gaits import problem, solver
 
 STEP_SIZE = 1e-6

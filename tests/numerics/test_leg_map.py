@@ -4,8 +4,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from slider.config.robot import VirtualKnee
 from slider.gait.leg_map import LegMap
-from slider.robot.knee_model import KneeModel
+from slider.robot.knee_map import KneeLengths, prismatic_motion
 from slider.verification.coordinates import SlideMap
 
 L1, L2, NOMINAL, STEP = 0.39, 0.35, 0.64, 1e-5
@@ -14,7 +15,7 @@ KNEES = [3, 8]
 
 @pytest.fixture(scope="module")
 def leg_map() -> LegMap:
-    return LegMap.of(KneeModel({}, 0.1, L1, L2, 0.045, 0.085, 0.085), NOMINAL)
+    return LegMap.of(VirtualKnee(L1, L2, 0.3), NOMINAL)
 
 
 def motion(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -48,18 +49,21 @@ def test_torques_do_the_work_of_efforts(leg_map, seed):
     np.testing.assert_allclose(number(leg_map.efforts(q, torques)), efforts, atol=1e-12)
 
 
-def test_the_verification_has_the_same_map_by_another_way(leg_map):
-    slides = SlideMap(L1, L2, NOMINAL)
+def test_three_maps_by_three_ways_are_equal(leg_map):
+    """Of the gaits' expressions, of samples (``knee_map``) and of the verification."""
     walk = [motion(seed) for seed in range(5)]
     q, v, a = (np.array(column) for column in zip(*walk, strict=True))
-    found = slides.motion(q, v, a)
+    slides = SlideMap(L1, L2, NOMINAL)
+    sampled = prismatic_motion(q, v, a, KneeLengths(L1, L2, NOMINAL))
+    verified = slides.motion(q, v, a)
     for k, row in enumerate(walk):
-        expected = (
+        orders = (
             leg_map.positions(row[0]),
             leg_map.velocities(*row[:2]),
             leg_map.accelerations(*row),
         )
-        for part, right in zip(found, expected, strict=True):
-            np.testing.assert_allclose(part[k], number(right), atol=1e-12)
+        for order, expected in enumerate(map(number, orders)):
+            np.testing.assert_allclose(sampled[order][k], expected, atol=1e-12)
+            np.testing.assert_allclose(verified[order][k], expected, atol=1e-12)
         rates = slides.jacobian(row[0]) @ row[1]
-        np.testing.assert_allclose(rates, number(expected[1]), atol=1e-12)
+        np.testing.assert_allclose(rates, number(orders[1]), atol=1e-12)

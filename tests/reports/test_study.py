@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 from scipy import stats
 from slider.evaluation.proportions import wilson
+from slider.library.gait_numbers import gait_numbers
 
 from slider.core.job import Job
 from slider.gait import REPORT
-from slider.library.gait_numbers import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports.page import content
 from slider.reports.study import SHOWN, run, strongest, summarise

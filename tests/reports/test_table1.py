@@ -9,7 +9,7 @@ import pytest
 
 from slider.core.job import Job
 from slider.evaluation.results import QUALITY, Evaluation, Robots
-from slider.library.gait_numbers import gait_numbers
+from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports import table1
 from slider.reports.rows import quality_row, table_row

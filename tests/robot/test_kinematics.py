@@ -1,8 +1,26 @@
-"""Turns about the vertical: heading components, their way back, and yaws."""
+"""Turns about the vertical by hand; feet and legs against MuJoCo."""
 
+from pathlib import Path
+
+import mujoco
 import numpy as np
+import pytest
 
-from slider.robot.kinematics import about_z, rotation_from_quaternion, turn_to_heading, yaw_of
+from slider.config.compose import compose
+from slider.robot import names
+from slider.robot.kinematics import (
+    about_z,
+    foot_ends,
+    leg_points,
+    quaternion_from_tilt,
+    rotation_from_quaternion,
+    standing_height,
+    turn_to_heading,
+    yaw_of,
+)
+from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+
+ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
 
 
 def test_a_quarter_turn_by_hand():
@@ -28,3 +46,39 @@ def test_the_yaw_is_that_of_the_nose_whatever_the_tilt():
     nose = turn_to_heading(rotation[:, :, 0], yaw_of(rotation))
     np.testing.assert_allclose(nose[:, 1], 0.0, atol=1e-14)
     assert (nose[:, 0] > 0).all()
+
+
+def test_points_of_the_legs_are_where_mujoco_has_them():
+    model = build_model(ROBOT, SimulationOptions())
+    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(4), ROBOT.geometry
+    for _ in range(20):
+        tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
+        data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
+        data.qpos[7:] = joints[0]
+        mujoco.mj_kinematics(model, data)
+        rotation = rotation_from_quaternion(data.qpos[None, 3:7])
+        np.testing.assert_allclose(rotation[0].ravel(), data.body("base").xmat, atol=1e-12)
+        ends = foot_ends(geometry, rotation, joints)[0] + data.qpos[:3]
+        points = leg_points(geometry, rotation, joints)[0] + data.qpos[:3]
+        for leg, side in enumerate(names.SIDES):
+            line = data.geom(names.foot(side))
+            axis = line.xmat.reshape(3, 3)[:, 2] * 0.085
+            expected = {tuple(np.round(line.xpos + s * axis - [0, 0, 0.006], 9)) for s in (1, -1)}
+            assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
+            bodies = [data.body(f"{side}_{n}") for n in ("hip_pitch", "foot", "upper_foot")]
+            for point, body in zip(points[leg], bodies, strict=False):
+                np.testing.assert_allclose(point, body.xpos, atol=1e-12)
+            upper = np.array([[-geometry.heel, 0, 0.045], [geometry.toe, 0, 0.045]])
+            upper = bodies[2].xpos + upper @ bodies[2].xmat.reshape(3, 3).T
+            np.testing.assert_allclose(points[leg, 3:], upper, atol=1e-12)
+
+
+def test_standing_height_puts_the_lowest_foot_point_on_the_ground():
+    rng = np.random.default_rng(5)
+    tilt, joints = rng.normal(0, 0.1, (8, 2)), rng.uniform(-0.1, 0.1, (8, 12))
+    rotation = rotation_from_quaternion(quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
+    height = standing_height(ROBOT.geometry, rotation, joints)
+    ends = foot_ends(ROBOT.geometry, rotation, joints)
+    np.testing.assert_allclose(ends[..., 2].min(axis=(1, 2)) + height, 0.0, atol=1e-12)
+    upright = standing_height(ROBOT.geometry, np.eye(3)[None], np.zeros((1, 12)))
+    assert upright[0] == pytest.approx(nominal_qpos(ROBOT)[2])

@@ -82,37 +82,3 @@ def test_the_mirror_swaps_the_legs_and_flips_yaw_and_roll():
     found = knee_map.reflected(np.concatenate([left, right]))
     np.testing.assert_array_equal(found, [-11, -12, 13, 14, 15, -1, -2, 3, 4, 5])
     np.testing.assert_array_equal(knee_map.reflected(found), np.concatenate([left, right]))
-
-
-def test_an_unknown_variant_is_refused():
-    message = r"^expected one of \('exact', 'paper'\), found printed$"
-    with pytest.raises(ValueError, match=message):
-        knee_map.positions(THETA, THETA, THETA, L1, L2, "printed")
-    with pytest.raises(ValueError, match=message):
-        knee_map.rates(THETA, L1, L2, "printed")
-
-
-@pytest.mark.parametrize(("l1", "l2"), LENGTHS)
-def test_a_motion_has_the_derivatives_of_its_positions(l1, l2):
-    """Of a motion over time, by central differences; positions are those of the exact map."""
-    lengths, h = knee_map.KneeLengths(l1, l2, 0.64), 1e-5
-    rng = np.random.default_rng(5)
-    q, v, a = rng.uniform(-0.4, 0.4, (3, 20, 10))
-    q[:, [3, 8]] += 0.8
-    now = knee_map.prismatic_motion(q, v, a, lengths)
-    above, below = (
-        knee_map.prismatic_motion(q + d * v + d**2 / 2 * a, v + d * a, a, lengths) for d in (h, -h)
-    )
-    for order in range(2):
-        slope = (above[order] - below[order]) / (2 * h)
-        np.testing.assert_allclose(now[order + 1], slope, atol=1e-8)
-    for hip_pitch in (2, 7):
-        own = slice(hip_pitch, hip_pitch + 3)
-        pitch, theta, ankle = q[:, own].T
-        leg = knee_map.positions(pitch, theta, ankle, l1, l2)
-        expected = np.stack([leg.hip_pitch, leg.length - 0.64, leg.ankle], axis=1)
-        np.testing.assert_array_equal(now[0][:, own], expected)
-        pitch_rate, rate, ankle_rate = v[:, own].T
-        leg = knee_map.velocities(pitch_rate, theta, rate, ankle_rate, l1, l2)
-        expected = np.stack([leg.hip_pitch, leg.length, leg.ankle], axis=1)
-        np.testing.assert_allclose(now[1][:, own], expected, atol=1e-15)

@@ -9,13 +9,6 @@ import pytest
 from slider.config.compose import compose
 from slider.env.starts import joint_range
 from slider.robot import names
-from slider.robot.kinematics import (
-    foot_ends,
-    leg_points,
-    quaternion_from_tilt,
-    rotation_from_quaternion,
-    standing_height,
-)
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
 from slider.robot.transmission import Transmission
 
@@ -54,42 +47,6 @@ def test_slide_grows_with_the_leg_and_pitch_turns_about_y(model, data):
     np.testing.assert_allclose(offset, [-0.64 * np.sin(0.3), 0, -0.64 * np.cos(0.3)], atol=1e-12)
 
 
-# Motor → a joint that it moves, radians of the motor per unit of that joint.
-DRIVEN = {
-    "left_hip_pitch": ("left_hip_pitch", 1.0),
-    "right_capstan_1": ("right_slide", 1 / 0.025),
-    "left_capstan_2": ("left_ankle", -1 / 0.35),
-}
-
-
-def torque(model, data, motor: str, command: float, speed: float) -> float:
-    """Torque of a motor at an input beside its present angle and at a speed of its own."""
-    joint, ratio = DRIVEN[motor]
-    data.qvel[:], data.ctrl[:] = 0.0, 0.0
-    data.qvel[6 + names.JOINTS.index(joint)] = speed / ratio
-    actuator = model.actuator(motor).id
-    data.ctrl[actuator] = command
-    mujoco.mj_forward(model, data)
-    return float(data.actuator_force[actuator])
-
-
-@pytest.mark.parametrize("motor", DRIVEN)
-def test_motors_are_pd_bounded_by_torque_and_by_the_torque_speed_line(model, data, motor):
-    name = "capstan" if "capstan" in motor else "hip_pitch"
-    gains, drive = ROBOT.gains[name], ROBOT.drives[name]
-    error = 0.2 * drive.torque / gains.kp
-    speed = 0.05 * drive.torque / gains.kd
-    expected = gains.kp * error - gains.kd * speed
-    assert torque(model, data, motor, error, speed) == pytest.approx(expected, rel=1e-9)
-    large = 50 * drive.torque / gains.kp
-    assert torque(model, data, motor, large, 0.0) == pytest.approx(drive.torque)
-    fast = 0.8 * drive.speed
-    left = drive.stall_ratio * drive.torque * (1 - fast / drive.speed)
-    assert left < drive.torque
-    assert torque(model, data, motor, large, fast) == pytest.approx(left, rel=1e-9)
-    assert torque(model, data, motor, large, drive.speed) == pytest.approx(0.0, abs=1e-9)
-
-
 def test_stands_on_two_lines(model, data):
     for _ in range(400):
         data.ctrl[:] = 0.0
@@ -105,73 +62,6 @@ def test_stands_on_two_lines(model, data):
     forces = [data.sensor(f"{side}_foot_force").data[2] for side in names.SIDES]
     assert np.abs(forces).sum() == pytest.approx(model.body_mass.sum() * 9.81, rel=1e-3)
     assert data.sensor("base_contact").data[0] == 0
-
-
-def test_a_fallen_base_touches_the_ground(model, data):
-    data.qpos[2] = 0.0
-    mujoco.mj_forward(model, data)
-    assert data.sensor("base_contact").data[0] > 0
-
-
-def test_foot_ends_are_where_mujoco_has_them(model, data):
-    rng = np.random.default_rng(4)
-    for _ in range(20):
-        tilt = rng.normal(0, 0.3, (1, 2))
-        joints = rng.uniform(-0.3, 0.3, (1, 12))
-        data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
-        data.qpos[7:] = joints[0]
-        mujoco.mj_kinematics(model, data)
-        rotation = rotation_from_quaternion(data.qpos[None, 3:7])
-        np.testing.assert_allclose(rotation[0].ravel(), data.body("base").xmat, atol=1e-12)
-        ends = foot_ends(ROBOT.geometry, rotation, joints)[0] + data.qpos[:3]
-        for leg, side in enumerate(names.SIDES):
-            geom = data.geom(names.foot(side))
-            axis = geom.xmat.reshape(3, 3)[:, 2] * 0.085
-            expected = {tuple(np.round(geom.xpos + s * axis - [0, 0, 0.006], 9)) for s in (1, -1)}
-            assert {tuple(np.round(end, 9)) for end in ends[leg]} == expected
-
-
-def test_leg_points_are_where_mujoco_has_them(model, data):
-    rng = np.random.default_rng(6)
-    for _ in range(20):
-        tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
-        data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
-        data.qpos[7:] = joints[0]
-        mujoco.mj_kinematics(model, data)
-        rotation = rotation_from_quaternion(data.qpos[None, 3:7])
-        points = leg_points(ROBOT.geometry, rotation, joints)[0] + data.qpos[:3]
-        for leg, side in enumerate(names.SIDES):
-            hip, foot, top = (data.body(f"{side}_{n}") for n in ("hip_pitch", "foot", "upper_foot"))
-            for found, body in zip(points[leg], (hip, foot, top), strict=False):
-                np.testing.assert_allclose(found, body.xpos, atol=1e-12)
-            ends = np.array([[-ROBOT.geometry.heel, 0, 0.045], [ROBOT.geometry.toe, 0, 0.045]])
-            expected = top.xpos + ends @ top.xmat.reshape(3, 3).T
-            np.testing.assert_allclose(points[leg, 3:], expected, atol=1e-12)
-
-
-def test_standing_height_puts_the_lowest_foot_point_on_the_ground():
-    rng = np.random.default_rng(5)
-    tilt, joints = rng.normal(0, 0.1, (8, 2)), rng.uniform(-0.1, 0.1, (8, 12))
-    rotation = rotation_from_quaternion(quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
-    height = standing_height(ROBOT.geometry, rotation, joints)
-    ends = foot_ends(ROBOT.geometry, rotation, joints)
-    np.testing.assert_allclose(ends[..., 2].min(axis=(1, 2)) + height, 0.0, atol=1e-12)
-    upright = standing_height(ROBOT.geometry, np.eye(3)[None], np.zeros((1, 12)))
-    assert upright[0] == pytest.approx(nominal_qpos(ROBOT)[2])
-
-
-@pytest.mark.parametrize("motor", DRIVEN)
-def test_torque_motors_have_the_same_limits(motor):
-    model = build_model(ROBOT, SimulationOptions(actuation="torque"))
-    data = mujoco.MjData(model)
-    drive = ROBOT.drives["capstan" if "capstan" in motor else "hip_pitch"]
-    half, fast = 0.5 * drive.torque, 0.8 * drive.speed
-    assert torque(model, data, motor, half, 0.0) == pytest.approx(half)
-    assert torque(model, data, motor, -half, fast) == pytest.approx(-half)
-    assert torque(model, data, motor, 3 * drive.torque, 0.0) == pytest.approx(drive.torque)
-    left = drive.stall_ratio * drive.torque * (1 - fast / drive.speed)
-    assert torque(model, data, motor, drive.torque, fast) == pytest.approx(left, rel=1e-9)
-    assert torque(model, data, motor, drive.torque, drive.speed) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_position_and_torque_drives_differ_in_their_input_only(model):
@@ -270,25 +160,6 @@ def test_in_the_nominal_pose_the_legs_touch_nothing(model):
     mujoco.mj_forward(model, standing)
     floor = {frozenset((names.FLOOR, names.foot(side))) for side in names.SIDES}
     assert set(contact_forces(model, standing)) == floor
-
-
-def test_feet_at_the_same_place_push_each_other_apart(model):
-    """Both feet in the middle: straight down from the hips to y = 0, one ankle turned."""
-    inward = {"hip_roll": -float(np.arcsin(0.1 / 0.679))}  # the foot line is 0.679 m below the hip
-    data = posed(model, {**inward, "ankle": 0.3}, inward)
-    feet = [data.geom(names.foot(side)) for side in names.SIDES]
-    np.testing.assert_allclose(feet[0].xpos, feet[1].xpos, atol=0.015)
-    ids = [model.geom(names.foot(side)).id for side in names.SIDES]
-    before = mujoco.mj_geomDistance(model, data, *ids, 1.0, None)
-    assert before == pytest.approx(-0.012, abs=0.0005), "both radii deep"
-    felt = 0.0
-    for _ in range(40):
-        mujoco.mj_step(model, data)
-        felt = max(
-            felt, contact_forces(model, data).get(frozenset(map(names.foot, names.SIDES)), 0)
-        )
-    assert felt > 2.6, "6 mm at a foot that is held with 200 N m / (0.679 m)²"
-    assert mujoco.mj_geomDistance(model, data, *ids, 1.0, None) > -0.003
 
 
 def test_the_friction_of_legs_is_the_feets(model):

@@ -2,7 +2,6 @@
 
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -65,16 +64,6 @@ def test_same_sense_is_the_slide_and_opposite_senses_are_the_foot():
     np.testing.assert_allclose(MOTORS.efforts(motors(2.8, -2.8)), expected, atol=1e-12)
 
 
-def test_hip_motors_are_their_joints_and_upper_feet_have_none():
-    for motor, name in enumerate(names.MOTORS):
-        if name in names.JOINTS:
-            row = np.zeros(names.NUM_JOINTS)
-            row[names.JOINTS.index(name)] = 1.0
-            np.testing.assert_array_equal(MOTORS.matrix[motor], row)
-    assert not MOTORS.matrix[:, PASSIVE].any()
-    assert not MOTORS.inverse[:, PASSIVE].any()
-
-
 def test_motors_do_the_work_of_the_joints():
     rng = np.random.default_rng(0)
     efforts, speeds = rng.standard_normal((2, 30, names.NUM_JOINTS))
@@ -82,17 +71,6 @@ def test_motors_do_the_work_of_the_joints():
     work = (MOTORS.torques(efforts) * MOTORS.angles(speeds)).sum(axis=1)
     np.testing.assert_allclose(work, (efforts * speeds).sum(axis=1), atol=1e-12)
     np.testing.assert_allclose(MOTORS.efforts(MOTORS.torques(efforts)), efforts, atol=1e-12)
-
-
-def test_the_full_force_of_the_slide_leaves_nothing_for_the_ankle():
-    most = 2 * TORQUE / RADIUS
-    assert most == 640.0
-    share, _ = MOTORS.shares(joints(most, 0.0), joints())
-    np.testing.assert_allclose(share[[ONE, TWO]], 1.0)
-    share, _ = MOTORS.shares(joints(most, 0.01), joints())
-    assert share.max() > 1.0
-    half, _ = MOTORS.shares(joints(most / 2, TORQUE / RATIO), joints())
-    np.testing.assert_allclose(half[[ONE, TWO]], [1.0, 0.0], atol=1e-12)
 
 
 def test_the_torque_speed_line_by_hand():
@@ -180,18 +158,6 @@ def test_the_inertia_of_the_joints_is_the_rotors_through_the_transmission():
         np.testing.assert_allclose(added, expected, atol=1e-12)
 
 
-def test_unequal_motors_would_couple_slide_and_ankle():
-    """JᵀIJ has off-diagonal entries as soon as the two rotors differ: the tendons are two."""
-    model = build_model(ROBOT, SimulationOptions())
-    bare = build_model(ROBOT, SimulationOptions())
-    bare.tendon_armature[:] = 0.0
-    model.tendon_armature[0] *= 3.0  # left_capstan_1
-    qpos = random_pose(np.random.default_rng(3))
-    added = full_mass(model, qpos) - full_mass(bare, qpos)
-    assert added[9, 10] == pytest.approx(2 * ROTOR / RADIUS / RATIO, abs=1e-12)
-    assert added[15, 16] == pytest.approx(0.0, abs=1e-12)
-
-
 def test_position_loops_of_the_motors_are_those_of_the_joints():
     """kp (Δs/r ± Δβ/n) through the tendons is 2 kp/r² on the slide, 2 kp/n² on the ankle."""
     model = build_model(ROBOT, SimulationOptions())
@@ -214,23 +180,3 @@ def test_position_loops_of_the_motors_are_those_of_the_joints():
         expected = np.array(stiff) * (target - qpos[7:]) - np.array(damped) * data.qvel[6:]
         np.testing.assert_allclose(data.qfrc_actuator[6:], expected, rtol=1e-9, atol=1e-9)
         assert not data.qfrc_actuator[:6].any()
-
-
-def test_both_inputs_swing_alike():
-    """The position loop on board, and the same loop computed at each step of a torque plant."""
-    options = SimulationOptions(timestep=0.001)
-    position = build_model(ROBOT, options)
-    torque = build_model(ROBOT, replace(options, actuation="torque"))
-    kp = np.array([80.0, 200.0, 200.0, 1.875, 1.875] * 2)
-    kd = np.array([2.5, 5.0, 5.0, 0.047, 0.047] * 2)
-    one, two = in_the_air(position), in_the_air(torque)
-    target = MOTORS.angles(0.05 * np.random.default_rng(5).standard_normal(12))
-    for _ in range(200):
-        one.ctrl[:] = target
-        speed = MOTORS.angles(two.qvel[6:])
-        two.ctrl[:] = kp * (target - MOTORS.angles(two.qpos[7:])) - kd * speed
-        mujoco.mj_step(position, one)
-        mujoco.mj_step(torque, two)
-    moved = np.abs(one.qpos[7:]).max()
-    # The integrator takes the loop's damping implicitly where it is on board.
-    np.testing.assert_allclose(one.qpos[7:], two.qpos[7:], atol=0.005 * moved)

@@ -16,6 +16,7 @@ from slider.config.types import (
     Metres,
     MetresPerSecond,
     NonNegative,
+    Number,
     Odd,
     Positive,
     Radians,
@@ -197,6 +198,8 @@ class FormulationConfig:
     touchdown: Touchdown
     posture: Posture
     contact: ContactLimits
+    bounds: dict[str, Interval[Number]]
+    """of further rows at every node, by their names in ``slider.gait.constraints``, SI units"""
 
 
 @dataclass(frozen=True, config=STRICT)

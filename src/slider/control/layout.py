@@ -13,8 +13,7 @@ from slider.control import REFERENCE
 from slider.control.policy_file import Policy
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
-from slider.library.joint_table import JointTable
-from slider.library.step_times import StepTimes
+from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import (
     ACTUATED,
     CHANNEL_UNITS,

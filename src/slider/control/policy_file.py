@@ -14,8 +14,7 @@ from slider.config.convert import from_dict, to_dict
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
-from slider.library.joint_table import JointTable
-from slider.library.step_times import StepTimes
+from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import JOINTS
 
 FORMAT = "slider-policy"

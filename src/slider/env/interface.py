@@ -16,8 +16,7 @@ from slider.env.starts import joint_range
 from slider.env.state import RobotState
 from slider.env.underlying import NOBODY, Underlying, UnderlyingController
 from slider.env.view import View
-from slider.library.joint_table import JointTable
-from slider.library.step_times import StepTimes
+from slider.library.lookup import JointTable, StepTimes
 from slider.robot.mjcf import nominal_qpos
 from slider.robot.names import (
     JOINTS,

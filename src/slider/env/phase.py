@@ -7,7 +7,7 @@ from slider.core.arrays import NUMPY, Array, beside, namespace, put, rows, zeros
 
 if TYPE_CHECKING:
     from slider.env.underlying import UnderlyingController
-    from slider.library.step_times import StepTimes
+    from slider.library.lookup import StepTimes
 
 
 class Clock:

@@ -1,36 +1,166 @@
 """All constraints of a gait, in the order in which the solver has them.
 
-To add one: an entry in a list below (name, unit, source, rows, bounds, scale; rows that are not
-there yet go to ``slider.gait.motion``), and its bound in ``conf/gait``. The collocation's own
-rows are in ``slider.gait.pieces``.
+To add one: a function of a node that ``bounded`` registers, and its line in ``gait.bounds``. Those
+that every gait has are the lists below. The collocation's own rows are in ``slider.gait.problem``.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
-from slider.gait.constraint import Constraint, at_least, between, equality, within
+from slider.core.errors import UserError
 from slider.gait.formulation import Formulation
-from slider.gait.motion import Node, Touchdown, base_displacement, end_loads, step_vector
-from slider.gait.symbols import StepEnd, mirrored
+from slider.gait.motion import (
+    Node,
+    StepEnd,
+    Touchdown,
+    base_displacement,
+    end_loads,
+    mirrored,
+    step_vector,
+)
 from slider.gait.tree import SWING
 from slider.robot.names import LEG_JOINTS, LEG_MOTORS, SIDES
 
 ROLL_BOUNDS = (0.6, 6.0, 200.0)  # generous: solutions stay inside [rad, rad/s, rad/s²]
 _LENGTH = 0.1  # scale of small lengths [m]
-_BOUNDED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variables
+_RANGED = LEG_JOINTS[2 : len(LEG_MOTORS)]  # yaw and roll are bounded as variables
+
+
+# One for all rows, or (n,), or for rows of a node a function of the phases (S,) that gives (S, n).
+Bound = float | np.ndarray | Callable[[np.ndarray], np.ndarray]
+Rows = ca.SX | list[ca.SX]
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A named group of symbolic rows with bounds, in SI units.
+
+    Attributes:
+        name: under which residuals are reported.
+        unit, source: of the rows; what asks for the bounds: physics, or keys of the configuration.
+        expression: (n,).
+        lower, upper: bounds.
+        scale: what the solver divides by.
+        node_lower: lower bound at the nodes, where it leaves a margin for what happens between.
+    """
+
+    name: str
+    unit: str
+    source: str
+    expression: ca.SX
+    lower: Bound
+    upper: Bound
+    scale: float
+    node_lower: Bound | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return self.expression.numel()
+
+    def bounds(self, phase: np.ndarray, at_nodes: bool = True) -> tuple[np.ndarray, np.ndarray]:
+        """Scaled bounds (S, n) at phases (S,), with the margin of nodes or without."""
+        lower = self.node_lower if at_nodes and self.node_lower is not None else self.lower
+        return self._scaled(lower, phase), self._scaled(self.upper, phase)
+
+    def _scaled(self, bound: Bound, phase: np.ndarray) -> np.ndarray:
+        values = bound(phase) if callable(bound) else bound
+        return np.broadcast_to(values, (len(phase), self.size)) / self.scale
+
+
+def equality(name: str, unit: str, source: str, rows: Rows, scale: float) -> Constraint:
+    """Rows that are zero."""
+    return between(name, unit, source, rows, 0.0, 0.0, scale)
+
+
+def at_least(
+    name: str, unit: str, source: str, rows: Rows, least: float, scale: float = 1.0
+) -> Constraint:
+    """Rows bounded below."""
+    return between(name, unit, source, rows, least, np.inf, scale)
+
+
+def within(name: str, unit: str, source: str, rows: Rows, bound: float | np.ndarray) -> Constraint:
+    """Rows of no more than a magnitude."""
+    return between(name, unit, source, rows, -bound, bound)
+
+
+def between(
+    name: str,
+    unit: str,
+    source: str,
+    rows: Rows,
+    lower: Bound,
+    upper: Bound,
+    scale: float = 1.0,
+    node_lower: Bound | None = None,
+) -> Constraint:
+    """Rows bounded on both sides."""
+    expression = ca.vertcat(*rows) if isinstance(rows, list) else rows
+    return Constraint(name, unit, source, expression, lower, upper, scale, node_lower)
+
+
+def scaled_rows(constraints: Sequence[Constraint]) -> ca.SX:
+    """All rows as the solver has them."""
+    return ca.vertcat(*[c.expression / c.scale for c in constraints])
+
+
+def scaled_bounds(
+    constraints: Sequence[Constraint], phase: np.ndarray, at_nodes: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bounds (S, rows) of all rows at phases (S,); see ``Constraint.bounds``."""
+    lower, upper = zip(*(c.bounds(phase, at_nodes) for c in constraints), strict=True)
+    return np.concatenate(lower, axis=1), np.concatenate(upper, axis=1)
 
 
 def of_node(node: Node) -> list[Constraint]:
-    """What holds at every node of both steps."""
-    return [*_loads(node), *_legs(node), *_torso(node), *_phase(node)]
+    """Constraints at every node of both steps."""
+    return [*_loads(node), *_legs(node), *_torso(node), *_phase(node), *_bounded(node)]
+
+
+NodeRows = Callable[[Node], ca.SX]
+_BOUNDED: dict[str, tuple[str, NodeRows]] = {}
+
+
+def bounded(unit: str) -> Callable[[NodeRows], NodeRows]:
+    """Register rows of a node; ``gait.bounds`` bounds them under the function's name."""
+
+    def register(rows: NodeRows) -> NodeRows:
+        _BOUNDED[rows.__name__] = unit, rows
+        return rows
+
+    return register
+
+
+@bounded("m")
+def base_height(node: Node) -> ca.SX:
+    """Height of the base's origin above the stance foot's line."""
+    return node.base.origin[2]
+
+
+def _bounded(node: Node) -> list[Constraint]:
+    """Rows of ``gait.bounds``.
+
+    Raises:
+        UserError: a name that no function has.
+    """
+    constraints = []
+    for name, bound in node.form.config.bounds.items():
+        if name not in _BOUNDED:
+            raise UserError(f"gait.bounds: expected one of {', '.join(_BOUNDED)}, found {name}")
+        unit, rows = _BOUNDED[name]
+        limits = bound.lower, bound.upper
+        constraints.append(between(name, unit, "gait.bounds", rows(node), *limits))
+    return constraints
 
 
 def _loads(node: Node) -> list[Constraint]:
     """Ground reaction of the stance foot, motors and joints."""
     form = node.form
-    weight, voltage, drives = form.weight, form.config.voltage, form.robot.drives
+    weight, voltage = form.weight, form.config.voltage
     vertical, cone = end_loads(form, node.force, node.moment)
     return [
         # A foot line cannot carry a moment about itself: the roll equation.
@@ -44,8 +174,8 @@ def _loads(node: Node) -> list[Constraint]:
             weight,
         ),
         at_least("friction", "N", "Coulomb, gait.contact.friction", cone, 0.0, weight),
-        within("motor_torque", "-", "robot.drives", node.motors.torque_shares(drives), 1.0),
-        within("motor_voltage", "-", "gait.voltage", node.motors.voltage_shares(drives), voltage),
+        within("motor_torque", "-", "robot.drives", node.torque_shares, 1.0),
+        within("motor_voltage", "-", "gait.voltage", node.voltage_shares, voltage),
         between("position", "rad, m", "robot.joints", _positions(node), *_ranges(form)),
     ]
 
@@ -147,15 +277,15 @@ def of_walk(
     starts: list[StepEnd],
     ends: list[StepEnd],
     times: list[ca.SX],
-    command: ca.SX,
+    velocity: ca.SX,
 ) -> list[Constraint]:
     """Both touchdowns, mean velocity, equal step times [s] and forward step lengths [m].
 
-    ``command`` (3,): vx, vy [m/s], yaw rate [rad/s]. Without equal lengths the cheapest slow walk
+    ``velocity`` (3,): vx, vy [m/s], yaw rate [rad/s]. Without equal lengths the cheapest slow walk
     keeps one foot 0.4 m ahead of the other. Steps of a turning walk are equal along the course at
     touchdown; the strides of the inner and the outer foot then differ.
     """
-    turns = [sign * command[2] * time for sign, time in zip((1, -1), times, strict=True)]
+    turns = [sign * velocity[2] * time for sign, time in zip((1, -1), times, strict=True)]
     if not form.turning:
         turns = [ca.SX(0), ca.SX(0)]
     steps = [step_vector(form, end, turn / 2) for end, turn in zip(ends, turns, strict=True)]
@@ -164,13 +294,13 @@ def of_walk(
         pairs = zip(starts, ends, strict=True)
         travel = [base_displacement(form, start, end) for start, end in pairs]
     mean = [
-        travel[0][0] + travel[1][0] - command[0] * walk,
-        travel[0][1] - travel[1][1] - command[1] * walk,  # the second step is reflected
+        travel[0][0] + travel[1][0] - velocity[0] * walk,
+        travel[0][1] - travel[1][1] - velocity[1] * walk,  # the second step is reflected
     ]
     return [
         *of_touchdown(form, ends[0], starts[1], turns[0]),
         *of_touchdown(form, ends[1], starts[0], turns[1]),
-        equality("mean_velocity", "m", "command", mean, 0.1),
+        equality("mean_velocity", "m", "commanded velocity", mean, 0.1),
         equality("equal_step_times", "s", "symmetry", times[0] - times[1], 1.0),
         equality("equal_step_lengths", "m", "symmetry", steps[0][0] - steps[1][0], 0.1),
     ]
@@ -192,7 +322,7 @@ def _positions(node: Node) -> list[ca.SX]:
 
 
 def _ranges(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    ranges = [form.robot.joints[name] for name in _BOUNDED] * len(SIDES)
+    ranges = [form.robot.joints[name] for name in _RANGED] * len(SIDES)
     return np.array([each.lower for each in ranges]), np.array([each.upper for each in ranges])
 
 

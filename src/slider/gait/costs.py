@@ -1,4 +1,4 @@
-"""What a gait minimises. A cost is a sum over the nodes of both steps."""
+"""Costs of a gait: sums over the nodes of both steps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ class Cost:
     """A cost by its name in ``gait.cost``.
 
     Attributes:
-        node: a node's part of it. The second argument is the node's Simpson weight; the weights
-            of a step sum to one.
+        node: a node's part of the sum, from the node and its Simpson weight; the weights of a step
+            sum to one.
         unit: of the sum.
-        scale: brings the sum near one for the solver.
+        scale: factor that brings the sum near one for the solver.
     """
 
     node: Callable[[Node, ca.SX], ca.SX]
@@ -38,7 +38,9 @@ def _torque(node: Node, weight: ca.SX) -> ca.SX:
 
 def _transport(node: Node, weight: ca.SX) -> ca.SX:
     """Mean absolute mechanical power of the motors over m g: the cost of transport times speed."""
-    absolute = ca.sqrt(node.motors.powers**2 + _SMALL_POWER**2) - _SMALL_POWER
+    absolute = (
+        ca.sqrt((node.motor_torques * node.motor_speeds) ** 2 + _SMALL_POWER**2) - _SMALL_POWER
+    )
     return weight / 2 * ca.sum1(absolute) / node.form.weight
 
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from slider.gait.leg_map import LegMap
+from slider.config.robot import Mechanism
+from slider.gait.leg_map import LEG_JOINTS, LegMap
 from slider.gait.tree import (
     NUM_JOINTS,
     STANCE,
@@ -24,16 +25,16 @@ from slider.gait.tree import (
     prismatic_leg,
     rotation,
 )
-from slider.robot.knee_model import Body, KneeModel
-from slider.robot.names import GRAVITY
-from slider.robot.prismatic_model import PrismaticModel
+from slider.robot import names
+from slider.robot.bodies import Body, knee_bodies, prismatic_bodies
+from slider.robot.transmission import leg_inertia
 
 Motion = tuple[ca.SX, ca.SX, ca.SX]
 
 
 @dataclass(frozen=True)
 class InverseDynamics:
-    """What a motion needs.
+    """Efforts and foot wrench of a motion.
 
     Attributes:
         torques: of the virtual knee's joints (10,) [N m].
@@ -48,19 +49,20 @@ class InverseDynamics:
 
 
 class StanceTree:
-    """The virtual-knee robot standing on its left foot; ``leg_length``: at slide = 0 [m]."""
+    """The virtual-knee robot standing on its left foot."""
 
-    def __init__(self, model: KneeModel, leg_length: float) -> None:
-        self.model = model
-        self.map = LegMap.of(model, leg_length)
-        self.edges = edges_of(model.hip_offset, knee_leg(model))
-        self._sole = np.array([0.0, 0.0, -model.ankle_height])
+    def __init__(self, robot: Mechanism) -> None:
+        geometry = robot.geometry
+        self.map = LegMap.of(robot.virtual_knee, geometry.leg_length)
+        self.bodies = knee_bodies(robot)
+        self.edges = edges_of(geometry.hip_offset, knee_leg(robot.virtual_knee))
+        self.sole = np.array([0.0, 0.0, -geometry.ankle_height])  # in the foot's frame [m]
 
     def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
         """The stance foot; the middle of its line is the world's origin."""
         r = rotation(0, roll)
         angular = ca.vertcat(roll_rate, 0, 0)
-        up = -ca.DM(self._sole)
+        up = -ca.DM(self.sole)
         return BodyPose(r, r @ up, angular, r @ ca.cross(angular, up))
 
     def poses(self, roll: ca.SX, roll_rate: ca.SX, q: ca.SX, v: ca.SX) -> dict[str, BodyPose]:
@@ -81,11 +83,11 @@ class StanceTree:
         self, roll: ca.SX, roll_rate: ca.SX, roll_acceleration: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
     ) -> InverseDynamics:
         """Torques and foot wrench of a motion under gravity."""
-        up = -ca.DM(self._sole)
+        up = -ca.DM(self.sole)
         angular = ca.vertcat(roll_rate, 0, 0)
         turning = ca.vertcat(roll_acceleration, 0, 0)
         linear = ca.cross(turning, up) + ca.cross(angular, ca.cross(angular, up))
-        linear += rotation(0, roll).T @ ca.DM([0, 0, GRAVITY])
+        linear += rotation(0, roll).T @ ca.DM([0, 0, names.GRAVITY])
         return self.newton_euler(angular, turning, linear, q, v, a)
 
     def newton_euler(
@@ -99,51 +101,44 @@ class StanceTree:
             q, v, a: joint positions, velocities, accelerations (10,).
         """
         foot = (angular, turning, linear)
-        torques, force, moment = _pass(self.edges, self.model.bodies, foot, q, v, a)
+        torques, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
         return InverseDynamics(torques, self.map.efforts(q, torques), force, moment)
 
     def line_wrench(self, roll: ca.SX, dynamics: InverseDynamics) -> tuple[ca.SX, ca.SX]:
         """Ground force and moment at the middle of the foot line, world axes."""
         r = rotation(0, roll)
-        moment = dynamics.moment - ca.cross(ca.DM(self._sole), dynamics.force)
+        moment = dynamics.moment - ca.cross(ca.DM(self.sole), dynamics.force)
         return r @ dynamics.force, r @ moment
 
 
 class SlideTree(StanceTree):
-    """The real robot standing on its left foot, in the coordinates of its own joints.
+    """The real robot standing on its left foot, in the coordinates of its own joints."""
 
-    Args:
-        model: lengths of the robot.
-        leg_length: at slide = 0 [m].
-        leg: the prismatic robot's bodies, rotors and friction.
-    """
-
-    def __init__(self, model: KneeModel, leg_length: float, leg: PrismaticModel) -> None:
-        super().__init__(model, leg_length)
-        self.leg = leg
-        self.edges = edges_of(model.hip_offset, prismatic_leg(leg_length))
+    def __init__(self, robot: Mechanism) -> None:
+        super().__init__(robot)
+        self.bodies = prismatic_bodies(robot)
+        geometry = robot.geometry
+        self.edges = edges_of(geometry.hip_offset, prismatic_leg(geometry.leg_length))
+        damping = [robot.joints[name].damping for name in names.LEG_JOINTS[:LEG_JOINTS]]
+        self._inertia = ca.DM(np.kron(np.eye(2), leg_inertia(robot)))
+        self._damping = ca.DM(np.tile(damping, 2))
 
     def newton_euler(
         self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
     ) -> InverseDynamics:
-        """As :meth:`StanceTree.newton_euler`, of the prismatic legs, their rotors and friction."""
+        """As :meth:`StanceTree.newton_euler`, for the prismatic legs, their rotors and friction."""
         foot = (angular, turning, linear)
-        efforts, force, moment = _pass(self.edges, self.leg.bodies, foot, q, v, a)
-        inertia = ca.DM(np.kron(np.eye(2), self.leg.inertia))
-        efforts += inertia @ a + ca.DM(np.tile(self.leg.damping, 2)) * v
+        efforts, force, moment = _pass(self.edges, self.bodies, foot, q, v, a)
+        efforts += self._inertia @ a + self._damping * v
         return InverseDynamics(efforts, efforts, force, moment)
 
 
 class PrismaticTree(StanceTree):
-    """The real robot standing on its left foot, its motion given in the virtual knee's coordinates.
+    """The real robot standing on its left foot, its motion given in the knee's coordinates."""
 
-    Args:
-        model, leg_length, leg: as those of :class:`SlideTree`, in whose coordinates bodies move.
-    """
-
-    def __init__(self, model: KneeModel, leg_length: float, leg: PrismaticModel) -> None:
-        super().__init__(model, leg_length)
-        self._slides = SlideTree(model, leg_length, leg)
+    def __init__(self, robot: Mechanism) -> None:
+        super().__init__(robot)
+        self._slides = SlideTree(robot)
 
     def newton_euler(
         self, angular: ca.SX, turning: ca.SX, linear: ca.SX, q: ca.SX, v: ca.SX, a: ca.SX
@@ -151,8 +146,8 @@ class PrismaticTree(StanceTree):
         """As :meth:`SlideTree.newton_euler`; torques are the virtual knee's."""
         place, rate = self.map.positions(q), self.map.velocities(q, v)
         turn = self.map.accelerations(q, v, a)
-        found = self._slides.newton_euler(angular, turning, linear, place, rate, turn)
-        return replace(found, torques=self.map.knee_torques(q, found.efforts))
+        dynamics = self._slides.newton_euler(angular, turning, linear, place, rate, turn)
+        return replace(dynamics, torques=self.map.knee_torques(q, dynamics.efforts))
 
 
 def _pass(

@@ -7,6 +7,7 @@ and the next foot lands yawed by ω T. In the reflected step ω has the other si
 """
 
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,8 @@ import numpy as np
 from slider.config.gait import FormulationConfig
 from slider.config.robot import Mechanism
 from slider.gait.dynamics import PrismaticTree, StanceTree
-from slider.robot.knee_model import build_knee_model
+from slider.robot.bodies import knee_bodies, total_mass
 from slider.robot.names import GRAVITY
-from slider.robot.prismatic_model import build_prismatic_model
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Formulation:
     Attributes:
         tree: kinematics and dynamics of the robot on its left foot.
         config, robot: settings, and the limits of the robot.
-        turning: whether the commands have a yaw rate; else it is zero in all expressions.
+        turning: whether the velocities have a yaw rate; else it is zero in all expressions.
         hip_rate: least forward velocity of the hip [m/s], where it is the phase.
     """
 
@@ -46,21 +46,16 @@ class Formulation:
         """All that its functions depend on; the hip's least rate is a bound."""
         return [asdict(self.robot), asdict(self.config), self.turning, self.by_hip]
 
-    @property
+    @cached_property
     def weight(self) -> float:
         """m g [N]."""
-        return self.tree.model.mass * GRAVITY
-
-    @property
-    def sole(self) -> np.ndarray:
-        """Middle of the foot line in the foot frame (3,) [m]."""
-        return np.array([0.0, 0.0, -self.tree.model.ankle_height])
+        return total_mass(knee_bodies(self.robot)) * GRAVITY
 
     @property
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Toe and heel in the foot frame (3,) [m]."""
-        model = self.tree.model
-        return self.sole + [model.toe, 0.0, 0.0], self.sole - [model.heel, 0.0, 0.0]
+        geometry, sole = self.robot.geometry, self.tree.sole
+        return sole + [geometry.toe, 0.0, 0.0], sole - [geometry.heel, 0.0, 0.0]
 
 
 def least_hip_rate(config: FormulationConfig, vx: float) -> float:
@@ -72,9 +67,5 @@ def formulate(
     robot: Mechanism, config: FormulationConfig, turning: bool = False, hip_rate: float = -np.inf
 ) -> Formulation:
     """The formulation with the configured dynamics: the prismatic leg's or the virtual knee's."""
-    knee = build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
-    length = robot.geometry.leg_length
-    if config.dynamics == "knee":
-        return Formulation(StanceTree(knee, length), config, robot, turning, hip_rate)
-    tree = PrismaticTree(knee, length, build_prismatic_model(robot))
+    tree = StanceTree(robot) if config.dynamics == "knee" else PrismaticTree(robot)
     return Formulation(tree, config, robot, turning, hip_rate)

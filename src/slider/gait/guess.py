@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.gait.layout import ROLL_STATES, Layout
-from slider.gait.transcription import from_polynomials
+from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 
 LEG = 0.65  # hip-ankle distance that turns speed into leg angle [m]

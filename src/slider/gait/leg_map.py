@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from slider.robot.knee_model import KneeModel
+from slider.config.robot import VirtualKnee
 from slider.robot.names import KNEE_LEG_JOINTS
 
 LEG_JOINTS = len(KNEE_LEG_JOINTS)
@@ -31,9 +31,9 @@ class LegMap:
     nominal: float
 
     @classmethod
-    def of(cls, model: KneeModel, leg_length: float) -> "LegMap":
+    def of(cls, knee: VirtualKnee, leg_length: float) -> "LegMap":
         """The map of a virtual knee."""
-        l1, l2 = model.thigh, model.shank
+        l1, l2 = knee.thigh_length, knee.shank_length
         theta = ca.SX.sym("theta")
         hip = ca.atan2(l2 * ca.sin(theta), l1 + l2 * ca.cos(theta))
         length = ca.sqrt(l1**2 + l2**2 + 2 * l1 * l2 * ca.cos(theta))

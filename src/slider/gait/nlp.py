@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from slider.gait.layout import NODE
 from slider.gait.problem import GaitProblem
+from slider.gait.transcription import NODE
 from slider.robot.names import COMMAND
 
 
 @dataclass(frozen=True)
 class Nlp:
-    """Functions of the variables x and the command p = (vx, vy, yaw rate)."""
+    """Functions of the variables x and the velocity p = (vx, vy, yaw rate)."""
 
     objective_and_rows: ca.Function
     gradient: ca.Function
@@ -21,7 +21,7 @@ class Nlp:
 
 @dataclass(frozen=True)
 class _Symbols:
-    """Variables x, command p, and what the pieces see of them.
+    """Variables x, velocity p, and the arguments of the pieces.
 
     Attributes:
         select, select_ends: constant matrices from x to all nodes and to the ends of the steps.
@@ -96,8 +96,8 @@ def _hessian(problem: GaitProblem, s: _Symbols) -> ca.Function:
     factor, multipliers = ca.MX.sym("f"), ca.MX.sym("lam", split[1] + ends)
     factors = ca.repmat(factor, 1, s.count)
     node_multipliers = ca.reshape(multipliers[: split[0]], per_node, s.count)
-    given = s.nodes, s.weights, s.turns, factors, node_multipliers
-    nodes = problem.node.hessian.map(s.count)(*given)
+    arguments = s.nodes, s.weights, s.turns, factors, node_multipliers
+    nodes = problem.node.hessian.map(s.count)(*arguments)
     hessian = s.select.T @ _diagonal(nodes) @ s.select
     hessian += problem.collocation.hessian(s.x, multipliers[split[0] : split[1]])
     at_ends = problem.ends.hessian(s.ends, s.p, multipliers[split[1] :])

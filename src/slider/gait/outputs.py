@@ -8,17 +8,19 @@ zero set on the gait; they differ in what a change of roll or heading does to it
 
 import numpy as np
 
-from slider.robot.names import LEG_MOTORS, SIDES
+from slider.robot.names import ACTUATED, LEG_MIRROR_SIGN, LEG_MOTORS, SIDES
 
 LEG = len(LEG_MOTORS)  # driven joints of a leg
 NUM_JOINTS = LEG * len(SIDES)
 ROLL, YAW, JOINTS = 0, 1, 2  # places in the coordinates; joints follow
 NUM_COORDINATES = JOINTS + NUM_JOINTS
 STANCE, SWING = JOINTS, JOINTS + LEG  # first joint of each leg in the coordinates
-OUTPUTS = ("absolute", "joints")
 
 _HIP = 3  # yaw, roll and pitch of a hip turn in this order
 _PITCH, ANKLE = 2, 4
+_DRIVEN = np.array(ACTUATED)
+_SIGN = np.array(LEG_MIRROR_SIGN[:LEG] * len(SIDES))
+_SWAP = np.r_[LEG:NUM_JOINTS, 0:LEG]
 
 
 def output_matrix(kind: str) -> np.ndarray:
@@ -41,3 +43,22 @@ def output_matrix(kind: str) -> np.ndarray:
     matrix[LEG : LEG + _HIP] += torso
     matrix[LEG + ANKLE] += matrix[LEG + _PITCH]
     return matrix
+
+
+def stance_first(joints: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Reorder driven joints (n, 10) from left leg first to stance leg first, reflected; and back.
+
+    Args:
+        joints: positions, velocities or torques, left leg first.
+        right: (n,) whether the right foot is the stance foot.
+    """
+    return np.where(right[:, None], _SIGN * joints[:, _SWAP], joints)
+
+
+def stance_selection(right: np.ndarray) -> np.ndarray:
+    """Matrices (n, 10, 12) from all joints (12,) to the driven ones, stance leg first."""
+    rows = np.arange(NUM_JOINTS)
+    selections = np.zeros((2, NUM_JOINTS, len(_SWAP) + 2))
+    selections[0, rows, _DRIVEN] = 1.0
+    selections[1, rows, _DRIVEN[_SWAP]] = _SIGN
+    return selections[right.astype(int)]

@@ -1,6 +1,7 @@
-"""A gait problem: functions, bounds and names, for a solver.
+"""A gait problem: symbolic functions with exact derivatives, bounds and names, for a solver.
 
-Built once (``build``), solved for many velocities (``slider.gait.solve``).
+Built once (``build``), assembled for IPOPT in ``slider.gait.nlp`` and solved for many velocities in
+``slider.gait.solve``.
 """
 
 from dataclasses import dataclass
@@ -11,11 +12,32 @@ import numpy as np
 
 from slider.config.gait import FormulationConfig
 from slider.core.casadi_code import Functions, Source, interpreted
-from slider.gait.constraint import Constraint, scaled_bounds
-from slider.gait.constraints import ROLL_BOUNDS, joint_bounds
+from slider.gait.constraints import (
+    ROLL_BOUNDS,
+    Constraint,
+    joint_bounds,
+    of_node,
+    of_walk,
+    scaled_bounds,
+    scaled_rows,
+)
+from slider.gait.costs import COSTS
 from slider.gait.formulation import Formulation
-from slider.gait.layout import Layout
-from slider.gait.pieces import NodeTerms, Piece, WalkTerms, collocation
+from slider.gait.motion import Node, StepEnd
+from slider.gait.transcription import END, NODE, ROLL_STATES, STEP, Layout
+from slider.gait.tree import NUM_JOINTS
+from slider.robot.names import COMMAND
+
+Bounds = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A symbolic function with first and second derivatives."""
+
+    value: ca.Function
+    jacobian: ca.Function
+    hessian: ca.Function
 
 
 @dataclass(frozen=True)
@@ -27,20 +49,17 @@ class Block:
     rows: np.ndarray
 
 
-Bounds = tuple[np.ndarray, np.ndarray]
-
-
 @dataclass(frozen=True)
 class GaitProblem:
-    """Everything that a solver needs but the command, the step time and its options.
+    """Everything that a solver needs but the velocity, the step time and its options.
 
     Attributes:
-        form: what the gait is.
+        form: the formulation of the gait.
         layout: of the variables.
         node, ends, collocation: functions with derivatives, rows scaled.
         gradient: of a node's cost.
         quantities: of a node, for the stored gait.
-        node_constraints, end_constraints: what the rows of a node and of the step ends are.
+        node_constraints, end_constraints: of the rows of a node and of the step ends.
     """
 
     form: Formulation
@@ -86,15 +105,10 @@ class GaitProblem:
     def blocks(self) -> list[Block]:
         """Where each named constraint is, for residuals by name."""
         node_rows, collocation_rows, _ = self.row_counts
-        total = 2 * self.nodes * node_rows
-        blocks = node_blocks(self.node_constraints, 2 * self.nodes)
-        blocks.append(Block("collocation", 1.0, total + np.arange(collocation_rows)))
-        offset = total + collocation_rows
-        for constraint in self.end_constraints:
-            rows = offset + np.arange(constraint.size)
-            blocks.append(Block(constraint.name, constraint.scale, rows))
-            offset += constraint.size
-        return blocks
+        first = 2 * self.nodes * node_rows
+        collocation = Block("collocation", 1.0, first + np.arange(collocation_rows))
+        ends = blocks_of(self.end_constraints, 1, first + collocation_rows)
+        return [*blocks_of(self.node_constraints, 2 * self.nodes), collocation, *ends]
 
     def variable_bounds(self, duration: tuple[float, float]) -> Bounds:
         """Lower and upper bounds of the variables, the step time within ``duration`` [s].
@@ -113,36 +127,127 @@ class GaitProblem:
         return sides[0], sides[1]
 
 
-def node_blocks(constraints: list[Constraint], count: int) -> list[Block]:
-    """Blocks of rows that repeat for ``count`` nodes."""
-    per_node = sum(constraint.size for constraint in constraints)
-    starts, offset, blocks = np.arange(count) * per_node, 0, []
+def blocks_of(constraints: list[Constraint], count: int, first: int = 0) -> list[Block]:
+    """Blocks of rows that repeat ``count`` times from row ``first`` on."""
+    starts = np.arange(count) * sum(constraint.size for constraint in constraints)
+    blocks = []
     for constraint in constraints:
-        rows = (starts[:, None] + offset + np.arange(constraint.size)).ravel()
+        rows = (starts[:, None] + first + np.arange(constraint.size)).ravel()
         blocks.append(Block(constraint.name, constraint.scale, rows))
-        offset += constraint.size
+        first += constraint.size
     return blocks
 
 
+def excess(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """By how much values are outside of their bounds, element by element."""
+    return np.maximum(np.maximum(lower - values, values - upper), 0.0)
+
+
 def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:
-    """Derive all functions of a formulation, or take those that ``functions`` has of it."""
-    layout, node, walk = Layout.of(form.config), NodeTerms.of(form), WalkTerms.of(form)
+    """Derive all functions of a formulation, or take them from ``functions``.
+
+    ``node``: (x, weight, turn) → cost, rows; ``node_jacobian``: (x, turn) → rows, their Jacobian;
+    ``node_hessian``: (x, weight, turn, factor, multipliers) → symmetric (34, 34), of a node's
+    vector x (34,), its Simpson weight and ``turn`` (2,), see ``Node.of``; ``cost``: (x, weight) →
+    cost, gradient; ``quantities``: x → see ``Node.stored``; ``ends``, ``ends_jacobian`` and
+    ``ends_hessian``: rows of the step ends y (90,) and the velocity (3,); ``collocation`` with its
+    derivatives: Hermite-Simpson defects of all variables.
+    """
+    layout = Layout.of(form.config)
+    x, turn = ca.SX.sym("x", NODE), ca.SX.sym("turn", 2)
+    node = Node.of(form, x, turn)
+    node_constraints = of_node(node)
+    y, velocity = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", len(COMMAND))
+    end_constraints = _of_step_ends(form, y, velocity)
 
     def derive() -> Functions:
-        made = [*node.functions(), *walk.functions(), *collocation(layout)]
-        return {function.name(): function for function in made}
+        parts = [
+            *_node_functions(node, node_constraints, x, turn),
+            *_end_functions(end_constraints, y, velocity),
+            *_collocation(layout),
+        ]
+        return {function.name(): function for function in parts}
 
-    found = functions(form.facts, derive)
+    derived = functions(form.facts, derive)
     pieces = {
-        name: Piece(found[name], found[f"{name}_jacobian"], found[f"{name}_hessian"])
+        name: Piece(derived[name], derived[f"{name}_jacobian"], derived[f"{name}_hessian"])
         for name in ("node", "ends", "collocation")
     }
     return GaitProblem(
         form=form,
         layout=layout,
         **pieces,
-        gradient=found["cost"],
-        quantities=found["quantities"],
-        node_constraints=node.constraints,
-        end_constraints=walk.constraints,
+        gradient=derived["cost"],
+        quantities=derived["quantities"],
+        node_constraints=node_constraints,
+        end_constraints=end_constraints,
     )
+
+
+def _node_functions(
+    node: Node, constraints: list[Constraint], x: ca.SX, turn: ca.SX
+) -> list[ca.Function]:
+    weight, cost = ca.SX.sym("w"), COSTS[node.form.config.cost]
+    rows, cost = scaled_rows(constraints), cost.scale * cost.node(node, weight)
+    multiplier, factor = ca.SX.sym("lam", rows.numel()), ca.SX.sym("f")
+    hessian, _ = ca.hessian(factor * cost + ca.dot(multiplier, rows), x)
+    full = ca.triu2symm(ca.triu(hessian))
+    return [
+        ca.Function("node", [x, weight, turn], [cost, rows]),
+        ca.Function("node_jacobian", [x, turn], [rows, ca.jacobian(rows, x)]),
+        ca.Function("node_hessian", [x, weight, turn, factor, multiplier], [full]),
+        ca.Function("cost", [x, weight], [cost, ca.gradient(cost, x)]),
+        ca.Function("quantities", [x], Node.of(node.form, x, ca.SX(2, 1)).stored()),
+    ]
+
+
+def _end_functions(constraints: list[Constraint], y: ca.SX, velocity: ca.SX) -> list[ca.Function]:
+    rows = scaled_rows(constraints)
+    multiplier = ca.SX.sym("lam", rows.numel())
+    hessian, _ = ca.hessian(ca.dot(multiplier, rows), y)
+    full = ca.triu2symm(ca.triu(hessian))
+    return [
+        ca.Function("ends", [y, velocity], [rows]),
+        ca.Function("ends_jacobian", [y, velocity], [rows, ca.jacobian(rows, y)]),
+        ca.Function("ends_hessian", [y, velocity, multiplier], [full]),
+    ]
+
+
+def _of_step_ends(form: Formulation, y: ca.SX, velocity: ca.SX) -> list[Constraint]:
+    steps = [y[step * STEP : (step + 1) * STEP] for step in range(2)]
+    times = [step[-1] for step in steps]
+    starts = [_step_end(step[:END], step[-1]) for step in steps]
+    ends = [_step_end(step[END : 2 * END], step[-1]) for step in steps]
+    return of_walk(form, starts, ends, times, velocity)
+
+
+def _step_end(part: ca.SX, step_time: ca.SX) -> StepEnd:
+    n = NUM_JOINTS
+    return StepEnd(part[0], part[1], part[2 : 2 + n], part[2 + n :] / step_time)
+
+
+def _collocation(layout: Layout) -> list[ca.Function]:
+    """Hermite-Simpson defects, separated form, of roll, roll rate and collocated joints."""
+    z = ca.SX.sym("z", layout.size)
+    rolls = [row for step in range(2) for row in _roll_defects(layout, z, step)]
+    defects = ca.vertcat(*rolls, ca.mtimes(layout.joint_defects, z))
+    multiplier = ca.SX.sym("lam", defects.numel())
+    hessian, _ = ca.hessian(ca.dot(multiplier, defects), z)
+    return [
+        ca.Function("collocation", [z], [defects]),
+        ca.Function("collocation_jacobian", [z], [defects, ca.jacobian(defects, z)]),
+        ca.Function("collocation_hessian", [z, multiplier], [hessian]),
+    ]
+
+
+def _roll_defects(layout: Layout, z: ca.SX, step: int) -> list[ca.SX]:
+    rows = []
+    interval = z[layout.time_index(step)] / layout.intervals
+    for k in range(0, layout.nodes - 1, 2):
+        first = layout.roll_index(step, k)
+        a, m, b = (z[first + ROLL_STATES * j : first + ROLL_STATES * (j + 1)] for j in range(3))
+        for i in range(2):
+            rows.append(m[i] - (a[i] + b[i]) / 2 - interval / 8 * (a[i + 1] - b[i + 1]))
+            mean = (a[i + 1] + 4 * m[i + 1] + b[i + 1]) / 6
+            rows.append(b[i] - a[i] - interval * mean)
+    return rows

@@ -2,6 +2,12 @@
 
 q = (roll of the foot about its line, ten driven joints, stance leg first), reflected in right
 stance. The ten joint efforts are the inputs, B = (0, I)ᵀ: no moment acts about the line.
+
+Outputs have relative degree two, ÿ = L_f² y + L_g L_f y u with L_g L_f y = H' M⁻¹ B, H' the columns
+of H for roll and joints. Input-output linearisation needs its inverse. Joints as outputs never lose
+it: theirs is a principal block of M⁻¹. Absolute angles can, so that it is theirs that is stored.
+Where the hip is the phase, its forward position p takes the place of the stance ankle, whose effort
+drives the phase: ∇p M⁻¹ B is the row of p̈, the rate of the output of relative degree one.
 """
 
 from functools import cached_property
@@ -11,28 +17,28 @@ import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.gait.dynamics import SlideTree
+from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.tree import NUM_JOINTS, BodyPose
-from slider.robot.knee_model import build_knee_model
-from slider.robot.prismatic_model import build_prismatic_model
+from slider.robot.names import SIDES
+from slider.robot.transmission import by_motor, leg_matrix
 
 NUM = 1 + NUM_JOINTS  # coordinates
+DECOUPLING = "decoupling"  # name of the array and of its residual
 
 
 class RootedRobot:
     """Symbolic functions of q and q̇ (11,), the rotors and the damping of the joints included."""
 
     def __init__(self, robot: Mechanism) -> None:
-        knee = build_knee_model(robot.geometry, robot.links, robot.virtual_knee)
-        self.tree = SlideTree(knee, robot.geometry.leg_length, build_prismatic_model(robot))
-        self.sole = np.array([0.0, 0.0, -knee.ankle_height])
+        self.tree = SlideTree(robot)
         self.q, self.v, self._a = (ca.SX.sym(name, NUM) for name in "qva")
 
     @cached_property
     def _forces(self) -> ca.SX:
         """Generalised forces (11,) of accelerations."""
         q, v, a = self.q, self.v, self._a
-        found = self.tree.inverse_dynamics(q[0], v[0], a[0], q[1:], v[1:], a[1:])
-        return ca.vertcat(self.tree.line_wrench(q[0], found)[1][0], found.efforts)
+        motion = self.tree.inverse_dynamics(q[0], v[0], a[0], q[1:], v[1:], a[1:])
+        return ca.vertcat(self.tree.line_wrench(q[0], motion)[1][0], motion.efforts)
 
     @cached_property
     def mass(self) -> ca.SX:
@@ -50,14 +56,14 @@ class RootedRobot:
         return ca.Function("dynamics", [self.q, self.v], [self.mass, self.bias])
 
     def equation(self, row: int) -> tuple[ca.SX, ca.SX]:
-        """A row of M (11,) and of h, for less than all: that of the roll, 0, has no input."""
+        """One row of M (11,) and of h; that of the roll, 0, has no input."""
         force = self._forces[row]
         return ca.gradient(force, self._a), ca.substitute(force, self._a, ca.SX.zeros(NUM))
 
     @cached_property
     def center_of_mass(self) -> tuple[ca.SX, ca.SX]:
         """Position and velocity (3,) relative to the stance sole [m], [m/s]."""
-        bodies, poses = self.tree.leg.bodies, self.poses(self.q)
+        bodies, poses = self.tree.bodies, self.poses(self.q)
         masses = {name: bodies[name.rsplit("_", 1)[-1]] for name in poses}
         total = sum(body.mass for body in masses.values())
         points = {name: self.tree.point(poses[name], body.com) for name, body in masses.items()}
@@ -70,3 +76,29 @@ class RootedRobot:
     def poses(self, q: ca.SX) -> dict[str, BodyPose]:
         """Poses of all bodies at q (11,) with velocities q̇."""
         return self.tree.poses(q[0], self.v[0], q[1:], self.v[1:])
+
+
+def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndarray:
+    """Least singular value [rad/s², m/s²] and condition number (S, 2) at q (S, 11).
+
+    Inputs are the motors' torques as shares of their limits: the least singular value is the
+    acceleration of the outputs that full torques give in the worst direction.
+    """
+    rooted = RootedRobot(robot)
+    masses = rooted.dynamics.map(len(q))(q.T, np.zeros(q.T.shape))[0].full()
+    mass = masses.reshape(q.shape[1], len(q), q.shape[1]).transpose(1, 0, 2)
+    rows = np.tile(np.delete(output_matrix("absolute"), YAW, axis=1), (len(q), 1, 1))
+    if by_hip:
+        hip = ca.gradient(rooted.poses(rooted.q)["base"].origin[0], rooted.q)
+        rows[:, ANKLE] = ca.Function("hip", [rooted.q], [hip]).map(len(q))(q.T).full().T
+    limits = np.array([drive.torque for drive in by_motor(robot.drives)])
+    motors = np.kron(np.eye(len(SIDES)), leg_matrix(robot.capstan).T * limits)
+    inputs = np.concatenate([np.zeros((1, motors.shape[1])), motors])
+    values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)
+    with np.errstate(divide="ignore"):
+        return np.stack([values[:, -1], values[:, 0] / values[:, -1]], axis=1)
+
+
+def shortfall(values: np.ndarray, least: float) -> float:
+    """By how much the least singular value of a gait (S, 2) misses its bound [rad/s², m/s²]."""
+    return float(max(0.0, least - values[:, 0].min()))

@@ -1,7 +1,7 @@
-"""Solve a gait problem for one command."""
+"""Solve a gait problem for one velocity with IPOPT."""
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import casadi as ca
@@ -11,11 +11,11 @@ from slider.config.gait import SolverConfig, StepTime
 from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.nlp import Nlp, assemble
-from slider.gait.problem import GaitProblem
+from slider.gait.problem import GaitProblem, excess
 from slider.robot.names import COMMAND
 
 GIVEN = "given"  # name of a start that is no guess of the configuration
-RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the command on the way to it
+RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the velocity on the way to it
 # No permutation, scaling by the diagonal, AMD: on these gaits the fastest of MUMPS's choices.
 _MUMPS = {"mumps_permuting_scaling": 0, "mumps_scaling": 1, "mumps_pivot_order": 0}
 _WARM = {
@@ -38,7 +38,7 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Solve:
-    """Outcome of one optimisation; a failure is an outcome too.
+    """Result of one optimisation, failed or not.
 
     Attributes:
         variables: (size,) best point found.
@@ -48,8 +48,8 @@ class Solve:
         cost: in SI units.
         residuals: worst violation by constraint name, in the constraint's own unit.
         wall, cpu: time of all attempts [s].
-        evaluations: time of that attempt in each function [s].
-        attempts: what was tried, in order.
+        evaluations: time of the resulting attempt in each function [s].
+        attempts: all attempts, in order.
     """
 
     variables: np.ndarray
@@ -69,26 +69,6 @@ class Solve:
         return max(self.residuals.values())
 
 
-@dataclass(frozen=True)
-class _Point:
-    """Primal and dual variables."""
-
-    x: np.ndarray
-    lam_x: np.ndarray | None = None
-    lam_g: np.ndarray | None = None
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """Where an attempt ended: at variables (size,), with scaled rows and times [s]."""
-
-    attempt: Attempt
-    success: bool
-    variables: np.ndarray
-    rows: np.ndarray
-    evaluations: dict[str, float]
-
-
 def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
     """Bounds of the step time [s] of a commanded velocity: an interval, or one value."""
     if law.law == "free":
@@ -99,7 +79,7 @@ def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
 
 
 class GaitSolver:
-    """IPOPT on one problem; reusable for several commands."""
+    """IPOPT on one problem; reusable for several velocities."""
 
     def __init__(self, problem: GaitProblem, config: SolverConfig, step_time: StepTime) -> None:
         self.problem = problem
@@ -130,6 +110,7 @@ class GaitSolver:
             "bound_relax_factor": 1e-9,
             "print_level": 0,
             "sb": "yes",
+            "option_file_name": "",  # else an ipopt.opt in the working directory changes the gait
         }
         options = {
             "ipopt": ipopt | changes,
@@ -147,7 +128,7 @@ class GaitSolver:
     def solve(
         self, vx: float, vy: float, yaw_rate: float = 0.0, start: np.ndarray | None = None
     ) -> Solve:
-        """Solve for a command [m/s, rad/s], from the initial guesses in order.
+        """Solve for a velocity [m/s, rad/s], from the initial guesses in order.
 
         The result is the first that converges or, with ``keep: best``, the cheapest that does.
         Variables ``start`` (size,) take the place of the guesses.
@@ -157,91 +138,81 @@ class GaitSolver:
         """
         if yaw_rate and not self.problem.form.turning:
             raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
-        wall, cpu = time.perf_counter(), time.process_time()
-        outcomes: list[Outcome] = []
+        solves: list[Solve] = []
         for guess in self._config.guesses if start is None else [start]:
-            outcomes.append(self.attempt(guess, vx, vy, yaw_rate))
-            if outcomes[-1].success and self._config.keep == "first":
+            solves.append(self.attempt(guess, vx, vy, yaw_rate))
+            if solves[-1].success and self._config.keep == "first":
                 break
-        kept = min(outcomes, key=lambda o: (not o.success, o.attempt.cost if o.success else 0.0))
-        duration = duration_bounds(self._step_time, vx, vy)
-        return Solve(
-            variables=kept.variables,
-            status=kept.attempt.status,
-            success=kept.success,
-            iterations=kept.attempt.iterations,
-            cost=kept.attempt.cost,
-            residuals=self.residuals(kept.rows, kept.variables, duration),
-            wall=time.perf_counter() - wall,
-            cpu=time.process_time() - cpu,
-            evaluations=kept.evaluations,
-            attempts=tuple(outcome.attempt for outcome in outcomes),
+        best = min(solves, key=lambda solve: (not solve.success, solve.success and solve.cost))
+        return replace(
+            best,
+            wall=sum(solve.wall for solve in solves),
+            cpu=sum(solve.cpu for solve in solves),
+            attempts=tuple(attempt for solve in solves for attempt in solve.attempts),
         )
 
     def attempt(
         self, guess: str | np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0
-    ) -> Outcome:
-        """Solve for a command [m/s, rad/s] from one initial guess, by name or as variables."""
+    ) -> Solve:
+        """Solve for a velocity [m/s, rad/s] from one initial guess, by name or as variables."""
+        wall, cpu = time.perf_counter(), time.process_time()
         function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
         cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
-        return Outcome(
-            Attempt(guess if isinstance(guess, str) else GIVEN, status, iterations, cost),
-            bool(stats["success"]),
-            np.array(result["x"]).ravel(),
-            np.array(result["g"]).ravel(),
-            {k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
+        variables, rows = (np.array(result[name]).ravel() for name in ("x", "g"))
+        name = guess if isinstance(guess, str) else GIVEN
+        return Solve(
+            variables=variables,
+            status=status,
+            success=bool(stats["success"]),
+            iterations=iterations,
+            cost=cost,
+            residuals=self.residuals(rows, variables, duration_bounds(self._step_time, vx, vy)),
+            wall=time.perf_counter() - wall,
+            cpu=time.process_time() - cpu,
+            evaluations={k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
+            attempts=(Attempt(name, status, iterations, cost),),
         )
 
     def _solve_from(
-        self, guess: str | np.ndarray, command: np.ndarray
+        self, guess: str | np.ndarray, velocity: np.ndarray
     ) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """One guess: a cold start, or a ``ramp`` of warm starts from walking in place."""
+        """Solve from one guess: a cold start, or a ``ramp`` of warm starts."""
         if isinstance(guess, np.ndarray):
-            return self._cold, self._call(self._cold, _Point(guess), command)
+            return self._cold, self._call(self._cold, velocity, x0=guess)
         if guess == "ramp":
-            return self._ramp(command)
-        duration = duration_bounds(self._step_time, *command[:2])
+            return self._ramp(velocity)
+        duration = duration_bounds(self._step_time, *velocity[:2])
         degree = self.problem.config.degree
-        start = cold_start(self.problem.layout, command[0], degree, duration, STARTS[guess])
-        return self._cold, self._call(self._cold, _Point(start), command)
+        start = cold_start(self.problem.layout, velocity[0], degree, duration, STARTS[guess])
+        return self._cold, self._call(self._cold, velocity, x0=start)
 
-    def _ramp(self, command: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
+    def _ramp(self, velocity: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
         """Walk in place first, then ever faster, each start with primal and dual values."""
         _, result = self._solve_from("cold", np.zeros(len(COMMAND)))
         for share in RAMP:
-            values = (np.array(result[name]).ravel() for name in ("x", "lam_x", "lam_g"))
-            result = self._call(self._warm, _Point(*values), share * command)
+            start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
+            result = self._call(self._warm, share * velocity, **start)
         return self._warm, result
 
-    def _call(self, function: ca.Function, start: _Point, command: np.ndarray) -> dict[str, ca.DM]:
-        duration = duration_bounds(self._step_time, *command[:2])
+    def _call(
+        self, function: ca.Function, velocity: np.ndarray, **start: np.ndarray
+    ) -> dict[str, ca.DM]:
+        duration = duration_bounds(self._step_time, *velocity[:2])
         lower, upper = self.problem.variable_bounds(duration)
         row_lower, row_upper = self.problem.row_bounds
-        duals = {} if start.lam_x is None else {"lam_x0": start.lam_x, "lam_g0": start.lam_g}
-        return function(
-            x0=start.x,
-            p=command,
-            lbx=lower,
-            ubx=upper,
-            lbg=row_lower,
-            ubg=row_upper,
-            **duals,
-        )
+        return function(p=velocity, lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, **start)
 
     def residuals(
         self, rows: np.ndarray, variables: np.ndarray, duration: tuple[float, float]
     ) -> dict[str, float]:
         """Worst violation by constraint name; constraints of both steps count together."""
-        lower, upper = self.problem.row_bounds
-        excess = np.maximum(np.maximum(lower - rows, rows - upper), 0.0)
+        beyond = excess(rows, *self.problem.row_bounds)
         worst: dict[str, float] = {}
         for block in self.problem.blocks:
-            value = float(excess[block.rows].max() * block.scale)
+            value = float(beyond[block.rows].max() * block.scale)
             worst[block.name] = max(worst.get(block.name, 0.0), value)
-        low, high = self.problem.variable_bounds(duration)
-        worst["variables"] = float(
-            np.maximum(np.maximum(low - variables, variables - high), 0.0).max()
-        )
+        limits = self.problem.variable_bounds(duration)
+        worst["variables"] = float(excess(variables, *limits).max())
         return worst

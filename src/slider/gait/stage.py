@@ -1,4 +1,4 @@
-"""The stage ``gait``: one walk for one command."""
+"""The stage ``gait``: one walk for one velocity."""
 
 import json
 from dataclasses import asdict
@@ -14,19 +14,18 @@ from slider.core.casadi_code import Compiled
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
 from slider.gait.costs import COSTS
-from slider.gait.decoupling import NAME as DECOUPLING
-from slider.gait.decoupling import decoupling, shortfall
-from slider.gait.dense import dense_violations
 from slider.gait.formulation import formulate, least_hip_rate
 from slider.gait.problem import GaitProblem, build
+from slider.gait.rooted import DECOUPLING, decoupling, shortfall
 from slider.gait.solution import (
     base_motion,
     coefficients,
+    dense_violations,
     knee_trajectory,
-    rolls,
     samples,
 )
 from slider.gait.solve import GaitSolver, Solve
+from slider.gait.transcription import ROLL_STATES
 from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
 from slider.robot.names import ACTUATED, COMMAND, command_text
 
@@ -36,8 +35,8 @@ WORTH = 50
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait; write its arrays as ``.npy`` and a report with residuals by name."""
-    solver, command = prepare(section, job)
-    solve = solver.solve(*command)
+    solver, velocity = prepare(section, job)
+    solve = solver.solve(*velocity)
     arrays, summary = write_report(section, solver.problem, solve, out, job)
     for name, array in arrays.items():
         np.save(out / f"{name}.npy", array)
@@ -45,33 +44,33 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float, float]]:
-    """Solver of a section, and its command [m/s, m/s, rad/s]."""
+    """Solver of a section, and its velocity [m/s, m/s, rad/s]."""
     config = from_dict(SolveConfig, section["solve"])
-    command = _command(section)
+    velocity = _velocity(section)
     robot = from_dict(Mechanism, section["robot"])
     formulation = from_dict(FormulationConfig, section["formulation"])
-    hip_rate = least_hip_rate(formulation, command[0])
-    form = formulate(robot, formulation, command[2] != 0.0, hip_rate)
+    hip_rate = least_hip_rate(formulation, velocity[0])
+    form = formulate(robot, formulation, velocity[2] != 0.0, hip_rate)
     problem = build(form, Compiled(job, "gaits", WORTH))
-    job.progress(f"gait {command_text(command)}: built")
-    return GaitSolver(problem, config.solver, config.step_time), command
+    job.progress(f"gait {command_text(velocity)}: built")
+    return GaitSolver(problem, config.solver, config.step_time), velocity
 
 
 def write_report(
     section: Section, problem: GaitProblem, solve: Solve, out: Path, job: Job
 ) -> tuple[dict[str, np.ndarray], Summary]:
     """Write the report of a solve and note its times; arrays of the gait, and the summary."""
-    command = _command(section)
+    velocity = _velocity(section)
     job.volatile.update(solve_cpu=solve.cpu, solve_wall=solve.wall, **solve.evaluations)
-    arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], command[2])
+    arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], velocity[2])
     missed = shortfall(arrays[DECOUPLING], section["solve"]["decoupling_min"])
-    report = _report(problem, solve, command, missed)
+    report = _report(problem, solve, velocity, missed)
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
     names = (*COMMAND, "status", "converged", "cost", "max_violation")
     return arrays, {name: report[name] for name in names}
 
 
-def _command(section: Section) -> tuple[float, float, float]:
+def _velocity(section: Section) -> tuple[float, float, float]:
     vx, vy, yaw_rate = (float(value) for value in section["command"])
     return vx, vy, yaw_rate
 
@@ -91,7 +90,7 @@ def gait_arrays(
     first, second = layout.phase * times[0], times[0] + layout.phase * times[1]
     stance = np.zeros((2 * half, 2))
     stance[:half, 0] = stance[half:, 1] = 1.0
-    roll = rolls(problem, variables)
+    roll = layout.node_vectors(variables)[..., :ROLL_STATES].copy()
     return {
         "samples": samples(position, velocity, trajectory),
         "time": np.concatenate([first, second]),
@@ -119,20 +118,20 @@ def _rooted(position: np.ndarray, roll: np.ndarray) -> np.ndarray:
 
 
 def _report(
-    problem: GaitProblem, solve: Solve, command: tuple[float, ...], missed: float
+    problem: GaitProblem, solve: Solve, velocity: tuple[float, ...], missed: float
 ) -> dict[str, Any]:
     forward = knee_trajectory(problem, solve.variables).base_velocity[:, 0]
     return {
-        **dict(zip(COMMAND, command, strict=True)),
+        **dict(zip(COMMAND, velocity, strict=True)),
         "status": solve.status,
         "converged": solve.success,
         "iterations": solve.iterations,
         "attempts": [asdict(attempt) for attempt in solve.attempts],
         "cost": solve.cost,
         "cost_unit": COSTS[problem.config.cost].unit,
-        "hip_share": float(forward.min()) / command[0] if command[0] > 0 else None,
+        "hip_share": float(forward.min()) / velocity[0] if velocity[0] > 0 else None,
         "max_violation": max(solve.max_violation, missed),
         "residuals": solve.residuals | {DECOUPLING: missed},
-        "between_nodes": dense_violations(problem, solve.variables, command[2]),
+        "between_nodes": dense_violations(problem, solve.variables, velocity[2]),
         "coefficient_error": coefficients(problem, solve.variables)[1],
     }

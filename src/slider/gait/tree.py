@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from slider.config.robot import VirtualKnee
 from slider.gait.leg_map import LEG_JOINTS
-from slider.robot.knee_model import KneeModel
 from slider.robot.names import KNEE_JOINTS
 
 NUM_JOINTS = len(KNEE_JOINTS)
@@ -76,13 +76,13 @@ _ZERO = np.zeros(3)
 _HIP: LegChain = [("yaw", 2, 1.0, _ZERO, False), ("roll", 0, 1.0, _ZERO, False)]
 
 
-def knee_leg(model: KneeModel) -> LegChain:
+def knee_leg(knee: VirtualKnee) -> LegChain:
     """The knee bends about −y."""
     return [
         *_HIP,
         ("thigh", 1, 1.0, _ZERO, False),
-        ("shank", 1, -1.0, np.array([0.0, 0.0, -model.thigh]), False),
-        ("foot", 1, 1.0, np.array([0.0, 0.0, -model.shank]), False),
+        ("shank", 1, -1.0, np.array([0.0, 0.0, -knee.thigh_length]), False),
+        ("foot", 1, 1.0, np.array([0.0, 0.0, -knee.shank_length]), False),
     ]
 
 

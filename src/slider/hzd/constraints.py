@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from slider.gait import bezier
-from slider.hzd.outputs import JOINTS, NUM_COORDINATES, NUM_JOINTS, ROLL, SWING
+from slider.gait.outputs import JOINTS, NUM_COORDINATES, ROLL, SWING
 from slider.hzd.polynomials import (
     NodeTable,
     Orders,
@@ -26,6 +26,7 @@ from slider.robot.knee_map import KneeLengths, prismatic_motion
 
 _SLIDE = SWING - JOINTS + 3  # of the swing leg, among the joints
 _LEAST = 0.2  # a correction lasts at least this share of a step
+_NEWTON = 4  # steps from the linear guess of a phase; the table is smooth
 
 
 @dataclass
@@ -85,11 +86,11 @@ class StepConstraints:
         basis = bezier.basis_orders(self.coefficients.shape[2] - 1, phase, 3)
         q, v, a = (np.einsum("nk,njk->nj", each, self.coefficients) for each in basis)
         legs, rolls = prismatic_motion(q, v, a, self.lengths), self.roll.at(phase)
-        found = np.zeros((3, len(phase), NUM_COORDINATES))
+        orders = np.zeros((3, len(phase), NUM_COORDINATES))
         for order in range(3):
-            found[order, :, ROLL] = rolls[order][:, 0]
-            found[order, :, JOINTS:] = legs[order]
-        return found[0], found[1], found[2]
+            orders[order, :, ROLL] = rolls[order][:, 0]
+            orders[order, :, JOINTS:] = legs[order]
+        return orders[0], orders[1], orders[2]
 
     def _correction(self, phase: np.ndarray) -> Orders:
         span = np.maximum(self.correction_end - self.anchor, _LEAST)
@@ -115,4 +116,26 @@ class StepConstraints:
         )
 
 
-assert NUM_JOINTS == NUM_COORDINATES - JOINTS
+def phase_of(hip: NodeTable, position: np.ndarray) -> np.ndarray:
+    """Phases (n,) at which the gaits' hips are at forward positions (n,) [m].
+
+    Before the start and after the end of the step the hip goes almost straight on.
+    """
+    phase = _linear(hip.values[:, :, 0], position)
+    for _ in range(_NEWTON):
+        value, slope, _ = hip.at(phase)
+        phase = phase + (position - value[:, 0]) / slope[:, 0]
+    return phase
+
+
+def phase_rate(hip: NodeTable, phase: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+    """ṡ (n,) [1/s] of hips with forward velocity (n,) [m/s] at phases (n,)."""
+    return velocity / hip.at(phase)[1][:, 0]
+
+
+def _linear(table: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """Piecewise linear inverse (n,) of increasing rows (n, K)."""
+    pieces, rows = table.shape[1] - 1, np.arange(len(table))
+    left = np.clip((table <= position[:, None]).sum(axis=1) - 1, 0, pieces - 1)
+    width = table[rows, left + 1] - table[rows, left]
+    return np.clip((left + (position - table[rows, left]) / width) / pieces, 0.0, 1.0)

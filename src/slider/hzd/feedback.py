@@ -47,19 +47,19 @@ def regulate(walk: ZeroDynamics, gait: int, config: FootPlacementConfig) -> Regu
     (_, phases, r, _), width = swung.shape, len(COORDINATES)
     gains, phase_gains = np.zeros((2, 2, r)), np.zeros((2, phases, 2, width))
     for axis, places in _AXES.items():
-        own = [place for place in places if place < r]
-        if not own:
+        answered = [place for place in places if place < r]
+        if not answered:
             continue
         gain = periodic_lqr(
-            maps[np.ix_(range(2), own, own)],
-            inputs[:, own, axis : axis + 1],
-            np.diag(weights[own]),
+            maps[np.ix_(range(2), answered, answered)],
+            inputs[:, answered, axis : axis + 1],
+            np.diag(weights[answered]),
             np.array([[config.displacement]]),
         )
-        gains[:, axis, own] = gain[:, 0]
-        flow = swung[np.ix_(range(2), range(phases), own, own)]
-        flow = flow - moved[:, :, own, axis, None] @ gain[:, None]
-        phase_gains[:, :, axis, own] = (gain[:, None] @ np.linalg.inv(flow))[:, :, 0]
+        gains[:, axis, answered] = gain[:, 0]
+        flow = swung[np.ix_(range(2), range(phases), answered, answered)]
+        flow = flow - moved[:, :, answered, axis, None] @ gain[:, None]
+        phase_gains[:, :, axis, answered] = (gain[:, None] @ np.linalg.inv(flow))[:, :, 0]
     radius = np.sqrt(np.abs(multipliers(maps - inputs @ gains)[0]))
     if not radius < 1.0:
         expected = "expected foot placement under which the walk's spectral radius is below 1"
@@ -81,11 +81,11 @@ def periodic_lqr(
     period, r, m = b.shape
     shift = np.roll(np.arange(period), 1)
     around = np.kron(np.eye(period)[shift], np.eye(r))
-    whole, inputs = (around @ np.asarray(block_diag(*each)) for each in (a, b))
+    cycle, inputs = (around @ np.asarray(block_diag(*each)) for each in (a, b))
     weight, effort = np.kron(np.eye(period), state_weight), np.kron(np.eye(period), input_weight)
     try:
-        cost = solve_discrete_are(whole, inputs, weight, effort)
+        cost = solve_discrete_are(cycle, inputs, weight, effort)
     except (np.linalg.LinAlgError, ValueError) as error:
         raise UserError(f"expected a walk that foot placement stabilises, found {error}") from None
-    gains = np.linalg.solve(effort + inputs.T @ cost @ inputs, inputs.T @ cost @ whole)
+    gains = np.linalg.solve(effort + inputs.T @ cost @ inputs, inputs.T @ cost @ cycle)
     return np.stack([gains[m * j : m * (j + 1), r * j : r * (j + 1)] for j in range(period)])

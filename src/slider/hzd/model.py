@@ -1,28 +1,28 @@
-"""Numbers of the rooted robot for many states at once: dynamics, measurements, impact.
+"""The rooted robot for many states at once, in numbers: dynamics, measurements, impact.
 
 States are q and q̇ (n, 11) of ``slider.gait.rooted``, in the frame of the stance foot's line: x
 along it, z up, the middle of the sole at the origin, reflected in right stance.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 
 import casadi as ca
 import numpy as np
 
 from slider.config.robot import Mechanism
 from slider.core.casadi_code import Source, interpreted
+from slider.gait.motion import mirrored
+from slider.gait.outputs import ANKLE, LEG, NUM_JOINTS
 from slider.gait.rooted import NUM, RootedRobot
-from slider.gait.symbols import mirrored
-from slider.hzd.batch import Batch
-from slider.hzd.outputs import ANKLE, LEG, NUM_JOINTS
 
 _POLAR, _AXIAL = ca.DM([1.0, -1.0, 1.0]), ca.DM([-1.0, 1.0, -1.0])  # sagittal reflection
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What guard, phase and section see of n states.
+    """Measurements of n states for guard, phase and section.
 
     Attributes:
         hip, hip_rate: forward position and velocity of the base's origin (n,) [m], [m/s].
@@ -59,6 +59,44 @@ class Landed:
         return np.concatenate([self.q, self.v], axis=1)
 
 
+class Batch:
+    """A function of vectors that gives matrices, for n rows of arguments."""
+
+    def __init__(
+        self,
+        arguments: Sequence[ca.SX],
+        results: Sequence[ca.SX],
+        functions: Source = interpreted,
+    ) -> None:
+        self._shapes = [result.shape for result in results]
+        stacked = ca.vertcat(*(ca.vec(ca.densify(result)) for result in results))
+        derived = ca.Function("batch", list(arguments), [ca.cse(stacked)])
+        function = functions(derived.serialize(), lambda: {"batch": derived})["batch"]
+        self._mapped = cache(lambda n: function.map(n).buffer())
+        sizes = np.cumsum([rows * columns for rows, columns in self._shapes])
+        self._ends, self._size = sizes[:-1], int(sizes[-1])
+
+    def __call__(self, *arguments: np.ndarray) -> list[np.ndarray]:
+        """Results (n, rows, columns), a single column as (n, rows), of arguments (n, width)."""
+        n = len(arguments[0])
+        results = np.empty((n, self._size))
+        if n:
+            self._evaluate(arguments, results)
+        parts = np.split(np.asfortranarray(results), self._ends, axis=1)  # by columns: fast to use
+        return [
+            part if columns == 1 else part.reshape(n, columns, rows).transpose(0, 2, 1)
+            for part, (rows, columns) in zip(parts, self._shapes, strict=True)
+        ]
+
+    def _evaluate(self, arguments: Sequence[np.ndarray], results: np.ndarray) -> None:
+        buffer, evaluate = self._mapped(len(results))
+        rows = [np.ascontiguousarray(argument, dtype=float) for argument in arguments]
+        for place, values in enumerate(rows):  # rows in NumPy's order are CasADi's columns
+            buffer.set_arg(place, values.data)  # pyright: ignore[reportCallIssue]
+        buffer.set_res(0, results.data)  # pyright: ignore[reportCallIssue]
+        evaluate()
+
+
 class RootedModel:
     """The rooted robot's functions on batches of states; ``functions`` may have them compiled."""
 
@@ -66,15 +104,10 @@ class RootedModel:
         self.symbols = RootedRobot(robot)
         self._batch = partial(Batch, functions=functions)
 
-    def dynamics(self, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """M (n, 11, 11) and h (n, 11)."""
-        mass, bias = self._dynamics(q, v)
-        return mass, bias
-
     def constrained(
         self, q: np.ndarray, v: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """What coordinates without an output need: roll, stance ankle and hip.
+        """Terms for the coordinates without an output: roll, stance ankle and hip.
 
         Returns:
             The rows of roll and stance ankle of M (n, 2, 11) and of h (n, 2); ∇p (n, 11) of the
@@ -84,7 +117,7 @@ class RootedModel:
         return rows, bias, slope, bend[:, 0]
 
     def measure(self, q: np.ndarray, v: np.ndarray) -> Measured:
-        """What guard, phase and section see."""
+        """Measurements for guard, phase and section."""
         hip, com, com_rate, height = self._measure(q, v)
         return Measured(hip[:, 0], hip[:, 1], com, com_rate, height[:, 0], height[:, 1])
 
@@ -110,11 +143,6 @@ class RootedModel:
         return result
 
     @cached_property
-    def _dynamics(self) -> Batch:
-        s = self.symbols
-        return self._batch([s.q, s.v], [s.mass, s.bias])
-
-    @cached_property
     def _constrained(self) -> Batch:
         s = self.symbols
         hip = s.poses(s.q)["base"].origin[0]
@@ -128,7 +156,7 @@ class RootedModel:
         s = self.symbols
         poses = s.poses(s.q)
         hip = poses["base"]
-        sole = ca.horzcat(*s.tree.point(poses["swing_foot"], s.sole))
+        sole = ca.horzcat(*s.tree.point(poses["swing_foot"], s.tree.sole))
         rows = [ca.vertcat(hip.origin[0], hip.linear[0]), *s.center_of_mass, sole[2, :].T]
         return self._batch([s.q, s.v], rows)
 
@@ -165,5 +193,5 @@ class RootedModel:
         s = self.symbols
         foot = s.poses(s.q)["swing_foot"]
         along = foot.rotation[:, 0]
-        held = ca.vertcat(s.tree.point(foot, s.sole)[0], along[2], along[1])
+        held = ca.vertcat(s.tree.point(foot, s.tree.sole)[0], along[2], along[1])
         return self._batch([s.q], [ca.jacobian(held, s.q)[:, 1 + LEG :]])

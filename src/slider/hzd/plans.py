@@ -7,10 +7,10 @@ from scipy.interpolate import CubicSpline
 
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.errors import UserError
+from slider.gait.outputs import JOINTS, ROLL
 from slider.gait.rooted import NUM
 from slider.hzd.constraints import StepConstraints
 from slider.hzd.model import RootedModel
-from slider.hzd.outputs import JOINTS, ROLL
 from slider.hzd.polynomials import NodeTable
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
@@ -86,8 +86,8 @@ def plans(
     for plan in (first, second):
         for gait in gaits[~plan.clock & (plan.hip_share <= 0.0)]:
             expected = "expected a hip that moves forward at every phase (gait.phase=hip)"
-            command = command_text(library.commands[gait])
-            raise UserError(f"{expected}, found one that turns back in the gait {command}")
+            velocity = command_text(library.commands[gait])
+            raise UserError(f"{expected}, found one that turns back in the gait {velocity}")
     return first, second
 
 

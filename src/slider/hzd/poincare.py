@@ -27,8 +27,8 @@ def differences(
     moves = size * (directions / lengths).transpose(0, 2, 1)
     starts = points[:, None] + np.concatenate([np.zeros((count, 1, d)), moves, -moves], axis=1)
     each = starts.shape[1]
-    found = function(starts.reshape(-1, d), np.repeat(np.arange(count), each))
-    values, ahead, behind = np.split(found.reshape(count, each, -1), [1, 1 + each // 2], axis=1)
+    images = function(starts.reshape(-1, d), np.repeat(np.arange(count), each))
+    values, ahead, behind = np.split(images.reshape(count, each, -1), [1, 1 + each // 2], axis=1)
     return values[:, 0], (ahead - behind).transpose(0, 2, 1) / (2 * size) * lengths
 
 
@@ -39,7 +39,7 @@ def limit_cycles(
     tolerance: float,
     rounds: int = 20,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Points (k, G, d) of the cycles of ``maps`` near ``start`` (G, d), and which were found (G,).
+    """Points (k, G, d) of the cycles of ``maps`` near ``start`` (G, d), and which converged (G,).
 
     Broyden's method on x_0: (I − DP)(x − x_0) = P(x_0) − x_0, DP corrected by what each step meets.
     ``slopes`` (G, d, d) are DP of the whole cycle at the start, in the directions that P leads to.
@@ -55,8 +55,8 @@ def limit_cycles(
         points[:, going] = orbits(maps, points[0, going] + ahead, going)
         left = (points[-1] - points[0])[going] / (ahead**2).sum(axis=1, keepdims=True)
         residual[going] -= left[:, :, None] * ahead[:, None]
-    found = (np.abs(points[-1] - points[0]) <= tolerance).all(axis=1)
-    return points[:-1], np.asarray(found)
+    converged = (np.abs(points[-1] - points[0]) <= tolerance).all(axis=1)
+    return points[:-1], np.asarray(converged)
 
 
 def orbits(maps: Sequence[Map], start: np.ndarray, systems: np.ndarray | None = None) -> np.ndarray:
@@ -78,8 +78,8 @@ def chain(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
 
 def multipliers(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
     """Eigenvalues of a whole cycle (d,), greatest modulus first."""
-    found = np.linalg.eigvals(chain(derivatives))
-    return found[np.argsort(-np.abs(found))]
+    eigenvalues = np.linalg.eigvals(chain(derivatives))
+    return eigenvalues[np.argsort(-np.abs(eigenvalues))]
 
 
 def restrict(now: np.ndarray, onward: np.ndarray) -> np.ndarray:

@@ -44,14 +44,14 @@ def extended(inside: Orders, beyond: np.ndarray) -> Orders:
     continuous, so that a return map has a derivative where steps end at the end of the phase.
     """
     value, slope, curve = inside
-    found = np.empty_like(value), np.empty_like(value), np.empty_like(value)
+    orders = np.empty_like(value), np.empty_like(value), np.empty_like(value)
     for robot in range(value.shape[0]):
         for k in range(value.shape[1]):
             here = value[robot, k], slope[robot, k], curve[robot, k]
-            found[0][robot, k], found[1][robot, k], found[2][robot, k] = _onward(
+            orders[0][robot, k], orders[1][robot, k], orders[2][robot, k] = _onward(
                 here, beyond[robot]
             )
-    return found
+    return orders
 
 
 @part
@@ -100,7 +100,7 @@ def _interpolated(
     values: np.ndarray, slopes: np.ndarray, curvatures: np.ndarray | None, phase: np.ndarray
 ) -> Orders:
     shape, pieces = (values.shape[0], values.shape[2]), values.shape[1] - 1
-    found = np.empty(shape), np.empty(shape), np.empty(shape)
+    orders = np.empty(shape), np.empty(shape), np.empty(shape)
     for robot in range(shape[0]):
         within = min(max(phase[robot], 0.0), 1.0)
         place = within * pieces
@@ -124,7 +124,7 @@ def _interpolated(
             slope = da + u * (dda + u * (3 * c3 + u * (4 * c4 + u * 5 * c5)))
             curve = dda + u * (6 * c3 + u * (12 * c4 + u * 20 * c5))
             inside = value, slope * pieces, curve * pieces**2
-            found[0][robot, k], found[1][robot, k], found[2][robot, k] = _onward(
+            orders[0][robot, k], orders[1][robot, k], orders[2][robot, k] = _onward(
                 inside, phase[robot] - within
             )
-    return found
+    return orders

@@ -1,7 +1,7 @@
-"""The return map of a gait in all of its states, with and without foot placement.
+"""The return map of a gait in all 22 states, with and without foot placement.
 
-Controllers need its zero dynamics alone; these are derived here a second time, from all 22
-columns of the map's derivative.
+For reports, and a check of ``slider.hzd.walk``: controllers need the zero dynamics alone, which are
+derived here a second time, from all columns of the map's derivative.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,6 @@ from slider.hzd.poincare import differences
 from slider.hzd.step import ClosedLoop
 from slider.hzd.walk import (
     STATE,
-    ZeroDynamics,
     by_phase,
     directions,
     middle,
@@ -27,28 +26,17 @@ from slider.hzd.walk import (
 
 
 @dataclass(frozen=True)
-class ReturnMaps:
-    """Return maps of n gaits at their limit cycles.
+class ReturnMap:
+    """Return map of a gait at its limit cycle, and its foot placement; r coordinates.
 
     Attributes:
-        points: x* (2, n, 22) at the sections.
-        derivatives: DP (2, n, 22, 22); ``placements``: ∂P/∂b (2, n, 22, 2).
-        errors: greatest change of these, and of ξ at all phases, with twice the difference (n,).
-        projection: Z (2, n, r, 22): ξ of the state on the zero dynamics with the same future.
-        zero: the zero dynamics.
+        points: x* (2, 22) at the sections.
+        derivatives: DP (2, 22, 22); ``placements``: ∂P/∂b (2, 22, 2).
+        error: greatest change of these, and of ξ at all phases, with twice the difference.
+        projection: Z (2, r, 22): ξ of the state on the zero dynamics with the same future.
+        maps, inputs: A (2, r, r) and B (2, r, 2) of the zero dynamics.
+        regulator: foot placement.
     """
-
-    points: np.ndarray
-    derivatives: np.ndarray
-    placements: np.ndarray
-    errors: np.ndarray
-    projection: np.ndarray
-    zero: ZeroDynamics
-
-
-@dataclass(frozen=True)
-class Walk:
-    """One gait of ``ReturnMaps``, with its regulator."""
 
     points: np.ndarray
     derivatives: np.ndarray
@@ -70,13 +58,17 @@ class Walk:
         return self.derivatives - self.placements @ self.regulator.gains @ self.projection
 
 
-def return_maps(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> ReturnMaps:
-    """Of n gaits with one kind of phase, limit cycles through points (2, n, 22)."""
+def return_maps(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> list[ReturnMap]:
+    """Return maps of n gaits with one kind of phase, limit cycles through points (2, n, 22).
+
+    Raises:
+        UserError: no foot placement stabilises one of them.
+    """
     maps, at = [partial(_observe, loop, plan) for plan in steps], with_moves(points)
     size = loop.config.linearisation.difference
     (values, slopes), (_, coarse) = (
-        (np.stack(part) for part in zip(*found, strict=True))
-        for found in (
+        (np.stack(part) for part in zip(*parts, strict=True))
+        for parts in (
             [differences(each, z, share * size) for each, z in zip(maps, at, strict=True)]
             for share in (1.0, 2.0)
         )
@@ -94,33 +86,23 @@ def return_maps(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray)
         seen @ along,
         np.roll(future, -1, axis=0) @ moved,
     )
-    return ReturnMaps(
-        points,
-        landed[..., :STATE],
-        landed[..., STATE:],
-        np.abs(slopes - coarse).max(axis=(0, 2, 3)),
-        np.linalg.solve(zero.swung[:, :, middle(loop)], future[:, :, :r]),
-        zero,
-    )
+    derivatives, placements = landed[..., :STATE], landed[..., STATE:]
+    errors = np.abs(slopes - coarse).max(axis=(0, 2, 3))
+    projection = np.linalg.solve(zero.swung[:, :, middle(loop)], future[:, :, :r])
+    return [
+        ReturnMap(
+            points[:, gait],
+            derivatives[:, gait],
+            placements[:, gait],
+            float(errors[gait]),
+            projection[:, gait],
+            zero.maps[:, gait],
+            zero.inputs[:, gait],
+            regulate(zero, gait, loop.config.feedback),
+        )
+        for gait in range(points.shape[1])
+    ]
 
 
 def _observe(loop: ClosedLoop, plan: StepPlan, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return observed(loop, loop.step(plan.of(rows), z[:, :STATE], z[:, STATE:]))
-
-
-def walk(loop: ClosedLoop, found: ReturnMaps, gait: int) -> Walk:
-    """One of the gaits with foot placement.
-
-    Raises:
-        UserError: no foot placement stabilises it.
-    """
-    return Walk(
-        found.points[:, gait],
-        found.derivatives[:, gait],
-        found.placements[:, gait],
-        float(found.errors[gait]),
-        found.projection[:, gait],
-        found.zero.maps[:, gait],
-        found.zero.inputs[:, gait],
-        regulate(found.zero, gait, loop.config.feedback),
-    )

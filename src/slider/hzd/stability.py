@@ -1,4 +1,4 @@
-"""Stages of what people read of the gaits' stability; no controller waits for them.
+"""Stages of reports on the gaits' stability; no controller waits for them.
 
 ``return_maps`` has numbers of some gaits, ``stability`` their table. ``basin`` is about one gait.
 """
@@ -14,11 +14,18 @@ from slider.config.convert import from_dict
 from slider.config.hzd import BasinConfig, ImpactGrid, StabilityConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.basin import Placement, axes, portrait, steps_until_return
-from slider.hzd.invariance import Invariance, invariance, perturbed
+from slider.hzd.perturbed import (
+    Invariance,
+    Placement,
+    axes,
+    invariance,
+    perturbed,
+    portrait,
+    steps_until_return,
+)
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.poincare import multipliers
-from slider.hzd.return_map import Walk, return_maps, walk
+from slider.hzd.return_map import ReturnMap, return_maps
 from slider.hzd.stage import POINTS, closed_loop, indices, load_library
 from slider.hzd.step import ClosedLoop
 from slider.hzd.summary import CSV, MARKDOWN, per_step, write_csv, write_markdown
@@ -44,19 +51,21 @@ def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     points = np.load(inputs["gaits"][0] / POINTS).swapaxes(0, 1)
     walks = _walks(loop, steps, points)
     job.progress(f"{len(walks)} of {len(gaits)} return maps")
-    kept = invariance(loop, steps, points, from_dict(ImpactGrid, section["impacts"]))
-    records = [_record(library, gait, steps, k, walks.get(k), kept) for k, gait in enumerate(gaits)]
+    residuals = invariance(loop, steps, points, from_dict(ImpactGrid, section["impacts"]))
+    records = [
+        _record(library, gait, steps, k, walks.get(k), residuals) for k, gait in enumerate(gaits)
+    ]
     (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
     return {"gaits": len(gaits), "limit_cycles": len(walks)}
 
 
-def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> dict[int, Walk]:
+def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> dict[int, ReturnMap]:
     """Of the gaits with limit cycles through ``points`` (2, n, 22)."""
-    walks, known, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
-    for gaits in (np.flatnonzero(known & clock), np.flatnonzero(known & ~clock)):
+    walks, periodic, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
+    for gaits in (np.flatnonzero(periodic & clock), np.flatnonzero(periodic & ~clock)):
         if len(gaits):
-            found = return_maps(loop, [plan.of(gaits) for plan in steps], points[:, gaits])
-            walks |= {gait: walk(loop, found, k) for k, gait in enumerate(gaits.tolist())}
+            maps = return_maps(loop, [plan.of(gaits) for plan in steps], points[:, gaits])
+            walks |= dict(zip(gaits.tolist(), maps, strict=True))
     return walks
 
 
@@ -68,8 +77,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_markdown(out / MARKDOWN, rows)
     job.tracker.log_file(out / CSV)
     radii = [row["closed_spectral_radius"] for row in rows]
-    known = [radius for radius in radii if radius is not None]
-    return {"gaits": len(rows), "stable": sum(radius < 1.0 for radius in known)}
+    return {"gaits": len(rows), "stable": sum(r is not None and r < 1.0 for r in radii)}
 
 
 def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -84,28 +92,28 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     gait = np.array([library.find(*section["command"])])
     loop = closed_loop(library, config, job)
     steps = plans(library, gait, loop.model, config)
-    found = _walk(loop, steps, command_text(section["command"]))
+    cycle = _walk(loop, steps, command_text(section["command"]))
     arrays = {name: np.array(values) for name, values in vars(axes(basin)).items()}
     arrays["command"] = library.commands[gait[0]]
     push = ImpactGrid([0.0], [_PUSH * basin.roll_rate.upper])
-    start = perturbed(loop, found.points[:1], push)[1][0]
-    cases = {"without": None, "with": Placement(found, config.feedback.reach)}
+    start = perturbed(loop, cycle.points[:1], push)[1][0]
+    cases = {"without": None, "with": Placement(cycle, config.feedback.reach)}
     for name, placement in cases.items():
         job.progress(f"basin {name} foot placement")
-        arrays[name] = steps_until_return(loop, steps, found, basin, placement)
-        arrays[f"walk_{name}"] = portrait(loop, steps, found, start, basin.steps, placement)
-    arrays["cycle"] = portrait(loop, steps, found, found.points[0], 2, None)
+        arrays[name] = steps_until_return(loop, steps, cycle, basin, placement)
+        arrays[f"walk_{name}"] = portrait(loop, steps, cycle, start, basin.steps, placement)
+    arrays["cycle"] = portrait(loop, steps, cycle, cycle.points[0], 2, None)
     for name, array in arrays.items():
         np.save(out / f"{name}.npy", array)
     return {name: int((arrays[name] >= 0).sum()) for name in cases}
 
 
-def _walk(loop: ClosedLoop, steps: Sequence[StepPlan], name: str) -> Walk:
-    points, found = find_cycles(loop, steps)
-    if not found[0]:
+def _walk(loop: ClosedLoop, steps: Sequence[StepPlan], name: str) -> ReturnMap:
+    points, converged = find_cycles(loop, steps)
+    if not converged[0]:
         raise UserError(f"gait {name}: expected a limit cycle, found none")
     try:
-        return walk(loop, return_maps(loop, steps, points), 0)
+        return return_maps(loop, steps, points)[0]
     except UserError as error:
         raise UserError(f"gait {name}: {error}") from None
 
@@ -115,8 +123,8 @@ def _record(
     gait: int,
     steps: Sequence[StepPlan],
     place: int,
-    found: Walk | None,
-    kept: Invariance,
+    walk: ReturnMap | None,
+    residuals: Invariance,
 ) -> dict[str, Any]:
     """Values of ``slider.hzd.summary.QUANTITIES``; None where there is no limit cycle."""
     share = [p.hip_share[place] for p in steps]
@@ -129,27 +137,27 @@ def _record(
         "condition": float(values[:, 1].max()),
     }
     measured = {
-        f"invariance_{n}": getattr(kept, n) for n in ("orbit", "impact", "free", "anchored")
+        f"invariance_{n}": getattr(residuals, n) for n in ("orbit", "impact", "free", "anchored")
     }
-    for name, each in (measured | {"settle_angle": kept.settle}).items():
-        record[name] = float(each[place]) if found and np.isfinite(each[place]) else None
-    return record | _stability(found)
+    for name, each in (measured | {"settle_angle": residuals.settle}).items():
+        record[name] = float(each[place]) if walk and np.isfinite(each[place]) else None
+    return record | _stability(walk)
 
 
-def _stability(found: Walk | None) -> dict[str, Any]:
-    if found is None:
+def _stability(walk: ReturnMap | None) -> dict[str, Any]:
+    if walk is None:
         return dict.fromkeys(_OF_WALK)
-    gains = -found.regulator.phase_gains[0, 0]
+    gains = -walk.regulator.phase_gains[0, 0]
     open_, closed = (
-        per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (found.maps, found.closed)
+        per_step(np.linalg.eigvals(maps[1] @ maps[0])) for maps in (walk.maps, walk.closed)
     )
     return {
-        "spectral_radius": per_step(multipliers(found.derivatives))[0],
+        "spectral_radius": per_step(multipliers(walk.derivatives))[0],
         "eigenvalues": open_,
         "closed_eigenvalues": closed,
-        "closed_spectral_radius": per_step(multipliers(found.closed_derivatives))[0],
+        "closed_spectral_radius": per_step(multipliers(walk.closed_derivatives))[0],
         "gain_position": float(gains[1, 0]),
         "gain_lateral": float(gains[1, 1]),
         "gain_forward": float(gains[0, 2]),
-        "difference": found.error,
+        "difference": walk.error,
     }

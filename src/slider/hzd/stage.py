@@ -1,4 +1,4 @@
-"""Stages of foot placement: what controllers take of the gaits' zero dynamics.
+"""Stages of foot placement: tables of the gaits' zero dynamics for controllers.
 
 ``stability_gaits`` linearises some gaits per job, ``foot_placement`` collects their tables.
 """
@@ -59,13 +59,13 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
     by_hip = _placed(loop, steps, np.flatnonzero(~clock), partial(refuse, "the hip"))
     by_time = _placed(loop, timed, np.flatnonzero(slow), partial(refuse, "time"))
-    own = {k: placed for k, placed in by_time.items() if clock[k]} | by_hip
+    cycles = {k: placed for k, placed in by_time.items() if clock[k]} | by_hip
     points = np.full((len(gaits), 2, STATE), np.nan)
-    for k, placed in own.items():
+    for k, placed in cycles.items():
         points[k] = placed.points
     np.save(out / POINTS, points)
     _tables(library, gaits, steps, [by_hip | by_time, by_time | by_hip]).save(out)
-    return {"gaits": len(gaits), "stable": len(own)}
+    return {"gaits": len(gaits), "stable": len(cycles)}
 
 
 def _placed(
@@ -77,12 +77,12 @@ def _placed(
     """Of the gaits (n,) among the steps that have a limit cycle which foot placement stabilises."""
     if not len(gaits):
         return {}
-    own, result = [plan.of(gaits) for plan in steps], {}
-    points, found = find_cycles(loop, own)
-    walks = linearise(loop, own, points)
+    steps, result = [plan.of(gaits) for plan in steps], {}
+    points, converged = find_cycles(loop, steps)
+    walks = linearise(loop, steps, points)
     for k, gait in enumerate(gaits.tolist()):
         try:
-            if not found[k]:
+            if not converged[k]:
                 raise UserError("expected a limit cycle, found none")
             gains = regulate(walks, k, loop.config.feedback).phase_gains
             result[gait] = _Placed(points[:, k], walks.orbit[:, k], gains)
@@ -95,13 +95,13 @@ def collect_placement(section: Section, inputs: Inputs, out: Path, job: Job) -> 
     """Tables of foot placement of all gaits, in the order of the library."""
     library = load_library(inputs)
     parts = [FootPlacement.load(folder) for folder in inputs["gaits"]]
-    whole = {
+    tables = {
         field.name: np.concatenate([getattr(part, field.name) for part in parts])
         for field in fields(FootPlacement)
         if field.name != "phases"
     }
-    order = indices(FootPlacement(phases=PHASES, **whole), library.commands.tolist())
-    ordered = {name: values[order] for name, values in whole.items()}
+    order = indices(FootPlacement(phases=PHASES, **tables), library.commands.tolist())
+    ordered = {name: values[order] for name, values in tables.items()}
     FootPlacement(phases=PHASES, **ordered).save(out)
     return {"gaits": len(order)}
 
@@ -124,10 +124,12 @@ def closed_loop(library: GaitLibrary, config: StabilityConfig, job: Job) -> Clos
     return ClosedLoop(RootedModel(library.robot, Compiled(job, "robot")), config)
 
 
-def indices(gaits: GaitLibrary | FootPlacement, commands: Sequence[Sequence[float]]) -> np.ndarray:
-    """Places of the commands that there are."""
+def indices(
+    gaits: GaitLibrary | FootPlacement, velocities: Sequence[Sequence[float]]
+) -> np.ndarray:
+    """Places of the velocities that there are."""
     places = {tuple(v): k for k, v in enumerate(gaits.commands.tolist())}
-    return np.array([places[tuple(v)] for v in commands if tuple(v) in places], dtype=int)
+    return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)
 
 
 def _tables(
@@ -144,8 +146,8 @@ def _tables(
     gains = np.zeros((len(gaits), len(kinds), *shape[1:], 2, width))
     orbit = np.zeros((*shape, width))
     for kind, placed in enumerate(kinds):
-        for k, found in placed.items():
-            gains[k, kind], orbit[k] = found.gains, found.orbit
+        for k, gait in placed.items():
+            gains[k, kind], orbit[k] = gait.gains, gait.orbit
     gains[:, BY_HIP, ..., COORDINATES.index("com_x")] = 0.0
     return FootPlacement(
         library.commands[gaits],

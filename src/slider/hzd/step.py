@@ -24,11 +24,10 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from slider.config.hzd import StabilityConfig
+from slider.gait.outputs import ANKLE, JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
 from slider.gait.rooted import NUM
-from slider.hzd.constraints import StepConstraints
+from slider.hzd.constraints import StepConstraints, phase_of, phase_rate
 from slider.hzd.model import Landed, Measured, RootedModel
-from slider.hzd.outputs import ANKLE, JOINTS, NUM_COORDINATES, ROLL, YAW, output_matrix
-from slider.hzd.phase import phase_of, phase_rate
 from slider.hzd.plans import StepPlan
 
 PHASES = np.linspace(0.0, 1.0, 21)
@@ -52,8 +51,7 @@ class Flow:
         q, v: at ``PHASES`` (S, n, 11).
         residuals: ‖(y, ẏ)‖∞ just after the last impact, at mid-step and just before the next
             impact (3, n) [rad, m, 1/s]; of the outputs that are driven to zero.
-        before: q and v just before the impacts (n, 11) each.
-        landed: just after them.
+        landed: states just after the impacts.
         phase, time: of the impacts (n,) [-], [s].
         alive: (n,) whether the swing foot came down.
     """
@@ -61,7 +59,6 @@ class Flow:
     q: np.ndarray
     v: np.ndarray
     residuals: np.ndarray
-    before: tuple[np.ndarray, np.ndarray]
     landed: Landed
     phase: np.ndarray
     time: np.ndarray
@@ -93,20 +90,20 @@ class ClosedLoop:
         constraints = plan.constraints(self.config)
         if displacement is not None:
             constraints.displacement = displacement
-        run = _Run(self.model, self.config, plan, constraints)
+        steps = _Steps(self.model, self.config, plan, constraints)
         with np.errstate(invalid="ignore", over="ignore"):
-            return run.flow(np.pad(x, ((0, 0), (0, 1))), anchored)
+            return steps.flow(np.pad(x, ((0, 0), (0, 1))), anchored)
 
     def part(self, plan: StepPlan, x: np.ndarray, place: int) -> tuple[np.ndarray, np.ndarray]:
         """q and v (n, 11) at ``PHASES[place]`` of steps from n states just after an impact."""
-        run = _Run(self.model, self.config, plan, plan.constraints(self.config))
+        steps = _Steps(self.model, self.config, plan, plan.constraints(self.config))
         with np.errstate(invalid="ignore", over="ignore"):
-            z = run.part(np.pad(x, ((0, 0), (0, 1))), place)
+            z = steps.part(np.pad(x, ((0, 0), (0, 1))), place)
         return z[:, :NUM], z[:, NUM:-1]
 
 
 @dataclass(frozen=True)
-class _Run:
+class _Steps:
     """n robots during one step; states z are q, v and the time (n, 23), over the phase."""
 
     model: RootedModel
@@ -131,7 +128,6 @@ class _Run:
             sampled[..., :NUM],
             sampled[..., NUM:-1],
             np.stack([start, middle, self._residual(phase, z)]),
-            (q, v),
             self.model.touch_down(q, v),
             phase,
             z[:, -1],
@@ -178,11 +174,11 @@ class _Run:
         desired, first, second = self.constraints.desired(phase)
         x, x_rate = _coordinates(z)
         error, error_rate = x - desired, x_rate - first * rate[:, None]
-        wanted = second * (rate**2)[:, None] + first * turn[:, None]
-        wanted -= self.config.kp * error + self.config.kd * error_rate
+        driven = second * (rate**2)[:, None] + first * turn[:, None]
+        driven -= self.config.kp * error + self.config.kd * error_rate
         matrix = np.empty((len(z), NUM, NUM))
         right = np.empty((len(z), NUM))
-        matrix[:, :-1], right[:, :-1] = self._columns, wanted @ self._outputs.T
+        matrix[:, :-1], right[:, :-1] = self._columns, driven @ self._outputs.T
         if free and hip.any():
             share = (first @ self._outputs.T)[:, :, None] * slope[:, None]
             share /= hip_slope[:, None, None]
@@ -227,8 +223,8 @@ class _Run:
         width = most * np.where(alive, high / np.where(alive, high - low, 1.0), 0.0)
         for _ in range(_NEWTON):
             z = self._advance(start, before, width)
-            seen = self._measure(z)
-            moved = width - seen.height / seen.height_rate * self._rate(start + width, z)
+            measured = self._measure(z)
+            moved = width - measured.height / measured.height_rate * self._rate(start + width, z)
             width = np.where(alive & (np.abs(moved) <= 2 * most), moved, 0.5 * most)
         return start + width, self._advance(start, before, width), alive
 
@@ -237,9 +233,9 @@ class _Run:
         desired, first, _ = self.constraints.desired(phase)
         x, rate = _coordinates(z)
         errors = [x - desired, rate - first * self._rate(phase, z)[:, None]]
-        found = np.abs(np.stack([error @ self._outputs.T for error in errors]))
-        found[:, ~self.plan.clock | (self.config.ankle == "free"), ANKLE] = 0.0
-        return found.max(axis=(0, 2))
+        residuals = np.abs(np.stack([error @ self._outputs.T for error in errors]))
+        residuals[:, ~self.plan.clock | (self.config.ankle == "free"), ANKLE] = 0.0
+        return residuals.max(axis=(0, 2))
 
     @cached_property
     def _outputs(self) -> np.ndarray:
@@ -253,7 +249,7 @@ class _Run:
 
 def _coordinates(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """x and ẋ (n, 12)."""
-    found = np.zeros((2, len(z), NUM_COORDINATES))
-    for part, values in zip(found, (z[:, :NUM], z[:, NUM:-1]), strict=True):
+    coordinates = np.zeros((2, len(z), NUM_COORDINATES))
+    for part, values in zip(coordinates, (z[:, :NUM], z[:, NUM:-1]), strict=True):
         part[:, ROLL], part[:, JOINTS:] = values[:, 0], values[:, 1:]
-    return found[0], found[1]
+    return coordinates[0], coordinates[1]

@@ -17,9 +17,9 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from slider.config.hzd import StabilityConfig
+from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.model import Measured
-from slider.hzd.outputs import ANKLE, YAW, output_matrix
 from slider.hzd.plans import StepPlan, motion, start
 from slider.hzd.poincare import differences, limit_cycles, orbits, restrict
 from slider.hzd.step import PHASES, ClosedLoop, Flow
@@ -50,7 +50,7 @@ class ZeroDynamics:
 
 
 def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray, np.ndarray]:
-    """Limit cycles of n gaits with one kind of phase: points (2, n, 22), and which there are (n,).
+    """Limit cycles of n gaits with one kind of phase: points (2, n, 22), and which converged (n,).
 
     Where there is none the points are not numbers. What a walk from the collocated gait misses is
     one more direction of the return map, whose image is that of the zero dynamics.
@@ -65,8 +65,8 @@ def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray
     after = np.concatenate([around.maps[0] @ around.maps[1], around.inputs[0]], axis=2)
     inverse = np.linalg.solve(before.mT @ before, before.mT)
     tolerance = loop.config.linearisation.tolerance
-    points, found = limit_cycles(maps, first, image @ after @ inverse, tolerance)
-    return np.where(found[:, None], points, np.nan), found
+    points, converged = limit_cycles(maps, first, image @ after @ inverse, tolerance)
+    return np.where(converged[:, None], points, np.nan), converged
 
 
 def _landed(loop: ClosedLoop, plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -86,11 +86,11 @@ def linearise(
     """
     along = directions(loop, steps, others)
     size = loop.config.linearisation.difference
-    found = [
+    derivatives = [
         differences(partial(_observe, loop, plan, after), with_moves(x), size, each)
         for plan, after, x, each in zip(steps, steps[::-1], points, along, strict=True)
     ]
-    values, slopes = (np.stack(each) for each in zip(*found, strict=True))
+    values, slopes = (np.stack(each) for each in zip(*derivatives, strict=True))
     landed, seen, onward = np.split(slopes, [STATE, slopes.shape[2] - len(COORDINATES)], axis=2)
     orbit = by_phase(values[:, :, STATE : -len(COORDINATES), None])[..., 0]
     return zero_dynamics(loop, along.shape[-1] - others.shape[-1], orbit, landed, seen, onward)

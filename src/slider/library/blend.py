@@ -1,4 +1,4 @@
-"""A gait at any command: blended Bézier coefficients (virtual constraints) of the gaits around it.
+"""A gait at any velocity: blended Bézier coefficients (virtual constraints) of the gaits around it.
 
 Joints come from the blended polynomials, so that velocities are the derivatives of positions and
 positions are as smooth as a gait's own. What has no polynomial (the roll about the foot line, the
@@ -9,6 +9,7 @@ is then exact at their velocities only up to the error of the fit.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from slider.library.mesh import aligned, normalise
 from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
 from slider.robot.names import JOINTS, command_text
+
+_BLENDED = ("step_time", "coefficients", "roll")
+_OUTSIDE = 1e-6  # [m/s]
 
 
 @dataclass(frozen=True)
@@ -70,25 +74,25 @@ class Gait:
 
 
 def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> Gait:
-    """Gait at a command [m/s, rad/s]: trilinear in the commands around it, step times included.
+    """Gait at a velocity [m/s, rad/s]: trilinear in the velocities around it, step times included.
 
-    At a command of the library it is that gait. It is continuous in the command everywhere: at
-    the border (commands outside take the nearest command inside) and at holes and commands
-    that only a part of the grid has (filled as ``slider.library.mesh`` says).
+    At a velocity of the library it is that gait. It is continuous in the velocity everywhere: at
+    the border (velocities outside take the nearest velocity inside) and at holes and velocities
+    that only a part of the grid has (filled as in ``slider.library.mesh``).
 
     Raises:
-        ValueError: the command is not finite.
+        ValueError: the velocity is not finite.
     """
-    command = np.array([vx, vy, yaw_rate])
-    if not np.isfinite(command).all():
-        raise ValueError(f"expected a finite command, found {command_text(command)}")
+    velocity = np.array([vx, vy, yaw_rate])
+    if not np.isfinite(velocity).all():
+        raise ValueError(f"expected a finite velocity, found {command_text(velocity)}")
     mesh, arrays = library.mesh, library.arrays
-    weights = mesh.weights(command[None])[0]
+    weights = mesh.weights(velocity[None])[0]
     blended = {name: np.tensordot(weights, arrays[name], axes=1) for name in _BLENDED}
     base = normalise(np.tensordot(weights, aligned(arrays["base"]), axes=1))
     speeds = np.tensordot(weights, arrays["samples"][..., 2 * len(JOINTS) :], axes=1)
     return Gait(
-        command=mesh.inside(command),
+        command=mesh.inside(velocity),
         weights=weights,
         base=base,
         forward=speeds[:, 0],
@@ -98,4 +102,34 @@ def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> 
     )
 
 
-_BLENDED = ("step_time", "coefficients", "roll")
+class GaitNumbers(NamedTuple):
+    """Numbers of a reference gait, to compare a controller's walk with.
+
+    Attributes:
+        touchdown_rate: of both feet, one per step: 1 / step time [1/s].
+        velocity_variance: over time, of the forward velocity [m²/s²].
+    """
+
+    touchdown_rate: float
+    velocity_variance: float
+
+
+def gait_numbers(library: GaitLibrary, vx: float) -> GaitNumbers | None:
+    """Numbers of the blended gait at (vx, 0) [m/s]; none outside of the library.
+
+    For comparison, not a bound: the gaits are not optimised for an even speed.
+    """
+    axis = library.mesh.vx
+    if not axis[0] - _OUTSIDE <= vx <= axis[-1] + _OUTSIDE:
+        return None
+    gait = blend(library, vx, 0.0)
+    speed = gait.forward.reshape(2, -1)
+    share = gait.step_time / gait.step_time.sum()
+    mean = share @ _mean(speed)
+    variance = float(share @ _mean((speed - mean) ** 2))
+    return GaitNumbers(float(1.0 / gait.step_time.mean()), variance)
+
+
+def _mean(steps: np.ndarray) -> np.ndarray:
+    """Mean over the time of each step (2,), trapezoidal, of samples (2, nodes) even in time."""
+    return np.trapezoid(steps, dx=1.0 / (steps.shape[1] - 1), axis=1)

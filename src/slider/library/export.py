@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from slider.library.reader import GaitLibrary
-from slider.library.schema import ARRAYS, CONSTRAINT, COORDINATES, LABELS
+from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, LABELS, GaitLibrary
 from slider.robot.names import CHANNEL_UNITS, CHANNELS, JOINTS, SIDES
 
 _BASE_UNITS = ("m",) * 3 + ("1",) * 4 + ("m/s",) * 3 + ("rad/s",) * 3
@@ -16,16 +15,6 @@ _WRENCH_UNITS = ("N",) * 3 + ("N m",) * 3
 
 def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     """Write one row per sample; the header names each column with its unit in brackets."""
-    columns = csv_columns(library, gait)
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        for row in zip(*columns.values(), strict=True):
-            writer.writerow(v if isinstance(v, str) else f"{v:.10g}" for v in row)
-
-
-def csv_columns(library: GaitLibrary, gait: int) -> dict[str, list[str] | np.ndarray]:
-    """Columns of the CSV, each with one value per sample."""
     arrays = {name: library.arrays[name][gait] for name in ARRAYS}
     stance = [SIDES[side] for side in arrays["contact"].argmax(axis=1)]
     columns: dict[str, list[str] | np.ndarray] = {"time [s]": arrays["time"], "stance": stance}
@@ -39,7 +28,11 @@ def csv_columns(library: GaitLibrary, gait: int) -> dict[str, list[str] | np.nda
     for array, labels, units in names:
         for column, (label, unit) in enumerate(zip(labels, units, strict=True)):
             columns[f"{label} [{unit}]"] = arrays[array][:, column]
-    return columns
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        for row in zip(*columns.values(), strict=True):
+            writer.writerow(v if isinstance(v, str) else f"{v:.10g}" for v in row)
 
 
 def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:

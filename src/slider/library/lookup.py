@@ -1,24 +1,67 @@
-"""Look gaits up by command and phase, thousands at once."""
+"""Tables over the commanded velocity and the phase, for thousands of robots at once."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from slider.core.arrays import Array, zeros
-from slider.library.joint_table import JointTable, at_phase, standing
-from slider.library.mesh import aligned, corners, normalise
+from slider.core.arrays import Array, constant, namespace, zeros
+from slider.library.mesh import Axes, aligned, corners, normalise
 from slider.library.reader import GaitLibrary
-from slider.library.step_times import StepTimes
 from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
 
 
 @dataclass(frozen=True)
-class GaitTable:
-    """Gaits on all nodes of the mesh of commands, for fast look-up.
+class StepTimes(Axes):
+    """Step time over a grid of velocities.
 
     Attributes:
-        times: mean duration of a step, and the commands of the mesh.
+        step_time: (nx, ny, nw) [s].
+    """
+
+    step_time: Array
+
+    @classmethod
+    def constant(cls, step_time: float) -> "StepTimes":
+        """The same step time [s] at every velocity."""
+        return cls(np.zeros(1), np.zeros(1), np.zeros(1), np.full((1, 1, 1), step_time))
+
+    def at(self, velocity: Array) -> Array:
+        """Trilinear step times (N,) [s] of velocities (N, 3); outside the grid its border's."""
+        result = zeros(len(velocity), velocity)
+        for node, weight in corners(self, velocity):
+            result += weight * self.step_time[node]
+        return result
+
+
+@dataclass(frozen=True)
+class JointTable:
+    """Joint positions on all nodes of the mesh of velocities.
+
+    Attributes:
+        times: step times, and the velocities of the mesh.
+        positions: (nx, ny, nw, S, 12) [rad or m] at S samples per walk, left stance first.
+    """
+
+    times: StepTimes
+    positions: Array
+
+    def at(self, velocity: Array, phase: Array) -> Array:
+        """Joint positions (N, 12) of velocities (N, 3) at phases (N,) in [0, 1)."""
+        return at_phase(self.times, self.positions, velocity, phase)
+
+    @cached_property
+    def standing(self) -> Array:
+        """Joint positions (12,) on both feet at rest: see :func:`standing`."""
+        return standing(self.times, self.positions)
+
+
+@dataclass(frozen=True)
+class GaitTable:
+    """Gaits on all nodes of the mesh of velocities, for fast look-up.
+
+    Attributes:
+        times: mean duration of a step, and the velocities of the mesh.
         reference: (nx, ny, nw, S, 26 + 13) channels and base motion.
     """
 
@@ -27,7 +70,7 @@ class GaitTable:
 
     @classmethod
     def from_library(cls, library: GaitLibrary) -> "GaitTable":
-        """Fill every node of the library's mesh of commands."""
+        """Fill every node of the library's mesh of velocities."""
         mesh = library.mesh
         values = np.concatenate([library.samples, aligned(library.base)], axis=2)
         reference = np.tensordot(mesh.node_weights, values, axes=1)
@@ -39,12 +82,12 @@ class GaitTable:
         """The joint positions alone."""
         return JointTable(self.times, np.ascontiguousarray(self.reference[..., :NUM_JOINTS]))
 
-    def at(self, command: Array, phase: Array) -> Array:
-        """Channels and base motion (N, 39) of commands (N, 3) at phases (N,) in [0, 1).
+    def at(self, velocity: Array, phase: Array) -> Array:
+        """Channels and base motion (N, 39) of velocities (N, 3) at phases (N,) in [0, 1).
 
-        Trilinear in the command, linear in time within a step: the velocities jump at touchdown.
+        Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
         """
-        result = at_phase(self.times, self.reference, command, phase)
+        result = at_phase(self.times, self.reference, velocity, phase)
         normalise(result[:, NUM_CHANNELS:])
         return result
 
@@ -57,13 +100,46 @@ class GaitTable:
         normalise(result[None, NUM_CHANNELS:])
         return result
 
-    def channels(self, command: Array) -> Array:
-        """Channels (N, S, 26) of all samples of the walks at commands (N, 3)."""
+    def channels(self, velocity: Array) -> Array:
+        """Channels (N, S, 26) of all samples of the walks at velocities (N, 3)."""
         samples = self.reference[..., :NUM_CHANNELS]
-        return sum(
-            (
-                weight[:, None, None] * samples[node]
-                for node, weight in corners(self.times, command)
-            ),
-            start=zeros((len(command), *samples.shape[3:]), command),
-        )
+        result = zeros((len(velocity), *samples.shape[3:]), velocity)
+        for node, weight in corners(self.times, velocity):
+            result += weight[:, None, None] * samples[node]
+        return result
+
+
+def standing(times: StepTimes, table: Array) -> Array:
+    """Row (channels,) of a table (nx, ny, nw, S, channels) for standing on both feet.
+
+    The mean of the two changes of feet of the gait in place, which are reflections of each other.
+    """
+    place, phase = zeros((2, 3), table), constant([0.0, 0.5], table)
+    return at_phase(times, table, place, phase).mean(axis=0)
+
+
+def at_phase(times: StepTimes, table: Array, velocity: Array, phase: Array) -> Array:
+    """Rows (N, channels) of a table (nx, ny, nw, S, channels) at velocities (N, 3), phases (N,).
+
+    Trilinear in the velocity, linear in time within a step: the velocities jump at touchdown.
+    """
+    samples, channels = table.shape[3:]
+    k, c = _sample(phase, samples)
+    flat = table.reshape(-1, channels)
+    result = zeros((len(velocity), channels), velocity)
+    _, ny, nw = times.shape
+    for (x, y, yaw_rate), weight in corners(times, velocity):
+        row = ((x * ny + y) * nw + yaw_rate) * samples + k
+        result += (weight * (1 - c))[:, None] * flat[row]
+        result += (weight * c)[:, None] * flat[row + 1]
+    return result
+
+
+def _sample(phase: Array, samples: int) -> tuple[Array, Array]:
+    """Index of the sample before a phase, and the fraction of the way to the next."""
+    per_step = samples // 2
+    xp = namespace(phase)
+    step = xp.astype(phase >= 0.5, xp.int64)
+    position = (2.0 * phase - step) * (per_step - 1)
+    node = xp.astype(position, xp.int64).clip(0, per_step - 2)
+    return step * per_step + node, position - node

@@ -1,9 +1,9 @@
-"""The grid of commands (vx, vy, yaw rate), and the weights of its gaits at any command.
+"""The grid of velocities (vx, vy, yaw rate), and the weights of its gaits at any velocity.
 
-All interpolation between gaits goes through these weights. A command inside the grid is linear
-along each axis between the nodes around it and a command outside takes the border's, so that
+All interpolation between gaits goes through these weights. A velocity inside the grid is linear
+along each axis between the nodes around it and a velocity outside takes the border's, so that
 weights are continuous everywhere; along an axis with one value they are constant. A node with a
-gait is that gait alone. A node without one (a hole, or a command that only another part of the
+gait is that gait alone. A node without one (a hole, or a velocity that only another part of the
 grid has) is filled once, from the gaits before and after it along each axis, the nearer pair
 counting more; where it lies between no two gaits it is the nearest gait, 1 rad/s as far as 1 m/s.
 Attitudes are blended as quaternions, aligned before and made unit after.
@@ -25,7 +25,7 @@ Node = tuple[Array, Array, Array]
 
 @dataclass(frozen=True)
 class Axes:
-    """Increasing commands of a grid: vx (nx,), vy (ny,) [m/s] and yaw rate (nw,) [rad/s]."""
+    """Increasing velocities of a grid: vx (nx,), vy (ny,) [m/s] and yaw rate (nw,) [rad/s]."""
 
     vx: Array
     vy: Array
@@ -40,11 +40,11 @@ class Axes:
         """Number of values of each axis."""
         return tuple(len(axis) for axis in self)
 
-    def inside(self, command: Array) -> Array:
-        """Nearest commands (..., 3) that the grid has."""
-        xp = namespace(command)
+    def inside(self, velocity: Array) -> Array:
+        """Nearest velocities (..., 3) that the grid has."""
+        xp = namespace(velocity)
         lower, upper = (xp.stack([axis[end] for axis in self]) for end in (0, -1))
-        return command.clip(lower, upper)
+        return velocity.clip(lower, upper)
 
 
 @dataclass(frozen=True)
@@ -58,23 +58,23 @@ class CommandMesh(Axes):
     node_weights: np.ndarray
 
     @classmethod
-    def of(cls, commands: np.ndarray) -> "CommandMesh":
-        """Mesh of gaits with commands (G, 3)."""
+    def of(cls, velocities: np.ndarray) -> "CommandMesh":
+        """Mesh of gaits with velocities (G, 3)."""
         values, places = zip(
-            *(np.unique(column, return_inverse=True) for column in commands.T), strict=True
+            *(np.unique(column, return_inverse=True) for column in velocities.T), strict=True
         )
         gait = np.full([len(axis) for axis in values], -1)
-        gait[places] = np.arange(len(commands))
-        weights = np.zeros((*gait.shape, len(commands)))
+        gait[places] = np.arange(len(velocities))
+        weights = np.zeros((*gait.shape, len(velocities)))
         for node in np.ndindex(gait.shape):
-            weights[node] = _node(commands, gait, values, node)
+            weights[node] = _node(velocities, gait, values, node)
         vx, vy, yaw_rate = values
         return cls(vx, vy, yaw_rate, weights)
 
-    def weights(self, command: np.ndarray) -> np.ndarray:
-        """Weights (N, G) of the gaits at commands (N, 3)."""
+    def weights(self, velocity: np.ndarray) -> np.ndarray:
+        """Weights (N, G) of the gaits at velocities (N, 3)."""
         result = 0.0
-        for node, weight in corners(self, command):
+        for node, weight in corners(self, velocity):
             result = result + weight[:, None] * self.node_weights[node]
         return np.asarray(result)
 
@@ -92,9 +92,9 @@ def cell(axis: Array, value: Array) -> tuple[Array, Array]:
     return index, position - index
 
 
-def corners(axes: Axes, command: Array) -> list[tuple[Node, Array]]:
-    """The nodes around commands (N, 3), up to eight: their indices and trilinear weights (N,)."""
-    sides = [_sides(axis, value) for axis, value in zip(axes, command.T, strict=True)]
+def corners(axes: Axes, velocity: Array) -> list[tuple[Node, Array]]:
+    """The nodes around velocities (N, 3), up to eight: their indices and trilinear weights (N,)."""
+    sides = [_sides(axis, value) for axis, value in zip(axes, velocity.T, strict=True)]
     return [((i, j, k), wx * wy * wz) for (i, wx), (j, wy), (k, wz) in product(*sides)]
 
 
@@ -107,10 +107,10 @@ def _sides(axis: Array, value: Array) -> list[tuple[Array, Array]]:
 
 
 def _node(
-    commands: np.ndarray, gait: np.ndarray, axes: Sequence[np.ndarray], node: tuple[int, ...]
+    velocities: np.ndarray, gait: np.ndarray, axes: Sequence[np.ndarray], node: tuple[int, ...]
 ) -> np.ndarray:
     """Weights (G,) of one node."""
-    weights = np.zeros(len(commands))
+    weights = np.zeros(len(velocities))
     if gait[node] >= 0:
         weights[gait[node]] = 1.0
         return weights
@@ -123,13 +123,13 @@ def _node(
             weights[second] += fraction / span
     if not weights.any():
         place = [axis[k] for axis, k in zip(axes, node, strict=True)]
-        weights[distances(commands, place).argmin()] = 1.0
+        weights[distances(velocities, place).argmin()] = 1.0
     return weights / weights.sum()
 
 
-def distances(commands: np.ndarray, place: Sequence[float] | np.ndarray) -> np.ndarray:
-    """Distances (G,) of commands (G, 3) from one (3,); 1 rad/s counts as 1 m/s."""
-    away = commands - np.asarray(place)
+def distances(velocities: np.ndarray, place: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Distances (G,) of velocities (G, 3) from one (3,); 1 rad/s counts as 1 m/s."""
+    away = velocities - np.asarray(place)
     return np.hypot(np.hypot(away[:, 0], away[:, 1]), away[:, 2])
 
 

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slider.library import loads
+from slider.library import measures
 from slider.library.reader import GaitLibrary, Hole
-from slider.library.smoothness import smoothness
-from slider.robot.names import CHANNELS, command_text
+from slider.robot.names import CHANNELS, MOTORS, command_text
+from slider.robot.transmission import Transmission
 
 _WORST = 5  # constraints that are shown by name
 
@@ -23,14 +23,21 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
         f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
         f"  step length  {lengths[0]:.3f} m, {lengths[1]:.3f} m forward",
         f"  cost         {arrays['cost'][gait]:.6g} {library.cost_unit}",
-        f"  clearance    {100 * loads.clearance(library, gait):.1f} cm at mid-step "
+        f"  clearance    {100 * measures.clearance(library, gait):.1f} cm at mid-step "
         "(lower end of the swing foot)",
         "  peaks",
     ]
-    for peak in loads.peaks(library, gait):
-        share = f"{100 * peak.share:.0f} %"
-        values = f"{peak.value:8.2f} of {peak.limit:g} {peak.unit}"
-        lines.append(f"    {peak.quantity:<12}{values:<26}{share:>6}  {peak.motor}")
+    torque, voltage = (shares[gait] for shares in measures.motor_shares(library))
+    limits = Transmission.of(library.robot).torque
+    for quantity, shares, most, unit in (
+        ("torque", torque, limits, "N m"),
+        ("voltage", voltage, np.ones_like(voltage), "of the bus"),
+    ):
+        motor = int(shares.argmax())
+        peak = f"{shares[motor] * most[motor]:8.2f} of {most[motor]:g} {unit}"
+        lines.append(
+            f"    {quantity:<12}{peak:<26}{f'{100 * shares[motor]:.0f} %':>6}  {MOTORS[motor]}"
+        )
     return [*lines, "  worst residuals [SI unit of the constraint]", *_residuals(library, gait)]
 
 
@@ -59,9 +66,9 @@ def _residuals(library: GaitLibrary, gait: int) -> list[str]:
 
 def _grid(library: GaitLibrary) -> list[str]:
     mesh = library.mesh
-    asked = len(library) + len(library.holes)
+    total = len(library) + len(library.holes)
     return [
-        f"gait library: {len(library)} of {asked} gaits converged",
+        f"gait library: {len(library)} of {total} gaits converged",
         f"  vx {_axis(mesh.vx)} m/s",
         f"  vy {_axis(mesh.vy)} m/s",
         *([f"  yaw rate {_axis(mesh.yaw_rate)} rad/s"] if mesh.yaw_rate.any() else []),
@@ -99,10 +106,10 @@ def _ranges(library: GaitLibrary) -> list[str]:
         ("step time", arrays["step_time"], "s"),
         ("cost", arrays["cost"], library.cost_unit),
         ("iterations", arrays["iterations"], ""),
-        ("motor torque", 100 * loads.torque_share(library), "% of limit"),
-        ("motor voltage", 100 * loads.voltage_share(library), "% of the bus"),
-        ("slide speed", loads.slide_speed(library), "m/s"),
-        ("clearance", [100 * loads.clearance(library, i) for i in range(len(library))], "cm"),
+        ("motor torque", 100 * measures.torque_share(library), "% of limit"),
+        ("motor voltage", 100 * measures.voltage_share(library), "% of the bus"),
+        ("slide speed", measures.slide_speed(library), "m/s"),
+        ("clearance", [100 * measures.clearance(library, i) for i in range(len(library))], "cm"),
     ]
     header = f"  {'':<18}{'least':>10}{'median':>10}{'greatest':>10}"
     return [header, *(f"  {name:<18}{_spread(values)}  {unit}" for name, values, unit in rows)]
@@ -115,12 +122,12 @@ def _spread(values: Sequence[float] | np.ndarray) -> str:
 def _worst_residual(library: GaitLibrary) -> str:
     residuals = library.arrays["residuals"]
     gait, constraint = np.unravel_index(residuals.argmax(), residuals.shape)
-    name, command = library.constraints[constraint], command_text(library.commands[gait])
-    return f"  worst residual: {name} {residuals.max():.1e} at {command}"
+    name, velocity = library.constraints[constraint], command_text(library.commands[gait])
+    return f"  worst residual: {name} {residuals.max():.1e} at {velocity}"
 
 
 def _smoothness(library: GaitLibrary) -> str:
-    measured = smoothness(library.commands, library.arrays["samples"])
+    measured = measures.smoothness(library.commands, library.arrays["samples"])
     if not len(measured.pairs):
         return "  smoothness: no neighbouring gaits"
     first, second, channel = measured.worst

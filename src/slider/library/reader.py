@@ -1,10 +1,13 @@
-"""The gait library as everything reads it: arrays by name, holes, and what it was made for."""
+"""The gait library: layout of its Zarr store, and reading it.
+
+The layout is documented in ``docs/reference/gait-library.md``.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import zarr
@@ -14,26 +17,89 @@ from slider.config.convert import from_dict
 from slider.config.robot import Mechanism
 from slider.core.errors import UserError
 from slider.library.mesh import CommandMesh, distances
-from slider.library.schema import (
-    ARRAYS,
-    CONSTRAINT,
-    COORDINATES,
-    ORIGIN,
-    OUTCOME,
-    SCHEMA,
-    VERSION,
-)
-from slider.robot.names import command_text
+from slider.robot.names import CHANNELS, COMMAND, JOINTS, KNEE_JOINTS, SIDES, command_text
 
 STORE = "library.zarr"
+SCHEMA = "slider-gait-library"
+VERSION = 3
+
+
+class Array(NamedTuple):
+    """An array of the store.
+
+    Attributes:
+        unit: of its values.
+        axes: after the first one, which is the gait.
+    """
+
+    unit: str
+    axes: tuple[str, ...] = ()
+
+
+ARRAYS: dict[str, Array] = {
+    "commands": Array("m/s, m/s, rad/s", ("component",)),
+    "samples": Array("see channel_units", ("sample", "channel")),
+    "time": Array("s", ("sample",)),
+    "step_time": Array("s", ("step",)),
+    "base": Array("m, quaternion w x y z, m/s (world), rad/s (base)", ("sample", "base_channel")),
+    "contact": Array("1: stance", ("sample", "foot")),
+    "coefficients": Array("rad", ("step", "knee_joint", "coefficient")),
+    "roll": Array("rad, rad/s, rad/s^2", ("step", "node", "roll_channel")),
+    "decoupling": Array("rad/s^2 | m/s^2, 1", ("sample", "decoupling_channel")),
+    "knee_positions": Array("rad", ("sample", "knee_joint")),
+    "knee_velocities": Array("rad/s", ("sample", "knee_joint")),
+    "knee_torques": Array("N m", ("sample", "knee_joint")),
+    "efforts": Array("N m, N (slide)", ("sample", "joint")),
+    "ground_wrench": Array("N, N m at the foot line, world axes", ("sample", "wrench_component")),
+    "swing_foot": Array("m relative to the stance foot", ("sample", "coordinate")),
+    "cost": Array("see cost_unit"),
+    "max_violation": Array("SI unit of the worst constraint"),
+    "iterations": Array("1"),
+    "residuals": Array("unit of the constraint", ("constraint",)),
+}
+# One value per gait, beside its place in the arrays; xarray takes them for coordinates.
+COORDINATES: dict[str, Array] = {
+    "vx": Array("m/s"),
+    "vy": Array("m/s"),
+    "yaw_rate": Array("rad/s"),
+    "status": Array("IPOPT's return status"),
+}
+
+# Names along the axes: one-dimensional arrays of text, which xarray takes for coordinates.
+# The names of the constraints are the formulation's and come with the gaits.
+CONSTRAINT = "constraint"
+LABELS: dict[str, tuple[str, ...]] = {
+    "component": COMMAND,
+    "channel": CHANNELS,
+    "joint": JOINTS,
+    "knee_joint": KNEE_JOINTS,
+    "step": SIDES,  # by its stance foot
+    "foot": SIDES,
+    "base_channel": (
+        *("x", "y", "z"),
+        *("qw", "qx", "qy", "qz"),
+        *("vx", "vy", "vz"),
+        *("wx", "wy", "wz"),
+    ),
+    "wrench_component": ("fx", "fy", "fz", "mx", "my", "mz"),
+    "coordinate": ("x", "y", "z"),
+    "decoupling_channel": ("least_singular_value", "condition_number"),
+    "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
+}
+
+# Attributes from the configuration: what the gaits were made for and with (``gait.*``), ...
+ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")
+# ... and from the optimisation: the velocities without a gait, the unit of the cost.
+OUTCOME = ("holes", "cost_unit")
+
 _NAMES = (*ARRAYS, *COORDINATES, CONSTRAINT)
-_ANEW = "make it anew with `snakemake -j2 gait_library`"
-_SAME = 1e-6  # commands closer than this are one [m/s, rad/s]
+_REMAKE = "make it again with `snakemake -j2 gait_library`"
+_SAME = 1e-6  # velocities closer than this are equal [m/s, rad/s]
 
 
 @dataclass(frozen=True)
 class Hole:
-    """A command without a gait; ``residuals`` are the violated constraints, worst first."""
+    """A velocity without a gait; ``residuals`` are the violated constraints, worst first."""
 
     vx: float
     vy: float
@@ -59,8 +125,8 @@ class GaitLibrary:
     """A gait library of G gaits with S samples per walk.
 
     Attributes:
-        arrays: name → values, gaits along the first axis, each read when it is first asked for;
-            names, axes and units are those of ``slider.library.schema``.
+        arrays: name → values, gaits along the first axis, each read on first use; names, axes and
+            units are those of ``ARRAYS``.
         attributes: of the store, as JSON has them; the properties below give them their types.
     """
 
@@ -83,15 +149,12 @@ class GaitLibrary:
         if schema != SCHEMA:
             raise UserError(f"expected a gait library at {path}, found the schema {schema}")
         if version != VERSION:
-            raise UserError(
-                f"{path}: expected version {VERSION} of the gait library, found {version}; {_ANEW}"
-            )
-        there = {*group.array_keys(), *attributes}
+            expected = f"expected version {VERSION} of the gait library, found {version}"
+            raise UserError(f"{path}: {expected}; {_REMAKE}")
         for name in (*_NAMES, *ORIGIN, *OUTCOME):
-            if name not in there:
-                raise UserError(
-                    f"{path}: expected {name!r} in the gait library, found none; {_ANEW}"
-                )
+            if name not in attributes and name not in group:
+                expected = f"expected {name!r} in the gait library, found none"
+                raise UserError(f"{path}: {expected}; {_REMAKE}")
         return cls(_Stored(group), attributes)
 
     def __len__(self) -> int:
@@ -139,12 +202,12 @@ class GaitLibrary:
 
     @cached_property
     def robot(self) -> Mechanism:
-        """What the gaits were made for: lengths, masses, limits."""
+        """Robot of the gaits: lengths, masses, limits."""
         return from_dict(Mechanism, self.attributes["robot"])
 
     @property
     def dynamics(self) -> str:
-        """Whose bodies the gaits move: those of the ``prismatic`` leg, or of the ``knee``'s."""
+        """Dynamics of the gaits: of the ``prismatic`` leg or of the virtual ``knee``."""
         return self.attributes["dynamics"]
 
     @property
@@ -159,7 +222,7 @@ class GaitLibrary:
 
     @cached_property
     def mesh(self) -> CommandMesh:
-        """Weights of the gaits at any command."""
+        """Weights of the gaits at any velocity."""
         return CommandMesh.of(self.commands)
 
     @cached_property
@@ -169,37 +232,37 @@ class GaitLibrary:
         if len(rates) == 1:
             return self
         rate = rates[np.abs(rates).argmin()]
-        kept = self.commands[:, 2] == rate
-        arrays = {name: self.arrays[name][kept] for name in (*ARRAYS, *COORDINATES)}
+        gaits = self.commands[:, 2] == rate
+        arrays = {name: self.arrays[name][gaits] for name in (*ARRAYS, *COORDINATES)}
         holes = [hole for hole in self.attributes["holes"] if hole["yaw_rate"] == rate]
         arrays[CONSTRAINT] = self.arrays[CONSTRAINT]
         return GaitLibrary(arrays, {**self.attributes, "holes": holes})
 
-    def nearest(self, command: np.ndarray) -> np.ndarray:
-        """Index (N,) of the gait nearest to each command (N, 3); 1 rad/s counts as 1 m/s."""
-        return np.asarray(self._tree.query(command)[1])
+    def nearest(self, velocity: np.ndarray) -> np.ndarray:
+        """Index (N,) of the gait nearest to each velocity (N, 3); 1 rad/s counts as 1 m/s."""
+        return np.asarray(self._tree.query(velocity)[1])
 
     @cached_property
     def _tree(self) -> KDTree:
         return KDTree(self.commands)
 
     def find(self, vx: float, vy: float, yaw_rate: float = 0.0) -> int:
-        """Index of the gait of a command [m/s, rad/s].
+        """Index of the gait of a velocity [m/s, rad/s].
 
         Raises:
-            UserError: names the nearest command, or what was violated if it is a hole.
+            UserError: names the nearest velocity, or what was violated if it is a hole.
         """
-        command = (vx, vy, yaw_rate)
-        distance, text = distances(self.commands, command), command_text(command)
+        velocity = (vx, vy, yaw_rate)
+        distance, text = distances(self.commands, velocity), command_text(velocity)
         index = int(distance.argmin())
         if distance[index] <= _SAME:
             return index
         nearest = f"the nearest gait is at {command_text(self.commands[index])}"
         for hole in self.holes:
-            if distances(np.array([hole.command]), command)[0] <= _SAME:
+            if distances(np.array([hole.command]), velocity)[0] <= _SAME:
                 why = f"{hole.status}, {hole.violations}"
                 raise UserError(f"the gait {text} did not converge: {why}; {nearest}")
-        raise UserError(f"expected a command of the library, found {text}; {nearest}")
+        raise UserError(f"expected a velocity of the library, found {text}; {nearest}")
 
 
 class _Stored(Mapping[str, np.ndarray]):
@@ -212,7 +275,7 @@ class _Stored(Mapping[str, np.ndarray]):
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._read:
             array: Any = self._group[name]
-            self._read[name] = np.asarray(array[...])
+            self._read[name] = np.asarray(array[...], order="C")  # zarr.config may say "F"
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """The stage ``library``: collect all gaits in one Zarr store."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,25 +13,26 @@ from slider.config.gait import LibraryConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.gait import REPORT
-from slider.library.reader import STORE
-from slider.library.schema import (
+from slider.library.reader import (
     ARRAYS,
     CONSTRAINT,
     COORDINATES,
     LABELS,
     ORIGIN,
     SCHEMA,
+    STORE,
     VERSION,
 )
 from slider.robot.names import CHANNEL_UNITS, CHANNELS, COMMAND, command_text
 
 _TEXT = np.dtypes.StringDType()
+_SCALARS = ("cost", "max_violation", "iterations")
 
 Report = dict[str, Any]
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Stack converged gaits in the order of the commands.
+    """Stack converged gaits in the order of the velocities.
 
     Raises:
         UserError: gaits did not converge and ``library.allow_holes`` is off.
@@ -40,7 +41,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     folders = list(inputs["gaits"])
     reports = [json.loads((folder / REPORT).read_text()) for folder in folders]
     good = [i for i, report in enumerate(reports) if acceptable(report, config.max_violation)]
-    holes = [report for i, report in enumerate(reports) if i not in set(good)]
+    holes = [report for i, report in enumerate(reports) if i not in good]
     _log(reports, job)
     if not good or (holes and not config.allow_holes):
         raise UserError(_describe(holes, len(good)))
@@ -50,7 +51,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_library(out / STORE, [folders[i] for i in good], [reports[i] for i in good], about)
     return {
         "gaits": len(good),
-        "holes": [_command(report) for report in holes],
+        "holes": [_velocity(report) for report in holes],
         "max_violation": max(reports[i]["max_violation"] for i in good),
     }
 
@@ -60,42 +61,48 @@ def write_library(
 ) -> None:
     """Write gaits to a Zarr store; the same gaits give the same bytes.
 
-    ``about`` holds the attributes ``ORIGIN`` and ``OUTCOME`` of ``slider.library.schema``.
+    ``about`` holds the attributes ``ORIGIN`` and ``OUTCOME``. Zarr's settings are its defaults,
+    whatever variables (``ZARR_…``) and files say.
     """
-    group = zarr.open_group(path, mode="w", zarr_format=3)
-    group.attrs.update(
-        {
-            "schema": SCHEMA,
-            "version": VERSION,
-            "channels": list(CHANNELS),
-            "channel_units": list(CHANNEL_UNITS),
-            "passive_channels": [i for i, name in enumerate(CHANNELS) if "upper_foot" in name],
-            "coordinates": " ".join(COORDINATES),  # as xarray reads it
-            **about,
-        }
-    )
+    with zarr.config.set(zarr.config.defaults[0]):
+        group = zarr.open_group(path, mode="w", zarr_format=3)
+        group.attrs.update(
+            {
+                "schema": SCHEMA,
+                "version": VERSION,
+                "channels": list(CHANNELS),
+                "channel_units": list(CHANNEL_UNITS),
+                "passive_channels": [i for i, name in enumerate(CHANNELS) if "upper_foot" in name],
+                "coordinates": " ".join(COORDINATES),  # as xarray reads it
+                **about,
+            }
+        )
+        for name, values, axes, unit in _arrays(folders, reports):
+            array = group.create_array(name, data=values, chunks=values.shape, dimension_names=axes)
+            array.attrs["units"] = unit
+
+
+def _arrays(
+    folders: Sequence[Path], reports: Sequence[Report]
+) -> Iterator[tuple[str, np.ndarray, tuple[str, ...], str]]:
+    """Name, values, axes and unit of each array of the store."""
     constraints = list(reports[0]["residuals"])
-    known = _facts(reports, constraints)
+    from_reports = {name: _column(reports, name) for name in _SCALARS}
+    from_reports["commands"] = np.array([_velocity(report) for report in reports])
+    residuals = [[report["residuals"][name] for name in constraints] for report in reports]
+    from_reports["residuals"] = np.array(residuals)
     for name, array in ARRAYS.items():
-        values = known.get(name)
+        values = from_reports.get(name)
         if values is None:
             values = np.stack([np.load(folder / f"{name}.npy") for folder in folders])
-        _write_array(group, name, values, ("gait", *array.axes), array.unit)
+        yield name, values, ("gait", *array.axes), array.unit
     for name, array in COORDINATES.items():
-        _write_array(group, name, _column(reports, name), ("gait",), array.unit)
+        yield name, _column(reports, name), ("gait",), array.unit
     for name, labels in (LABELS | {CONSTRAINT: tuple(constraints)}).items():
-        _write_array(group, name, np.array(labels, dtype=_TEXT), (name,), "name")
+        yield name, np.array(labels, dtype=_TEXT), (name,), "name"
 
 
-def _facts(reports: Sequence[Report], constraints: Sequence[str]) -> dict[str, np.ndarray]:
-    """Arrays that come from the reports of the gaits."""
-    residuals = [[report["residuals"][name] for name in constraints] for report in reports]
-    facts = {name: _column(reports, name) for name in ("cost", "max_violation", "iterations")}
-    commands = np.array([_command(report) for report in reports])
-    return facts | {"commands": commands, "residuals": np.array(residuals)}
-
-
-def _command(report: Report) -> list[float]:
+def _velocity(report: Report) -> list[float]:
     return [report[name] for name in COMMAND]
 
 
@@ -104,15 +111,8 @@ def _column(reports: Sequence[Report], name: str) -> np.ndarray:
     return np.array(values, dtype=_TEXT) if isinstance(values[0], str) else np.array(values)
 
 
-def _write_array(
-    group: zarr.Group, name: str, values: np.ndarray, axes: tuple[str, ...], unit: str
-) -> None:
-    array = group.create_array(name, data=values, chunks=values.shape, dimension_names=axes)
-    array.attrs["units"] = unit
-
-
 def _hole(report: Report, config: LibraryConfig) -> dict[str, Any]:
-    """What is known of a gait that did not converge: the constraints that it violates, by name."""
+    """Attributes of a gait that did not converge, with the constraints that it violates."""
     names = (*COMMAND, "status", "iterations", "max_violation")
     violated = {k: v for k, v in report["residuals"].items() if v > config.max_violation}
     worst_first = dict(sorted(violated.items(), key=lambda item: -item[1]))
@@ -129,14 +129,14 @@ def _describe(holes: Sequence[Report], good: int) -> str:
     texts = []
     for report in holes:
         name, value = max(report["residuals"].items(), key=lambda item: item[1])
-        command = command_text(_command(report))
-        texts.append(f"{command} {report['status']}, {name} {value:.1e}")
+        velocity = command_text(_velocity(report))
+        texts.append(f"{velocity} {report['status']}, {name} {value:.1e}")
     list_ = "; ".join(texts)
     if not good:
         return f"library: expected at least one gait, none of {len(holes)} converged: {list_}"
     return (
         f"library: {len(holes)} of {len(holes) + good} gaits did not converge: {list_}; to go on "
-        "without them: --config hydra='library.allow_holes=true'; their commands then get gaits "
+        "without them: --config hydra='library.allow_holes=true'; their velocities then get gaits "
         "interpolated from those around them, or the nearest at the border"
     )
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slider.robot.cameras import CAMERAS
+from slider.robot.scene import CAMERAS
 
 BACKWARD, SIDEWAYS, TURNING = 1.0, 0.5, 1.0  # highest commands [m/s], [m/s], [rad/s]
 PUSH = 0.4  # change of the base's velocity [m/s]

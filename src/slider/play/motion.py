@@ -20,8 +20,8 @@ from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest, multiply_quaternions
+from slider.library.lookup import StepTimes
 from slider.library.reader import GaitLibrary
-from slider.library.step_times import StepTimes
 from slider.robot.kinematics import about_z
 from slider.robot.names import NUM_JOINTS
 

@@ -13,8 +13,7 @@ from slider.play import loop
 from slider.play.control import PUSH, Control
 from slider.play.scenes import Scene
 from slider.robot import names
-from slider.robot.cameras import aim
-from slider.robot.scene import build_scene
+from slider.robot.scene import aim, build_scene
 
 _DISTANCE = 2.8  # of the camera [m]
 _ONCE = 4  # ImGui: only when the window first appears

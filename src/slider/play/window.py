@@ -15,8 +15,7 @@ from slider.play import loop
 from slider.play.control import PUSH, Control
 from slider.play.scenes import Scene
 from slider.robot import names
-from slider.robot.cameras import aim
-from slider.robot.scene import build_scene
+from slider.robot.scene import aim, build_scene
 
 HELP = """keys: up, down     faster, slower            left, right   turn
       , .          left, right (sideways)    Home          stand

@@ -17,7 +17,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from slider.config.video import VideoConfig
 from slider.env.episode import Frame
-from slider.robot.cameras import aim
+from slider.robot.scene import aim
 
 _DISTANCE = 2.15  # of the camera [m]
 _LOOK_AT_HEIGHT = 0.43  # [m]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from slider.evaluation.results import QUALITY, Estimate, Evaluation, Robots
-from slider.library.gait_numbers import GaitNumbers, gait_numbers
+from slider.library.blend import GaitNumbers, gait_numbers
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports.controllers import OURS
 

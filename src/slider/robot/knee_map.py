@@ -30,7 +30,7 @@ class SagittalLeg:
 
 
 class _Triangle:
-    """Hip, knee and ankle at flexion θ [rad], with what eq. 1 and its derivatives have of them."""
+    """Hip, knee and ankle at flexion θ [rad]: the terms of eq. 1 and of its derivatives."""
 
     def __init__(self, theta: np.ndarray, l1: float, l2: float) -> None:
         self._l1, self._l2 = l1, l2
@@ -39,7 +39,7 @@ class _Triangle:
 
     @property
     def shifts(self) -> tuple[np.ndarray, np.ndarray]:
-        """What the thigh is ahead of the line from hip to ankle, and the shank behind it [rad]."""
+        """Angles of the thigh ahead of the line from hip to ankle, of the shank behind it [rad]."""
         l1, l2, sine, cosine = self._l1, self._l2, self._sine, self._cosine
         return np.arctan2(l2 * sine, l1 + l2 * cosine), np.arctan2(l1 * sine, l2 + l1 * cosine)
 
@@ -174,13 +174,13 @@ def prismatic_motion(
     shifts, slopes, bends = triangle.shifts, triangle.rates, triangle.curvatures
     position[pitch], position[ankle] = q[pitch] - shifts[0], q[ankle] - shifts[1]
     position[knee] = triangle.length - lengths.nominal
-    for index, slope, bend, own in (
+    for index, slope, bend, rigid in (
         (pitch, -slopes[0], -bends[0], 1.0),
         (ankle, -slopes[1], -bends[1], 1.0),
         (knee, slopes[2], bends[2], 0.0),
     ):
-        rate[index] = own * v[index] + slope * v[knee]
-        turn[index] = own * a[index] + slope * a[knee] + bend * v[knee] ** 2
+        rate[index] = rigid * v[index] + slope * v[knee]
+        turn[index] = rigid * a[index] + slope * a[knee] + bend * v[knee] ** 2
     return position, rate, turn
 
 

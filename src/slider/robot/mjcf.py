@@ -159,7 +159,7 @@ def _add_leg(
     )
     foot = _add_link(tube, robot, side, "ankle", links.foot, [0, 0, -geometry.leg_length])
     _add_foot(foot, robot, side)
-    # After the foot: MuJoCo numbers joints in this order, and names.JOINTS says it.
+    # After the foot: MuJoCo numbers joints in this order, that of names.JOINTS.
     place = [0, 0, geometry.upper_foot_height]
     upper = _add_link(tube, robot, side, "upper_foot", links.upper_foot, place)
     height = geometry.ankle_height - geometry.foot_radius

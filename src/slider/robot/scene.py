@@ -1,10 +1,9 @@
-"""The robot in a scene to look at: floor grid, sky, light with shadows.
-
-Apart from the simulated model, so that the looks of a video change nobody's recipe.
-"""
+"""The robot in a scene to look at: floor grid, sky, light with shadows, cameras."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
+
+from typing import Any, NamedTuple
 
 import mujoco
 
@@ -21,6 +20,25 @@ _FLOOR_LIGHT, _FLOOR_DARK, _FLOOR_LINE = (0.80, 0.83, 0.86), (0.70, 0.75, 0.80),
 _SKY_TOP, _SKY_HORIZON = (0.62, 0.74, 0.88), (0.93, 0.95, 0.97)
 
 _TUBE = (0.12, 0.12, 0.13, 1.0)
+
+
+class Direction(NamedTuple):
+    """Direction of view: turn about the vertical axis from +x, slope (down: negative) [degree]."""
+
+    azimuth: float
+    elevation: float
+
+
+CAMERAS = {
+    "side": Direction(110.0, -10.0),  # from the right, slightly from behind: the floor shows depth
+    "front": Direction(180.0, -10.0),
+}
+
+
+def aim(camera: Any, name: str, distance: float) -> None:
+    """Turn a MuJoCo camera to a direction of ``CAMERAS``, its target at a distance [m]."""
+    camera.azimuth, camera.elevation = CAMERAS[name]
+    camera.distance = distance
 
 
 def build_scene(robot: RobotConfig, width: int = 640, height: int = 480) -> mujoco.MjModel:

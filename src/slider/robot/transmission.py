@@ -3,7 +3,7 @@
 Motor angles are ``matrix @ joints``, joint efforts ``matrix.T @ torques`` (virtual work). Both
 capstan motors in the same sense move the slide, in opposite senses they turn the foot: angles
 s/r ± β/n of a slide s [m] and an ankle β [rad], drum radius r and foot ratio n. Torque limit,
-torque-speed line, rotor inertia and position loop belong to motors; what joints see of them
+torque-speed line, rotor inertia and position loop belong to motors; their effect on joints
 follows from the matrix.
 """
 
@@ -40,8 +40,8 @@ def leg_inertia(robot: Mechanism) -> np.ndarray:
     """Inertia (5, 5) of rotors and joints that adds to a leg's [kg m², kg]."""
     matrix = leg_matrix(robot.capstan)
     rotors = np.array([drive.inertia for drive in by_motor(robot.drives)])
-    own = np.array([robot.joints[name].armature for name in LEG_JOINTS[:_LEG]])
-    return matrix.T @ (rotors[:, None] * matrix) + np.diag(own)
+    armatures = np.array([robot.joints[name].armature for name in LEG_JOINTS[:_LEG]])
+    return matrix.T @ (rotors[:, None] * matrix) + np.diag(armatures)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from slider.control.whole_body.memory import RIGHT
 from slider.control.whole_body.model import NUM_DOFS, Dynamics
 from slider.control.whole_body.tasks import pitch_and_yaw, point_velocity, wrapped
-from slider.hzd.outputs import JOINTS, NUM_COORDINATES, YAW, stance_first, stance_selection
+from slider.gait.outputs import JOINTS, NUM_COORDINATES, YAW, stance_first, stance_selection
 from slider.robot.kinematics import turn_to_heading, yaw_of
 from slider.robot.names import ACTUATED
 

@@ -14,9 +14,8 @@ from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.references import ReferenceVelocity
 from slider.control.whole_body.tasks import Part, Solved
 from slider.env.phase import standing
-from slider.hzd.constraints import StepConstraints
-from slider.hzd.outputs import ANKLE, SWING, YAW, output_matrix
-from slider.hzd.phase import phase_of, phase_rate
+from slider.gait.outputs import ANKLE, SWING, YAW, output_matrix
+from slider.hzd.constraints import StepConstraints, phase_of, phase_rate
 from slider.robot.kinematics import turn_to_heading
 from slider.robot.knee_map import KneeLengths
 

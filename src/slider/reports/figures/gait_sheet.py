@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from slider.library.loads import foot_heights, motor_torques
+from slider.library.measures import foot_heights, motor_torques
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.gait_tiles import draw_tiles, tile_samples
 from slider.reports.figures.style import DARK, MIDDLE, new_figure

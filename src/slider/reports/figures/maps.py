@@ -11,7 +11,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from slider.library import loads
+from slider.library import measures
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE, new_figure
 
@@ -74,9 +74,9 @@ def library_maps(library: GaitLibrary) -> list[VelocityMap]:
         VelocityMap("cost", library.arrays["cost"], library.cost_unit),
         VelocityMap("step time", library.arrays["step_time"].mean(axis=1), "s"),
         VelocityMap("base height", library.arrays["base"][:, :, 2].mean(axis=1), "m"),
-        VelocityMap("motor torque", 100 * loads.torque_share(library), "% of limit"),
-        VelocityMap("motor voltage", 100 * loads.voltage_share(library), "% of the bus"),
-        VelocityMap("slide speed", loads.slide_speed(library), "m/s"),
+        VelocityMap("motor torque", 100 * measures.torque_share(library), "% of limit"),
+        VelocityMap("motor voltage", 100 * measures.voltage_share(library), "% of the bus"),
+        VelocityMap("slide speed", measures.slide_speed(library), "m/s"),
     ]
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from slider.library.measures import Smoothness, smoothness
 from slider.library.reader import GaitLibrary
-from slider.library.smoothness import Smoothness, smoothness
 from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.style import DARK, new_figure
 from slider.robot.names import CHANNELS, command_text

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.robot.cameras import aim
+from slider.robot.scene import aim
 
 
 @pytest.mark.parametrize(("name", "axis", "sign"), [("side", 1, 1.0), ("front", 0, -1.0)])

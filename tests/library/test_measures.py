@@ -1,4 +1,4 @@
-"""Use of the motors and clearance of feet."""
+"""Use of the motors, clearance of feet, jumps between neighbouring gaits."""
 
 from dataclasses import replace
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from slider.config.convert import to_dict
-from slider.library import loads
+from slider.library import measures
+from slider.library.measures import neighbours, smoothness
 from slider.library.reader import GaitLibrary
 from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS
 from tests.library.gaits import library as make_library
@@ -22,7 +23,7 @@ def library(tmp_path_factory) -> GaitLibrary:
     2.375 and 7.625 of 8 N m, and turn with 1.2 m/s / 0.025 m = 48 of 120 rad/s: the second has
     7.625 / 16 of its stall torque + 0.4 = 0.8765625 of the bus voltage.
     """
-    made = make_library(tmp_path_factory.mktemp("loads"), [(0.0, 0.0), (0.5, 0.0)])
+    made = make_library(tmp_path_factory.mktemp("measures"), [(0.0, 0.0), (0.5, 0.0)])
     arrays = dict(made.arrays)
     efforts, samples = np.zeros_like(arrays["efforts"]), np.zeros_like(arrays["samples"])
     efforts[GAIT, 7, JOINTS.index("left_slide")] = 400.0
@@ -40,13 +41,15 @@ def library(tmp_path_factory) -> GaitLibrary:
 
 
 def test_shares_of_the_limits(library):
-    assert loads.torque_share(library) == pytest.approx([0.0, 0.953125], abs=1e-12)
-    assert loads.voltage_share(library) == pytest.approx([0.0, 0.8765625], abs=1e-12)
-    assert loads.slide_speed(library).tolist() == [0.0, 1.5]
+    assert measures.torque_share(library) == pytest.approx([0.0, 0.953125], abs=1e-12)
+    assert measures.voltage_share(library) == pytest.approx([0.0, 0.8765625], abs=1e-12)
+    assert measures.slide_speed(library).tolist() == [0.0, 1.5]
 
 
 def test_shares_of_each_motor(library):
-    torque, voltage = (dict(zip(MOTORS, s[GAIT], strict=True)) for s in loads.motor_shares(library))
+    torque, voltage = (
+        dict(zip(MOTORS, s[GAIT], strict=True)) for s in measures.motor_shares(library)
+    )
     assert torque["left_capstan_1"] == pytest.approx(2.375 / 8)
     assert torque["left_capstan_2"] == pytest.approx(7.625 / 8)
     assert torque["right_hip_roll"] == 0.5
@@ -58,18 +61,9 @@ def test_shares_of_each_motor(library):
 
 
 def test_torques_of_the_two_capstan_motors_by_hand(library):
-    torques = loads.motor_torques(library, GAIT)
+    torques = measures.motor_torques(library, GAIT)
     assert torques.shape == (42, 10)
     assert torques[7, 3:5] == pytest.approx([2.375, 7.625])
-
-
-def test_peaks_name_the_motor_the_limit_and_the_unit(library):
-    torque, voltage = loads.peaks(library, GAIT)
-    assert (torque.quantity, torque.motor, torque.unit) == ("torque", "left_capstan_2", "N m")
-    assert (torque.value, torque.limit) == (pytest.approx(7.625), 8.0)
-    assert (voltage.quantity, voltage.motor) == ("voltage", "left_capstan_2")
-    assert (voltage.value, voltage.limit) == (pytest.approx(0.8765625), 1.0)
-    assert voltage.unit == "of the bus"
 
 
 def test_clearance_is_the_lower_end_of_the_swing_foot_at_mid_step(library):
@@ -77,8 +71,51 @@ def test_clearance_is_the_lower_end_of_the_swing_foot_at_mid_step(library):
     samples[0, 10, JOINTS.index("right_slide")] = -0.08  # middle of the left stance step
     samples[0, 31, JOINTS.index("left_slide")] = -0.07
     lifted = replace(library, arrays={**library.arrays, "samples": samples})
-    assert loads.clearance(lifted, 0) == pytest.approx(0.07)
+    assert measures.clearance(lifted, 0) == pytest.approx(0.07)
     samples[0, 31, JOINTS.index("left_ankle")] = 0.3  # the toe hangs down
-    tilted = loads.clearance(lifted, 0)
+    tilted = measures.clearance(lifted, 0)
     drop = 0.07 - tilted
     assert drop == pytest.approx(0.085 * np.sin(0.3) - (0.045 - 0.006) * (1 - np.cos(0.3)), 1e-6)
+
+
+COMMANDS = np.array(
+    [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.3, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, -0.1, 0.0)]
+)
+
+
+def test_neighbours_follow_one_another_in_a_row_or_a_column():
+    found = {tuple(sorted(pair)) for pair in neighbours(COMMANDS).tolist()}
+    assert found == {(0, 1), (1, 2), (1, 3), (0, 4)}
+
+
+def test_gaits_of_other_yaw_rates_are_neighbours_at_one_velocity_only():
+    turned = COMMANDS[[0, 1]] + [0.0, 0.0, 0.3]
+    found = neighbours(np.concatenate([COMMANDS, turned, COMMANDS[:1] + [0.0, 0.0, 0.6]]))
+    found = {tuple(sorted(pair)) for pair in found.tolist()}
+    assert found == {(0, 1), (1, 2), (1, 3), (0, 4), (5, 6), (0, 5), (1, 6), (5, 7)}
+
+
+def test_jumps_are_shares_of_each_channel_s_range():
+    samples = np.zeros((5, 3, 2))
+    samples[:, :, 0] = np.array([0.0, 1.0, 10.0, 2.0, 0.0])[:, None]  # range 10
+    samples[2, 1, 1] = -0.5  # range 0.5, one sample of one gait
+    measured = smoothness(COMMANDS, samples)
+    jumps = {
+        tuple(sorted(p)): j for p, j in zip(measured.pairs.tolist(), measured.jumps, strict=True)
+    }
+    np.testing.assert_allclose(jumps[0, 1], [0.1, 0.0])
+    np.testing.assert_allclose(jumps[1, 2], [0.9, 1.0])
+    np.testing.assert_allclose(jumps[1, 3], [0.1, 0.0])
+    assert measured.largest == 1.0
+    assert sorted(measured.worst[:2]) == [1, 2]
+    assert measured.worst[2] == 1
+    np.testing.assert_allclose(measured.per_gait(5), [0.1, 1.0, 1.0, 0.1, 0.0])
+
+
+def test_a_constant_channel_has_no_jump_and_a_single_gait_no_neighbour():
+    assert smoothness(COMMANDS, np.ones((5, 3, 2))).largest == 0.0
+    alone = smoothness(COMMANDS[:1], np.ones((1, 3, 2)))
+    assert alone.largest == 0.0
+    assert alone.per_gait(1).tolist() == [0.0]
+    with pytest.raises(ValueError, match="expected at least two neighbouring gaits, found none"):
+        _ = alone.worst

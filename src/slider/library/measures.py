@@ -1,0 +1,122 @@
+"""Measures of gaits: use of the motors, clearance of the feet, jumps between neighbours."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.library.reader import GaitLibrary
+from slider.robot.kinematics import foot_ends, rotation_from_quaternion
+from slider.robot.names import JOINTS, NUM_JOINTS
+from slider.robot.transmission import Transmission
+
+_SPEEDS = slice(NUM_JOINTS, 2 * NUM_JOINTS)
+_SLIDES = [i for i in range(NUM_JOINTS) if JOINTS[i].endswith("slide")]
+
+
+def motor_torques(library: GaitLibrary, gait: int) -> np.ndarray:
+    """Torques (S, 10) of all motors over a walk [N m]."""
+    return Transmission.of(library.robot).torques(library.arrays["efforts"][gait])
+
+
+def motor_shares(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
+    """Greatest torque / limit and voltage / bus voltage (G, 10) of all motors over each walk."""
+    speeds = library.arrays["samples"][..., _SPEEDS]
+    torque, voltage = Transmission.of(library.robot).shares(library.arrays["efforts"], speeds)
+    return np.abs(torque).max(axis=1), np.abs(voltage).max(axis=1)
+
+
+def torque_share(library: GaitLibrary) -> np.ndarray:
+    """Greatest torque / limit (G,) over all motors [-]."""
+    return motor_shares(library)[0].max(axis=1)
+
+
+def voltage_share(library: GaitLibrary) -> np.ndarray:
+    """Greatest share (G,) of the torque-speed lines over all motors [-]."""
+    return motor_shares(library)[1].max(axis=1)
+
+
+def slide_speed(library: GaitLibrary) -> np.ndarray:
+    """Greatest speed (G,) of the slides [m/s]."""
+    return np.abs(library.arrays["samples"][..., _SPEEDS][..., _SLIDES]).max(axis=(1, 2))
+
+
+def foot_heights(library: GaitLibrary, gait: int) -> np.ndarray:
+    """Height of the lower end of each foot line (S, 2), left and right, above the ground [m]."""
+    base = library.arrays["base"][gait]
+    joints = library.arrays["samples"][gait][:, :NUM_JOINTS]
+    ends = foot_ends(library.robot.geometry, rotation_from_quaternion(base[:, 3:7]), joints)
+    return base[:, 2:3] + ends[..., 2].min(axis=2)
+
+
+def clearance(library: GaitLibrary, gait: int) -> float:
+    """Height of the lower end of the swing foot at mid-step, the lower of the two steps [m]."""
+    heights = foot_heights(library, gait)
+    per_step = len(heights) // 2
+    middle = per_step // 2
+    return float(min(heights[middle, 1], heights[per_step + middle, 0]))
+
+
+@dataclass(frozen=True)
+class Smoothness:
+    """Jumps between neighbouring gaits, as shares of each channel's range over the library.
+
+    Attributes:
+        pairs: (P, 2) indices of neighbouring gaits.
+        jumps: (P, C) greatest |difference| over the samples / range of the channel [-].
+    """
+
+    pairs: np.ndarray
+    jumps: np.ndarray
+
+    @property
+    def largest(self) -> float:
+        """Greatest jump of any pair and channel [-]; 0 where nothing has a neighbour."""
+        return float(self.jumps.max(initial=0.0))
+
+    @property
+    def worst(self) -> tuple[int, int, int]:
+        """First gait, second gait and channel of the greatest jump.
+
+        Raises:
+            ValueError: there are no neighbours.
+        """
+        if not len(self.pairs):
+            raise ValueError("expected at least two neighbouring gaits, found none")
+        pair, channel = np.unravel_index(self.jumps.argmax(), self.jumps.shape)
+        first, second = self.pairs[pair]
+        return int(first), int(second), int(channel)
+
+    def per_gait(self, gaits: int) -> np.ndarray:
+        """Greatest jump (G,) of each gait to any of its neighbours; 0 without one."""
+        result = np.zeros(gaits)
+        for pair, jump in zip(self.pairs, self.jumps.max(axis=1, initial=0.0), strict=True):
+            result[pair] = np.maximum(result[pair], jump)
+        return result
+
+
+def smoothness(velocities: np.ndarray, samples: np.ndarray) -> Smoothness:
+    """Measure the jumps between neighbours; a channel that never changes has none.
+
+    Args:
+        velocities: (G, 3) vx, vy [m/s], yaw rate [rad/s].
+        samples: (G, S, C) channels; each is divided by its range over all gaits and samples, so
+            that 0.1 means a tenth of everything that this channel does in the whole library.
+    """
+    pairs = neighbours(velocities)
+    extent = np.ptp(samples, axis=(0, 1))
+    scale = np.where(extent > 0, extent, np.inf)
+    change = np.abs(samples[pairs[:, 1]] - samples[pairs[:, 0]]).max(axis=1)
+    return Smoothness(pairs, change / scale)
+
+
+def neighbours(velocities: np.ndarray) -> np.ndarray:
+    """Pairs (P, 2) of gaits that follow one another along one axis of the velocity.
+
+    Between the two there is no further gait; a hole between them does not part them.
+    """
+    pairs = []
+    for along, *fixed in ((0, 1, 2), (1, 0, 2), (2, 0, 1)):
+        order = np.lexsort(velocities.T[[along, *fixed]])
+        same = (np.diff(velocities[order][:, fixed], axis=0) == 0).all(axis=1)
+        pairs.append(np.stack([order[:-1], order[1:]], axis=1)[same])
+    return np.concatenate(pairs)

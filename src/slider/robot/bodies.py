@@ -1,0 +1,103 @@
+"""Rigid bodies of the gait solver's two legs, from the same parameters as the MuJoCo model.
+
+The prismatic leg is the leg as it is built, but that the passive, light upper foot is part of the
+tube. In the virtual-knee leg the tube's mass is split between virtual thigh and shank
+(``shank_mass_fraction``). The shank's part has its centre at mid-shank; the thigh's part lies where
+the leg's centre of mass at the nominal length, seen along the leg, is that of the prismatic leg.
+The upper foot moves with the thigh. The leg's inertia about the hip is then a third larger than the
+prismatic leg's, as the virtual knee sticks out. Reflected inertias are not part of this leg.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from slider.config.robot import Geometry, Link, Mechanism, VirtualKnee
+
+
+@dataclass(frozen=True)
+class Body:
+    """Mass [kg], centre of mass (3,) [m] and diagonal inertia (3,) [kg m²] about it.
+
+    The frame's origin is the joint on the side of the hip.
+    """
+
+    mass: float
+    com: np.ndarray
+    inertia: np.ndarray
+
+
+def prismatic_bodies(robot: Mechanism) -> dict[str, Body]:
+    """``base``, and ``yaw``, ``roll``, ``pitch``, ``tube``, ``foot`` of one prismatic leg."""
+    links = robot.links
+    bodies = {name: _body(getattr(links, name)) for name in ("base", "yaw", "roll", "pitch")}
+    tube = joined(_body(links.tube), _upper_foot(robot))
+    return bodies | {"tube": tube, "foot": _body(links.foot)}
+
+
+def knee_bodies(robot: Mechanism) -> dict[str, Body]:
+    """``base``, and ``yaw``, ``roll``, ``thigh``, ``shank``, ``foot`` of one virtual-knee leg."""
+    links = robot.links
+    bodies = {name: _body(getattr(links, name)) for name in ("base", "yaw", "roll")}
+    legs = {"thigh": _thigh(robot), "shank": _shank(links.tube, robot.virtual_knee)}
+    return bodies | legs | {"foot": _body(links.foot)}
+
+
+def total_mass(bodies: Mapping[str, Body]) -> float:
+    """Mass of the base and of two equal legs [kg]."""
+    return bodies["base"].mass + 2 * sum(b.mass for name, b in bodies.items() if name != "base")
+
+
+def nominal_flexion(geometry: Geometry, knee: VirtualKnee) -> float:
+    """Knee flexion [rad] at which hip and ankle are the nominal leg length apart."""
+    l1, l2 = knee.thigh_length, knee.shank_length
+    return float(np.arccos((geometry.leg_length**2 - l1**2 - l2**2) / (2 * l1 * l2)))
+
+
+def joined(*parts: Body) -> Body:
+    """One rigid body; all centres of mass lie on the z axis of the frame."""
+    mass = sum(part.mass for part in parts)
+    com = np.sum([part.mass * part.com for part in parts], axis=0) / mass
+    inertia = np.zeros(3)
+    for part in parts:
+        offset = part.com - com
+        inertia += part.inertia + part.mass * (offset @ offset - offset**2)
+    return Body(mass, com, inertia)
+
+
+def _body(link: Link) -> Body:
+    return Body(link.mass, np.array(link.com), np.array(link.inertia))
+
+
+def _upper_foot(robot: Mechanism) -> Body:
+    """The upper foot in the frame of the slide."""
+    link = robot.links.upper_foot
+    com = np.array(link.com) + [0.0, 0.0, robot.geometry.upper_foot_height]
+    return Body(link.mass, com, np.array(link.inertia))
+
+
+def _shank(tube: Link, knee: VirtualKnee) -> Body:
+    share = knee.shank_mass_fraction
+    com = np.array([0.0, 0.0, -knee.shank_length / 2])
+    return Body(share * tube.mass, com, share**3 * np.array(tube.inertia) * [1, 1, 1 / share**2])
+
+
+def _thigh(robot: Mechanism) -> Body:
+    """Pitch link, upper foot and the tube's rest, which lies where the leg's mass balances."""
+    geometry, links, knee = robot.geometry, robot.links, robot.virtual_knee
+    rest = 1 - knee.shank_mass_fraction
+    tube, upper = links.tube, links.upper_foot
+    flexion, l1, l2 = nominal_flexion(geometry, knee), knee.thigh_length, knee.shank_length
+    tilt = np.arctan2(l2 * np.sin(flexion), l1 + l2 * np.cos(flexion))
+    shank_centre = (l1 * np.cos(tilt) + geometry.leg_length) / 2  # along the leg, as all of these
+    above = upper.mass * (upper.com[2] + geometry.upper_foot_height)
+    above += links.pitch.mass * links.pitch.com[2]
+    below = -tube.mass * tube.com[2] - (1 - rest) * tube.mass * shank_centre
+    depth = (below - above * (1 - np.cos(tilt))) / (rest * tube.mass * np.cos(tilt))
+    part = Body(
+        rest * tube.mass,
+        np.array([0.0, 0.0, -depth]),
+        rest**3 * np.array(tube.inertia) * [1, 1, 1 / rest**2],
+    )
+    return joined(_body(links.pitch), part, _upper_foot(robot))

@@ -148,34 +148,31 @@ def _gaits(arguments: argparse.Namespace) -> Curve:
 
 def _cores(arguments: argparse.Namespace) -> Curve:
     """Table 1 by a schedule of the times that ship: all, and the longest way alone."""
-    from slider.artefacts.forecast.schedule import Forecast
+    from slider.artefacts.forecast import Forecast
 
     plan = _dry_run("tracking.enabled=false")[1]
-    work = sum(one.seconds for one in _works(plan, 1).values())
+    work = sum(one.seconds for one in _works(plan).values())
     for cores in _CORES:
-        works = _works(plan, cores)
+        works = _works(plan)
         yield cores, "Table 1 [min]", Forecast(works, cores).left(0.0) / 60
         bound = max(work / cores, max(one.priority for one in works.values()))
         yield cores, "least: work / cores, or the longest way [min]", bound / 60
 
 
-def _works(plan: Any, cores: int) -> Mapping[str, Any]:
+def _works(plan: Any) -> Mapping[str, Any]:
     """The jobs of Table 1 with their times; more urgent is what has the longer way to the end."""
-    from slider.artefacts.forecast.schedule import Work
-    from slider.artefacts.forecast.times import Times, shipped
+    from slider.artefacts.forecast import Work, expected, remembered
     from slider.artefacts.plan import build_plan
-    from slider.core.threads import threads
+    from slider.artefacts.store import Store
 
     jobs = build_plan({"table1": plan.jobs[plan.targets["table1"]]}).jobs
-    times, way = Times([], shipped()), dict.fromkeys(jobs, 0.0)
+    rates, way = remembered(Store(Path()), ()), dict.fromkeys(jobs, 0.0)
     works = {}
     for recipe, job in reversed(list(jobs.items())):  # inputs come first
-        trained = job.stage in ("standing", "walking")
-        seconds = times.seconds(job, threads(cores) if trained else 1)
+        seconds = expected(job, rates)
         inputs = [item.recipe for items in job.inputs.values() for item in items]
         way[recipe] += seconds
-        uses = times.seconds(job) / seconds
-        works[recipe] = Work(job.stage, seconds, inputs, way[recipe], uses=uses)
+        works[recipe] = Work(seconds, inputs, way[recipe])
         for item in inputs:
             way[item] = max(way[item], way[recipe])
     return works

@@ -55,15 +55,12 @@ class Console:
             run = self.workflow.dag.needrun_jobs()
             jobs = {job.wildcards.recipe: job for job in run if hasattr(job.wildcards, "recipe")}
             self._recipes = {job.jobid: recipe for recipe, job in jobs.items()}
-            needed = {
-                recipe: (job.priority, job.threads, job.resources["pool"])
-                for recipe, job in jobs.items()
-            }
+            needed = {recipe: (job.priority, job.resources["pool"]) for recipe, job in jobs.items()}
             settings = self.workflow.resource_settings
             cores = settings.cores or settings.nodes or 1
             if needed:
                 self.progress = Progress(plan, store, forecast(plan, store, needed, cores))
-                self.progress.open(cores)
+                self.progress.open()
 
     def close(self, succeeded: bool) -> None:
         """End the lines about running jobs."""

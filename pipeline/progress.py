@@ -1,23 +1,22 @@
-"""What a person sees of a run: a line per finished job, one of the jobs that run long, tables."""
+"""Lines of a run for people: one per finished job, one for jobs that run long, Table 1."""
 
+import math
 import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
+from typing import Any
 
-from pipeline.terminal import read_row, table
-from slider.artefacts.forecast.reuse import reused_ahead
-from slider.artefacts.forecast.schedule import Forecast, Work
-from slider.artefacts.forecast.times import START, kind, times
+from slider.artefacts.forecast import START, Forecast, Work, expected, remembered, reused_ahead
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
 
 _SILENCE = 20.0  # seconds without a line after which a running job is shown
-_SHARE = re.compile(r"(\d+) ?(?:/|of) ?(\d+)|(\d+) %")  # what a job says of itself
+_SHARE = re.compile(r"(\d+) ?(?:/|of) ?(\d+)|(\d+) %")  # in the message of a job
 _TABLE1 = "table1"
 
 
@@ -31,7 +30,7 @@ class Progress:
 
     Attributes:
         plan: names the jobs.
-        store: has their results and what they say of themselves.
+        store: has their results and messages.
         forecast: what is done and left.
         write: takes a line.
     """
@@ -41,19 +40,20 @@ class Progress:
     forecast: Forecast
     write: Callable[[str], None] = _print
     _start: float = field(default_factory=lambda: time.time())
-    _said: float = field(default_factory=lambda: time.time())
+    _written: float = field(default_factory=lambda: time.time())
     _lock: threading.Lock = field(default_factory=threading.Lock)
-    _over: threading.Event = field(default_factory=threading.Event)
+    _closed: threading.Event = field(default_factory=threading.Event)
 
-    def open(self, cores: int) -> None:
-        """Say how much there is to do, and look after long jobs from now on."""
+    def open(self) -> None:
+        """Write how much there is to do, and watch long jobs from now on."""
         left = duration(self.forecast.left(time.time()))
-        self.write(f"{self.forecast.total} jobs, about {left} on {cores} cores")
+        jobs, cores = len(self.forecast.works), self.forecast.cores
+        self.write(f"{jobs} jobs, about {left} on {cores} cores")
         threading.Thread(target=self._watch, daemon=True).start()
 
     def close(self, succeeded: bool = False) -> None:
-        """Say no more of running jobs; after a success show Table 1 and where it is."""
-        self._over.set()
+        """Stop writing; after a success show Table 1 and where it is."""
+        self._closed.set()
         if succeeded and self._evaluations:
             self._show(self._evaluations)
             took = duration(time.time() - self._start)
@@ -65,16 +65,16 @@ class Progress:
             self.forecast.begin(recipe, time.time())
 
     def ended(self, recipe: str) -> None:
-        """A job ended well."""
+        """A job succeeded."""
         job = self.plan.jobs[recipe]
         with self._lock:
             took = self._took(job)
             self.forecast.end(recipe, time.time(), reused=took is None)
-            self._say(f"{job.label}: {'reused' if took is None else f'{took:.1f} s'}")
+            self._line(f"{job.label}: {'reused' if took is None else f'{took:.1f} s'}")
             self._show_policy(job)
 
     def _took(self, job: JobSpec) -> float | None:
-        """Seconds of a computation of this run [s]; none where an earlier result was found."""
+        """Seconds of a computation of this run [s]; none where an earlier result was reused."""
         began = self.forecast.running.get(job.recipe, self._start)
         facts = self.store.facts(job.stage, job.recipe)
         with suppress(ValueError, KeyError, TypeError):
@@ -82,20 +82,20 @@ class Progress:
                 return float(facts["wall_s"])
         return None
 
-    def _say(self, text: str) -> None:
-        """A line with the jobs done, the share of the work and the time left."""
-        now = self._said = time.time()
+    def _line(self, text: str) -> None:
+        """Write the jobs done, the share of the work, the time left, and a text."""
+        now = self._written = time.time()
         self.forecast.shares = {r: share(self._message(r)) for r in self.forecast.running}
-        done, total = self.forecast.done, self.forecast.total
+        done, total = len(self.forecast.ended), len(self.forecast.works)
         left = f"  about {duration(self.forecast.left(now))} left" if done < total else ""
         count = f"{done:>{len(str(total))}}/{total}"
         self.write(f"[{count}  {100 * self.forecast.share(now):3.0f} %{left}] {text}")
 
     def _watch(self) -> None:
-        while not self._over.wait(1.0):
+        while not self._closed.wait(1.0):
             with self._lock:
-                if self.forecast.running and time.time() - self._said > _SILENCE:
-                    self._say(self._running())
+                if self.forecast.running and time.time() - self._written > _SILENCE:
+                    self._line(self._running())
 
     def _running(self) -> str:
         """The most urgent of the running jobs, and how many others there are."""
@@ -107,59 +107,55 @@ class Progress:
 
     def _message(self, recipe: str) -> str:
         path = self.store.progress_path(self.plan.jobs[recipe].stage, recipe)
-        try:
+        with suppress(OSError):  # the job has written nothing yet
             return path.read_text(encoding="utf-8", errors="replace").strip()
-        except OSError:  # it has said nothing yet
-            return ""
+        return ""
 
     @property
     def _evaluations(self) -> list[JobSpec]:
-        """Those of Table 1, if this run makes it."""
+        """Those of Table 1, if this run computes it."""
         recipe = self.plan.targets.get(_TABLE1, "")
         if recipe not in self.forecast.works:
             return []
         return list(self.plan.jobs[recipe].inputs["evaluations"])
 
     def _show_policy(self, job: JobSpec) -> None:
-        """The policy's part of Table 1 as soon as its last evaluation ends."""
-        mine = [one for one in self._evaluations if one.stage == "evaluation"]
-        others = len(self._evaluations) > len(mine)
-        if others and job in mine and not self.forecast.awaits(one.recipe for one in mine):
-            self._show(mine)
+        """Show the policy's part of Table 1 as soon as its last evaluation ends."""
+        policy = [item for item in self._evaluations if item.stage == "evaluation"]
+        others = len(self._evaluations) > len(policy)
+        left = self.forecast.works.keys() - self.forecast.ended.keys()
+        if others and job in policy and not any(item.recipe in left for item in policy):
+            self._show(policy)
 
     def _show(self, evaluations: list[JobSpec]) -> None:
         labels = self.plan.jobs[self.plan.targets[_TABLE1]].section["labels"]
-        found = [self.store.read_manifest(one.stage, one.recipe) for one in evaluations]
-        self.write(table([read_row(labels, manifest.result.summary) for manifest in found]))
+        manifests = [self.store.read_manifest(item.stage, item.recipe) for item in evaluations]
+        self.write(table(labels, [manifest.result.summary for manifest in manifests]))
 
 
 def forecast(
-    plan: Plan, store: Store, needed: Mapping[str, tuple[float, int, int]], cores: int
+    plan: Plan, store: Store, needed: Mapping[str, tuple[float, int]], cores: int
 ) -> Forecast:
-    """What the jobs of a run will take; one that an earlier result answers takes a moment.
+    """Expected times of the jobs of a run; one that an earlier result answers takes a moment.
 
-    ``needed`` has priority, cores and threads with which Snakemake will run each recipe.
+    ``needed`` has priority and cores with which Snakemake will run each recipe.
     """
-    expected = times(store, sorted({plan.jobs[recipe].stage for recipe in needed}))
-    known = reused_ahead(plan, store, needed.keys())
+    rates = remembered(store, sorted({plan.jobs[recipe].stage for recipe in needed}))
+    reused = reused_ahead(plan, store, needed.keys())
     works = {}
-    for recipe, (priority, held, threads) in needed.items():
+    for recipe, (priority, threads) in needed.items():
         job = plan.jobs[recipe]
-        name, seconds, work = kind(job), expected.seconds(job, threads), expected.seconds(job)
-        if recipe in known:
-            name, seconds, work = "reused", START, START
-        inputs = [item.recipe for item in job.needs]
-        uses = work / seconds
-        works[recipe] = Work(name, seconds, inputs, priority, min(held, cores), uses)
+        seconds = START if recipe in reused else expected(job, rates)
+        works[recipe] = Work(seconds, [item.recipe for item in job.needs], priority, threads)
     return Forecast(works, cores)
 
 
 def share(message: str) -> float:
-    """Which part of it a job says that it has done, such as ``iteration 20/30`` or ``43 %``."""
-    found = _SHARE.search(message.partition(",")[0])
-    if not found:
+    """Which part of it a job reports as done, such as ``iteration 20/30`` or ``43 %``."""
+    match = _SHARE.search(message.partition(",")[0])
+    if not match:
         return 0.0
-    done, total, percent = (float(text or 0) for text in found.groups())
+    done, total, percent = (float(text or 0) for text in match.groups())
     return min(done / total if total else percent / 100, 0.99)
 
 
@@ -170,3 +166,29 @@ def duration(seconds: float) -> str:
     if seconds < 90 * 60:
         return f"{seconds / 60:.0f} min"
     return f"{seconds / 3600:.1f} h"
+
+
+def table(labels: Mapping[str, str], summaries: Sequence[Mapping[str, Any]]) -> str:
+    """Success and error of evaluations, two lines per controller, a column per speed.
+
+    Errors are those of robots that survive, ∞ where none does.
+    """
+    cells = {(summary["controller"], summary["command"]): summary for summary in summaries}
+    speeds = sorted({summary["command"] for summary in summaries})
+    lines = [("command [m/s]", "", [str(float(speed)) for speed in speeds])]
+    for name in dict.fromkeys(summary["controller"] for summary in summaries):
+        row = [cells.get((name, speed), {}) for speed in speeds]
+        successes = [f"{100 * c['success_rate']:.3g}" if c else "" for c in row]
+        errors = [_error(c["mse_steady"]) if c else "" for c in row]
+        label = labels.get(name, name)
+        lines += [(label, "success [%]", successes), ("", "MSE [m²/s²]", errors)]
+    width = max(len(label) for label, _, _ in lines)
+    texts = (
+        f"{label:<{width}}  {quantity:<11}" + "".join(f"{cell:>10}" for cell in row)
+        for label, quantity, row in lines
+    )
+    return "\n".join(map(str.rstrip, texts))
+
+
+def _error(value: float | None) -> str:
+    return "∞" if value is None or math.isinf(value) else f"{value:.3g}"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages.entries import ENTRIES, OF_HZD
-from slider.artefacts.source.closure import Sources, closure
+from slider.artefacts.closure import Sources, closure
 
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = (

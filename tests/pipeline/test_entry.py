@@ -10,7 +10,7 @@ from snakemake.cli import parse_config
 
 from pipeline import entry
 from pipeline.entry import PLAN, open_pipeline, parse_overrides
-from slider.artefacts.circumstances import config_option
+from slider.artefacts.run_metadata import config_option
 
 CONF = Path(__file__).parents[2] / "conf"
 

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 
 from pipeline import progress
-from pipeline.progress import Progress, duration, forecast, share
+from pipeline.progress import Progress, duration, forecast, share, table
 from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
@@ -29,7 +29,7 @@ def run(tmp_path, monkeypatch):
     section = {"labels": {"policy": "policy (ours)", "hzd": "HZD"}}
     table1 = JobSpec("table1", "table 1", CODE, section, {"evaluations": jobs})
     plan, store = build_plan({"table1": table1}), Store(tmp_path)
-    needed = dict.fromkeys(plan.jobs, (0, 1, 1))
+    needed = dict.fromkeys(plan.jobs, (0, 1))
     lines: list[str] = []
     now = [1000.0]
     monkeypatch.setattr(progress.time, "time", lambda: now[0])
@@ -94,7 +94,7 @@ def test_a_long_job_is_shown_with_its_own_words(run):
     path.parent.mkdir(parents=True)
     path.write_text("25 %")
     now[0] += 10.0
-    shown._say(shown._running())
+    shown._line(shown._running())
     assert lines[0].endswith("evaluation of policy at 0.2: 25 %; 1 more")
     assert shown.forecast.shares[jobs[0].recipe] == 0.25
     path.unlink()
@@ -123,3 +123,18 @@ def test_a_job_says_how_far_it_is(message, expected):
 )
 def test_times_are_told_as_people_tell_them(seconds, text):
     assert duration(seconds) == text
+
+
+def test_a_table_has_a_column_per_speed_and_errors_of_survivors():
+    policy = {"controller": "policy", "success_rate": 0.995}
+    summaries = [
+        policy | {"command": 0.2, "mse_steady": 0.00123},
+        policy | {"command": 0.4, "mse_steady": 1.5},
+        {"controller": "hzd", "command": 0.2, "success_rate": 0.0, "mse_steady": None},
+    ]
+    lines = [line.split() for line in table({"policy": "ours"}, summaries).splitlines()]
+    assert lines[0] == ["command", "[m/s]", "0.2", "0.4"]
+    assert lines[1] == ["ours", "success", "[%]", "99.5", "99.5"]
+    assert lines[2][2:] == ["0.00123", "1.5"]
+    assert lines[3] == ["hzd", "success", "[%]", "0"]
+    assert lines[4][2:] == ["∞"]

@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
-from slider.evaluation.proportions import wilson
 from slider.library.gait_numbers import gait_numbers
 
 from slider.core.job import Job
+from slider.evaluation.results import wilson
 from slider.gait import REPORT
 from slider.library.reader import GaitLibrary
 from slider.reports.page import content

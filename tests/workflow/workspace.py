@@ -234,10 +234,8 @@ def _compiled() -> Path:
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir()
             _copy_sources(folder)
-            plan = ["-m", "pipeline.outline", "table1", str(shared.folder() / "outline"), ""]
-            for arguments in (["-m", "compileall", "-q", "src", "pipeline"], plan):
-                made = Workspace(folder).command(arguments)
-                assert made.returncode == 0, made.stderr
+            compiled = Workspace(folder).command(["-m", "compileall", "-q", "src", "pipeline"])
+            assert compiled.returncode == 0, compiled.stderr
             done.touch()
     return folder
 

@@ -8,6 +8,7 @@ that holds what the result came from, so that all commands work in it.
 import shutil
 import subprocess
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,8 @@ import yaml
 from rocrate.model import ContextEntity
 from rocrate.rocrate import ROCrate
 
-from slider.artefacts.lineage.targets import Found
-from slider.artefacts.plan import Plan, write_plan
+from slider.artefacts.manifest import Result
+from slider.artefacts.plan import JobSpec, Plan, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core import files
@@ -29,6 +30,15 @@ PROFILE_VERSION = "0.5"
 _PROFILES = {"process": "Process Run Crate", "workflow": "Workflow Run Crate"}
 _TERMS = "https://w3id.org/ro/terms/workflow-run/context"
 _CITATION = "CITATION.cff"
+
+
+@dataclass(frozen=True)
+class _Computed:
+    """A job, its result, and what was noted beside it."""
+
+    job: JobSpec
+    result: Result
+    facts: Mapping[str, Any]
 
 
 def write_bundle(
@@ -53,9 +63,12 @@ def write_bundle(
         UserError: a result is missing or damaged, or the source is no longer that of the plan.
     """
     _check_source(plan)
-    jobs = {recipe: Found(store, plan, spec) for recipe, spec in plan.jobs.items()}
-    for spec in plan.jobs.values():
-        store.checked(spec.stage, spec.recipe)
+    jobs = {
+        recipe: _Computed(
+            job, store.checked(job.stage, recipe).result, store.facts(job.stage, recipe)
+        )
+        for recipe, job in plan.jobs.items()
+    }
     names = _working_copy(out)
     _copy_store(jobs.values(), store, Store(out / ARTEFACTS))
     plan_path = write_plan(plan, out / ARTEFACTS / "plans")
@@ -98,7 +111,7 @@ def _working_copy(out: Path) -> list[str]:
     return files.list_files(out)
 
 
-def _copy_store(jobs: Iterable[Found], store: Store, target: Store) -> None:
+def _copy_store(jobs: Iterable[_Computed], store: Store, target: Store) -> None:
     for one in jobs:
         folder = target.object_folder(one.result.object)
         if not folder.exists():
@@ -108,7 +121,7 @@ def _copy_store(jobs: Iterable[Found], store: Store, target: Store) -> None:
 
 
 def _copy_results(
-    plan: Plan, jobs: Mapping[str, Found], store: Store, out: Path
+    plan: Plan, jobs: Mapping[str, _Computed], store: Store, out: Path
 ) -> Iterator[tuple[Path, str]]:
     """Copy what people look for to folders of the targets' names; yield file and title."""
     wanted = {name: jobs[recipe] for name, recipe in plan.targets.items()}
@@ -168,7 +181,7 @@ def _file(crate: ROCrate, path: Path, out: Path, name: str = "") -> Any:
     return crate.add_file(dest_path=place, properties=facts | {"name": name or place})
 
 
-def _run(crate: ROCrate, jobs: Sequence[Found], overrides: str, command: str) -> Any:
+def _run(crate: ROCrate, jobs: Sequence[_Computed], overrides: str, command: str) -> Any:
     """The action of the whole workflow, from the first job to the last, and its software."""
     workflow: Any = crate.mainEntity
     versions = {name: v for one in jobs for name, v in one.job.code.versions.items()}
@@ -194,8 +207,8 @@ def _software(crate: ROCrate, place: str, name: str, version: str) -> Any:
     return _add(crate, place, "SoftwareApplication", {"name": name, "softwareVersion": version})
 
 
-def _describe_jobs(crate: ROCrate, jobs: Mapping[str, Found], out: Path) -> None:
-    """An action per job: its entry point made its object of the objects of its inputs."""
+def _describe_jobs(crate: ROCrate, jobs: Mapping[str, _Computed], out: Path) -> None:
+    """Add an action per job, from the objects of its inputs to its object."""
     store = Store(out / ARTEFACTS)
     folders = {
         recipe: _object(crate, one, store.object_folder(one.result.object), out)
@@ -215,12 +228,12 @@ def _describe_jobs(crate: ROCrate, jobs: Mapping[str, Found], out: Path) -> None
         crate.root_dataset.append_to("mentions", action)
 
 
-def _object(crate: ROCrate, one: Found, folder: Path, out: Path) -> Any:
+def _object(crate: ROCrate, one: _Computed, folder: Path, out: Path) -> Any:
     place = f"{folder.relative_to(out).as_posix()}/"
     known = crate.get(place)
     if known is not None:  # another job has the same result
         return known
     facts = {"name": one.job.label, "identifier": one.result.object}
-    found: Any = crate.add_dataset(dest_path=place, properties=facts)
-    found["hasPart"] = [_file(crate, folder / name, out) for name in sorted(one.result.files)]
-    return found
+    dataset: Any = crate.add_dataset(dest_path=place, properties=facts)
+    dataset["hasPart"] = [_file(crate, folder / name, out) for name in sorted(one.result.files)]
+    return dataset

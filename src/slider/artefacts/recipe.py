@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 
 import slider
-from slider.artefacts.source.closure import Sources, closure
+from slider.artefacts.closure import Sources, closure
 from slider.core.errors import UserError
 
 SOURCE_ROOT = Path(slider.__file__).parent.parent

@@ -12,12 +12,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.circumstances import circumstances, now
-from slider.artefacts.forecast.times import kind, size
+from slider.artefacts.forecast import kind, size
 from slider.artefacts.locks import exclusive
 from slider.artefacts.manifest import Manifest, Result
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of
+from slider.artefacts.run_metadata import now, run_metadata
 from slider.artefacts.store import Store
 from slider.core import files, numerics
 from slider.core.errors import UserError
@@ -120,7 +120,7 @@ class Runner:
             self.threads,
             _open_tracker(self.store.root, spec),
             self.progress,
-            circumstances(self.store.root),
+            run_metadata(self.store.root),
             self.store.cache_folder(code),
             self.waiting,
             {name: [self._sidecar(job) for job in jobs] for name, jobs in spec.inputs.items()},

@@ -2,22 +2,15 @@
 
 import argparse
 import shutil
-import sys
 import tempfile
-from collections.abc import Mapping
 from pathlib import Path
 
-from slider.artefacts.circumstances import circumstances, config_option
 from slider.artefacts.current import add_store_argument, current_plan, current_result
-from slider.artefacts.lineage.outlines import outlines
-from slider.artefacts.plan import JobSpec, Plan, build_plan
+from slider.artefacts.plan import Plan, build_plan
+from slider.artefacts.run_metadata import config_option, run_metadata
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
-_OTHER = (
-    "conf/, pipeline/ or the kernels here are not those of the run: from the bundle Snakemake "
-    "would compute anew"
-)
 _NO_LICENCE = "No licence has been chosen: all rights are reserved."
 
 
@@ -52,7 +45,9 @@ def run(arguments: argparse.Namespace) -> None:
     except ModuleNotFoundError as error:
         install = "pip install -e '.[bundle]' -c constraints.txt"
         raise UserError(f"expected the package {error.name}, found none: {install}") from None
-    overrides, current = _overrides(targets, store)
+    job = next(iter(targets.values()))
+    noted = run_metadata(store.root) | store.facts(job.stage, job.recipe)
+    overrides = str(noted.get("overrides", ""))
     command = " ".join(["snakemake -j2", *dict.fromkeys(_file(plan, name) for name in targets)])
     command += config_option(overrides)
     out = arguments.out or Path("reports") / f"{arguments.targets[0]}.crate.zip"
@@ -70,9 +65,7 @@ def run(arguments: argparse.Namespace) -> None:
         archive = shutil.make_archive(str(Path(place) / "archive"), "zip", folder)
         Path(archive).replace(out)
     print(f"{out}: {out.stat().st_size / 1e6:.1f} MB, results of {size / 1e6:.1f} MB")
-    print(f"unpacked, this computes nothing: {command}" if current else f"of the run: {command}")
-    if not current:
-        print(f"slider: {_OTHER}", file=sys.stderr)
+    print(f"unpacked, this has the results: {command}")
 
 
 def _file(plan: Plan | None, target: str) -> str:
@@ -81,22 +74,3 @@ def _file(plan: Plan | None, target: str) -> str:
     needed = build_plan({"": plan.jobs[table]}).jobs if plan and table else {}
     of_table = target == "table1" or (plan and plan.targets.get(target) in needed)
     return "reports/table1.csv" if of_table else f"publish_{target}"
-
-
-def _overrides(targets: Mapping[str, JobSpec], store: Store) -> tuple[str, bool]:
-    """Overrides of a run, and whether the working copy has these jobs with them."""
-    facts = [store.facts(job.stage, job.recipe) for job in targets.values()]
-    noted = [str(one.get("overrides", "")) for one in [*facts, circumstances(store.root)]]
-    for text in dict.fromkeys(noted):
-        if all(_leads(text, name, job) for name, job in targets.items()):
-            return text, True
-    return noted[0], False
-
-
-def _leads(overrides: str, target: str, job: JobSpec) -> bool:
-    try:
-        with outlines([overrides], target) as (outline,):
-            plan = current_plan(outline)
-    except UserError:  # the overrides are of an earlier configuration
-        return False
-    return plan is not None and plan.targets.get(target) == job.recipe

@@ -1,12 +1,12 @@
 """``slider store``: list, verify and clean the artefact store; push and pull results."""
 
 import argparse
+import statistics
 import sys
 import time
-from pathlib import Path
 
 from slider.artefacts.current import add_store_argument, current_plan
-from slider.artefacts.forecast.times import mean_rows, times, write
+from slider.artefacts.forecast import remembered
 from slider.artefacts.maintenance import Removed, collect, summarise, verify
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.sharing.remote import Remote
@@ -24,8 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     gc = actions.add_parser("gc", help="remove what the latest plans do not reach")
     gc.add_argument("--keep", type=int, default=5, help="number of plans to keep (default: 5)")
     gc.add_argument("--dry-run", action="store_true", help="only say what would be removed")
-    spent = actions.add_parser("times", help="mean seconds of the jobs of each kind, longest first")
-    spent.add_argument("--out", type=Path, help="also write them as the table that ships")
+    actions.add_parser("times", help="seconds per size of each kind of job")
     _add_travel(actions.add_parser("push", help="send results of the current plan to a remote"))
     _add_travel(actions.add_parser("pull", help="take results of the current plan from a remote"))
     actions.choices["push"].add_argument(
@@ -54,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"dropped {len(removed.objects)} objects, {manifests} manifests")
         return int(bool(removed.damage))
     if arguments.action == "times":
-        return _times(store, arguments.out)
+        return _times(store)
     if arguments.action in ("push", "pull"):
         return _travel(store, arguments)
     dry_run = arguments.dry_run
@@ -97,15 +96,12 @@ def _list(store: Store) -> int:
     return 0
 
 
-def _times(store: Store, out: Path | None) -> int:
-    """What later runs tell the time left by; a job of another size takes in proportion."""
+def _times(store: Store) -> int:
+    """Print what new clones tell the time left by: ``src/slider/artefacts/times.csv``."""
     stages = sorted({path.parent.name for path in store.manifests()})
-    rows = mean_rows(times(store, stages).remembered)
-    print(f"{'kind':<28}{'size':>12}{'seconds':>10}")
-    for row in rows:
-        print(f"{row.kind:<28}{row.size:>12g}{row.seconds:>10.2f}")
-    if out is not None:
-        write(rows, out)
+    print("kind,rate")
+    for kind, rates in remembered(store, stages).items():
+        print(f"{kind},{statistics.median(rates):.4g}")
     return 0
 
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
-from slider.config.kept import composed
 from slider.config.schema import Config
+from slider.config.untyped import compose_untyped
 from slider.config.validation import validate
 from slider.core.errors import UserError
 
@@ -19,7 +19,7 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     Raises:
         UserError: an unknown key or group, a wrong type or an impossible value.
     """
-    values = composed(overrides, conf)
+    values = compose_untyped(overrides, conf)
     _check_families(values["control"])
     config = from_dict(Config, values)
     validate(config)

@@ -10,8 +10,7 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation.proportions import wilson
-from slider.evaluation.results import Evaluation
+from slider.evaluation.results import Evaluation, wilson
 from slider.gait import REPORT
 from slider.gait.study import MeshGait
 from slider.library.stage import acceptable

@@ -13,8 +13,6 @@ from typing import Any
 
 import pytest
 
-from slider.artefacts.lineage.pending import NEVER, pending
-from slider.artefacts.lineage.targets import Found
 from slider.artefacts.locks import exclusive
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.manifest import Manifest
@@ -158,8 +156,6 @@ def test_a_result_waits_for_its_inputs(filled, full, bare):
     lost.unlink()
     expected = {"not there": 1, "taken": 5, "of other inputs": 2}
     assert pull(bare, JOBS, filled.remote).counts == expected
-    wanted = Found(bare, PLAN, LIBRARY)
-    assert [one.state for one in pending(wanted, bare, wanted)] == [NEVER, NEVER]
     assert not bare.manifest_path("library", LIBRARY.recipe).exists()
     compute(bare, GAITS[0])
     objects = {"gaits": [bare.read_manifest("gait", g.recipe).result.object for g in GAITS]}

@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.circumstances import config_option, revision
 from slider.artefacts.manifest import Manifest, parse_manifest
+from slider.artefacts.run_metadata import config_option, revision
 from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.machine import machine

@@ -22,7 +22,7 @@ class Sources:
         origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
         inputs: input → object folders.
         times: input → for each of its jobs what differs between runs, such as ``wall_s``.
-        page: the same of the page itself; see :mod:`slider.artefacts.circumstances`.
+        page: the same of the page itself; see :mod:`slider.artefacts.run_metadata`.
     """
 
     report: ReportConfig

@@ -5,19 +5,19 @@ import subprocess
 
 import pytest
 
-from slider.artefacts import circumstances
+from slider.artefacts import run_metadata
 
 
 @pytest.fixture
 def repository(tmp_path, monkeypatch):
-    monkeypatch.setattr(circumstances, "_SOURCE", tmp_path)
-    for name in ("GIT_DIR", "GIT_WORK_TREE"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
+    monkeypatch.setattr(run_metadata, "_SOURCE", tmp_path)
+    elsewhere = tmp_path.parent / "elsewhere"
+    subprocess.run(["git", "init", "-q", elsewhere], check=True)
+    monkeypatch.setenv("GIT_DIR", str(elsewhere / ".git"))  # of another repository
 
     def git(*arguments: str) -> str:
         identity = ["-c", "user.name=a", "-c", "user.email=a@b.c"]
-        command = ["git", *identity, *arguments]
+        command = ["env", "-u", "GIT_DIR", "git", *identity, *arguments]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
         return done.stdout.strip()
 
@@ -25,7 +25,7 @@ def repository(tmp_path, monkeypatch):
 
 
 def test_there_is_no_commit_outside_a_repository(repository):
-    assert circumstances.revision() == {}
+    assert run_metadata.revision() == {}
 
 
 def test_tells_the_commit_and_whether_files_differ(repository):
@@ -36,22 +36,22 @@ def test_tells_the_commit_and_whether_files_differ(repository):
     git("commit", "-qm", "one")
     (folder / "untracked.txt").write_text("results do not come from here")
     commit = git("rev-parse", "HEAD")
-    assert circumstances.revision() == {"commit": commit, "dirty": "false"}
+    assert run_metadata.revision() == {"commit": commit, "dirty": "false"}
     (folder / "a.txt").write_text("two")
-    assert circumstances.revision() == {"commit": commit, "dirty": "true"}
+    assert run_metadata.revision() == {"commit": commit, "dirty": "true"}
 
 
 def test_jobs_belong_to_the_pipeline_run_that_began_last(repository, tmp_path):
-    assert circumstances.circumstances(tmp_path) == {}
-    circumstances.note_start(tmp_path, ["gait.cost=torque", "env=paper"])
-    first = circumstances.circumstances(tmp_path)
-    assert first == circumstances.circumstances(tmp_path)
+    assert run_metadata.run_metadata(tmp_path) == {}
+    run_metadata.note_start(tmp_path, ["gait.cost=torque", "env=paper"])
+    first = run_metadata.run_metadata(tmp_path)
+    assert first == run_metadata.run_metadata(tmp_path)
     assert first["pipeline_started"].endswith("+00:00")
     assert first["overrides"] == "gait.cost=torque env=paper"
     blanks = ["a.label=two words", "b.terms=[x,y]", "c='"]
-    circumstances.note_start(tmp_path, blanks)
-    noted = circumstances.circumstances(tmp_path)["overrides"]
+    run_metadata.note_start(tmp_path, blanks)
+    noted = run_metadata.run_metadata(tmp_path)["overrides"]
     assert noted.startswith("a.label='two words' b.terms=[x,y] c=")
     assert shlex.split(noted) == blanks
     (tmp_path / "current" / "started").write_bytes(b"\xff\n")
-    assert circumstances.circumstances(tmp_path)["overrides"] == ""
+    assert run_metadata.run_metadata(tmp_path)["overrides"] == ""

@@ -1,8 +1,6 @@
-"""Under which commit and in which pipeline run a job computes: for display, in no recipe.
+"""Commit and pipeline run of a job: noted beside each result for display, in no recipe."""
 
-The runner notes these facts beside each result, so that the page can say what produced it.
-"""
-
+import os
 import shlex
 import subprocess
 from collections.abc import Sequence
@@ -48,7 +46,7 @@ def config_option(overrides: str) -> str:
     return f" --config hydra={shlex.quote(asked)}" if overrides else ""
 
 
-def circumstances(artefacts: Path) -> dict[str, str]:
+def run_metadata(artefacts: Path) -> dict[str, str]:
     """``commit`` and ``dirty``, and of the run that the job belongs to its start and overrides."""
     path = _start_path(artefacts)
     if not path.is_file():
@@ -62,9 +60,12 @@ def _start_path(artefacts: Path) -> Path:
 
 
 def _ask_git(*arguments: str) -> str:
+    """Answer of git about the repository of the source, also of another user's clone."""
+    environment = {name: v for name, v in os.environ.items() if not name.startswith("GIT_")}
+    command = ["git", "-c", "safe.directory=*", *arguments]
     try:
         answer = subprocess.run(
-            ["git", *arguments], cwd=_SOURCE, capture_output=True, text=True, check=False
+            command, cwd=_SOURCE, env=environment, capture_output=True, text=True, check=False
         )
     except OSError:  # no git on this machine
         return ""

@@ -1,18 +1,83 @@
-"""What code a stage really imports: its modules within a package, and third-party packages.
+"""Modules and packages that a stage imports, and the digests of its source.
 
-Found statically, on the syntax tree, so that no stage has to be imported to learn its recipe.
+They are read from the syntax trees, so that no stage has to be imported to learn its recipe.
 """
 
+import ast
+import hashlib
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib.util import resolve_name
 from os.path import isfile
 from pathlib import Path
 
-from slider.artefacts.source.analyses import analyses_of
-from slider.artefacts.source.syntax import Module
 from slider.core.errors import UserError
 from slider.core.files import digest_file, digest_text
+
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
+
+
+@dataclass(frozen=True)
+class Module:
+    """Digest of a syntax tree without docstrings, and imported names, submodules or not."""
+
+    digest: str
+    imports: tuple[str, ...]
+
+
+def parse(content: bytes, name: str, is_package: bool) -> Module:
+    """Parse a module.
+
+    Raises:
+        UserError: it does not parse.
+    """
+    try:
+        tree = ast.parse(content)
+    except SyntaxError as error:
+        raise UserError(f"module {name}, line {error.lineno}: {error.msg}") from None
+    imports = tuple(sorted(set(_imports(tree, name, is_package))))
+    _strip_docstrings(tree)
+    return Module(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports)
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """The module and all its statements. Expressions, most of a tree, hold none."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        for field in _BLOCKS:
+            waiting += getattr(node, field, ())
+
+
+def _imports(tree: ast.Module, name: str, is_package: bool) -> Iterator[str]:
+    for node in _statements(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = _base(node, name, is_package)
+            yield base
+            # An imported name may be a submodule; _find tells.
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def _base(node: ast.ImportFrom, name: str, is_package: bool) -> str:
+    package = name if is_package else name.rpartition(".")[0]
+    return resolve_name("." * node.level + (node.module or ""), package)
+
+
+def _strip_docstrings(tree: ast.Module) -> None:
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+    for node in _statements(tree):
+        if isinstance(node, documented):
+            node.body = [item for item in node.body if not _is_text(item)]
+
+
+def _is_text(node: ast.stmt) -> bool:
+    """A string by itself: the docstring of a module, class, function or field."""
+    value = node.value if isinstance(node, ast.Expr) else None
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)
 
 
 @dataclass(frozen=True)
@@ -48,14 +113,13 @@ class Sources:
         return self._files[name]
 
     def module(self, name: str, path: Path) -> Module:
-        """What a module says.
+        """Digest and imports of a module.
 
         Raises:
             UserError: it does not parse.
         """
         if name not in self._modules:
-            package = self.root / name.partition(".")[0]
-            self._modules[name] = analyses_of(package).read(path, name)
+            self._modules[name] = parse(path.read_bytes(), name, path.name == "__init__.py")
         return self._modules[name]
 
     def data(self, folder: Path) -> dict[str, str]:
@@ -100,7 +164,6 @@ def closure(entry: str, sources: Sources) -> Closure:
                 waiting.append(target)
             else:
                 third_party.add(target.partition(".")[0])
-    analyses_of(sources.root / package).keep()
     parts = {name: found[name] for name in sorted(found)}
     data = {name: digest for folder in folders for name, digest in sources.data(folder).items()}
     parts |= {name: data[name] for name in sorted(data, key=Path)}

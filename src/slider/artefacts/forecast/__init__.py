@@ -1,1 +1,0 @@
-"""How much of a run is done, and how long the rest takes."""

@@ -1,1 +1,0 @@
-"""What code a stage runs, and the digests of its parts."""

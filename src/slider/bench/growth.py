@@ -82,10 +82,10 @@ def _environments(arguments: argparse.Namespace) -> Curve:
     """Physics alone, environment and whole training at each number of robots and threads."""
     from slider.bench.throughput import measure
     from slider.config.compose import compose
-    from slider.core.numerics import kernels, precision
+    from slider.core.numerics import precision
 
     config, library = compose([], arguments.conf), library_path(arguments)
-    how = [precision("auto", kernels())], 1.0, 3
+    how = [precision("auto")], 1.0, 3
     for threads in arguments.threads:
         for envs in _ENVS:
             found = _apart(threads, measure, config, library, threads, envs, *how)[0]

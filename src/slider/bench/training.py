@@ -106,11 +106,11 @@ def _resolved(config: "Config") -> "Config":
 
 def _precisions(on_processor: bool) -> tuple[str, ...]:
     """Those that the processor has; on a GPU what ``auto`` means there."""
-    from slider.core.numerics import kernels, precision
+    from slider.core.numerics import precision
 
     if not on_processor:
         return PRECISIONS[:1]
-    return PRECISIONS[: PRECISIONS.index(precision("auto", kernels())) + 1]
+    return PRECISIONS[: PRECISIONS.index(precision("auto")) + 1]
 
 
 def line(row: "Throughput") -> str:

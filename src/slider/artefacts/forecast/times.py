@@ -45,7 +45,7 @@ def kind(job: JobSpec) -> str:
 
     It is the stage, who is evaluated, and the device of a training that uses no processor.
     """
-    device = job.section.get("numerics", {}).get("device", "cpu")
+    device = job.section.get("train", {}).get("device", "cpu")
     of_device = None if device == "cpu" else device
     return " ".join(filter(None, (job.stage, job.section.get("controller"), of_device)))
 

@@ -10,10 +10,11 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.integrity import IntegrityIndex
 from slider.artefacts.manifest import (
     Manifest,
     Result,
@@ -22,7 +23,6 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
-from slider.artefacts.seals import Seals
 from slider.core import files
 
 ARTEFACTS = "artefacts"
@@ -47,7 +47,7 @@ class Store:
         return self.root / stage / f"{recipe}.run.json"
 
     def facts(self, stage: str, recipe: str) -> dict[str, Any]:
-        """What is noted beside a manifest; nothing where that is missing or damaged."""
+        """Read the sidecar of a manifest; empty where that is missing or damaged."""
         try:
             facts = files.read_json(self.sidecar_path(stage, recipe))
         except (OSError, ValueError):
@@ -63,17 +63,17 @@ class Store:
         return self.root / "work" / stage / recipe
 
     def cache_folder(self, code: str) -> Path:
-        """Folder of what jobs of the same source and versions share and can make again."""
+        """Folder that jobs of the same source and versions share; it may vanish at any time."""
         return self.root / "cache" / code
 
     def progress_path(self, stage: str, recipe: str) -> Path:
-        """The latest line that a running job says of itself."""
+        """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
 
     @property
-    def seals(self) -> Seals:
-        """What is known of objects that were read."""
-        return Seals(self.root / "seals")
+    def integrity(self) -> IntegrityIndex:
+        """How objects looked when they were last read."""
+        return IntegrityIndex(self.root / "integrity")
 
     @property
     def locks(self) -> Path:
@@ -110,11 +110,11 @@ class Store:
 
     def is_whole(self, digest: str) -> bool:
         """Tell whether an object's content has its name; read it only if it may have changed."""
-        return self.seals.is_whole(digest, self.object_folder(digest))
+        return self.integrity.is_whole(digest, self.object_folder(digest))
 
     def drop_object(self, digest: str) -> None:
         """Remove an object in one visible step."""
-        self.seals.drop(digest)
+        self.integrity.drop(digest)
         self._discard(self.object_folder(digest))
 
     def _discard(self, folder: Path) -> None:
@@ -161,7 +161,7 @@ class Store:
         A recipe names the way to a result, down to the recipes of the inputs; a key names their
         contents. After a refactoring that leaves these as they were, recipes differ, keys do not.
         """
-        files.write_json(self.index_path(key), plain_manifest(manifest))
+        files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 
     def known(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
@@ -181,18 +181,18 @@ class Store:
         Raises:
             UserError: there is none, or its object is damaged.
         """
-        found = self.read_manifest(stage, recipe)
-        if not self.is_whole(found.result.object):
-            raise damaged(stage, found.result.object)
-        return found
+        manifest = self.read_manifest(stage, recipe)
+        if not self.is_whole(manifest.result.object):
+            raise damaged(stage, manifest.result.object)
+        return manifest
 
     def whole(self, stage: str, recipe: str) -> Manifest | None:
         """Manifest of a recipe, if its object is whole."""
         return self._whole(self.manifest_path(stage, recipe))
 
     def _whole(self, path: Path) -> Manifest | None:
-        found = self.usable(path)
-        return found if found and self.is_whole(found.result.object) else None
+        manifest = self.usable(path)
+        return manifest if manifest and self.is_whole(manifest.result.object) else None
 
     def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
         """Remove the manifests whose object is gone, so that nobody trusts them; list them."""

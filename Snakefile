@@ -9,7 +9,7 @@ FOREIGN = {*map(os.path.abspath, filter(None, os.environ.get("PYTHONPATH", "").s
 sys.path[:] = [path for path in sys.path if path not in FOREIGN]
 sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
 
-from pipeline.cluster import cancel_the_rest, lead
+from pipeline.cluster import cancel_rest, lead
 from pipeline.console import Console
 from pipeline.entry import open_pipeline
 
@@ -54,6 +54,6 @@ onsuccess:
 
 
 onerror:
-    cancel_the_rest(workflow)
+    cancel_rest(workflow)
     PIPELINE.finish("FAILED")
     CONSOLE.close(succeeded=False)

@@ -5,9 +5,9 @@ import time
 from pathlib import Path
 
 import pytest
+from slider.artefacts.seals import Seals
 
 from slider.artefacts import seals
-from slider.artefacts.seals import Seals
 from slider.core import files
 
 

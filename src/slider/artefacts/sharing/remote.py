@@ -58,7 +58,11 @@ class Remote:
     contact_s: float = field(default=CONTACT_S)
 
     def __post_init__(self) -> None:
-        if urlsplit(self.url).password:
+        try:
+            password = urlsplit(self.url).password
+        except ValueError as error:  # such as http://[::1
+            raise UserError(f"remote {self.url}: {error}") from None
+        if password:
             raise UserError(
                 "expected a remote without a password in its address: use a key, the environment "
                 "or the configuration of fsspec"

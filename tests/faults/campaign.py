@@ -5,7 +5,7 @@ N`` takes each N-th trial.
 """
 
 import argparse
-import os
+import json
 import shutil
 import signal
 import sys
@@ -13,7 +13,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import islice
+from itertools import combinations, islice
 from pathlib import Path
 
 from tests.faults.chain import TRUTH, Chain, Ended, chain, no_file_beyond, process
@@ -52,8 +52,19 @@ def trials(whole: Chain, scratch: Path) -> Iterator[Trial]:
                     act = flipped(whole, where, share, forget=True)
                     yield Trial("a flipped bit before further jobs", at, act)
             yield Trial("a lost file", str(where), lost(whole, where))
-    for runs in (2, 3):
-        yield Trial("runs at once", str(runs), at_once(runs))
+        elif path.is_relative_to(whole.store.root) and path != whole.store.root:
+            where = where_in(path, whole)
+            yield Trial("a file for a folder", str(where), blocked(whole, where))
+    for pattern in ("gait/" + "?" * 64 + ".json", "index/*/*.json"):
+        paths = sorted(whole.store.root.glob(pattern))
+        for first, second in combinations([where_in(path, whole) for path in paths], 2):
+            names = f"{first} and {second}"
+            yield Trial("two manifests swapped", names, swapped(whole, first, second))
+            yield Trial("another's object", names, redirected(whole, first, second))
+
+
+def where_in(path: Path, whole: Chain) -> Path:
+    return path.relative_to(whole.folder)
 
 
 def operations(whole: Chain, name: str, scratch: Path) -> int:
@@ -112,21 +123,47 @@ def lost(whole: Chain, where: Path):
     return act
 
 
-def at_once(runs: int):
-    def act(pipeline: Chain) -> Ended:
-        def run() -> int:
-            return pipeline.complete().status
+def blocked(whole: Chain, where: Path):
+    """Put a file in the place of a folder."""
 
-        children = []
-        for _ in range(runs):
-            child = os.fork()
-            if child == 0:
-                os._exit(run())
-            children.append(child)
-        found = [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children]
-        return Ended(max(found), "")
+    def act(pipeline: Chain) -> None:
+        path = whole.copy(pipeline.folder).folder / where
+        shutil.rmtree(path)
+        path.write_text("")
 
     return act
+
+
+def swapped(whole: Chain, first: Path, second: Path):
+    """Exchange two files, and forget the table."""
+
+    def act(pipeline: Chain) -> None:
+        folder = whole.copy(pipeline.folder).folder
+        content = (folder / first).read_bytes()
+        (folder / second).replace(folder / first)
+        (folder / second).write_bytes(content)
+        forget_table(pipeline)
+
+    return act
+
+
+def redirected(whole: Chain, first: Path, second: Path):
+    """Let a manifest name the object of another, and forget the table."""
+
+    def act(pipeline: Chain) -> None:
+        folder = whole.copy(pipeline.folder).folder
+        values, other = (json.loads((folder / path).read_text()) for path in (first, second))
+        values |= {name: other[name] for name in ("object", "files", "summary")}
+        (folder / first).write_text(json.dumps(values))
+        forget_table(pipeline)
+
+    return act
+
+
+def forget_table(pipeline: Chain) -> None:
+    """Let all that follows the gaits be computed again."""
+    for stage in ("library", "walking", "table1"):
+        shutil.rmtree(pipeline.store.root / stage)
 
 
 def outcome(trial: Trial, pipeline: Chain) -> str:

@@ -99,7 +99,7 @@ class Store:
         folder.chmod(0o755)  # mkdtemp makes it private
         target = self.object_folder(result.object)
         target.parent.mkdir(parents=True, exist_ok=True)
-        if target.is_dir() and not self.is_whole(result.object):
+        if target.exists() and not self.is_whole(result.object):
             self._discard(target)
         try:
             os.rename(folder, target)

@@ -8,7 +8,7 @@ is written: whatever is visible is whole, whenever a process dies.
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,8 +24,10 @@ from slider.artefacts.manifest import (
     readable,
 )
 from slider.core import files
+from slider.core.errors import UserError
 
 ARTEFACTS = "artefacts"
+FOLDERS = ("objects", "index", "plans", "current", "locks", "logs", "work", "tmp")
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,17 @@ class Store:
     def locks(self) -> Path:
         """Folder of the locks between processes."""
         return self.root / "locks"
+
+    def check_folders(self, stages: Iterable[str]) -> None:
+        """Refuse a store with something else in the place of a folder.
+
+        Raises:
+            UserError: it names the first.
+        """
+        for name in (*FOLDERS, *stages):
+            path = self.root / name
+            if path.exists() and not path.is_dir():
+                raise UserError(f"expected a folder, found a file at {path}: `slider store verify`")
 
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:

@@ -22,7 +22,7 @@ ALLOWED = frozenset(
 )
 """Variables that a job takes over, beside those that begin with ``ALLOWED_PREFIXES``."""
 ALLOWED_PREFIXES = ("LC_", "SLURM_")
-_HOME = Path("artefacts") / "cache" / "home"
+_HOME = Path("artefacts") / "cache" / "home" / str(os.getuid())  # a store may have several users
 
 
 def job_environment(variables: Mapping[str, str], home: Path) -> dict[str, str]:

@@ -1,11 +1,15 @@
 # From the configuration to Table 1. The jobs come from pipeline/stages/; see README.md.
 #   snakemake -j2 reports/table1.csv --config hydra='experiment=smoke'
+import os
 import sys
 from pathlib import Path
 
-sys.path.insert(0, workflow.basedir)
+# The source beside this file, whatever is installed; as for the jobs, no PYTHONPATH.
+FOREIGN = {*map(os.path.abspath, filter(None, os.environ.get("PYTHONPATH", "").split(":")))}
+sys.path[:] = [path for path in sys.path if path not in FOREIGN]
+sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
 
-from pipeline.cluster import cancel_the_rest, lead
+from pipeline.cluster import cancel_rest, lead
 from pipeline.console import Console
 from pipeline.entry import open_pipeline
 
@@ -50,6 +54,6 @@ onsuccess:
 
 
 onerror:
-    cancel_the_rest(workflow)
+    cancel_rest(workflow)
     PIPELINE.finish("FAILED")
     CONSOLE.close(succeeded=False)

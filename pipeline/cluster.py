@@ -9,12 +9,10 @@ from pipeline.entry import PLAN
 
 
 def lead(workflow: Any, plan: Path) -> None:
-    """Name the plan to the jobs of a cluster, look after them, let SIGTERM do as Ctrl-C does.
+    """Name the plan to the jobs of a cluster, and let SIGTERM do as Ctrl-C does.
 
-    Jobs read the Snakefile anew, with the ``--config`` of the head. Those that ended are looked for
-    every ``seconds-between-status-checks``: by itself the executor looks ever less often, up to
-    every three minutes, and ends no sooner.
-    After SIGTERM Snakemake would wait for the jobs that run.
+    Jobs read the Snakefile again, with the ``--config`` of the head. After SIGTERM Snakemake alone
+    would wait for the jobs that run.
     """
     if workflow.local_exec:
         # The limit of submissions. Each job that ends starts one more thread per second for it.
@@ -22,13 +20,10 @@ def lead(workflow: Any, plan: Path) -> None:
         return
     settings = workflow.config_settings
     settings.config_args = [*(settings.config_args or ()), f"{PLAN}={plan}"]
-    period = workflow.remote_execution_settings.seconds_between_status_checks
-    executor = type(workflow.scheduler._executor)
-    executor.next_seconds_between_status_checks = property(lambda _: period, lambda *_: None)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
-def cancel_the_rest(workflow: Any) -> None:
+def cancel_rest(workflow: Any) -> None:
     """Cancel jobs that Snakemake lost: those that it submits or asks about when it is interrupted.
 
     All jobs of a run have its name.

@@ -24,7 +24,7 @@ from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.core import threads
+from slider.core import environment, threads
 from slider.core.disk import is_read_only, not_written
 from slider.core.errors import UserError
 from slider.env.terms import checked
@@ -73,13 +73,18 @@ class Pipeline:
 
     @property
     def run(self) -> str:
-        """Shell command that runs a job; the recipe follows.
+        """Shell command that runs a job; the recipe follows."""
+        return f"{self.slider} run --plan {self.plan_path}"
+
+    @property
+    def slider(self) -> str:
+        """Shell command ``slider`` in the environment of a job.
 
         glibc reads its variable when a process starts: it could hide instructions of the
         processor, and with them change the functions of the mathematical library.
         """
-        python = f"GLIBC_TUNABLES= {shlex.quote(sys.executable)}"
-        return f"{python} -m slider.cli run --plan {self.plan_path}"
+        words = (sys.executable, "-I", "-X", "utf8", environment.__file__)
+        return f"GLIBC_TUNABLES= {shlex.join(words)}"
 
     def slots(self, wildcards: Any) -> int:
         """Cores that the training of a recipe holds: no fewer than its processes, one for each GPU.
@@ -216,6 +221,7 @@ def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config,
 def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
     folder = store.root / "plans"
+    store.check_folders({job.stage for job in plan.jobs.values()})
     try:
         path = write_plan(plan, folder)
     except OSError as error:

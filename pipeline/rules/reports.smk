@@ -25,7 +25,7 @@ for target, names in PIPELINE.reports.items():
             [captioned(name) for name in names],
         localrule: True
         shell:
-            "{sys.executable:q} -m slider.cli publish {input.manifest:q} {output:q}"
+            "{PIPELINE.slider} publish {input.manifest:q} {output:q}"
 
 
 rule policy:
@@ -41,7 +41,7 @@ rule solve_times:
     output:
         multiext(SOLVE_TIMES, ".svg", ".png", ".md"),
     shell:
-        "{sys.executable:q} -m slider.cli library times --out {SOLVE_TIMES}"
+        "{PIPELINE.slider} library times --out {SOLVE_TIMES}"
 
 
 rule figures:

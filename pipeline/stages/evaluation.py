@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pipeline.stages.entries import ENTRIES, OF_HZD, job
-from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
@@ -13,6 +12,7 @@ from slider.config.evaluation import EvaluationConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 from slider.core.errors import UserError
+from slider.core.machine import kernels
 
 
 def evaluations_of(
@@ -73,7 +73,7 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
         "robot": robot(config),
         "plant": only(to_dict(config.env), "control_period", "physics", "termination"),
         "control": without(to_dict(control), "label"),
-        **numerics(config),
+        "numerics": kernels(),
     }
 
 

@@ -5,13 +5,13 @@ from itertools import product
 from typing import Any
 
 from pipeline.stages.entries import job
-from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.gait import Axis, FormulationConfig, GridConfig, SolveConfig, axis_size
 from slider.config.robot import Mechanism
 from slider.config.schema import Config
+from slider.core.machine import kernels
 
 Command = tuple[float, float, float]
 
@@ -48,7 +48,7 @@ def gait_section(config: Config) -> dict[str, Any]:
         "robot": mechanism(config),
         "formulation": only(settings, *(f.name for f in fields(FormulationConfig))),
         "solve": only(settings, *(f.name for f in fields(SolveConfig))),
-        **numerics(config),
+        "numerics": kernels(),
     }
 
 

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from pipeline.stages.numerics import NETWORKS, numerics
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.core.machine import kernels
 
 
 def only(values: dict[str, Any], *names: str) -> dict[str, Any]:
@@ -25,7 +25,7 @@ def robot(config: Config) -> dict[str, Any]:
 
 def simulation(config: Config) -> dict[str, Any]:
     """The robot and the environment of its policies, and what their networks compute with."""
-    return {"robot": robot(config), "env": to_dict(config.env), **numerics(config, NETWORKS)}
+    return {"robot": robot(config), "env": to_dict(config.env), "numerics": kernels()}
 
 
 def origin(job: JobSpec) -> dict[str, Any]:

@@ -2,18 +2,18 @@
 
 from pipeline.stages.entries import job
 from pipeline.stages.gaits import chunks
-from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.core.machine import kernels
 
 _BEYOND = ("impacts", "basin", "steps", "chunk")  # settings that foot placement does not use
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """What controllers take of the linearised gaits; tables, basins and figures for people."""
-    shared = {"hzd": without(to_dict(config.hzd), *_BEYOND), **numerics(config)}
+    shared = {"hzd": without(to_dict(config.hzd), *_BEYOND), "numerics": kernels()}
     gaits = [_gaits(shared, chunk, library) for chunk in chunks(library, config.hzd.chunk)]
     impacts = to_dict(config.hzd.impacts)
     maps = [_maps(impacts, gait) for gait in gaits]

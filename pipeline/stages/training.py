@@ -1,14 +1,16 @@
 """Pre-training, training, and the policy for others."""
 
+from dataclasses import replace
+
 from pipeline.stages.entries import ENTRIES, OF_HZD, OF_WARP, job
 from pipeline.stages.evaluation import check_walkable, controlled, first_hzd
-from pipeline.stages.numerics import of_training, resolved
 from pipeline.stages.sections import only, origin, simulation
 from pipeline.stages.stability import stability_jobs
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
+from slider.core.numerics import device, precision
 from slider.env.observations import TERMS
 from slider.env.terms import check_clock, uses_library
 
@@ -54,8 +56,8 @@ def _job(
         UserError: actions are on top of ``hzd``, and there is no such controller for these gaits.
     """
     check_clock(config.env, train, label)
-    train = resolved(config, train)
-    section = simulation(config) | {"train": to_dict(train)} | of_training(config, train)
+    train = _resolved(train)
+    section = simulation(config) | {"train": to_dict(train)}
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:
         inputs["start"] = [start]
@@ -67,6 +69,13 @@ def _job(
     section |= only(controlled(config, name, None), "hzd", "control")
     inputs["foot_placement"] = [stability_jobs(config, library)["foot_placement"]]
     return job(stage, label, section, inputs, entries=OF_HZD)
+
+
+def _resolved(train: TrainConfig) -> TrainConfig:
+    """Put the device and the precision that a training will have in the place of ``auto``."""
+    place = device(train.device)
+    ppo = replace(train.ppo, precision=precision(train.ppo.precision, place))
+    return replace(train, device=place, ppo=ppo)
 
 
 def policy_export(walking: JobSpec) -> JobSpec:

@@ -2,12 +2,12 @@
 
 from pipeline.stages.entries import job
 from pipeline.stages.gaits import chunks
-from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only, robot, without
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.config.validation.checks import one_of
+from slider.core.machine import kernels
 from slider.verification.quantities import QUANTITIES
 
 _COLLECTED = ("on_failure", "bounds")  # settings of the collection alone
@@ -38,7 +38,7 @@ def verification_of_gaits(config: Config, commands: list[list[float]], library: 
         "posture": to_dict(config.gait.posture),
         "verification": without(to_dict(config.verification), "chunk", *_COLLECTED),
         "commands": commands,
-        **numerics(config),
+        "numerics": kernels(),
     }
     label = f"verification of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
     return job("verification_gaits", label, section, {"library": [library]}, tracked=False)

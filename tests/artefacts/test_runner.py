@@ -2,27 +2,26 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from slider.artefacts.maintenance import verify
 from slider.artefacts.plan import JobSpec, build_plan, write_plan
 from slider.artefacts.recipe import code_of, sources_of
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
-from slider.core.numerics import kernels
+from slider.core.machine import kernels
 
 STAGE = """
-import os, signal, time
+import time
 from pathlib import Path
 
 
 def first(section, inputs, out, job):
+    assert not list(Path().iterdir()), "no option file of a library lies here"
     (out / "value.txt").write_text(str(section["value"] // 10))
     job.volatile["solve_s"] = 0.5
     return {"value": section["value"], "inf": float("inf")}
@@ -31,16 +30,6 @@ def first(section, inputs, out, job):
 def second(section, inputs, out, job):
     text = [(folder / "value.txt").read_text() for folder in inputs["values"]]
     (out / "sum.txt").write_text(",".join(text) + str(job.input_volatile["values"][0]["solve_s"]))
-    return {}
-
-
-def killed(section, inputs, out, job):
-    half = job.work / "checkpoint"
-    job.volatile["resumed"] = half.exists()
-    half.write_text("")
-    (out / "half.txt").write_text("half")
-    if not job.volatile["resumed"]:
-        os.kill(os.getpid(), signal.SIGKILL)
     return {}
 
 
@@ -99,15 +88,13 @@ def test_equal_contents_of_inputs_cut_off_what_follows(package, store):
     assert facts(store, ends[1])["reused_from"] == ends[0].recipe
 
 
-def test_a_job_refuses_kernels_that_are_not_its_recipes(package, store, monkeypatch):
+def test_a_job_refuses_kernels_that_are_not_its_recipes(package, store):
     """Laid out on another machine: one line, and neither a result nor a word of it."""
-    monkeypatch.setenv("OPENBLAS_CORETYPE", "")
-    spec = job(package, "first", {"value": 10, "numerics": {"blas": "Cray"}})
-    with pytest.raises(UserError, match=r"numerics of blas: expected Cray, .* found \w+ on "):
+    spec = job(package, "first", {"value": 10, "numerics": "vax"})
+    with pytest.raises(UserError, match=r"numerics: expected vax, .* found \S+ on "):
         Runner(store).run(spec)
     assert not store.manifest_path("first", spec.recipe).exists()
-    found = {"blas": kernels()["blas"]}
-    Runner(store).run(job(package, "first", {"value": 10, "numerics": found}))
+    Runner(store).run(job(package, "first", {"value": 10, "numerics": kernels()}))
 
 
 def test_lost_manifest_is_written_again_without_computing(package, store):
@@ -135,29 +122,6 @@ def test_a_broken_index_entry_or_fact_is_computed_again(package, store, content)
     following = job(package, "second", {}, {"values": [spec]})
     with pytest.raises(KeyError, match=r"^'solve_s'$"):  # of the stage: it receives none
         Runner(store).run(following)
-
-
-def test_corrupt_object_is_dropped_and_computed_again(package, store):
-    spec = job(package, "first", {"value": 10})
-    Runner(store).run(spec)
-    digest = store.read_manifest("first", spec.recipe).result.object
-    path = store.object_folder(digest) / "value.txt"
-    path.chmod(0o644)
-    path.write_text("?")
-    assert verify(store).objects == [digest]
-    assert Runner(store).run(spec) != "reused"
-    assert store.is_whole(digest)
-
-
-def test_a_damaged_result_is_not_reused(package, store):
-    spec = job(package, "first", {"value": 10})
-    Runner(store).run(spec)
-    digest = store.read_manifest("first", spec.recipe).result.object
-    path = store.object_folder(digest) / "value.txt"
-    path.chmod(0o644)
-    path.write_text("7")  # for 1
-    assert Runner(store).run(spec) != "reused"
-    assert store.is_whole(digest)
 
 
 @pytest.mark.parametrize("damage", [Path.unlink, lambda path: path.write_text("7")])
@@ -207,21 +171,6 @@ def command(package, store: Store, spec: JobSpec) -> subprocess.Popen:
     )
 
 
-def test_killed_job_leaves_nothing_visible_and_resumes(package, store):
-    spec = job(package, "killed", {})
-    first = command(package, store, spec)
-    _, terminal = first.communicate()
-    assert first.returncode == -signal.SIGKILL, terminal
-    assert not (store.root / "objects").exists()
-    assert not store.manifest_path("killed", spec.recipe).exists()
-    second = command(package, store, spec)
-    _, terminal = second.communicate()
-    assert second.returncode == 0, terminal
-    assert json.loads(store.manifest_path("killed", spec.recipe).read_text())["resumed"] is True
-    assert not store.work_folder("killed", spec.recipe).exists()
-    assert facts(store, spec)["resumed"] is True
-
-
 def test_two_processes_with_one_job_compute_it_once(package, store, tmp_path):
     log = tmp_path / "computed.log"
     spec = job(package, "slow", {"log": str(log)})
@@ -229,23 +178,3 @@ def test_two_processes_with_one_job_compute_it_once(package, store, tmp_path):
     terminals = [process.communicate()[1] for process in processes]
     assert [process.returncode for process in processes] == [0, 0], terminals
     assert log.read_text() == "computed\n"
-
-
-def test_failure_shows_the_end_of_the_log_and_where_it_is(package, store):
-    spec = job(package, "first", {})
-    process = command(package, store, spec)
-    _, terminal = process.communicate()
-    assert process.returncode == 1
-    assert "KeyError: 'value'" in terminal
-    assert str(store.log_path("first", spec.recipe)) in terminal
-
-
-def test_collection_waits_for_running_jobs(package, store, tmp_path):
-    spec = job(package, "slow", {"log": str(tmp_path / "log")})
-    process = command(package, store, spec)
-    while not (tmp_path / "log").exists():
-        assert process.poll() is None
-    with pytest.raises(UserError, match=f"^expected no running job in {store.root}, found one$"):
-        verify(store)
-    process.communicate()
-    assert verify(store).objects == []

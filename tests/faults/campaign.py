@@ -5,7 +5,7 @@ N`` takes each N-th trial.
 """
 
 import argparse
-import os
+import json
 import shutil
 import signal
 import sys
@@ -13,14 +13,15 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import islice
+from itertools import combinations, islice
 from pathlib import Path
 
-from tests.faults.chain import TRUTH, Chain, Ended, chain, no_file_beyond, process
-from tests.faults.operations import count, kill_at, no_space_from
+from tests.faults.chain import TRUTH, Chain, Ended, chain, process
+from tests.faults.operations import count, kill_at, no_file_beyond, no_space_from
 
 SIZES = (0, 1, 20, 200, 2000)  # of the largest file on a full disk [bytes]
 PLACES = {"first byte": 0.0, "middle": 0.5, "last byte": 1.0}
+MANIFESTS = ("gait/" + "?" * 64 + ".json", "index/*/*.json")
 
 
 @dataclass(frozen=True)
@@ -41,19 +42,41 @@ def trials(whole: Chain, scratch: Path) -> Iterator[Trial]:
             yield Trial("disk full at a file operation", at, broken(name, no_space_from, number))
         for size in SIZES:
             at = f"{name}, {size} bytes"
-            yield Trial("disk full within a file", at, limited(name, size))
+            yield Trial("disk full within a file", at, broken(name, no_file_beyond, size))
     for path in sorted(whole.folder.rglob("*")):
+        where = path.relative_to(whole.folder)
         if path.is_file():
-            where = path.relative_to(whole.folder)
-            for name, share in PLACES.items():
-                at = f"{where}, {name}"
-                yield Trial("a flipped bit", at, flipped(whole, where, share))
-                if where.parts[1] == "objects":
-                    act = flipped(whole, where, share, forget=True)
-                    yield Trial("a flipped bit before further jobs", at, act)
-            yield Trial("a lost file", str(where), lost(whole, where))
-    for runs in (2, 3):
-        yield Trial("runs at once", str(runs), at_once(runs))
+            yield from of_a_file(whole, where)
+        elif where.parts[0] == "artefacts" and len(where.parts) > 1:
+            yield Trial("a file for a folder", str(where), damaged(whole, block, where))
+    for pattern in MANIFESTS:
+        paths = [path.relative_to(whole.folder) for path in whole.store.root.glob(pattern)]
+        for pair in combinations(sorted(paths), 2):
+            names = " and ".join(map(str, pair))
+            yield Trial("two manifests swapped", names, damaged(whole, swap, *pair))
+            yield Trial("another's object", names, damaged(whole, redirect, *pair))
+
+
+def of_a_file(whole: Chain, where: Path) -> Iterator[Trial]:
+    for name, share in PLACES.items():
+
+        def flip(path: Path, share: float = share) -> None:
+            content = bytearray(path.read_bytes())
+            if content:
+                content[round(share * (len(content) - 1))] ^= 1
+                path.chmod(0o644)
+                path.write_bytes(bytes(content))
+
+        def flip_and_forget(path: Path, flip: Callable = flip) -> None:
+            flip(path)
+            for place in ("index", "walking", "table1"):
+                shutil.rmtree(path.parents[len(where.parts) - 2] / place)
+
+        yield Trial("a flipped bit", f"{where}, {name}", damaged(whole, flip, where))
+        if where.parts[1] == "objects":
+            act = damaged(whole, flip_and_forget, where)
+            yield Trial("a flipped bit before further jobs", f"{where}, {name}", act)
+    yield Trial("a lost file", str(where), damaged(whole, Path.unlink, where))
 
 
 def operations(whole: Chain, name: str, scratch: Path) -> int:
@@ -74,6 +97,8 @@ def before(pipeline: Chain, name: str) -> None:
 
 
 def broken(name: str, fault: Callable[[Path, int], Callable[[], None]], number: int):
+    """An action with a fault in it."""
+
     def act(pipeline: Chain) -> Ended:
         before(pipeline, name)
         return process(pipeline.actions[name], fault(pipeline.folder, number))
@@ -81,52 +106,41 @@ def broken(name: str, fault: Callable[[Path, int], Callable[[], None]], number: 
     return act
 
 
-def limited(name: str, size: int):
-    def act(pipeline: Chain) -> Ended:
-        before(pipeline, name)
-        return process(pipeline.actions[name], lambda: no_file_beyond(size))
-
-    return act
-
-
-def flipped(whole: Chain, where: Path, share: float, forget: bool = False):
-    """Flip a bit; with ``forget`` the training and the table are computed again."""
+def damaged(whole: Chain, damage: Callable[..., object], *places: Path):
+    """A finished pipeline, after damage to some places."""
 
     def act(pipeline: Chain) -> None:
-        path = whole.copy(pipeline.folder).folder / where
-        for place in ("index", "walking", "table1") if forget else ():
-            shutil.rmtree(pipeline.store.root / place)
-        content = bytearray(path.read_bytes())
-        if content:
-            content[round(share * (len(content) - 1))] ^= 1
-            path.chmod(0o644)
-            path.write_bytes(bytes(content))
+        folder = whole.copy(pipeline.folder).folder
+        damage(*(folder / place for place in places))
 
     return act
 
 
-def lost(whole: Chain, where: Path):
-    def act(pipeline: Chain) -> None:
-        (whole.copy(pipeline.folder).folder / where).unlink()
-
-    return act
+def block(folder: Path) -> None:
+    shutil.rmtree(folder)
+    folder.write_text("")
 
 
-def at_once(runs: int):
-    def act(pipeline: Chain) -> Ended:
-        def run() -> int:
-            return pipeline.complete().status
+def swap(first: Path, second: Path) -> None:
+    content = first.read_bytes()
+    second.replace(first)
+    second.write_bytes(content)
+    forget_table(first)
 
-        children = []
-        for _ in range(runs):
-            child = os.fork()
-            if child == 0:
-                os._exit(run())
-            children.append(child)
-        found = [os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) for child in children]
-        return Ended(max(found), "")
 
-    return act
+def redirect(first: Path, second: Path) -> None:
+    """Let a manifest name the object of another."""
+    values, other = (json.loads(path.read_text()) for path in (first, second))
+    values |= {name: other[name] for name in ("object", "files", "summary")}
+    first.write_text(json.dumps(values))
+    forget_table(first)
+
+
+def forget_table(path: Path) -> None:
+    """Let all that follows the gaits be computed again."""
+    root = next(folder for folder in path.parents if folder.name == "artefacts")
+    for stage in ("library", "walking", "table1"):
+        shutil.rmtree(root / stage)
 
 
 def outcome(trial: Trial, pipeline: Chain) -> str:
@@ -153,7 +167,8 @@ def outcome(trial: Trial, pipeline: Chain) -> str:
 
 
 def is_one_line(ended: Ended) -> bool:
-    return ended.status == 1 and len(ended.lines) == 1 and ended.said.startswith("slider: ")
+    lines = ended.said.splitlines()
+    return ended.status == 1 and len(lines) == 1 and lines[0].startswith("slider: ")
 
 
 def expect(met: bool, trial: Trial, found: object) -> None:
@@ -167,8 +182,8 @@ def run(every: int, only: str, scratch: Path) -> tuple[Counter[tuple[str, str]],
     failures = []
     with chain(scratch) as whole:
         assert whole.complete().status == 0
-        wanted = (trial for trial in trials(whole, scratch) if only in trial.kind)
-        for number, trial in enumerate(islice(wanted, 0, None, every)):
+        chosen = (trial for trial in trials(whole, scratch) if only in trial.kind)
+        for number, trial in enumerate(islice(chosen, 0, None, every)):
             pipeline = Chain(scratch / "trials" / str(number) / "chain", whole.plan)
             try:
                 counts[trial.kind, outcome(trial, pipeline)] += 1

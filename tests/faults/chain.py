@@ -1,7 +1,6 @@
 """A small pipeline of four stages, run as the Snakefile runs it, in processes that may fail."""
 
 import os
-import resource
 import shutil
 import sys
 import traceback
@@ -55,10 +54,6 @@ class Ended:
 
     status: int
     said: str
-
-    @property
-    def lines(self) -> list[str]:
-        return self.said.splitlines()
 
 
 @dataclass
@@ -177,8 +172,3 @@ def process(action: Callable[[], int], *before: Callable[[], object]) -> Ended:
     with os.fdopen(reading, errors="replace") as pipe:
         said = pipe.read()
     return Ended(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), said)
-
-
-def no_file_beyond(size: int) -> None:
-    """Let no file grow beyond a size [bytes]: writing fails half way, as on a full disk."""
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))

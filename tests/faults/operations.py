@@ -5,6 +5,7 @@ See PEP 578 and the table of audit events in the documentation of Python.
 
 import errno
 import os
+import resource
 import signal
 import sys
 from collections.abc import Callable
@@ -68,3 +69,8 @@ def no_space_from(root: Path, number: int) -> Callable[[], None]:
 def count(root: Path, path: Path) -> Callable[[], None]:
     """Write the number of operations so far to a file elsewhere."""
     return lambda: at_each(root, lambda number: path.write_text(str(number)))
+
+
+def no_file_beyond(root: Path, size: int) -> Callable[[], None]:
+    """Let no file grow beyond a size [bytes]: writing fails half way, as on a full disk."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))

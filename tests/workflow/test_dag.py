@@ -1,17 +1,14 @@
-"""The real stages, tiny: what is computed when something changes.
-
-All tests share one workspace and leave its sources and its table as they found them, so that each
-starts from a finished pipeline; the recipes of earlier tests stay known to the store.
-"""
+"""The real Snakemake: which jobs run when something changes, and the table that they end with."""
 
 import csv
-import os
-import signal
+import json
+import resource
+import shutil
 import sqlite3
 from contextlib import closing
-from pathlib import Path
 
 import pytest
+from slider.artefacts.source.closure import DATA
 
 from slider.reports.figures import FILES
 from tests.workflow.workspace import (
@@ -20,129 +17,250 @@ from tests.workflow.workspace import (
     HOSTILE,
     PAGE,
     QUIET,
+    REPOSITORY,
     TABLE,
     Workspace,
     copy_repository,
+    dummies_that_ran,
+    finished,
+    with_dummies,
 )
-from tests.workflow.workspace import finished as finished_pipeline
 
 pytestmark = pytest.mark.workflow
 
-FOR_THE_PAGE = {"report", "video"}
+LONGER = "train.walking.iterations=5"
+GAIT, EVALUATION = (f"src/slider/{name}/stage.py" for name in ("gait", "evaluation"))
+RUN_ALL = """
+import sys
+from pathlib import Path
+from pipeline.entry import open_pipeline
+from slider.artefacts.plan import build_plan
+from slider.artefacts.runner import Runner
+
+opened = open_pipeline({"hydra": sys.argv[1]}, Path("conf"))
+target = opened.plan.jobs[opened.plan.targets["table1"]]
+for job in build_plan({"table1": target}).jobs.values():
+    Runner(opened.store).run(job)
+"""
+
+
+# The real stages, tiny.
 
 
 @pytest.fixture(scope="module")
-def first(session_folder) -> Workspace:
+def real(session_folder) -> Workspace:
     """A pipeline that ran from nothing to its table and its page, once; nobody may change it."""
-    workspace = finished_pipeline(session_folder)
-    assert [job for job in workspace.stages() if job not in FOR_THE_PAGE] == EVERYTHING
-    return workspace
+    return finished(session_folder)
 
 
-@pytest.fixture(scope="module")
-def finished(first, tmp_path_factory) -> Workspace:
-    """A copy of it to work with."""
-    return first.copy(tmp_path_factory.mktemp("dag") / "copy")
-
-
-def restored(workspace: Workspace, path: str, old: str, new: str) -> list[str]:
-    """Stages computed after an edit of the source, which is then taken back."""
-    workspace.edit(path, old, new)
-    computed = workspace.computed()
-    workspace.edit(path, new, old)
-    return computed
-
-
-def test_ends_with_a_table_of_our_controller(finished):
-    rows = list(csv.DictReader(finished.table.read_text().splitlines()))
-    assert rows
+def test_ends_with_a_table_and_a_page_of_our_controller(real):
+    """The folder has a space, quotes, a letter beyond ASCII and a command in its name."""
+    assert [job for job in real.stages() if job not in ("report", "video")] == EVERYTHING
+    rows = list(csv.DictReader(real.table.read_text().splitlines()))
     assert {"controller", "source", "command_velocity"} <= set(rows[0])
-    assert list(finished.artefacts.glob("mlflow.db"))
-    assert not list((finished.artefacts / "tmp").iterdir())
-
-
-def test_a_hostile_folder_is_only_a_folder(first):
-    """It has a space, quotes, a letter beyond ASCII and a command in its name."""
-    assert first.folder.name == HOSTILE
-    assert not list(first.folder.parent.rglob("pwned"))
-    assert first.slider("store", "verify").returncode == 0
-    assert (first.folder / PAGE).is_file()
-    database = first.artefacts / "mlflow.db"
+    assert (real.folder / PAGE).is_file()
+    assert real.folder.name == HOSTILE
+    assert not list(real.folder.parent.rglob("pwned"))
+    assert not list((real.artefacts / "tmp").iterdir())
+    assert real.slider("store", "verify").returncode == 0
+    database = real.artefacts / "mlflow.db"
     with closing(sqlite3.connect(f"{database.as_uri()}?mode=ro", uri=True)) as connection:
         (runs,) = connection.execute("SELECT count(*) FROM runs").fetchone()
     assert runs > len(EVERYTHING) - 2
 
 
-def test_computes_nothing_on_a_second_run(finished):
-    assert finished.computed() == []
+def test_same_seed_same_table(real, tmp_path):
+    """Whatever the home folder is and MPLBACKEND, MUJOCO_GL say, which Table 1 does not need."""
+    again = copy_repository(tmp_path)
+    hostile = {"HOME": "/proc/nobody", "MPLBACKEND": "none", "MUJOCO_GL": "none"}
+    assert again.computed(**hostile) == EVERYTHING  # and nothing that only the page needs
+    assert again.table.read_bytes() == real.table.read_bytes()
+    for stage in ("gait", "library", "walking", "evaluation", "table1"):
+        assert again.objects(stage) == real.objects(stage)
 
 
-def test_the_figures_are_beside_the_way_to_the_table(finished):
-    assert not list(finished.artefacts.glob("figures/*.json"))
-    done = finished.snakemake("figures", hydra=QUIET)
+def test_what_is_beside_the_way_to_the_table(real, tmp_path):
+    """Figures, stability and checks of gaits are targets of their own and wait for no training."""
+    workspace = real.copy(tmp_path / "copy")
+    targets = ("figures", "reports/stability.csv", "reports/verification.csv")
+    short = "verification.replay.steps=2 verification.points=21"
+    done = workspace.snakemake(*targets, hydra=f"{short} {QUIET}")
     assert done.returncode == 0, done.stderr
-    names = {path.name for path in (finished.folder / "reports/figures").iterdir()}
+    for stage in ("figures", "stability_gaits", "return_maps", "verification_gaits"):
+        (manifest,) = workspace.manifests(stage)
+        assert {"library"} <= set(manifest["inputs"]) <= {"library", "gaits"}
+    reports = workspace.folder / "reports"
+    names = {path.name for path in (reports / "figures").iterdir()}
     assert names == {*FILES, "solve_times.svg", "solve_times.png", "solve_times.md"}
-    assert finished.computed() == []
-    shown = finished.slider("gait", "show", "--vx", "0.4")
-    assert "Solve_Succeeded" in shown.stdout, shown.stderr
+    rows = list(csv.DictReader((reports / "stability.csv").read_text().splitlines()))
+    assert [float(row["vx"]) for row in rows] == [0.2, 0.4]
+    assert all(float(row["closed_spectral_radius"]) < 1 for row in rows)
+    verdict = json.loads((reports / "verification.json").read_text())
+    assert (verdict["passed"], verdict["gaits"]) == (True, 2)
+    assert "Solve_Succeeded" in workspace.slider("gait", "show", "--vx", "0.4").stdout
+
+    strict = f"{short} verification.bounds.return_map=2.0"
+    hydra = f"{strict} verification.on_failure=error {QUIET}"
+    failing = workspace.snakemake("reports/verification.csv", hydra=hydra)
+    assert failing.returncode == 1
+    assert "gait (0.2, 0) m/s, return_map: expected ≤ 2 -" in failing.stderr
+    assert workspace.computed(strict, target="reports/verification.csv") == ["verification"]
 
 
-def test_computes_nothing_after_a_comment(finished):
-    path = next((finished.folder / "src/slider/gait").glob("stage.py"))
-    relative = str(path.relative_to(finished.folder))
-    first_line = path.read_text().splitlines()[0]
-    assert restored(finished, relative, first_line, f"# A comment.\n{first_line}") == []
+# Stages in miniature.
 
 
-def test_a_gait_value_makes_other_gaits_and_another_library(finished):
-    """All that follows is computed anew as well: see test_machinery."""
-    gaits, library = finished.objects("gait"), finished.objects("library")
-    found = finished.computed("gait.posture.clearance=0.045", target="gait_library")
-    assert found == ["gait", "gait", "library"]
-    assert len(finished.objects("gait") - gaits) == 2
-    assert len(finished.objects("library") - library) == 1
+@pytest.fixture(scope="module")
+def once(session_folder, tmp_path_factory) -> Workspace:
+    return dummies_that_ran(session_folder, tmp_path_factory.mktemp("dag") / "once")
 
 
-def test_computes_only_the_new_gaits_when_the_grid_grows(finished):
-    found = finished.computed("gait.grid.vx.stop=0.6", target="gait_library")
-    assert found == ["gait", "library"]
+@pytest.fixture
+def workspace(once, tmp_path) -> Workspace:
+    return once.copy(tmp_path / "copy")
 
 
-def test_a_refactoring_with_identical_results_stops_at_its_stage(finished):
-    path = "src/slider/gait/stage.py"
-    text = (finished.folder / path).read_text()
-    (finished.folder / path).write_text(text + "\n\ndef unused() -> None:\n    pass\n")
-    assert finished.computed() == ["gait", "gait"]
-    (finished.folder / path).write_text(text)
+@pytest.fixture
+def blank(tmp_path) -> Workspace:
+    """Dummies of which none ran."""
+    return with_dummies(copy_repository(tmp_path))
 
 
-def test_a_new_version_of_a_package_reaches_what_imports_it(finished, tmp_path: Path):
-    info = tmp_path / "casadi-99.0.dist-info"
+@pytest.mark.parametrize(
+    ("override", "stages"),
+    [
+        ("gait.nodes=31", EVERYTHING),
+        ("gait.grid.vx.stop=0.6", [*EVERYTHING[:3], *EVERYTHING[4:]]),
+        (LONGER, AFTER_STANDING),
+        ("evaluation.commands=[0.2,0.4,0.3]", ["evaluation", "table1"]),
+        ("resources.threads=1", []),
+    ],
+)
+def test_a_value_computes_what_depends_on_it(workspace, override, stages):
+    """The way back to the earlier value computes nothing and restores the table."""
+    first = workspace.table.read_bytes()
+    assert workspace.computed(override) == stages
+    assert (workspace.table.read_bytes() != first) == bool(stages)
+    assert workspace.computed() == []
+    assert workspace.table.read_bytes() == first
+
+
+def comment(workspace: Workspace) -> None:
+    prepend(workspace, GAIT, "# A comment.\n")
+
+
+def refactoring(workspace: Workspace) -> None:
+    """The gaits stay the same, so nothing follows."""
+    prepend(workspace, GAIT, "unused = 1\n")
+
+
+def another_evaluation(workspace: Workspace) -> None:
+    workspace.edit(EVALUATION, "policy}", "policy}!")
+
+
+def new_version(workspace: Workspace) -> None:
+    """Only the gaits import casadi."""
+    info = workspace.folder / "src" / "casadi-99.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: casadi\nVersion: 99.0\n")
-    # Only the gaits import casadi; as their content stays the same, nothing follows.
-    assert finished.computed(FIRST=str(tmp_path)) == ["gait", "gait"]
 
 
-def test_a_value_of_a_training_that_is_killed_computes_it_and_what_follows(first, finished):
-    """The kill leaves nothing half-written; the way back to the earlier value computes nothing."""
-    before = finished.objects("walking")
-    pipeline = finished.start(TABLE, hydra=f"train.walking.seed=7 {QUIET}")
-    os.kill(finished.wait_for_job("walking"), signal.SIGKILL)
-    assert pipeline.wait() == 1
-    assert finished.objects("walking") == before
-    assert finished.slider("store", "verify").returncode == 0
-    assert finished.computed("train.walking.seed=7") == AFTER_STANDING
-    assert finished.table.read_bytes() != first.table.read_bytes()
-    assert finished.computed() == []
-    assert finished.table.read_bytes() == first.table.read_bytes()
+def foreign_path(workspace: Workspace) -> None:
+    """A sourced ROS: PYTHONPATH with another casadi."""
+    new_version(workspace)
+    info = workspace.folder / "src" / "casadi-99.0.dist-info"
+    shutil.move(info, workspace.folder / "conf")
 
 
-def test_same_seed_same_table(first, tmp_path: Path):
-    again = copy_repository(tmp_path)
-    assert again.computed() == EVERYTHING  # and nothing that only the page needs
-    assert again.table.read_bytes() == first.table.read_bytes()
-    for stage in ("gait", "library"):
-        assert again.objects(stage) == first.objects(stage)
-        assert again.objects(stage)
+def litter(workspace: Workspace) -> None:
+    for name in (".DS_Store", "Thumbs.db", "stage.py.orig"):
+        (workspace.folder / "src" / "slider" / "gait" / name).write_text("")
+
+
+def test_every_data_file_of_the_package_counts_as_one():
+    kinds = {path.suffix for path in (REPOSITORY / "src" / "slider").rglob("*.*")}
+    assert kinds - {".py", ".pyc", ".typed", ".machine", ".json"} <= {*DATA}
+
+
+def lost_manifests(workspace: Workspace) -> None:
+    for path in (workspace.artefacts / "table1").glob("*.json"):
+        path.unlink()
+    workspace.table.unlink()
+
+
+def edited_table(workspace: Workspace) -> None:
+    workspace.table.write_text("edited by hand\n")
+    (workspace.folder / ".snakemake" / "metadata").rename(workspace.folder / "forgotten")
+
+
+def prepend(workspace: Workspace, path: str, text: str) -> None:
+    file = workspace.folder / path
+    file.write_text(text + file.read_text())
+
+
+@pytest.mark.parametrize(
+    ("change", "stages"),
+    [
+        (comment, []),
+        (refactoring, ["gait", "gait"]),
+        (another_evaluation, ["evaluation", "evaluation", "table1"]),
+        (new_version, ["gait", "gait"]),
+        (foreign_path, []),
+        (litter, []),
+        (lost_manifests, []),
+        (edited_table, []),
+    ],
+)
+def test_a_change_computes_what_depends_on_it(workspace, change, stages):
+    first = workspace.table.read_text()
+    change(workspace)
+    path = f"{workspace.folder / 'src'}:{workspace.folder / 'conf'}"
+    assert workspace.computed(PYTHONPATH=path) == stages
+    assert (workspace.table.read_text() == first) == (change is not another_evaluation)
+    assert workspace.slider("store", "verify").returncode == 0
+
+
+def test_a_failing_stage_shows_its_last_words(workspace):
+    workspace.edit("src/slider/reports/table1.py", "    records", "    1 / 0\n    records")
+    failed = workspace.snakemake(TABLE, hydra=QUIET)
+    assert failed.returncode == 1
+    assert "ZeroDivisionError: division by zero" in failed.stderr
+    assert "artefacts/logs/table1/" in failed.stderr
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("hydra=gait.nods=3", "did you mean 'gait.nodes'?"),
+        ("hydra=3", "expected text of the form key=value, found 3"),
+        ("hydar=gait.nodes=3", "unknown --config name 'hydar'"),
+    ],
+)
+def test_a_mistake_is_one_line_and_status_1(once, setting, message):
+    failed = once.command(["-m", "snakemake", "-n", "--config", setting])
+    assert failed.returncode == 1
+    (line,) = [line for line in failed.stderr.splitlines() if not line.startswith("Using workflow")]
+    assert message in line
+
+
+def test_a_dry_run_and_a_run_with_nothing_to_do_are_fast(blank):
+    """125 gaits: 2.2 s and 2.1 s on a quiet machine; time of the processor, as it may be busy."""
+    grid = "gait.grid.vx.start=0.0 gait.grid.vx.stop=1.2 gait.grid.vx.step=0.05"
+    grid += " gait.grid.vy.start=-0.1 gait.grid.vy.stop=0.1 gait.grid.vy.step=0.05"
+    before = _processor_time()
+    dry = blank.snakemake("-n", hydra=f"{grid} {QUIET}")  # the table is the default target
+    assert _processor_time() - before < 8
+    assert "125" in dry.stdout + dry.stderr
+    assert "publish_table1" in dry.stdout + dry.stderr
+    done = blank.command(["-c", RUN_ALL, f"experiment=test {grid} {QUIET}"])
+    assert done.returncode == 0, done.stderr
+    before = _processor_time()
+    assert blank.computed(grid) == []
+    assert _processor_time() - before < 8
+    assert blank.table.is_file()
+
+
+def _processor_time() -> float:
+    """Of the processes that this one waited for [s]."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime

@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages import all_jobs, entries, table1_jobs
-from pipeline.stages import numerics as stage_numerics
 from pipeline.stages.evaluation import protocol_jobs
 from pipeline.stages.gaits import commands
 from pipeline.stages.page import report
@@ -13,8 +12,8 @@ from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
+from slider.core import machine
 from slider.core.errors import UserError
-from slider.core.numerics import kernels
 
 CONF = Path(__file__).parents[2] / "conf"
 ALL = {"gait", "library", "standing", "walking", "evaluation", "table1"}
@@ -188,23 +187,20 @@ def jobs_of(*overrides: str) -> dict[str, JobSpec]:
 
 
 CONTROLLERS = "evaluation.controllers=[policy,hzd,mpc_wbc_tuned]"
-ARRAYS = {"numpy", "blas"}
-NETWORKS = {*ARRAYS, "aten", "mkl", "device"}
 
 
 @pytest.fixture
 def processor(monkeypatch):
     """Lay jobs out for a processor of another kind."""
 
-    def pretend(level: str) -> None:
-        found = dict.fromkeys(("numpy", "blas", "aten", "mkl", "onednn"), level)
-        portable = kernels("portable")
-        modes = {"auto": found, "portable": portable}
-        monkeypatch.setattr(stage_numerics, "_kernels", lambda mode: modes[mode])
-        stage_numerics._numerics.cache_clear()
+    def pretend(flags: str) -> None:
+        values = {"flags": flags, "vendor_id": "GenuineIntel"}
+        monkeypatch.setattr(machine, "cpuinfo", lambda field: values[field])
+        machine.kernels.cache_clear()
 
     yield pretend
-    stage_numerics._numerics.cache_clear()
+    monkeypatch.undo()
+    machine.kernels.cache_clear()
 
 
 def everything(*overrides: str) -> list[JobSpec]:
@@ -217,37 +213,21 @@ def everything(*overrides: str) -> list[JobSpec]:
     return list(build_plan({str(name): job for name, job in made.items()}).jobs.values())
 
 
-def test_the_kernels_are_in_the_sections_of_stages_whose_bytes_depend_on_them(processor):
-    processor("AMX")
-    found: dict[str, set[str]] = {}
-    for made in everything("hzd.basin.gaits=[[0.4,0.0]]"):
-        if "numerics" in made.section:
-            found.setdefault(made.stage, set()).update(made.section["numerics"])
-    arrays = (
-        "gait",
-        "gait_start",
-        "baseline",
-        "gait_walks",
-        "stability_gaits",
-        "return_maps",
-        "basin",
-    )
-    assert found == {
-        **dict.fromkeys((*arrays, "verification_gaits"), ARRAYS),
-        **dict.fromkeys(("evaluation", "video"), NETWORKS),
-        **{stage: {*NETWORKS, "onednn"} for stage in ("standing", "walking")},
-    }
-
-
-def test_a_training_has_the_precision_of_the_processor(processor):
-    trained = {}
-    for level in ("AMX", "AVX2"):
-        processor(level)
-        trained[level] = jobs_of()["walking"]
-    ppo = {level: made.section["train"]["ppo"]["precision"] for level, made in trained.items()}
-    assert ppo == {"AMX": "bfloat16", "AVX2": "float32"}
-    assert set(trained["AVX2"].section["numerics"]) == NETWORKS  # oneDNN has no part in float32
-    assert trained["AMX"].recipe != trained["AVX2"].recipe
+def test_kernels_and_precision_are_in_the_recipes_whose_bytes_depend_on_them(processor):
+    stages, precisions = [], []
+    for flags in ("avx2 fma", "avx2 fma avx512_bf16"):
+        processor(flags)
+        jobs = everything("hzd.basin.gaits=[[0.4,0.0]]")
+        stages.append({job.stage for job in jobs if "numerics" in job.section})
+        precisions.append(jobs_of()["walking"].section["train"]["ppo"]["precision"])
+        assert {job.section.get("numerics", machine.kernels()) for job in jobs} == {
+            machine.kernels()
+        }
+    of_arrays = {"gait", "gait_start", "baseline", "gait_walks", "verification_gaits"}
+    of_hzd = {"stability_gaits", "return_maps", "basin"}
+    of_networks = {"standing", "walking", "evaluation", "video"}
+    assert stages == 2 * [of_arrays | of_hzd | of_networks]
+    assert precisions == ["float32", "bfloat16"]
 
 
 GPU = ("train.walking.simulator=mujoco_warp", "train.walking.device=cuda")
@@ -256,10 +236,9 @@ GPU = ("train.walking.simulator=mujoco_warp", "train.walking.device=cuda")
 def test_a_training_on_a_gpu_is_another_recipe_and_all_else_the_same():
     plain, own = jobs_of(), jobs_of(*GPU)
     for stage in ("standing", "walking"):
-        section = own[stage].section
-        assert section["numerics"]["device"] == section["train"]["device"] == "cuda"
-        assert section["train"]["ppo"]["precision"] == "float32"
-        assert plain[stage].section["numerics"]["device"] == "cpu"
+        train = own[stage].section["train"]
+        assert (train["device"], train["ppo"]["precision"]) == ("cuda", "float32")
+        assert plain[stage].section["train"]["device"] == "cpu"
         assert not {"warp", "mujoco_warp"} & plain[stage].code.versions.keys()
     assert own["library"].recipe == plain["library"].recipe
     sections = [made["walking"].section["env"] for made in (own, plain)]
@@ -274,16 +253,6 @@ def test_auto_is_the_recipe_of_the_device_that_was_found(monkeypatch):
         found = jobs_of(GPU[0], "train.walking.device=auto")["walking"]
         explicit = jobs_of(GPU[0], f"train.walking.device={device}")["walking"]
         assert found.recipe == explicit.recipe
-
-
-def test_portable_has_the_same_recipes_on_every_processor(processor):
-    found = []
-    for level in ("AMX", "AVX2"):
-        processor(level)
-        found.append({job.recipe for job in everything("numerics=portable")})
-    assert found[0] == found[1]
-    processor("AMX")
-    assert {job.recipe for job in everything()} != found[0]
 
 
 ALONE = (

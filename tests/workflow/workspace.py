@@ -13,6 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from pipeline.stages.entries import ENTRIES
 from slider.artefacts.locks import exclusive
 from tests import shared
 
@@ -26,45 +27,31 @@ HOSTILE = 'it\'s a "gäit" $(touch pwned)'  # a folder that must be quoted where
 AFTER_STANDING = ["evaluation", "evaluation", "table1", "walking"]
 EVERYTHING = sorted([*AFTER_STANDING, "gait", "gait", "library", "standing"])
 
-# Stages in miniature: for tests of the machinery that need many runs.
-DUMMIES = {
+# Stages in miniature, for tests that need many runs: the body of each stage's function.
+BODIES = {
     "gait": """
-from typing import TYPE_CHECKING
-from slider.gait.tiny import speed
-if TYPE_CHECKING:
-    import casadi
-
-
-def run(section, inputs, out, job):
     (out / "gait.txt").write_text(f"{speed(section)} {section['formulation']['nodes']}")
     job.volatile["solve_s"] = 0.1
     return {"converged": True}
 """,
     "library": """
-def run(section, inputs, out, job):
     text = "\\n".join((folder / "gait.txt").read_text() for folder in inputs["gaits"])
     (out / "library.txt").write_text(text)
     times = [facts["solve_s"] for facts in job.input_volatile["gaits"]]
     job.tracker.log_table({"solve_s": times}, "gaits")
     return {"gaits": len(inputs["gaits"])}
 """,
-    "training": """
-import os
-import signal
-
-
-def run_standing(section, inputs, out, job):
+    "standing": """
     (out / "policy.txt").write_text(str(section["train"]["iterations"]))
     return {}
-
-
-def run_walking(section, inputs, out, job):
+""",
+    "walking": """
     checkpoint = job.work / "checkpoint.txt"
     job.volatile["resumed"] = checkpoint.is_file()
     checkpoint.write_text("half way")
     (out / "half.txt").write_text("half")
-    if os.environ.get("SUICIDE") and not job.volatile["resumed"]:
-        os.kill(os.getpid(), signal.SIGKILL)
+    while (job.work.parents[3] / WAIT).exists():
+        time.sleep(0.1)
     (out / "half.txt").unlink()
     iterations = section["train"]["iterations"]
     for step in range(iterations):
@@ -74,13 +61,11 @@ def run_walking(section, inputs, out, job):
     return {"reward": iterations / 2}
 """,
     "evaluation": """
-def run(section, inputs, out, job):
     policy = (inputs["walking"][0] / "policy.txt").read_text()
     (out / "records.txt").write_text(f"{section['command']} {policy}")
     return {}
 """,
-    "reports": """
-def run(section, inputs, out, job):
+    "table1": """
     records = [(folder / "records.txt").read_text() for folder in inputs["evaluations"]]
     for name in ("gait_quality.csv", "table1.md", "table1.tex"):
         (out / name).write_text("quality\\n")
@@ -88,18 +73,23 @@ def run(section, inputs, out, job):
     return {}
 """,
 }
-OTHER = """
-def run(section, inputs, out, job):
+OTHER_BODY = """
     (out / "index.html").write_text(" ".join(sorted(inputs)))
     return {}
 """
-
-
-FIGURES = """
-def run(section, inputs, out, job):
-    (out / "size.md").write_text((inputs["library"][0] / "library.txt").read_text())
-    return {}
-"""
+WAIT = "wait"  # a file in the workspace, as long as which the dummy of a training goes on
+HEADS = {
+    "gait": """
+from typing import TYPE_CHECKING
+from slider.gait.tiny import speed
+if TYPE_CHECKING:
+    import casadi
+""",
+    "walking": f"""
+import time
+WAIT = "{WAIT}"
+""",
+}
 
 
 @dataclass(frozen=True)
@@ -145,8 +135,7 @@ class Workspace:
         raise AssertionError(f"no job of stage {stage} appeared")
 
     def _environment(self, extra: dict[str, str]) -> dict[str, str]:
-        paths = [extra.pop("FIRST", ""), str(self.folder / "src")]
-        return os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))} | extra
+        return os.environ | {"PYTHONPATH": str(self.folder / "src")} | extra
 
     def command(self, arguments: list[str], **environment: str):
         """Run a Python module in the workspace; its own sources come first."""
@@ -269,38 +258,17 @@ def finished(folder: Path) -> Workspace:
 
 def with_dummies(workspace: Workspace) -> Workspace:
     """Put stages in miniature in the place of the real ones."""
-    source = workspace.folder / "src" / "slider"
-    sections = (source / "reports" / "sections" / "registry.py").read_text()
-    for name, text in DUMMIES.items():
-        shutil.rmtree(source / name, ignore_errors=True)
-        (source / name).mkdir()
-        (source / name / "__init__.py").write_text("")
-        module = "table1" if name == "reports" else "stage"
-        (source / name / f"{module}.py").write_text(text)
-    (source / "reports" / "figures").mkdir()
-    (source / "reports" / "figures" / "__init__.py").write_text(
-        "FILES = STABILITY_FILES = ('size.md',)\n"
-    )
-    for name in ("stage", "stability", "verification_maps"):
-        (source / "reports" / "figures" / f"{name}.py").write_text(FIGURES)
-    (source / "reports" / "protocols").mkdir()
-    (source / "reports" / "protocols" / "__init__.py").write_text("")
-    for name in ("speeds", "segments", "cases"):
-        (source / "reports" / "protocols" / f"{name}.py").write_text(OTHER)
-    (source / "reports" / "sections").mkdir()
-    (source / "reports" / "sections" / "__init__.py").write_text("")
-    (source / "reports" / "sections" / "registry.py").write_text(sections)
-    for name in ("page", "video", "velocity_tracking"):
-        (source / "reports" / f"{name}.py").write_text(OTHER)
-    for name in ("gait_walks", "mpc", "enforced"):
-        (source / "evaluation" / f"{name}.py").write_text(OTHER)
-    shutil.rmtree(source / "hzd")
-    (source / "hzd").mkdir()
-    (source / "hzd" / "__init__.py").write_text("")
-    stage = OTHER + "\n\nrun_gaits = run_basin = collect_placement = run_maps = run\n"
-    for name in ("stage", "stability"):
-        (source / "hzd" / f"{name}.py").write_text(stage)
-    (source / "gait" / "tiny.py").write_text(
+    source = workspace.folder / "src"
+    modules: dict[Path, str] = {}
+    for stage, entry in reversed(ENTRIES.items()):  # import lines first
+        module, _, function = entry.partition(":")
+        path = source / f"{module.replace('.', '/')}.py"
+        body = BODIES.get(stage, OTHER_BODY)
+        text = f"def {function}(section, inputs, out, job):{body}\n\n"
+        modules[path] = HEADS.get(stage, "") + "\n\n" + text + modules.get(path, "")
+    for path, text in modules.items():
+        path.write_text(text)
+    (source / "slider" / "gait" / "tiny.py").write_text(
         "def speed(section):\n    return sum(section['command'])\n"
     )
     return workspace

@@ -16,6 +16,8 @@ from slider.core.errors import UserError
 from slider.core.files import digest_file, digest_text
 
 _BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
+DATA = (".css", ".csv", ".html", ".js", ".json", ".txt", ".xml", ".yaml")
+"""Endings of data files, which a source digest covers where they lie beside its modules."""
 
 
 @dataclass(frozen=True)
@@ -184,15 +186,14 @@ def _parents(name: str) -> list[str]:
 
 
 def _data_files(folder: Path) -> Iterator[Path]:
-    """Files that are not Python, here and in sub-folders that are no packages."""
+    """Data files here and in sub-folders that are no packages."""
     for path in folder.iterdir():
         if path.is_dir() and path.name != "__pycache__" and not any(path.glob("*.py")):
             yield from _data_files(path)
-        elif path.is_file() and not _is_no_data(path.name):
+        elif path.is_file() and _is_data(path.name):
             yield path
 
 
-def _is_no_data(name: str) -> bool:
-    """Python, its marker of types, and what editors leave beside a file while it is open."""
-    endings = (".py", ".pyc", ".typed", "~", ".bak", ".orig", ".rej", ".tmp")
-    return name.endswith(endings) or name.startswith((".", "#"))
+def _is_data(name: str) -> bool:
+    """Tell whether a file is of a kind that the package ships, not what a file manager leaves."""
+    return name.endswith(DATA) and not name.startswith((".", "#"))

@@ -72,7 +72,8 @@ def verify(store: Store) -> Removed:
     misplaced = free_places(store)
     with nobody_else(store.locks):
         unreadable = _names(store, [*misplaced, *drop_unreadable(store)])
-        corrupt = {d for d in _objects(store) if not store.seals.read(d, store.object_folder(d))}
+        folders = {digest: store.object_folder(digest) for digest in _objects(store)}
+        corrupt = {d for d, folder in folders.items() if not store.integrity.read(d, folder)}
         derived = _derived(store, corrupt)
         for path in derived:
             path.unlink(missing_ok=True)
@@ -129,7 +130,7 @@ def date_now(store: Store, paths: Iterable[Path]) -> int:
     The clock was set back after they were written. What is made from them would else be older,
     which Snakemake refuses.
     """
-    now = store.seals.now()
+    now = store.integrity.now()
     late = [path for path in paths if now and path.is_file() and path.stat().st_mtime_ns > now]
     for path in late:
         os.utime(path, ns=(now, now))
@@ -163,7 +164,7 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
 
 def _drop_litter(store: Store, recipes: set[str]) -> None:
     """Unfinished results, caches, half-written files; work, logs, facts of forgotten recipes."""
-    for name in ("tmp", "cache", "sources"):  # the last of an earlier version
+    for name in ("tmp", "cache", "sources", "seals"):  # the last two of earlier versions
         shutil.rmtree(store.root / name, ignore_errors=True)
     for path in store.root.rglob(files.TEMPORARY_PATTERN):
         path.unlink(missing_ok=True)

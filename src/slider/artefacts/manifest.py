@@ -2,22 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.files import FileTable
 
-SCHEMA = 1
+SCHEMA = 2
+_LONGEST_NAME, _DEEPEST = 255, 32  # bytes of a name, which file systems allow; folders in folders
 
 
 @dataclass(frozen=True)
 class Result:
     """What a stage produced: the object, its files and a few deterministic facts.
 
-    ``resumed`` is the one trace of a run's history that is kept here: a training that was resumed
-    from a checkpoint is not bit-equal to an uninterrupted one, and who uses it must know.
+    ``resumed`` is the only trace of a run's history here: a training that was resumed from a
+    checkpoint is not bit-equal to an uninterrupted one.
     """
 
     object: str
@@ -33,10 +34,15 @@ class Result:
 
 @dataclass(frozen=True)
 class Manifest:
-    """The result of a recipe and the recipes of its inputs. Holds nothing volatile.
+    """The result of a recipe; holds nothing volatile.
 
-    ``input_objects`` are the inputs' objects, whose content was checked before it was computed
-    from them; an earlier version of this package noted none.
+    Attributes:
+        stage: name of the stage.
+        recipe: of the job.
+        inputs: recipes of the inputs by name.
+        result: object and facts.
+        input_objects: objects of the inputs, whose content was checked before they were used.
+        key: of the entry of the store's index that holds the same result.
     """
 
     stage: str
@@ -44,10 +50,11 @@ class Manifest:
     inputs: Mapping[str, Sequence[str]]
     result: Result
     input_objects: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    key: str = field(default="", compare=False)
 
 
 def damaged(stage: str, digest: str) -> UserError:
-    """What is said of a result whose content is not what its name says."""
+    """The error of a result whose content is not what its name says."""
     return UserError(
         f"expected the {stage} result {digest[:12]} whole, "
         "found it damaged: run `slider store verify`"
@@ -61,11 +68,14 @@ def parse_manifest(path: Path) -> Manifest:
         UserError: there is none, or it is not one of ours.
     """
     try:
-        return manifest_from(files.read_json(path))
+        manifest = manifest_from(files.read_json(path))
     except FileNotFoundError:
         raise UserError(f"expected a manifest, found none at {path}") from None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         raise UserError(f"expected a manifest, found something else in {path}") from None
+    if path.stem not in (manifest.recipe, manifest.key):
+        raise UserError(f"expected a manifest, found that of another job in {path}")
+    return manifest
 
 
 def readable(path: Path) -> Manifest | None:
@@ -77,28 +87,35 @@ def readable(path: Path) -> Manifest | None:
 
 
 def manifest_from(values: Any) -> Manifest:
-    """The manifest of plain values.
+    """The manifest of plain values, such as those of a file; nothing in them is trusted.
 
     Raises:
-        ValueError, KeyError, TypeError, AttributeError: they are none of ours.
+        ValueError, KeyError, TypeError, AttributeError: they are none of ours, or were changed.
     """
+    others = {name: value for name, value in values.items() if name != "digest"}
+    if values["digest"] != files.digest_value(others):
+        raise ValueError("expected the values that were written, found others")
     result = Result(
         values["object"], values["files"], values["summary"], values.get("resumed", False)
     )
-    inputs, objects = values["inputs"], values.get("input_objects", {})
-    manifest = Manifest(values["stage"], values["recipe"], inputs, result, objects)
+    inputs, objects = values["inputs"], values["input_objects"]
+    manifest = Manifest(values["stage"], values["recipe"], inputs, result, objects, values["key"])
     typed = (
         (result.files, dict),
         (result.summary, dict),
         (result.resumed, bool),
         (manifest.stage, str),
         (manifest.recipe, str),
+        (manifest.key, str),
         *((facts["size"], int) for facts in result.files.values()),
+        *((facts["sha256"], str) for facts in result.files.values()),
     )
-    if any(type(value) is not kind for value, kind in typed) or not (
-        _is_groups(inputs) and _is_groups(objects)
-    ):
+    if any(type(value) is not kind for value, kind in typed):
         raise TypeError("expected tables and names")
+    if not (_is_groups(inputs) and _is_groups(objects)):
+        raise TypeError("expected lists of digests by name")
+    if not _has_plain_names(result.files):
+        raise ValueError("expected plain names of files below a folder")
     if files.digest_table(result.files) != result.object:
         raise ValueError("expected the files of the object")
     return manifest
@@ -110,10 +127,27 @@ def _is_groups(values: Any) -> bool:
     return all(isinstance(group, list) and all(type(d) is str for d in group) for group in lists)
 
 
+def _has_plain_names(table: FileTable) -> bool:
+    """Tell whether all names lead to different files below a folder, in their shortest form."""
+    for name in table:
+        path = PurePosixPath(name)
+        parts = path.parts
+        if str(path) != name or path.is_absolute() or not parts or len(parts) > _DEEPEST:
+            return False
+        if ".." in parts or "\\" in name or not name.isprintable():
+            return False
+        if any(len(part.encode()) > _LONGEST_NAME for part in parts):
+            return False
+        if any(str(parent) in table for parent in path.parents):
+            return False
+    return True
+
+
 def plain_manifest(manifest: Manifest) -> dict[str, Any]:
-    """A manifest as plain values."""
+    """A manifest as plain values, with the digest of all others."""
     values = {"schema": SCHEMA, **asdict(manifest)}
     values |= values.pop("result")
     if not manifest.result.resumed:
         del values["resumed"]
-    return values
+    values = files.plain(values)
+    return values | {"digest": files.digest_value(values)}

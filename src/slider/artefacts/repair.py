@@ -12,7 +12,7 @@ from slider.core import files
 from slider.core.errors import UserError
 
 _FOLDERS = (
-    *("objects", "index", "seals", "plans", "current", "locks", "work", "logs", "tmp"),
+    *("objects", "index", "integrity", "plans", "current", "locks", "work", "logs", "tmp"),
     *("objects/*", "index/*", "work/*", "work/*/*", "tracking", "cache", "cache/*"),
 )
 

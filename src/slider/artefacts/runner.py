@@ -1,4 +1,4 @@
-"""Run one job of a plan: reuse a known result or compute, publish, then write the manifest."""
+"""Run one job of a plan: reuse a cached result or compute, publish, then write the manifest."""
 
 import copy
 import gc
@@ -8,6 +8,7 @@ import resource
 import shutil
 import time
 from collections.abc import Callable, Mapping
+from contextlib import chdir
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -21,16 +22,20 @@ from slider.artefacts.run_metadata import now, run_metadata
 from slider.artefacts.store import Store
 from slider.core import files, numerics
 from slider.core.errors import UserError
-from slider.core.job import Job, NoTracker, StageFunction, Tracker
+from slider.core.job import Job, NoTracker, StageFunction, Summary, Tracker
 from slider.core.machine import machine
 from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
 
 
 @dataclass(frozen=True)
 class Runner:
-    """Runs jobs against a store, with a number of threads and a place for progress lines.
+    """Runs jobs against a store.
 
-    ``waiting``: see :class:`Job`.
+    Attributes:
+        store: where inputs are and results go.
+        threads: processor threads of a job.
+        progress: shows one line to the person who waits.
+        waiting: see :class:`Job`.
     """
 
     store: Store
@@ -39,53 +44,44 @@ class Runner:
     waiting: int = 1
 
     def run(self, spec: JobSpec) -> str:
-        """Bring the manifest of a job into being; tell in a word or two what was done.
+        """Run a job unless its result is cached; return ``reused`` or how long it took.
 
         Raises:
             UserError: an input is missing or damaged, the source changed since the plan, or the
-                libraries have other kernels here.
+                machine computes with other kernels.
         """
         with exclusive(self.store.locks, spec.recipe):
             inputs = spec.input_recipes
-            found = {
+            objects = {
                 name: [self.store.checked(job.stage, job.recipe).result.object for job in jobs]
                 for name, jobs in spec.inputs.items()
             }
-            key = spec.key(found)
-            known = self.store.known(key)
-            if known is None:
-                result = self._compute(spec, found)
-                known = Manifest(spec.stage, spec.recipe, inputs, result, found)
-                self.store.remember(key, known)
+            key = spec.key(objects)
+            manifest = self.store.known(key)
+            if manifest is None:
+                result = self._compute(spec, objects)
+                manifest = Manifest(spec.stage, spec.recipe, inputs, result, objects, key)
+                self.store.remember(key, manifest)
                 outcome = f"{self._sidecar(spec)['wall_s']:.1f} s"
             else:
-                self._note_reuse(spec, known)
+                self._note_reuse(spec, manifest)
                 outcome = "reused"
-            self.store.write_manifest(replace(known, recipe=spec.recipe, inputs=inputs))
+            self.store.write_manifest(replace(manifest, recipe=spec.recipe, inputs=inputs))
             shutil.rmtree(self.store.work_folder(spec.stage, spec.recipe), ignore_errors=True)
         return outcome
 
-    def _compute(self, spec: JobSpec, found: Mapping[str, list[str]]) -> Result:
+    def _compute(self, spec: JobSpec, objects: Mapping[str, list[str]]) -> Result:
         watch = _watch()  # before the imports: they are part of what a job costs
+        numerics.check(spec.section)
         limit_threads(self.threads)
         keep_freed_memory()
-        section = copy.deepcopy(dict(spec.section))
-        chosen = section.pop("numerics", {})
-        numerics.impose(chosen)
         for compiler in ("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"):
-            os.environ.setdefault(compiler, str(self.store.cache_folder("compiled")))
-        function = _load(spec)
-        numerics.check(chosen)
-        gc.freeze()  # what was imported stays: the collector need not look at it again and again
+            os.environ.setdefault(compiler, str(self.store.cache_folder("compiled").absolute()))
         job = self._job(spec)
         tracker = job.tracker
         try:
             with self.store.temporary(f"{spec.stage}-{spec.recipe[:12]}") as out:
-                inputs = {
-                    name: list(map(self.store.object_folder, digests))
-                    for name, digests in found.items()
-                }
-                summary = function(section, inputs, out, job)
+                summary = self._call(spec, objects, out.absolute(), job)
                 resumed = bool(job.volatile.get("resumed", False))
                 result = self.store.publish(out, files.plain(summary), resumed)
         except BaseException:
@@ -101,8 +97,23 @@ class Runner:
             self._end(tracker, result)
         return result
 
+    def _call(
+        self, spec: JobSpec, objects: Mapping[str, list[str]], out: Path, job: Job
+    ) -> Summary:
+        """Call the stage's function in its work folder, where no option file of a library lies."""
+        inputs = {
+            name: [self.store.object_folder(digest).absolute() for digest in digests]
+            for name, digests in objects.items()
+        }
+        section = copy.deepcopy(dict(spec.section))
+        section.pop("numerics", None)
+        with chdir(job.work):
+            function = _load(spec)
+            gc.freeze()  # what was imported stays: the collector need not look at it each time
+            return function(section, inputs, out, job)
+
     def _end(self, tracker: JournalTracker, result: Result) -> None:
-        """Close the run with its numbers and a path that stays right when the folder moves."""
+        """Close the tracked run with its numbers and a path relative to the store."""
         path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
         tags = {"object": result.object, "object.path": path, "resumed": str(result.resumed)}
         names = sorted({name.partition("/")[0] for name in result.files})
@@ -112,16 +123,16 @@ class Runner:
         tracker.end(FINISHED, tags, note)
 
     def _job(self, spec: JobSpec) -> Job:
-        work = self.store.work_folder(spec.stage, spec.recipe)
+        work = self.store.work_folder(spec.stage, spec.recipe).absolute()
         work.mkdir(parents=True, exist_ok=True)
         code = files.digest_value([spec.code.entry, spec.code.source, spec.code.versions])
         return Job(
             work,
             self.threads,
-            _open_tracker(self.store.root, spec),
+            _open_tracker(self.store.root.absolute(), spec),
             self.progress,
             run_metadata(self.store.root),
-            self.store.cache_folder(code),
+            self.store.cache_folder(code).absolute(),
             self.waiting,
             {name: [self._sidecar(job) for job in jobs] for name, jobs in spec.inputs.items()},
         )
@@ -129,17 +140,17 @@ class Runner:
     def _sidecar(self, spec: JobSpec) -> dict[str, Any]:
         return self.store.facts(spec.stage, spec.recipe)
 
-    def _note_reuse(self, spec: JobSpec, known: Manifest) -> None:
+    def _note_reuse(self, spec: JobSpec, manifest: Manifest) -> None:
         """Keep the facts of the job that computed the result beside the recipe that reuses it."""
-        if known.recipe == spec.recipe:
+        if manifest.recipe == spec.recipe:
             return
-        origin = self.store.facts(known.stage, known.recipe)
-        facts = origin | {"computed": False, "reused_from": known.recipe, "started": now()}
+        origin = self.store.facts(manifest.stage, manifest.recipe)
+        facts = origin | {"computed": False, "reused_from": manifest.recipe, "started": now()}
         files.write_json(self.store.sidecar_path(spec.stage, spec.recipe), facts)
 
 
 def _watch() -> Callable[[], dict[str, Any]]:
-    """Begin to watch a computation; the answer tells its times and load until then."""
+    """Start a clock; the function that is returned reads times [s] and the load at the start."""
     started, wall, cpu = now(), time.perf_counter(), _cpu_seconds()
     load = os.getloadavg()[0]
     return lambda: {
@@ -176,8 +187,8 @@ def limit_threads(threads: int) -> None:
 def keep_freed_memory() -> None:
     """Free one large block, so that glibc keeps what is freed from then on.
 
-    Else it gives arrays back to the system at every step of a simulation, and gets their pages
-    anew at a tenth of the processor time. Its thresholds follow the largest block, to 32 MiB.
+    Its thresholds follow the largest block, up to 32 MiB. Without this it returns arrays to the
+    system at every step of a simulation, which takes a tenth of the processor time.
     """
     bytes(30 * 2**20)
 
@@ -194,7 +205,7 @@ def _open_tracker(artefacts: Path, spec: JobSpec) -> Tracker:
 
 
 def _numbers(facts: Mapping[str, Any]) -> dict[str, float]:
-    """What of a result can stand in a column of numbers."""
+    """Numeric entries of a summary."""
     return {name: float(value) for name, value in facts.items() if isinstance(value, int | float)}
 
 

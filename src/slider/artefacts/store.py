@@ -8,12 +8,13 @@ is written: whatever is visible is whole, whenever a process dies.
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from slider.artefacts.integrity import IntegrityIndex
 from slider.artefacts.manifest import (
     Manifest,
     Result,
@@ -22,10 +23,11 @@ from slider.artefacts.manifest import (
     plain_manifest,
     readable,
 )
-from slider.artefacts.seals import Seals
 from slider.core import files
+from slider.core.errors import UserError
 
 ARTEFACTS = "artefacts"
+FOLDERS = ("objects", "index", "plans", "current", "locks", "logs", "work", "tmp")
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class Store:
         return self.root / stage / f"{recipe}.run.json"
 
     def facts(self, stage: str, recipe: str) -> dict[str, Any]:
-        """What is noted beside a manifest; nothing where that is missing or damaged."""
+        """Read the sidecar of a manifest; empty where that is missing or damaged."""
         try:
             facts = files.read_json(self.sidecar_path(stage, recipe))
         except (OSError, ValueError):
@@ -63,22 +65,33 @@ class Store:
         return self.root / "work" / stage / recipe
 
     def cache_folder(self, code: str) -> Path:
-        """Folder of what jobs of the same source and versions share and can make again."""
+        """Folder that jobs of the same source and versions share; it may vanish at any time."""
         return self.root / "cache" / code
 
     def progress_path(self, stage: str, recipe: str) -> Path:
-        """The latest line that a running job says of itself."""
+        """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
 
     @property
-    def seals(self) -> Seals:
-        """What is known of objects that were read."""
-        return Seals(self.root / "seals")
+    def integrity(self) -> IntegrityIndex:
+        """How objects looked when they were last read."""
+        return IntegrityIndex(self.root / "integrity")
 
     @property
     def locks(self) -> Path:
         """Folder of the locks between processes."""
         return self.root / "locks"
+
+    def check_folders(self, stages: Iterable[str]) -> None:
+        """Refuse a store with something else in the place of a folder.
+
+        Raises:
+            UserError: it names the first.
+        """
+        for name in (*FOLDERS, *stages):
+            path = self.root / name
+            if path.exists() and not path.is_dir():
+                raise UserError(f"expected a folder, found a file at {path}: `slider store verify`")
 
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:
@@ -99,7 +112,7 @@ class Store:
         folder.chmod(0o755)  # mkdtemp makes it private
         target = self.object_folder(result.object)
         target.parent.mkdir(parents=True, exist_ok=True)
-        if target.is_dir() and not self.is_whole(result.object):
+        if target.exists() and not self.is_whole(result.object):
             self._discard(target)
         try:
             os.rename(folder, target)
@@ -110,11 +123,11 @@ class Store:
 
     def is_whole(self, digest: str) -> bool:
         """Tell whether an object's content has its name; read it only if it may have changed."""
-        return self.seals.is_whole(digest, self.object_folder(digest))
+        return self.integrity.is_whole(digest, self.object_folder(digest))
 
     def drop_object(self, digest: str) -> None:
         """Remove an object in one visible step."""
-        self.seals.drop(digest)
+        self.integrity.drop(digest)
         self._discard(self.object_folder(digest))
 
     def _discard(self, folder: Path) -> None:
@@ -161,7 +174,7 @@ class Store:
         A recipe names the way to a result, down to the recipes of the inputs; a key names their
         contents. After a refactoring that leaves these as they were, recipes differ, keys do not.
         """
-        files.write_json(self.index_path(key), plain_manifest(manifest))
+        files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 
     def known(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
@@ -181,18 +194,18 @@ class Store:
         Raises:
             UserError: there is none, or its object is damaged.
         """
-        found = self.read_manifest(stage, recipe)
-        if not self.is_whole(found.result.object):
-            raise damaged(stage, found.result.object)
-        return found
+        manifest = self.read_manifest(stage, recipe)
+        if not self.is_whole(manifest.result.object):
+            raise damaged(stage, manifest.result.object)
+        return manifest
 
     def whole(self, stage: str, recipe: str) -> Manifest | None:
         """Manifest of a recipe, if its object is whole."""
         return self._whole(self.manifest_path(stage, recipe))
 
     def _whole(self, path: Path) -> Manifest | None:
-        found = self.usable(path)
-        return found if found and self.is_whole(found.result.object) else None
+        manifest = self.usable(path)
+        return manifest if manifest and self.is_whole(manifest.result.object) else None
 
     def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
         """Remove the manifests whose object is gone, so that nobody trusts them; list them."""

@@ -145,7 +145,7 @@ def measure(
     rounds: int,
 ) -> Throughput:
     """Measure the walking training with ``num_envs`` robots."""
-    from slider.core.numerics import device, kernels, precision
+    from slider.core.numerics import device, precision
     from slider.env.task import task_of
 
     walking = config.train.walking

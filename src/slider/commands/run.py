@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
         signal.signal(number, lambda number, _: sys.exit(128 + number))
     with _output_to(log) as terminal:
         # The processes of a training get it, too.
-        show = partial(_show, store.progress_path(spec.stage, spec.recipe))
+        show = partial(_show, store.progress_path(spec.stage, spec.recipe).absolute())
         waiting = _waiting(store, plan, spec.stage)
         try:
             outcome = Runner(store, arguments.threads, show, waiting).run(spec)

@@ -16,7 +16,6 @@ from slider.config.studies import StudyConfig
 from slider.config.train import TrainConfig, TrainingsConfig
 from slider.config.types import STRICT, Count, Name
 from slider.config.verification import VerificationConfig
-from slider.core.numerics import Mode
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -71,8 +70,6 @@ class Config:
     tracking: TrackingConfig
     store: StoreConfig
     resources: ResourcesConfig
-    numerics: Mode
-    """kernels of the libraries; portable: the same results on every x86-64 processor with AVX2"""
     finetuning: TrainConfig | None = None
 
     @property

@@ -9,6 +9,7 @@ from pathlib import Path
 from slider.core.errors import UserError
 
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_OF_PLACES = (errno.ENOTDIR, errno.EEXIST)  # a file where a folder must be
 _OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
 _FOLDERS = ("reports", ".snakemake")
 # What numpy and torch say of a full disk, without its number.
@@ -31,6 +32,9 @@ def not_written(error: BaseException, place: Path) -> UserError | None:
     for found in _chain(error):
         if isinstance(found, OSError):
             where = found.filename2 or found.filename
+            if found.errno in _OF_PLACES and _is_ours(where, place):
+                expected = f"expected to write {where}, found a file in the place of a folder"
+                return UserError(f"{expected}: run `slider store verify`")
             own = found.errno in _OF_RIGHTS and _is_ours(where, place)
             if own or found.errno in _OF_DISKS:
                 return UserError(f"expected to write {where or place}, found: {found.strerror}")

@@ -15,10 +15,26 @@ import pytest
 import s3fs
 from moto.server import ThreadedMotoServer
 
+from slider.artefacts.sharing.remote import Remote
 from slider.artefacts.sharing.ssh import KnownHostFileSystem
 
 HOST = "cluster"
 """Name of the ssh server in the user's settings."""
+KINDS = ("folder", "url", "s3", "ssh")
+"""Kinds of remote that can be written."""
+
+
+@contextmanager
+def anywhere(kind: str, folder: Path) -> Iterator[Remote]:
+    """A remote of a kind, with what it needs below a folder."""
+    if kind == "s3":
+        with s3_server() as url:
+            yield Remote(url)
+    elif kind == "ssh":
+        with ssh_server(folder / "home") as url:
+            yield Remote(f"{url}{folder}/remote")
+    else:
+        yield Remote(("file://" if kind == "url" else "") + str(folder / "remote"))
 
 
 @contextmanager

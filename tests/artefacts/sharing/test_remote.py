@@ -1,7 +1,6 @@
 """What is said of remotes that do not work, in one line and in time."""
 
 import errno
-import json
 import os
 import re
 import shlex
@@ -14,24 +13,62 @@ import fsspec
 import pytest
 from fsspec.registry import _registry
 
-from slider.artefacts.sharing.archive import DamageError
-from slider.artefacts.sharing.remote import MARKER, Remote
+from slider.artefacts.sharing.remote import MARKER, DamageError, Remote
 from slider.core.errors import UserError
-from tests.artefacts.sharing.servers import endless_server, http_server, s3_server, ssh_server
+from tests.artefacts.sharing.servers import (
+    KINDS,
+    anywhere,
+    endless_server,
+    http_server,
+    s3_server,
+    ssh_server,
+)
+
+FILES = fsspec.get_filesystem_class("file")
 
 
-def test_a_bucket_that_is_not_there():
+@pytest.mark.parametrize("kind", KINDS)
+def test_copies_arrive_and_are_never_larger_than_expected(kind, tmp_path):
+    with anywhere(kind, tmp_path) as remote:
+        assert remote.open() is False
+        remote.create()
+        assert remote.open() is True
+        assert remote.read("results/x", 10) is None
+        remote.write("results/x", "0123456789")
+        assert (remote.read("results/x", 10), remote.size("results/x")) == (b"0123456789", 10)
+        with pytest.raises(DamageError, match="expected 9 bytes, found more"):
+            remote.fetch("results/x", tmp_path / "x", 9)
+
+
+def test_an_answer_without_an_end_ends(tmp_path):
+    with endless_server() as url:
+        with pytest.raises(DamageError, match="expected 10 bytes, found more"):
+            Remote(url).fetch("files/x", tmp_path / "x", 10)
+        with pytest.raises(UserError, match="expected a store of layout 2, found another"):
+            Remote(url).open()
+
+
+def test_only_plain_files_are_read(tmp_path):
+    os.mkfifo(tmp_path / "fifo")
+    (tmp_path / "folder").mkdir()
+    for name in ("fifo", "folder"):
+        with pytest.raises(DamageError, match="expected a file, found another kind: "):
+            Remote(str(tmp_path)).read(name, 10)
+
+
+@pytest.mark.parametrize("content", [b"", b"[]", b'{"layout": 1}', b"\xff", b"3", bytes(10_000)])
+def test_a_store_of_another_layout(content, tmp_path):
+    (tmp_path / MARKER).write_bytes(content)
+    with pytest.raises(UserError, match="expected a store of layout 2, found another"):
+        Remote(str(tmp_path)).open()
+
+
+def test_a_bucket_or_server_that_is_not_there(monkeypatch):
     with s3_server():
         remote = Remote("s3://nothing/slider")
         assert remote.open() is False
-        with pytest.raises(
-            UserError, match=r"^remote s3://nothing/slider: .*bucket does not exist"
-        ):
+        with pytest.raises(UserError, match=r"^remote s3://nothing/slider: .*does not exist"):
             remote.create()
-
-
-def test_a_server_that_is_switched_off(monkeypatch):
-    with s3_server():
         monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:1")
         fsspec.get_filesystem_class("s3").clear_instance_cache()
         with pytest.raises(UserError, match=r"^remote s3://group/slider: [^\n]+$"):
@@ -47,10 +84,16 @@ def test_a_server_that_never_answers():
         assert time.monotonic() - started < 5
 
 
-def test_a_host_that_nobody_knows_is_refused(tmp_path):
+def test_unknown_hosts_and_users_are_refused(tmp_path):
     with ssh_server(tmp_path / "home") as url:
-        (tmp_path / "home" / ".ssh" / "known_hosts").write_text("")
+        config, hosts = (tmp_path / "home" / ".ssh" / name for name in ("config", "known_hosts"))
+        known, settings = hosts.read_text(), config.read_text()
+        hosts.write_text("")
         with pytest.raises(UserError, match="not found in known_hosts"):
+            Remote(f"{url}{tmp_path}/remote").open()
+        hosts.write_text(known)
+        config.write_text(settings.replace("User me", "User another"))
+        with pytest.raises(UserError, match=r"^remote sftp://cluster/[^\n]+$"):
             Remote(f"{url}{tmp_path}/remote").open()
 
 
@@ -88,25 +131,9 @@ def test_a_host_behind_another(line, expected, tmp_path, monkeypatch):
         program.chmod(0o755)
         monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
         remote = Remote(f"{url}{tmp_path}/remote")
-        remote.create()
-        remote.write("results/x", bytes(100_000))
-        assert remote.read("results/x") == bytes(100_000)
+        remote.write("results/x", "x" * 100_000)
+        assert remote.read("results/x", 100_000) == b"x" * 100_000
         assert Path(log).read_text() == expected.replace("PORT", port)
-
-
-def test_a_key_that_the_host_does_not_know(tmp_path):
-    with ssh_server(tmp_path / "home") as url:
-        config = tmp_path / "home" / ".ssh" / "config"
-        config.write_text(config.read_text().replace("User me", "User another"))
-        with pytest.raises(UserError, match=r"^remote sftp://cluster/[^\n]+$"):
-            Remote(f"{url}{tmp_path}/remote").open()
-
-
-@pytest.mark.parametrize("content", [b"", b"[]", b'{"layout": 2}', b"\xff", b"3"])
-def test_a_store_of_another_layout(content, tmp_path):
-    (tmp_path / MARKER).write_bytes(content)
-    with pytest.raises(UserError, match="expected a store of layout 1, found another"):
-        Remote(str(tmp_path)).open()
 
 
 def test_missing_packages_have_a_name(monkeypatch):
@@ -119,76 +146,47 @@ def test_missing_packages_have_a_name(monkeypatch):
         Remote("sftp://host/x").open()
 
 
-def test_a_folder_that_may_not_be_written(tmp_path, monkeypatch):
+@pytest.mark.parametrize("address", ["http://[::1", "http://[::1]:port/x", "quatsch://x"])
+def test_an_address_that_is_none_is_one_line(address):
+    with pytest.raises(UserError, match=r"^[^\n]+$"):
+        Remote(address).open()
+
+
+def test_rights_and_full_disks_have_their_place(tmp_path, monkeypatch):
     def refuse(*_, **__):
-        raise PermissionError(13, "Permission denied")
+        raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "mkdir", refuse)
-    with pytest.raises(UserError, match=r"remote: Permission denied$"):
-        Remote(str(tmp_path / "remote")).create()
-
-
-def test_a_full_disk_here_is_not_that_of_the_remote(tmp_path, monkeypatch):
     def fill(*_, **__):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    (tmp_path / "x").write_bytes(b"x")
-    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "get_file", fill)
-    with pytest.raises(UserError, match=rf"^expected to write {tmp_path}/y, found: No space"):
-        Remote(str(tmp_path)).fetch("x", tmp_path / "y", 1)
-
-
-def test_a_failed_write_leaves_no_trace(tmp_path, monkeypatch):
     remote = Remote(str(tmp_path / "remote"))
+    with monkeypatch.context() as patch:
+        patch.setattr(FILES, "mkdir", refuse)
+        with pytest.raises(UserError, match=r"remote: Permission denied$"):
+            remote.create()
     remote.create()
-    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "mv", lambda *_: 1 / 0)
-    before = sorted(tmp_path.rglob("*"))
-    with pytest.raises(UserError, match="division by zero"):
-        remote.write("results/x", b"x")
-    assert sorted(tmp_path.rglob("*")) == before
+    with monkeypatch.context() as patch:
+        patch.setattr(FILES, "info", refuse)  # no absence, else a push would replace it
+        with pytest.raises(UserError, match=r"remote: Permission denied$"):
+            remote.read(MARKER, 100)
+    with monkeypatch.context() as patch:
+        patch.setattr(FILES, "get_file", fill)  # here, not there
+        with pytest.raises(UserError, match=rf"^expected to write {tmp_path}/y, found: No space"):
+            remote.fetch(MARKER, tmp_path / "y", 100)
+    before = sorted((tmp_path / "remote").rglob("*"))
+    monkeypatch.setattr(FILES, "mv", fill)
+    with pytest.raises(UserError, match="No space left"):
+        remote.write("x", "x")
+    assert sorted((tmp_path / "remote").rglob("*")) == before
 
 
 def test_what_may_not_be_listed_answers_forbidden(tmp_path):
-    """A public bucket does so for what it lacks."""
+    """A public bucket does so for what it lacks; a right that is lost on the way is no absence."""
     with http_server(tmp_path, missing=403) as url:
         remote = Remote(url)
         assert remote.open() is False
-        Path(tmp_path / MARKER).write_text(json.dumps({"layout": 1}))
+        with pytest.raises(UserError, match=": 403, "):
+            remote.read("results/x", 10)
+        (tmp_path / MARKER).write_text('{"layout": 2}')
         assert remote.open() is True
-        assert remote.read("results/x") is None
-        assert remote.fetch("archives/x", tmp_path / "x", 1) is False
-
-
-def test_a_right_that_is_lost_on_the_way_is_no_absence(tmp_path):
-    """Else a push would replace what it may not read, and a pull have it computed again."""
-    with http_server(tmp_path, missing=403) as url, pytest.raises(UserError, match=": 403, "):
-        Remote(url).read("results/x")
-
-
-@pytest.mark.parametrize("name", [MARKER, "results/x"])
-def test_what_may_not_be_read_in_a_folder_is_no_absence(name, tmp_path, monkeypatch):
-    def refuse(*_, **__):
-        raise PermissionError(13, "Permission denied")
-
-    remote = Remote(str(tmp_path / "remote"))
-    remote.create()
-    monkeypatch.setattr(fsspec.get_filesystem_class("file"), "cat_file", refuse)
-    with pytest.raises(UserError, match=r"remote: Permission denied$"):
-        remote.read(name)
-
-
-def test_an_answer_without_an_end_ends(tmp_path):
-    with endless_server() as url, pytest.raises(DamageError, match="expected 10 bytes, found more"):
-        Remote(url).fetch("archives/x", tmp_path / "x", 10)
-
-
-@pytest.mark.parametrize("size", [10, 9])
-def test_no_more_than_what_is_expected_is_copied(size, anywhere, tmp_path):
-    anywhere.create()
-    anywhere.write("archives/x", bytes(10))
-    if size == 10:
-        assert anywhere.fetch("archives/x", tmp_path / "x", size)
-        assert (tmp_path / "x").read_bytes() == bytes(10)
-    else:
-        with pytest.raises(DamageError, match="expected 9 bytes, found more"):
-            anywhere.fetch("archives/x", tmp_path / "x", size)
+        assert remote.read("results/x", 10) is None

@@ -1,12 +1,11 @@
-"""A place for results that others reach, through fsspec: a folder, ssh, S3, or HTTP to read from.
+"""Files below an address, through fsspec: a folder, ssh, S3, or HTTP to read from.
 
-``results/<recipe>.result.json`` says what a recipe led to and ``archives/<sha256>.tar`` is an
-object, so that whoever knows a recipe finds all without a listing, which HTTP has not. A file
-becomes visible whole: it is written under another name and moved, or in one step as on S3.
+A file becomes visible whole: it is written under another name and moved, or in one step on S3.
+Nothing that arrives is larger than expected, and only plain files are read.
 """
 
-import errno
 import json
+import tempfile
 import threading
 import uuid
 from collections.abc import Callable, Iterator
@@ -21,22 +20,21 @@ import fsspec
 from fsspec.callbacks import Callback
 from fsspec.config import conf
 
-from slider.artefacts.sharing.archive import DamageError
 from slider.core import files
 from slider.core.disk import not_written
 from slider.core.errors import UserError
 
-LAYOUT = 1
+LAYOUT = 2
 MARKER = "slider-store.json"
-FOLDERS = ("results", "archives")
 CONTACT_S = 15.0
 """Time in which a remote must answer the first question."""
 
 _MOVES = frozenset({"file", "sftp"})  # others show a file when it is whole
 _READ_ONLY = frozenset({"http", "https"})
-_OURS = frozenset({"s3", "sftp", "ssh", "http", "https"})  # with what the extra `remote` installs
+_EXTRA = frozenset({"s3", "sftp", "ssh", "http", "https"})  # with what the extra `remote` installs
 _PATIENCE = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
 _FORBIDDEN, _GONE = 403, 410
+_MARKER_SIZE = 1000  # at most [bytes]
 
 conf.setdefault("s3", {}).setdefault("config_kwargs", _PATIENCE)  # that of a user has precedence
 for _name in ("sftp", "ssh"):
@@ -48,6 +46,10 @@ T = TypeVar("T")
 S = TypeVar("S")
 
 
+class DamageError(Exception):
+    """Content is not what its name says; the text says what was expected and found."""
+
+
 @dataclass(frozen=True)
 class Remote:
     """Files below an address; every failure of the way there is one :class:`UserError`."""
@@ -56,80 +58,106 @@ class Remote:
     contact_s: float = field(default=CONTACT_S)
 
     def __post_init__(self) -> None:
-        if urlsplit(self.url).password:
+        try:
+            password = urlsplit(self.url).password
+        except ValueError as error:  # such as http://[::1
+            raise UserError(f"remote {self.url}: {error}") from None
+        if password:
             raise UserError(
                 "expected a remote without a password in its address: use a key, the environment "
                 "or the configuration of fsspec"
             )
 
     def check_writable(self) -> None:
-        """Refuse a remote that can only be read, whoever asks."""
-        with self._told():
+        """Refuse a remote that can only be read."""
+        with self._one_line():
             if _protocols(self._place()[0]) & _READ_ONLY:
                 raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
 
     def open(self) -> bool:
-        """Tell whether there is a store of ours; a remote that does not answer is an error."""
-        found = self._first_answer()
-        if found is None:
+        """Tell whether there is a store of ours.
+
+        Raises:
+            UserError: the remote does not answer in time, or has another store.
+        """
+        marker = self._first_answer()
+        if marker is None:
             return False
         with suppress(ValueError, KeyError, TypeError):
-            if json.loads(found)["layout"] == LAYOUT:
+            if json.loads(marker)["layout"] == LAYOUT:
                 return True
         raise UserError(f"remote {self.url}: expected a store of layout {LAYOUT}, found another")
 
     def create(self) -> None:
         """Make an empty store."""
-        with self._told():
-            fs, root = self._place()
-            if _protocols(fs) & _MOVES:  # buckets have no folders
-                for folder in (root, *(f"{root}/{name}" for name in FOLDERS)):
-                    if not fs.exists(folder):
-                        with suppress(FileExistsError):  # by another one at this moment
-                            fs.mkdir(folder, create_parents=False)
-        self.write(MARKER, files.canonical({"layout": LAYOUT}).encode())
+        self.write(MARKER, files.canonical({"layout": LAYOUT}))
 
-    def read(self, name: str) -> bytes | None:
-        """Content of a file, if it is there."""
-        return self._ask(lambda fs, path: fs.cat_file(path), name)
+    def read(self, name: str, limit: int) -> bytes | None:
+        """Content of a small file, if it is there.
+
+        Raises:
+            DamageError: see ``fetch``.
+        """
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder) / "copy"
+            return copy.read_bytes() if self.fetch(name, copy, limit) else None
+
+    def write(self, name: str, text: str) -> None:
+        """Write a small file in one visible step."""
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "text").write_text(text, encoding="utf-8")
+            self.send(Path(folder) / "text", name)
 
     def size(self, name: str) -> int | None:
         """Size of a file [bytes], if it is there."""
         return self._ask(lambda fs, path: fs.info(path)["size"], name)
 
-    def fetch(self, name: str, target: Path, size: int) -> bool:
+    def fetch(self, name: str, target: Path, limit: int) -> bool:
         """Copy a file here; tell whether it is there.
 
         Raises:
-            DamageError: it is larger than a size [bytes]; the copy ends there.
+            DamageError: it is larger than a limit [bytes], where the copy ends, or no plain file.
         """
 
         def copy(fs: Any, path: str) -> bool:
-            limit = _Limit(size)
+            count = _Limit(limit)
             if not fs.async_impl:  # these copy without a word
-                limit.relative_update(fs.info(path)["size"])
+                facts = fs.info(path)
+                if facts["type"] != "file":
+                    raise DamageError(f"expected a file, found another kind: {facts['type']}")
+                count.relative_update(facts["size"])
             try:
-                fs.get_file(path, str(target), callback=limit)
+                fs.get_file(path, str(target), callback=count)
             except OSError as error:
-                full = error.errno in (errno.ENOSPC, errno.EDQUOT)  # here: reading fills no disk
-                if full and (line := not_written(error, target)):
-                    raise line from None
+                if error.filename in (None, str(target)) and (line := not_written(error, target)):
+                    raise line from None  # here, not there
                 raise
             return True
 
         return self._ask(copy, name) or False
 
-    def write(self, name: str, content: bytes) -> None:
-        """Write a small file in one visible step."""
-        self._put(lambda fs, path: fs.pipe_file(path, content), name)
-
     def send(self, source: Path, name: str) -> None:
         """Copy a file there in one visible step."""
-        self._put(lambda fs, path: fs.put_file(str(source), path), name)
+        with self._one_line():
+            fs, root = self._place()
+            path = f"{root}/{name}"
+            if not _protocols(fs) & _MOVES:
+                fs.put_file(str(source), path)
+                return
+            folder, _, file = path.rpartition("/")
+            self._make_folders(fs, root, folder)
+            part = f"{folder}/.{file}.{uuid.uuid4().hex[:12]}.part"
+            try:
+                fs.put_file(str(source), part)
+                fs.mv(part, path)
+            except BaseException:
+                with suppress(Exception):
+                    fs.rm_file(part)
+                raise
 
     def in_order(self, work: Callable[[S], T], items: list[S]) -> Iterator[T]:
         """Results of some work for all items, several at a time, in the order of the items."""
-        with self._told():
+        with self._one_line():
             fs, _ = self._place()
         workers = 16 if fs.async_impl else 4  # what is not asynchronous has a connection each
         with ThreadPoolExecutor(workers) as pool:
@@ -144,49 +172,40 @@ class Remote:
         fs, path = fsspec.url_to_fs(self.url)
         return fs, path.rstrip("/")
 
+    def _make_folders(self, fs: fsspec.AbstractFileSystem, root: str, folder: str) -> None:
+        """The folder of the remote in one that is there, and one folder in it."""
+        for path in dict.fromkeys((root, folder)):
+            if not fs.exists(path):
+                with suppress(FileExistsError):  # made by another one at this moment
+                    fs.mkdir(path, create_parents=False)
+
     def _ask(self, question: Callable[[Any, str], T], name: str) -> T | None:
-        with self._told():
+        with self._one_line():
             fs, root = self._place()
             fs.invalidate_cache()  # of listings, in which new files lack
             try:
                 return question(fs, f"{root}/{name}")
             except Exception as error:
-                if _is_absence(error) or self._is_unlisted(error, fs, name):
+                status = getattr(error, "status", None)
+                if isinstance(error, FileNotFoundError) or status == _GONE:
+                    return None
+                # A bucket that may not be listed, maybe behind HTTP, refuses what it lacks. It
+                # still gives the marker, unless it is that which it lacks.
+                refused = isinstance(error, PermissionError) or status == _FORBIDDEN
+                bucket = bool(_protocols(fs) & (_READ_ONLY | {"s3"}))
+                if refused and bucket and (name == MARKER or self.size(MARKER) is not None):
                     return None
                 raise
 
-    def _is_unlisted(self, error: Exception, fs: Any, name: str) -> bool:
-        """Tell whether a bucket that may not be listed, maybe behind HTTP, refuses what it lacks.
-
-        It still gives the marker, unless it is that which it lacks.
-        """
-        refused = isinstance(error, PermissionError) or getattr(error, "status", None) == _FORBIDDEN
-        buckets = _protocols(fs) & (_READ_ONLY | {"s3"})
-        return refused and bool(buckets) and (name == MARKER or self.read(MARKER) is not None)
-
-    def _put(self, write: Callable[[Any, str], object], name: str) -> None:
-        with self._told():
-            fs, root = self._place()
-            if not _protocols(fs) & _MOVES:
-                write(fs, f"{root}/{name}")
-                return
-            folder, _, file = f"{root}/{name}".rpartition("/")
-            part = f"{folder}/.{file}.{uuid.uuid4().hex[:12]}.part"
-            try:
-                write(fs, part)
-                fs.mv(part, f"{folder}/{file}")
-            except BaseException:
-                with suppress(Exception):
-                    fs.rm_file(part)
-                raise
-
     def _first_answer(self) -> bytes | None:
-        """The marker; a remote may hang, as a folder of a server that is switched off does."""
+        """The marker; a folder of a server that is switched off hangs."""
         answer: Future[bytes | None] = Future()
 
         def ask() -> None:
             try:
-                answer.set_result(self.read(MARKER))
+                answer.set_result(self.read(MARKER, _MARKER_SIZE))
+            except DamageError:
+                answer.set_result(b"")
             except UserError as error:
                 answer.set_exception(error)
 
@@ -197,15 +216,15 @@ class Remote:
             raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
+    def _one_line(self) -> Iterator[None]:
         """One line for whatever the many libraries behind fsspec raise."""
         try:
             yield
         except (UserError, DamageError):
             raise
         except ImportError as error:
-            ours = urlsplit(self.url).scheme in _OURS
-            text = "pip install -e '.[remote]' -c constraints.txt" if ours else str(error)
+            extra = urlsplit(self.url).scheme in _EXTRA
+            text = "pip install -e '.[remote]' -c constraints.txt" if extra else str(error)
             raise UserError(f"remote {self.url}: its kind needs packages: {text}") from None
         except Exception as error:
             lines = str(getattr(error, "strerror", None) or error).strip().splitlines()
@@ -215,10 +234,6 @@ class Remote:
 
 def _protocols(fs: fsspec.AbstractFileSystem) -> set[str]:
     return {fs.protocol} if isinstance(fs.protocol, str) else set(fs.protocol)
-
-
-def _is_absence(error: Exception) -> bool:
-    return isinstance(error, FileNotFoundError) or getattr(error, "status", None) == _GONE
 
 
 class _Limit(Callback):

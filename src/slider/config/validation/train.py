@@ -23,12 +23,7 @@ def check_trainings(config: Config) -> None:
 
 def _machine(train: TrainConfig, config: Config, key: str) -> None:
     """Physics, device and precision that go together."""
-    portable = config.numerics == "portable"
-    precise = not portable or train.ppo.precision != "bfloat16"
-    expected = "auto or float32 with numerics=portable"
-    require(precise, f"{key}.ppo.precision", expected, train.ppo.precision)
     own = {
-        "numerics=portable": portable,
         "env.action.offset=hzd": config.env.action.offset == "hzd",
         "disturbance.ground.amplitude > 0": train.disturbance.ground.amplitude > 0,
     }

@@ -1,0 +1,49 @@
+"""The environment that a job starts from: what could change a result and is in no recipe is gone.
+
+The pipeline runs this file as a script, ``python -I -X utf8 environment.py run …``: Python then
+ignores ``PYTHON*``, packages of the user and the working directory. The package that this file
+belongs to comes first on the path, whatever is installed. Variables are taken by an allow-list.
+Options in the home folder do not apply, as jobs have one of their own; a job works in its work
+folder (see the runner), so that none of the working directory do either.
+"""
+
+import os
+import runpy
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+ALLOWED = frozenset(
+    {
+        *("PATH", "LD_LIBRARY_PATH", "USER", "LOGNAME", "LANG", "TZ", "TMPDIR"),
+        *("CC", "CUDA_DEVICE_ORDER", "CUDA_VISIBLE_DEVICES", "NVIDIA_VISIBLE_DEVICES"),
+        *("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"),
+    }
+)
+"""Variables that a job takes over, beside those that begin with ``ALLOWED_PREFIXES``."""
+ALLOWED_PREFIXES = ("LC_", "SLURM_")
+_HOME = Path("artefacts") / "cache" / "home" / str(os.getuid())  # a store may have several users
+
+
+def job_environment(variables: Mapping[str, str], home: Path) -> dict[str, str]:
+    """Variables of a job: the allowed ones, and those that switch option files off."""
+    allowed = {
+        name: value
+        for name, value in variables.items()
+        if name in ALLOWED or name.startswith(ALLOWED_PREFIXES)
+    }
+    allowed.setdefault("USER", "nobody")  # torch asks for the name, which a container may lack
+    return allowed | {"HOME": str(home), "MATPLOTLIBRC": os.devnull}
+
+
+def main() -> None:
+    """Run a command of ``slider`` in the environment of a job."""
+    variables = job_environment(os.environ, _HOME.absolute())
+    os.environ.clear()
+    os.environ.update(variables)
+    sys.path[:0] = [str(Path(__file__).resolve().parents[2])]
+    runpy.run_module("slider.cli", run_name="__main__", alter_sys=True)
+
+
+if __name__ == "__main__":
+    main()

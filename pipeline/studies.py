@@ -14,6 +14,7 @@ from pipeline.stages.evaluation import evaluations_of
 from pipeline.stages.gaits import gait, gait_section, library_job
 from pipeline.stages.training import training_jobs
 from slider.artefacts.plan import JobSpec
+from slider.config.checks import one_of
 from slider.config.compose import compose
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
@@ -22,7 +23,6 @@ from slider.config.schema import Config
 from slider.config.studies import BudgetConfig, RolloutsConfig, StartsConfig, StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.validation import validate
-from slider.config.validation.checks import one_of
 from slider.core.errors import UserError
 from slider.env.terms import checked
 from slider.reports.quantities import GAIT_QUANTITIES, QUANTITIES

@@ -37,20 +37,6 @@ ENTRIES = {
 }
 """Stage → entry point ``module:function``."""
 
-OF_HZD = {
-    "standing": "slider.training.stage:run_standing",
-    "walking": "slider.training.stage:run_walking",
-    "evaluation": "slider.evaluation.stage:run",
-    "baseline": "slider.evaluation.stage:run_baseline",
-}
-"""The same where ``hzd`` walks, alone or below the actions: no other job depends on its source."""
-
-OF_WARP = {
-    "standing": "slider.training.warp:run_standing",
-    "walking": "slider.training.warp:run_walking",
-}
-"""The same with MuJoCo Warp, whose version is in no other recipe."""
-
 
 def job(
     stage: str,
@@ -58,7 +44,6 @@ def job(
     section: Mapping[str, Any],
     inputs: Mapping[str, Sequence[JobSpec]] | None = None,
     tracked: bool = True,
-    entries: Mapping[str, str] = ENTRIES,
 ) -> JobSpec:
     """A job of a stage; the arguments are those of :class:`JobSpec`."""
-    return JobSpec(stage, label, code_of(entries[stage]), section, inputs or {}, tracked)
+    return JobSpec(stage, label, code_of(ENTRIES[stage]), section, inputs or {}, tracked)

@@ -7,7 +7,7 @@ from hydra import compose, initialize_config_dir
 from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf
 
-from slider.config.untyped import compose_untyped
+from slider.config.compose import compose_untyped
 
 CONF = Path(__file__).parents[2] / "conf"
 

@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy import stats
-from slider.library.gait_numbers import gait_numbers
 
 from slider.core.job import Job
 from slider.evaluation.results import wilson
 from slider.gait import REPORT
+from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports.page import content
 from slider.reports.study import SHOWN, run, strongest, summarise

@@ -8,8 +8,8 @@ import sqlite3
 from contextlib import closing
 
 import pytest
-from slider.artefacts.source.closure import DATA
 
+from slider.artefacts.closure import DATA
 from slider.reports.figures import FILES
 from tests.workflow.workspace import (
     AFTER_STANDING,

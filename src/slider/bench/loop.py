@@ -150,7 +150,7 @@ def measure(
 
     walking = config.train.walking
     where = device(walking.device)
-    ppo = replace(walking.ppo, precision=precision(walking.ppo.precision, kernels(), where))
+    ppo = replace(walking.ppo, precision=precision(walking.ppo.precision, where))
     train = replace(walking, robots=num_envs, device=where, ppo=ppo)
     task = task_of(config.robot, config.env, train, library)
     with tempfile.TemporaryDirectory() as work:

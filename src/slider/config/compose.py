@@ -1,16 +1,33 @@
-"""Compose ``conf/`` with overrides into a typed, checked :class:`Config`."""
+"""Compose ``conf/`` with Hydra overrides into a typed, checked :class:`Config`."""
 
+import difflib
 import json
+import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
+from hydra import compose as hydra_compose
+from hydra import initialize_config_dir
+from hydra.core.config_store import ConfigStore
+from hydra.core.global_hydra import GlobalHydra
+from hydra.errors import HydraException
+from omegaconf import ListConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+from yaml import MarkedYAMLError, YAMLError
+
+from slider.config.checks import NAME
+from slider.config.constraint_text import kind_at
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
 from slider.config.schema import Config
-from slider.config.untyped import compose_untyped
 from slider.config.validation import validate
 from slider.core.errors import UserError
+
+_MOST_STEPS = 1000  # of a list from start to stop
+_ALL = re.compile(r"\W*(control|study)(=|$)(?!all$)")
+_HYDRA = re.compile(r"\W*hydra(\W|$)")
+_LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
 
 
 def compose(overrides: Sequence[str], conf: Path) -> Config:
@@ -21,7 +38,7 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     """
     values = compose_untyped(overrides, conf)
     _check_families(values["control"])
-    config = from_dict(Config, values)
+    config = from_dict(Config, values, describe=kind_at)
     validate(config)
     return config
 
@@ -37,3 +54,151 @@ def _check_families(controllers: Any) -> None:
             found = "none" if family is None else json.dumps(family, ensure_ascii=False)
             expected = f"one of {', '.join(FAMILIES)}"
             raise UserError(f"control.{name}.family: expected {expected}, found {found}")
+
+
+def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
+    """Resolve ``conf/config.yaml``; half a second.
+
+    Raises:
+        UserError: an unknown key or group, or files or overrides that cannot be read.
+    """
+    if not (conf / "config.yaml").is_file():
+        raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
+    _check_hydra(overrides)
+    _check_all(overrides)
+    _store_all(conf, "control")
+    _store_all(conf, "study")
+    GlobalHydra.instance().clear()
+    with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
+        try:
+            config = hydra_compose("config", overrides=_as_hydra_wants(overrides))
+            return cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
+        except HydraException as error:
+            raise UserError(_explain(error, overrides, conf)) from None
+        except OmegaConfBaseException as error:
+            raise UserError(_first_line(error)) from None
+        except (YAMLError, UnicodeDecodeError) as error:
+            raise UserError(_malformed(error)) from None
+        except (TypeError, ValueError, AttributeError):  # Hydra's own, for overrides like group=[1]
+            raise UserError(f"cannot read the overrides: {' '.join(overrides)}") from None
+
+
+# What is no number or no list passes: the schema says where it stands and what is expected.
+def _steps(start: float, stop: Any, step: float) -> list[Any]:
+    """Numbers from start up to stop, itself included where a step meets it."""
+    if not isinstance(stop, int | float) or not start <= stop <= start + _MOST_STEPS * step:
+        return [stop]
+    count = int((stop - start) / step + 1e-9) + 1
+    return [round(start + index * step, 9) for index in range(count)]
+
+
+def _joined(*lists: Any) -> list[Any]:
+    return [
+        v
+        for values in lists
+        for v in (values if isinstance(values, list | ListConfig) else [values])
+    ]
+
+
+OmegaConf.register_new_resolver("steps", _steps, replace=True)
+OmegaConf.register_new_resolver("joined", _joined, replace=True)
+
+
+def _check_hydra(overrides: Sequence[str]) -> None:
+    """What Hydra does when it starts programs has no meaning here."""
+    for text in overrides:
+        if _HYDRA.match(text):
+            raise UserError(f"hydra: expected keys of conf/, found {text}, which has no effect")
+
+
+def _check_all(overrides: Sequence[str]) -> None:
+    """All controllers and studies are there; protocols and targets choose among them."""
+    for text in overrides:
+        if group := _ALL.match(text):
+            found, name = text.partition("=")[2] or text, group.group(1)
+            chooses = "; evaluation.controllers chooses controllers" if name == "control" else ""
+            raise UserError(f"{name}: expected all{chooses}, found {found}")
+
+
+def _store_all(conf: Path, group: str) -> None:
+    """Write the option ``GROUP=all``: each file of ``conf/GROUP`` under its own name."""
+    names = sorted(path.stem for path in (conf / group).glob("*.yaml"))
+    for name in names:
+        if not NAME.fullmatch(name) or name == "all":
+            expected = "small letters, digits and _ after a letter, and not all"
+            raise UserError(f"{conf / group}/{name}.yaml: expected {expected}, found {name}")
+    defaults = [f"{name}@{name}" for name in names if name != "base"]
+    ConfigStore.instance().store("all", {"defaults": defaults}, group=group)
+
+
+def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:
+    """Hydra lets no list take the place of start, stop and step: delete them first."""
+    result = []
+    for text in overrides:
+        axis = _LIST_FOR_AXIS.match(text)
+        result += [f"~{axis.group(1)}", f"+{text}"] if axis else [text]
+    return result
+
+
+def _first_line(error: BaseException) -> str:
+    return str(error).strip().splitlines()[0].strip()
+
+
+def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
+    """File, line and what is wrong there, as far as the parser says."""
+    if not isinstance(error, MarkedYAMLError) or error.problem_mark is None:
+        return f"configuration: expected YAML, found {' '.join(str(error).split())}"
+    where = f"{error.problem_mark.name}, line {error.problem_mark.line + 1}"
+    return f"{where}: expected YAML, found an error: {error.problem}"
+
+
+def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:
+    """One line for a Hydra error, with the nearest known key."""
+    unknown_key = re.search(r"Could not override '([^']+)'", str(error))
+    if unknown_key:
+        key = unknown_key.group(1)
+        if choose := _to_choose(key.partition(".")[0], conf):
+            return f"{key}: expected {choose} beside it, found none"
+        new = " A new term needs a + in front." if ".terms." in key else ""
+        return f"unknown configuration key '{key}'{_did_you_mean(key, _known_keys(conf))}{new}"
+    unknown_option = re.search(r"Could not find '([^']+)'", str(error))
+    if unknown_option:
+        group, _, name = unknown_option.group(1).rpartition("/")
+        options = sorted(path.stem for path in (conf / group).glob("*.yaml"))
+        return f"unknown option {group}={name}, expected one of: {', '.join(options) or 'none'}"
+    merged = re.search(r"Error merging override ([^=]+)=(.*)", str(error))
+    if merged:
+        key, found = merged.groups()
+        below = [name for name in _known_keys(conf) if name.rpartition(".")[0] == key]
+        return f"{key}: expected values of {', '.join(below)}, found {found}"
+    broken = [text for text in overrides if text in str(error)]
+    where = f" in override '{broken[0]}'" if broken else ""
+    return f"{_first_line(error)}{where} (expected key=value, lists without spaces)"
+
+
+def _to_choose(group: str, conf: Path) -> str:
+    """Choices of a group of which the configuration has none by default."""
+    defaults = (conf / "config.yaml").read_text(encoding="utf-8")
+    if not re.search(rf"^\s*- {re.escape(group)}: null\b", defaults, re.MULTILINE):
+        return ""
+    return " or ".join(f"{group}={path.stem}" for path in sorted((conf / group).glob("*.yaml")))
+
+
+def _did_you_mean(key: str, known: Sequence[str]) -> str:
+    full = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
+    by_leaf = [name for name in known if name.rsplit(".", 1)[-1] == key.rsplit(".", 1)[-1]]
+    nearest = full or by_leaf[:1]
+    return f", did you mean '{nearest[0]}'?" if nearest else ""
+
+
+def _known_keys(conf: Path) -> list[str]:
+    return _flatten(compose_untyped([], conf))
+
+
+def _flatten(node: Any, prefix: str = "") -> list[str]:
+    keys = []
+    for name, value in node.items():
+        keys.append(f"{prefix}{name}")
+        if isinstance(value, dict):
+            keys += _flatten(value, f"{prefix}{name}.")
+    return keys

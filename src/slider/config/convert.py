@@ -1,7 +1,7 @@
 """Between plain nested values and typed configuration objects."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import cache
 from typing import Any, TypeVar
@@ -9,7 +9,6 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
-from slider.config.kinds import kind_at
 from slider.core.errors import UserError
 
 T = TypeVar("T")
@@ -21,8 +20,16 @@ def to_dict(config: Any) -> dict[str, Any]:
     return asdict(config)
 
 
-def from_dict(cls: type[T], values: Any, key: str = "") -> T:
-    """A configuration object from plain nested values; ``key`` is what people call the whole.
+def from_dict(
+    cls: type[T], values: Any, key: str = "", describe: Callable[[Any, Place], Any] | None = None
+) -> T:
+    """A configuration object from plain nested values.
+
+    Args:
+        cls: type of the object.
+        values: of its fields.
+        key: what people call the whole.
+        describe: words what a type accepts at a place below it; else pydantic does.
 
     Raises:
         UserError: names the key, what was expected and what was found.
@@ -30,7 +37,7 @@ def from_dict(cls: type[T], values: Any, key: str = "") -> T:
     try:
         return _adapter(cls).validate_json(json.dumps(values))
     except ValidationError as error:
-        raise UserError(_mistake(cls, error, values, key)) from None
+        raise UserError(_mistake(cls, error, values, key, describe)) from None
 
 
 @cache
@@ -39,7 +46,13 @@ def _adapter(cls: type[T]) -> TypeAdapter[T]:
     return TypeAdapter(cls)
 
 
-def _mistake(cls: type, error: ValidationError, values: Any, key: str) -> str:
+def _mistake(
+    cls: type,
+    error: ValidationError,
+    values: Any,
+    key: str,
+    describe: Callable[[Any, Place], Any] | None,
+) -> str:
     """One line about the first mistake: key, what was expected and what was found."""
     place, first = _first([(_place(item["loc"], values), item) for item in error.errors()])
     absent = first["type"] == "missing"
@@ -49,7 +62,10 @@ def _mistake(cls: type, error: ValidationError, values: Any, key: str) -> str:
     name = name.lstrip(".") or "configuration"
     if first["type"] == "unexpected_keyword_argument":
         return f"unknown configuration key '{name}'"
-    expected = first["msg"] if first["type"] == "rule" else kind_at(cls, place)
+    if first["type"] == "rule" or describe is None:
+        expected = first["msg"].removeprefix("Input should be ")
+    else:
+        expected = describe(cls, place)
     value = "none" if absent else json.dumps(first["input"], ensure_ascii=False)
     return f"{name}: expected {expected}, found {value}"
 

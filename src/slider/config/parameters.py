@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeGuard
 
+from slider.config.constraint_text import kind_at
 from slider.config.convert import from_dict, to_dict
-from slider.config.kinds import kind_at
 from slider.config.robot import RobotConfig
 
 PROVENANCE = "provenance"

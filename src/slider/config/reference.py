@@ -5,8 +5,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
+from slider.config.constraint_text import Kind, child, kind_at, meaning
 from slider.config.convert import to_dict
-from slider.config.kinds import Kind, child, kind_at, meaning
 from slider.config.schema import Config
 from slider.core.errors import UserError
 

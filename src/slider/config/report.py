@@ -1,9 +1,55 @@
 """Typed settings of the page."""
 
+from dataclasses import field
+from typing import Annotated, Literal
+
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.types import STRICT, Distinct, MetresPerSecond, Name, Some
-from slider.config.video import VideoConfig
+from slider.config.types import (
+    STRICT,
+    Count,
+    Distinct,
+    Even,
+    MetresPerSecond,
+    Name,
+    Positive,
+    Seconds,
+    Seed,
+    Some,
+)
+
+Pixels = Annotated[Even[int], Field(ge=32, le=1920)]
+"""H.264 stores colours at half the resolution."""
+
+
+@dataclass(frozen=True, config=STRICT)
+class VideoConfig:
+    """Which videos are made, and how; ``commands`` is not in the section of a single one."""
+
+    renderer: Literal["auto", "egl", "osmesa", "none"]
+    """none: a page without videos; auto: the first that works"""
+    camera: Literal["side", "front", "both"]
+    """where they are filmed from; both: two pictures next to each other"""
+    duration: Positive[Seconds]
+    """from rest"""
+    width: Pixels
+    """of a picture, in pixels"""
+    height: Pixels
+    """of a picture, in pixels"""
+    frame_rate: Annotated[Count, Field(le=1000)]
+    """frames per second; must divide the control rate"""
+    quality: Annotated[int, Field(ge=0, le=51)]
+    """constant rate factor of H.264, 0 (lossless, large) to 51"""
+    seed: Seed
+    """of the start's noise"""
+    commands: Distinct[list[MetresPerSecond]] = field(default_factory=list)
+    """one video per controller and command"""
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """From left to right in a picture."""
+        return ("side", "front") if self.camera == "both" else (self.camera,)
 
 
 @dataclass(frozen=True, config=STRICT)

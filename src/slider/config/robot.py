@@ -27,6 +27,9 @@ from slider.config.types import (
 
 Provenance = Literal["paper", "earlier", "assumed"]
 
+LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
+LEG_DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan")  # one per hip joint; slide and ankle
+
 
 @dataclass(frozen=True, config=STRICT)
 class Link:

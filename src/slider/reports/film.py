@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from slider.config.video import VideoConfig
+from slider.config.report import VideoConfig
 from slider.env.episode import Frame
 from slider.robot.scene import aim
 

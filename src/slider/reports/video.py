@@ -9,8 +9,8 @@ import numpy as np
 from slider.config.convert import from_dict
 from slider.config.disturbance import DisturbanceConfig
 from slider.config.env import StartNoise
+from slider.config.report import VideoConfig
 from slider.config.robot import RobotConfig
-from slider.config.video import VideoConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 

@@ -5,7 +5,7 @@ Joint order: left leg, then right leg, each from hip to foot. x forward, y left,
 
 from collections.abc import Iterable
 
-from slider.config.legs import LEG_JOINTS
+from slider.config.robot import LEG_JOINTS
 
 SIDES = ("left", "right")
 FOOT_ENDS = ("heel", "toe")

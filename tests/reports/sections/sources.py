@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Any, TypeVar
 
-from slider.config.report import ReportConfig
-from slider.config.video import VideoConfig
+from slider.config.report import ReportConfig, VideoConfig
 from slider.reports.page import Content, render
 from slider.reports.sections.sources import Sources
 

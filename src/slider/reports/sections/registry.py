@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from slider.config.checks import one_of
 from slider.config.schema import Config
-from slider.config.validation.checks import one_of
 
 if TYPE_CHECKING:  # the declarations alone are read more often than a page is drawn
     from slider.reports.sections.sources import Sources

@@ -18,7 +18,7 @@ TAGS = ("paper", "earlier", "assumed")
 
 
 def options() -> list[str]:
-    """``group=name`` for every file but bases, and but controllers and studies, of which all are in."""
+    """``group=name`` for every file but bases, controllers and studies: all of these are in."""
     paths = [path.relative_to(CONF) for path in CONF.rglob("*.yaml") if path.stem != "base"]
     groups = {path: str(path.parent) for path in paths}
     apart = (".", "control", "study")
@@ -344,12 +344,6 @@ def test_without_the_library_the_other_rewards_stay():
     for name in set(walking.terms) - guides:
         assert unguided.terms[name] == walking.terms[name], name
     assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)
-
-
-def test_a_controller_under_the_actions_is_for_mujoco_itself():
-    message = "simulator: expected mujoco with env.action.offset=hzd, found mujoco_warp"
-    with pytest.raises(UserError, match=message):
-        compose(["env.action.offset=hzd", "train.walking.simulator=mujoco_warp"], CONF)
 
 
 @pytest.mark.parametrize(("top", "count"), [("2.0", 21), ("2.47", 25), ("1.3", 14)])

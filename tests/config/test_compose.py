@@ -18,7 +18,7 @@ TAGS = ("paper", "earlier", "assumed")
 
 
 def options() -> list[str]:
-    """``group=name`` for every file but bases, and but controllers and studies, of which all are in."""
+    """``group=name`` of every file but bases, and but controllers and studies: all are in."""
     paths = [path.relative_to(CONF) for path in CONF.rglob("*.yaml") if path.stem != "base"]
     groups = {path: str(path.parent) for path in paths}
     apart = (".", "control", "study")

@@ -165,14 +165,15 @@ def _jobs(
 
 def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:
     """From the guesses of ``gait.solver``, and from each random start."""
-    shared, starts = gait_section(config), study.starts
+    shared = gait_section(config)
     for speed in study.speeds:
         solved = gait(shared, (speed, 0.0, 0.0))
         label = f"{solved.label} ({variant.name})"
         yield "gaits", [variant.name, "", speed], replace(solved, label=label)
-        for index in range(starts.count if starts else 0):
-            place = [f"{variant.name}{STARTS}", index, speed]
-            yield "gaits", place, gait_start(shared, starts, speed, index)
+        if study.starts is not None:
+            for index in range(study.starts.count):
+                place = [f"{variant.name}{STARTS}", index, speed]
+                yield "gaits", place, gait_start(shared, study.starts, speed, index)
 
 
 def gait_start(shared: dict[str, Any], starts: StartsConfig, speed: float, index: int) -> JobSpec:

@@ -233,30 +233,3 @@ def test_a_mistake_is_one_line_that_names_it(override, message):
         study(name, f"study.{override}")
     assert message in str(error.value)
     assert "\n" not in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("override", "message"),
-    [
-        ("gait.dynamics=knee", "env.action.offset: expected none of the family hzd with"),
-        ("env/phase=fixed", "env.phase: expected no step_time and no halt"),
-        (
-            "+control.hzd.observer={delay:0.0,position:0.5,velocity:0.5}",
-            "control.hzd.observer: expected null below actions",
-        ),
-    ],
-)
-def test_actions_on_a_controller_that_cannot_be_are_refused(override, message):
-    with pytest.raises(UserError, match=message):
-        table1_jobs(compose([TEST, "env.action.offset=hzd", override], CONF))
-
-
-def test_what_is_under_the_actions_is_of_that_variant_alone():
-    """Library and foot placement of hzd, and its settings; the default's recipes stay."""
-    run = ("study.ablation.training.seeds=[1]", "study.ablation.run=[default,residual_hzd]")
-    default, residual = study("ablation", *run).inputs["walking"]
-    other, changed = study("ablation", *run, "control.hzd.ahead=0.3").inputs["walking"]
-    assert set(residual.inputs) == {"library", "foot_placement"}
-    assert residual.section["control"]["family"] == "hzd"
-    assert "hzd" not in default.section
-    assert (default.recipe == other.recipe, residual.recipe == changed.recipe) == (True, False)

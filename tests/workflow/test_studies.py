@@ -12,7 +12,7 @@ def test_a_study_computes_what_is_new_and_a_file_is_a_study(session_folder, tmp_
     reports = workspace.folder / "reports"
     target = "reports/sensitivity.csv"
     assert workspace.computed(target=target) == sorted(
-        [*["gait"] * 8, *["evaluation"] * 8, "study"]
+        [*["gait"] * 8, *["evaluation"] * 6, "study"]
     )
     assert len((reports / "sensitivity_runs.csv").read_text().splitlines()) == 1 + 2 * (1 + 4)
     assert (reports / "figures/sensitivity.png").is_file()

@@ -1,5 +1,9 @@
 """The stage ``study``: variants compared by metrics, as tables and a figure."""
 
+# The types that pandas infers of columns and rows are unions of all that they may hold.
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportCallIssue=false
+# pyright: reportOperatorIssue=false, reportGeneralTypeIssues=false
+
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -171,7 +175,7 @@ def summarise(
     for metric in (name for name in metrics if name in runs):
         for speed, mine in runs.dropna(subset=metric).groupby("speed", sort=True, dropna=False):
             values = {name: own.set_index("seed") for name, own in mine.groupby("variant")}
-            base = values.get(reference, mine.iloc[:0])[metric]
+            base = values[reference][metric] if reference in values else mine[metric][:0]
             for name, own in values.items():
                 row = {"variant": name, "speed": speed, "metric": metric}
                 found.append(row | _statistics(metric, own) | _change(own[metric], base))
@@ -274,9 +278,10 @@ def _words(text: object) -> list[str]:
 def _table(metric: Quantity, found: pd.DataFrame) -> Table:
     speeds = list(found["speed"].sort_values().unique())
     body = []
-    for label, mine in found.groupby("label", sort=False):
+    for _, mine in found.groupby("variant", sort=False):
+        label = mine["label"].iloc[0]
         cells = {row.speed: _cell(metric, row) for row in mine.itertuples()}
-        body.append([Cell(str(label), str(label)), *(cells.get(v, Cell(NONE)) for v in speeds)])
+        body.append([Cell(label, label), *(cells.get(v, Cell(NONE)) for v in speeds)])
     heads = ["variant", *(f"{speed_text(v)} m/s" if v == v else "training" for v in speeds)]
     return Table(heads, body, metric.heading)
 

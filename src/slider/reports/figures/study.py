@@ -1,5 +1,9 @@
 """A study as a picture: learning curves above, metrics of all variants below."""
 
+# The types that pandas infers of columns and rows are unions of all that they may hold.
+# pyright: reportAttributeAccessIssue=false, reportArgumentType=false, reportCallIssue=false
+# pyright: reportOperatorIssue=false, reportGeneralTypeIssues=false
+
 from collections.abc import Sequence
 from textwrap import fill
 

@@ -3,6 +3,10 @@
 # daqp has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+import os
+import subprocess
+import sys
+
 import daqp
 import numpy as np
 import pytest
@@ -56,7 +60,31 @@ def test_infeasible_programme_has_no_solution():
     np.testing.assert_allclose(x[:, 0], [1.0, 0.0, 1.0], atol=1e-9)
 
 
+def test_solutions_are_those_of_the_python_interface():
+    """To the bit: fails where another version of DAQP has other structures."""
+    parts = programmes(30)
+    x, _ = qp.solve(*parts)
+    for hessian, gradient, rows, lower, upper, minimiser in zip(*parts, x, strict=True):
+        expected, _, flag, _ = daqp.solve(hessian, gradient, rows, upper, lower)
+        assert flag == 1
+        np.testing.assert_array_equal(minimiser, expected)
+
+
 def test_solver_that_did_not_run_is_an_error(monkeypatch):
-    monkeypatch.setattr(daqp, "solve", lambda *_: (np.zeros(6), 0.0, 0, {}))
-    with pytest.raises(RuntimeError, match="found 0"):
-        qp.solve(*programmes(1))
+    """As in plain Python, where the external call does nothing."""
+    monkeypatch.setattr(qp, "_each", lambda *_: None)
+    with pytest.raises(RuntimeError, match="the solver did not run"):
+        qp.solve(*programmes(2))
+
+
+def test_disabled_compiler_changes_no_solution(tmp_path):
+    """NUMBA_DISABLE_JIT gave infeasible programmes, so a Table 1 of falls."""
+    np.savez(tmp_path / "programmes.npz", *programmes(4))
+    program = (
+        "import numpy as np; from slider.control import qp; "
+        "x, solved = qp.solve(*np.load('programmes.npz').values()); "
+        "assert solved.all(); np.save('x.npy', x)"
+    )
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, env=environment, check=True)
+    np.testing.assert_array_equal(np.load(tmp_path / "x.npy"), qp.solve(*programmes(4))[0])

@@ -61,9 +61,8 @@ def test_hidden_settings_of_numba_do_not_apply(hidden, cache, tmp_path, monkeypa
     else:
         (tmp_path / ".numba_config.yaml").write_text("disable_jit: 1\n")
     monkeypatch.setenv("NUMBA_CPU_NAME", "generic")
-    program = (
-        "import slider.core.compiled, numba.core.config as c; print(c.DISABLE_JIT, c.CPU_NAME)"
-    )
+    imports = "import slider.core.compiled, numba.core.config as c"
+    program = f"{imports}; print(c.DISABLE_JIT, c.CPU_NAME)"
     command = [sys.executable, "-c", program]
     printed = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert printed.stdout.split()[0] == "0"

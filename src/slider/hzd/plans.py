@@ -63,7 +63,7 @@ class StepPlan:
         )
 
     def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
-        """Of these steps."""
+        """Virtual constraints of these steps."""
         return StepConstraints(
             self.coefficients,
             self.roll,

@@ -31,12 +31,3 @@ def test_derivatives_by_central_differences(order):
     expected = (up - down) / (2 * h)
     np.testing.assert_allclose(bezier.evaluate(coefficients, s, order), expected, atol=1e-6)
     assert np.abs(expected).max() > 1.0
-
-
-@pytest.mark.parametrize("degree", [3, 8])
-def test_orders_together_have_the_bits_of_each_alone(degree):
-    s = np.random.default_rng(0).uniform(0.0, 1.0, 37)
-    found = bezier.basis_orders(degree, s, 3)
-    assert len(found) == 3
-    for order, basis in enumerate(found):
-        np.testing.assert_array_equal(basis, bezier.basis_derivative(degree, s, order))

@@ -307,7 +307,7 @@ def of_walk(
 
 
 def joint_bounds(form: Formulation) -> tuple[np.ndarray, np.ndarray]:
-    """Of the variables yaw, roll and knee (10,) [rad]; ``position`` bounds pitch and ankle."""
+    """Bounds of the variables yaw, roll and knee (10,) [rad]; ``position`` has pitch and ankle."""
     joints, posture = form.robot.joints, form.config.posture
     yaw, roll, free = joints["hip_yaw"], joints["hip_roll"], np.pi
     lower = np.tile([yaw.lower, roll.lower, -free, posture.knee_min, -free], len(SIDES))

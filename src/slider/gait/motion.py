@@ -92,7 +92,7 @@ class Node:
 
     @classmethod
     def of(cls, form: Formulation, x: ca.SX, turn: ca.SX) -> "Node":
-        """Of a node vector (34,).
+        """Build the expressions of a node vector (34,).
 
         ``turn`` (2,) is the course's yaw rate [rad/s] and the node's phase, from −½ to ½.
         """

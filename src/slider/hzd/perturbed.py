@@ -43,7 +43,7 @@ class Invariance:
 def invariance(
     loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray, grid: ImpactGrid
 ) -> Invariance:
-    """Of gaits with limit cycles through ``points`` (2, n, 22).
+    """Measure hybrid invariance of gaits with limit cycles through ``points`` (2, n, 22).
 
     States on the zero dynamics with another roll and roll rate walk one step; its impact is the
     perturbed one.

@@ -63,7 +63,7 @@ class StepPlan:
         )
 
     def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
-        """Of these steps."""
+        """Virtual constraints of these steps."""
         return StepConstraints(
             self.coefficients,
             self.roll,
@@ -114,7 +114,8 @@ def _plan(
         KneeLengths.of(library.robot),
     )
     hip, ankle = _along(plan, model, config)
-    return replace(plan, hip=hip, ankle=ankle, placement=_placement(plan, model, config))
+    placement = model.placement(motion(plan, np.ones(n), config)[0])
+    return replace(plan, hip=hip, ankle=ankle, placement=placement)
 
 
 def _along(
@@ -136,10 +137,6 @@ def _along(
     effort = (mass[:, 1] * turn / duration**2).sum(axis=1) + bias[:, 1]
     effort = effort.reshape(n, _NODES, 1)
     return hip, NodeTable(effort, CubicSpline(phase, effort, axis=1)(phase, 1))
-
-
-def _placement(plan: StepPlan, model: RootedModel, config: VirtualConstraintsConfig) -> np.ndarray:
-    return model.placement(motion(plan, np.ones(len(plan.duration)), config)[0])
 
 
 def motion(plan: StepPlan, phase: np.ndarray, config: VirtualConstraintsConfig) -> np.ndarray:

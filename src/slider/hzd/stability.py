@@ -60,7 +60,7 @@ def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 
 def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> dict[int, ReturnMap]:
-    """Of the gaits with limit cycles through ``points`` (2, n, 22)."""
+    """Return maps by gait, of those with limit cycles through ``points`` (2, n, 22)."""
     walks, periodic, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
     for gaits in (np.flatnonzero(periodic & clock), np.flatnonzero(periodic & ~clock)):
         if len(gaits):

@@ -74,7 +74,7 @@ def _placed(
     gaits: np.ndarray,
     refuse: Callable[[int, Exception], None],
 ) -> dict[int, _Placed]:
-    """Of the gaits (n,) among the steps that have a limit cycle which foot placement stabilises."""
+    """Place feet of the gaits (n,) that have a limit cycle which foot placement stabilises."""
     if not len(gaits):
         return {}
     steps, result = [plan.of(gaits) for plan in steps], {}
@@ -107,7 +107,7 @@ def collect_placement(section: Section, inputs: Inputs, out: Path, job: Job) -> 
 
 
 def load_library(inputs: Inputs) -> GaitLibrary:
-    """Of a stage's inputs.
+    """Load the library of a stage's inputs.
 
     Raises:
         UserError: its gaits have the virtual knee's dynamics.

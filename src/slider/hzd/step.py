@@ -243,7 +243,7 @@ class _Steps:
 
     @cached_property
     def _columns(self) -> np.ndarray:
-        """Of the roll and the joints (10, 11)."""
+        """Columns of H for the roll and the joints (10, 11)."""
         return np.delete(self._outputs, YAW, axis=1)
 
 

@@ -125,7 +125,7 @@ def zero_dynamics(
 def directions(
     loop: ClosedLoop, steps: Sequence[StepPlan], others: np.ndarray = _DISPLACEMENTS
 ) -> np.ndarray:
-    """Of the zero dynamics at the sections and others (2, n, 24, r + k).
+    """Directions of the zero dynamics at the sections, and others (2, n, 24, r + k).
 
     Positions and rates turn what the outputs leave free; the phase's rate moves along the gait.
     """

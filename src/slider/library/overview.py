@@ -16,12 +16,12 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
     """Status, times, cost, peaks against the limits, worst residuals and clearance of a gait."""
     arrays = library.arrays
     first, second = arrays["step_time"][gait]
-    lengths = _step_lengths(library, gait)
+    swing = arrays["swing_foot"][gait, :, 0]  # forward of the stance foot [m]
     lines = [
         f"gait {command_text(library.commands[gait])}: {arrays['status'][gait]}, "
         f"{arrays['iterations'][gait]} iterations",
         f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
-        f"  step length  {lengths[0]:.3f} m, {lengths[1]:.3f} m forward",
+        f"  step length  {swing[len(swing) // 2 - 1]:.3f} m, {swing[-1]:.3f} m forward",
         f"  cost         {arrays['cost'][gait]:.6g} {library.cost_unit}",
         f"  clearance    {100 * measures.clearance(library, gait):.1f} cm at mid-step "
         "(lower end of the swing foot)",
@@ -50,12 +50,6 @@ def library_lines(library: GaitLibrary) -> list[str]:
         _worst_residual(library),
         _smoothness(library),
     ]
-
-
-def _step_lengths(library: GaitLibrary, gait: int) -> np.ndarray:
-    """Forward distance (2,) [m] from the stance foot to the touched-down foot of each step."""
-    swing = library.arrays["swing_foot"][gait, :, 0]
-    return swing[[len(swing) // 2 - 1, len(swing) - 1]]
 
 
 def _residuals(library: GaitLibrary, gait: int) -> list[str]:

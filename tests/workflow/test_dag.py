@@ -234,10 +234,12 @@ def test_a_failing_stage_shows_its_last_words(workspace):
         ("hydra=gait.nods=3", "did you mean 'gait.nodes'?"),
         ("hydra=3", "expected text of the form key=value, found 3"),
         ("hydar=gait.nodes=3", "unknown --config name 'hydar'"),
+        ("hydra=", "expected Python with docstrings, found PYTHONOPTIMIZE=2"),
     ],
 )
 def test_a_mistake_is_one_line_and_status_1(once, setting, message):
-    failed = once.command(["-m", "snakemake", "-n", "--config", setting])
+    environment = {"PYTHONOPTIMIZE": "2"} if "PYTHONOPTIMIZE" in message else {}
+    failed = once.command(["-m", "snakemake", "-n", "--config", setting], **environment)
     assert failed.returncode == 1
     (line,) = [line for line in failed.stderr.splitlines() if not line.startswith("Using workflow")]
     assert message in line

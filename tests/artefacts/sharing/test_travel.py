@@ -176,14 +176,14 @@ def test_results_of_two_machines_do_not_mix(filled, bare):
 
 def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
     """One gait is computed while the pull is on its way, another is still being computed."""
-    fetch, own = travel._fetch_object, []
+    fetch, own = travel._fetch, []
 
-    def compute_first(store: Store, manifest: Manifest, remote: Remote) -> int:
-        if manifest.recipe == GAITS[0].recipe:
+    def compute_first(store: Store, remote: Remote, job: JobSpec):
+        if job == GAITS[0]:
             own.append(compute(bare, GAITS[0], "of another machine"))
-        return fetch(store, manifest, remote)
+        return fetch(store, remote, job)
 
-    monkeypatch.setattr(travel, "_fetch_object", compute_first)
+    monkeypatch.setattr(travel, "_fetch", compute_first)
     with exclusive(bare.locks, GAITS[1].recipe):
         found = pull(bare, JOBS, filled.remote)
     assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}

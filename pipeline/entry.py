@@ -189,6 +189,8 @@ def open_pipeline(
 
 
 def _open(settings: Mapping[str, Any], conf: Path, cores: int | None) -> Pipeline:
+    if sys.flags.optimize > 1:  # meanings of terms are docstrings
+        raise UserError("expected Python with docstrings, found PYTHONOPTIMIZE=2: unset it")
     overrides = parse_overrides(settings)
     config, plan = planned(overrides, conf)
     notes = Path(".snakemake")  # of Snakemake, also in a dry run: without them it ends with a trace

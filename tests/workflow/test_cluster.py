@@ -30,7 +30,10 @@ pytestmark = [
 HOSTILE = 'a "gäit" $(touch pwned)'  # without the quote at which Snakemake fails on a cluster
 PROFILE = ("--workflow-profile", "pipeline/profiles/slurm")
 # For a disk and a queue that nobody shares.
-SOON = ("--latency-wait=5", "--seconds-between-status-checks=1", "--max-status-checks-per-second=9")
+SOON = (
+    *("--latency-wait=5", "--seconds-between-status-checks=1", "--max-status-checks-per-second=9"),
+    "--slurm-init-seconds-before-status-checks=1",
+)
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,6 @@
 import errno
 import json
 import os
-import subprocess
-import sys
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,6 +24,8 @@ from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
 from tests.artefacts.sharing.servers import KINDS, anywhere, http_server
+from tests.faults.chain import process
+from tests.faults.operations import kill_at
 
 CODE = Code("slider.none:run", "abc", {"python": "3.11"})
 GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number in range(6)]
@@ -176,14 +176,14 @@ def test_results_of_two_machines_do_not_mix(filled, bare):
 
 def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
     """One gait is computed while the pull is on its way, another is still being computed."""
-    fetch, own = travel._fetch_object, []
+    fetch, own = travel._fetch, []
 
-    def compute_first(store: Store, manifest: Manifest, remote: Remote) -> int:
-        if manifest.recipe == GAITS[0].recipe:
+    def compute_first(store: Store, remote: Remote, job: JobSpec):
+        if job == GAITS[0]:
             own.append(compute(bare, GAITS[0], "of another machine"))
-        return fetch(store, manifest, remote)
+        return fetch(store, remote, job)
 
-    monkeypatch.setattr(travel, "_fetch_object", compute_first)
+    monkeypatch.setattr(travel, "_fetch", compute_first)
     with exclusive(bare.locks, GAITS[1].recipe):
         found = pull(bare, JOBS, filled.remote)
     assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}
@@ -321,45 +321,20 @@ def test_what_is_damaged_here_stays_here(place, full, bare):
     assert verify(full) == Removed([], [])
 
 
-KILLED = """
-import os, signal, sys
-left = int(sys.argv[1])
-MUTATING = {"os.rename", "os.mkdir", "os.chmod", "os.remove", "os.rmdir", "os.truncate"}
-
-
-def hook(event, arguments):
-    global left
-    writes = event == "open" and isinstance(arguments[2], int) and arguments[2] & 3
-    if armed and (event in MUTATING or writes):
-        left -= 1
-        if left == 0:
-            os.kill(os.getpid(), signal.SIGKILL)
-
-
-armed = False
-sys.addaudithook(hook)
-from slider.cli import main
-import slider.artefacts.sharing.travel, slider.commands.store
-armed = True
-raise SystemExit(main(sys.argv[2:]))
-"""
-
-
-def run_killed(moment: int, store: Store, *arguments: str) -> int:
-    """Status of a command that is killed at its n-th change of a file, if it makes so many."""
-    words = ["store", "--artefacts", str(store.root), *arguments]
-    command = [sys.executable, "-c", KILLED, str(moment), *words]
-    return subprocess.run(command, capture_output=True, check=False).returncode
+def run_killed(moment: int, store: Store, action: str, place: Place) -> int:
+    """Status of a command that is killed at its n-th operation on a file, if it makes so many."""
+    words = ["store", "--artefacts", str(store.root), action, place.remote.url]
+    return process(lambda: main(words), kill_at(store.root.parent, moment)).status
 
 
 @pytest.mark.parametrize("moment", [1, 12, 33])
 def test_a_killed_push_goes_on(moment, place, full, bare):
     write_plan(PLAN, full.root / "plans")
-    assert run_killed(moment, full, "push", place.remote.url) == -9
+    assert run_killed(moment, full, "push", place) == -9
     if place.remote.open():
         counts = pull(bare, JOBS, place.remote).counts
         assert set(counts) <= {"taken", "not there", "of other inputs"}
-    assert run_killed(0, full, "push", place.remote.url) == 0
+    assert run_killed(0, full, "push", place) == 0
     pull(bare, JOBS, place.remote)
     assert contents(bare) == contents(full)
 
@@ -367,9 +342,9 @@ def test_a_killed_push_goes_on(moment, place, full, bare):
 @pytest.mark.parametrize("moment", [5, 33, 90])
 def test_a_killed_pull_goes_on(moment, filled, full, bare):
     write_plan(PLAN, bare.root / "plans")
-    assert run_killed(moment, bare, "pull", filled.remote.url) == -9
+    assert run_killed(moment, bare, "pull", filled) == -9
     assert verify(bare) == Removed([], [])
-    assert run_killed(0, bare, "pull", filled.remote.url) == 0
+    assert run_killed(0, bare, "pull", filled) == 0
     assert contents(bare) == contents(full)
 
 

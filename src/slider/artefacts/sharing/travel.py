@@ -11,8 +11,9 @@ import json
 import shutil
 import uuid
 from collections.abc import Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,16 @@ class Account:
         return f"{counts or 'nothing to do'} ({self.size / 1e6:.1f} MB)"
 
 
+@dataclass(frozen=True)
+class _Shared:
+    """A result in a remote: its manifest, the facts beside it, and what came or is wrong."""
+
+    manifest: Manifest | None = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    size: int = 0
+    damage: str = ""
+
+
 def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Account:
     """Send the results of some jobs that are here and not there; replace no whole result.
 
@@ -65,9 +76,9 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
         remote.create()
     account = Account()
     with _no_clean_up(store):
-        work = lambda job: _push(store, job, remote, verify)  # noqa: E731
-        for outcome in remote.in_order(work, list(jobs.values())):
-            account.note(*outcome)
+        sendings = remote.in_order(partial(_push, store, remote, verify), list(jobs.values()))
+        for sending in sendings:
+            account.note(*sending)
     return account
 
 
@@ -89,12 +100,15 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
     if not remote.open():
         raise UserError(f"remote {remote.url}: expected results of slider, found none")
     with _no_clean_up(store):
-        answers = remote.in_order(lambda job: _fetch(store, job, remote), missing)
-        for job, (result, size, damage) in zip(missing, answers, strict=True):
-            if result is not None:
-                account.note(_accept(store, job, *result, remote.url), size)
+        arrivals = remote.in_order(partial(_fetch, store, remote), missing)
+        for job, shared in zip(missing, arrivals, strict=True):
+            if shared.damage:
+                name = f"{job.label} ({job.recipe[:12]})"
+                account.note("damaged", 0, f"{name}: damaged in {remote.url}: {shared.damage}")
+            elif shared.manifest is None:
+                account.note("not there")
             else:
-                account.note("damaged" if damage else "not there", size, damage)
+                account.note(_accept(store, job, shared.manifest, shared, remote.url), shared.size)
     return account
 
 
@@ -102,7 +116,7 @@ def _no_clean_up(store: Store) -> AbstractContextManager[None]:
     return exclusive(store.locks, f"travel-{uuid.uuid4().hex[:12]}")
 
 
-def _push(store: Store, job: JobSpec, remote: Remote, verify: bool) -> tuple[str, int, str]:
+def _push(store: Store, remote: Remote, verify: bool, job: JobSpec) -> tuple[str, int, str]:
     """Send one result; return what became of it, the bytes that went, and damage in words."""
     manifest = store.usable(store.manifest_path(job.stage, job.recipe))
     if manifest is None or manifest.input_objects.keys() != job.inputs.keys():
@@ -110,24 +124,25 @@ def _push(store: Store, job: JobSpec, remote: Remote, verify: bool) -> tuple[str
     if not store.is_whole(manifest.result.object):
         text = "damaged here: run `slider store verify`"
         return "damaged", 0, f"{job.label} ({job.recipe[:12]}): {text}"
-    try:
-        there = _there(job, remote)
-        if there is not None and (not verify or _arrives(store, there[0], remote)):
-            same = there[0].result == manifest.result
+    with suppress(DamageError):
+        there = _look_up(remote, job).manifest
+        if there is not None:
+            if verify:
+                with _received(store, there, remote):
+                    pass
+            same = there.result == manifest.result
             return "already there" if same else "different there", 0, ""
-    except DamageError:
-        pass
     sent, folder = 0, store.object_folder(manifest.result.object)
     for name, facts in manifest.result.files.items():
-        if remote.size(_file(facts)) != facts["size"] or verify:
+        if verify or remote.size(_file(facts)) != facts["size"]:
             remote.send(folder / name, _file(facts))
             sent += facts["size"]
-    facts = store.facts(job.stage, job.recipe)
-    remote.write(_result(job), files.canonical(plain_manifest(manifest) | {"facts": facts}))
+    values = plain_manifest(manifest) | {"facts": store.facts(job.stage, job.recipe)}
+    remote.write(_result(job), files.canonical(values))
     return "sent", sent, ""
 
 
-def _there(job: JobSpec, remote: Remote) -> tuple[Manifest, dict[str, Any]] | None:
+def _look_up(remote: Remote, job: JobSpec) -> _Shared:
     """Manifest and facts of a job's result in the remote, if it is there.
 
     Raises:
@@ -135,26 +150,18 @@ def _there(job: JobSpec, remote: Remote) -> tuple[Manifest, dict[str, Any]] | No
     """
     content = remote.read(_result(job), _RESULT_SIZE)
     if content is None:
-        return None
+        return _Shared()
     try:
         values = json.loads(content)
-        facts = values.pop("facts")
+        facts = dict(values.pop("facts"))
         manifest = manifest_from(values)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise DamageError("expected a manifest, found something else") from None
-    named = (manifest.stage, manifest.recipe, manifest.inputs)
+    names = (manifest.stage, manifest.recipe, manifest.inputs)
     checked = manifest.input_objects.keys() == job.inputs.keys()
-    if named != (job.stage, job.recipe, job.input_recipes) or not checked:
+    if names != (job.stage, job.recipe, job.input_recipes) or not checked:
         raise DamageError("expected the manifest of this job, found that of another")
-    return manifest, facts if isinstance(facts, dict) else {}
-
-
-def _arrives(store: Store, manifest: Manifest, remote: Remote) -> bool:
-    try:
-        with _received(store, manifest, remote):
-            return True
-    except DamageError:
-        return False
+    return _Shared(manifest, facts)
 
 
 @contextmanager
@@ -178,55 +185,40 @@ def _received(store: Store, manifest: Manifest, remote: Remote) -> Iterator[Path
         yield folder
 
 
-def _fetch(
-    store: Store, job: JobSpec, remote: Remote
-) -> tuple[tuple[Manifest, dict[str, Any]] | None, int, str]:
-    """Bring the object of a job's result into the store, if the remote has it whole."""
+def _fetch(store: Store, remote: Remote, job: JobSpec) -> _Shared:
+    """Publish the object of a job's result, after its content was compared with its name."""
     try:
-        result = _there(job, remote)
-        size = 0 if result is None else _fetch_object(store, result[0], remote)
-        return result, size, ""
+        shared = _look_up(remote, job)
+        if shared.manifest is None or store.is_whole(shared.manifest.result.object):
+            return shared
+        result = shared.manifest.result
+        with _received(store, shared.manifest, remote) as content:
+            store.publish(content, result.summary, result.resumed)
+        return replace(shared, size=result.size)
     except DamageError as error:
-        return None, 0, f"{job.label} ({job.recipe[:12]}): damaged in {remote.url}: {error}"
+        return _Shared(damage=str(error))
 
 
-def _fetch_object(store: Store, manifest: Manifest, remote: Remote) -> int:
-    """Publish an object after its content was compared with its name; return its size [bytes]."""
-    result = manifest.result
-    if store.is_whole(result.object):
-        return 0
-    with _received(store, manifest, remote) as content:
-        store.publish(content, result.summary, result.resumed)
-    return result.size
-
-
-def _accept(
-    store: Store, job: JobSpec, manifest: Manifest, facts: dict[str, Any], origin: str
-) -> str:
+def _accept(store: Store, job: JobSpec, manifest: Manifest, shared: _Shared, origin: str) -> str:
     """Write what leads to an object, unless a job computes the result or did so meanwhile."""
     try:
         with exclusive(store.locks, job.recipe, timeout=0):
-            if (own := store.whole(job.stage, job.recipe)) is None:
-                waiting = not _write(store, job, manifest, facts, origin)
-                return "of other inputs" if waiting else "taken"
+            own = store.whole(job.stage, job.recipe)
+            if own is not None:
+                same = own.result.object == manifest.result.object
+                return "taken" if same else "computed here"
+            key = job.key(manifest.input_objects)
+            if store.known(key) is None:
+                store.remember(key, manifest)
+            waiting = _input_objects(store, job) != manifest.input_objects
+            facts = {**shared.facts, "computed": False, "taken_from": origin, "waiting": waiting}
+            files.write_json(store.sidecar_path(job.stage, job.recipe), facts)
+            if waiting:
+                return "of other inputs"
+            store.write_manifest(manifest)
+            return "taken"
     except Timeout:
         return "computed here"
-    return "taken" if own.result.object == manifest.result.object else "computed here"
-
-
-def _write(
-    store: Store, job: JobSpec, manifest: Manifest, facts: dict[str, Any], origin: str
-) -> bool:
-    """Write index and sidecar; tell whether an object is now the result of the job's recipe."""
-    key = job.key(manifest.input_objects)
-    if store.known(key) is None:
-        store.remember(key, manifest)
-    waiting = _input_objects(store, job) != manifest.input_objects
-    facts = facts | {"computed": False, "taken_from": origin, "waiting": waiting}
-    files.write_json(store.sidecar_path(job.stage, job.recipe), facts)
-    if not waiting:
-        store.write_manifest(manifest)
-    return not waiting
 
 
 def _input_objects(store: Store, job: JobSpec) -> dict[str, list[str]] | None:

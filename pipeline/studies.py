@@ -72,8 +72,8 @@ def study_job(
     keyed = [item for variant in variants for item in _jobs(variant, study, config, targets)]
     inputs: dict[str, list[JobSpec]] = {}
     keys: dict[str, list[list[Any]]] = {}
-    for group, place, made in keyed:
-        inputs.setdefault(group, []).append(made)
+    for group, place, spec in keyed:
+        inputs.setdefault(group, []).append(spec)
         keys.setdefault(group, []).append(place)
     if study.training is not None:
         inputs["library"] = [targets["library"]]
@@ -149,18 +149,18 @@ def _jobs(
         plant = _evaluated(
             replace(changed, robot=replace(changed.robot, **unused)), study, rollouts
         )
-        made = {"walking": targets["walking"]}
-        for one in evaluations_of(plant, plant.evaluation, made, note):
-            yield "evaluations", [variant.name, "", one.section["command"]], one
+        walking = {"walking": targets["walking"]}
+        for spec in evaluations_of(plant, plant.evaluation, walking, note):
+            yield "evaluations", [variant.name, "", spec.section["command"]], spec
         return
     library = library_job(changed)
     for seed in study.training.seeds:
         note = f" ({variant.name}, seed {seed})"
-        own = _evaluated(_with_budget(changed, study.training, seed), study, rollouts)
-        walking = training_jobs(own, library, note)["walking"]
-        yield "walking", [variant.name, seed, _batch(own.train.walking)], walking
-        for one in evaluations_of(own, own.evaluation, {"walking": walking}, note):
-            yield "evaluations", [variant.name, seed, one.section["command"]], one
+        trained = _evaluated(_with_budget(changed, study.training, seed), study, rollouts)
+        walking = training_jobs(trained, library, note)["walking"]
+        yield "walking", [variant.name, seed, _batch(trained.train.walking)], walking
+        for spec in evaluations_of(trained, trained.evaluation, {"walking": walking}, note):
+            yield "evaluations", [variant.name, seed, spec.section["command"]], spec
 
 
 def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:

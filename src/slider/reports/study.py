@@ -51,14 +51,14 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     curves = _curves(section, inputs)
     runs = pd.concat([_gaits(section, inputs), _policies(section, inputs), _walks(curves)])
     runs = runs.groupby(KEYS, sort=False, dropna=False, as_index=False).first()
-    found = summarise(runs, section["variants"], section["metrics"])
-    tables = {name: found, f"{name}_runs": runs}
+    summary = summarise(runs, section["variants"], section["metrics"])
+    tables = {name: summary, f"{name}_runs": runs}
     if "walking" in inputs:
         tables[f"{name}_curves"] = curves
     for stem, table in tables.items():
         table.to_csv(out / f"{stem}.csv", index=False, float_format="%.6g", lineterminator="\n")
         job.tracker.log_file(out / f"{stem}.csv")
-    write_pictures(out / name, lambda: figure.draw(strongest(found), curves))
+    write_pictures(out / name, lambda: figure.draw(strongest(summary), curves))
     text = document(name.replace("_", " ").capitalize(), blocks(name, out))
     (out / f"{name}.md").write_text(text, encoding="utf-8")
     job.tracker.log_file(out / f"{name}.png")
@@ -77,11 +77,11 @@ def _curves(section: Section, inputs: Inputs) -> pd.DataFrame:
 
 def _walks(curves: pd.DataFrame) -> pd.DataFrame:
     """Samples until a training first walks; ∞ for never."""
-    found = [
+    walks = [
         {"variant": variant, "seed": seed, "samples_to_walk": _first_walk(mine)}
         for (variant, seed), mine in curves.groupby(["variant", "seed"], sort=False)
     ]
-    return pd.DataFrame(found, columns=[*KEYS, "samples_to_walk"])
+    return pd.DataFrame(walks, columns=[*KEYS, "samples_to_walk"])
 
 
 def _first_walk(checks: pd.DataFrame) -> float:
@@ -171,17 +171,17 @@ def summarise(
         variants: name, label, changes and note of each.
         metrics: columns of ``runs``.
     """
-    reference, found = variants[0][0], []
+    reference, table = variants[0][0], []
     for metric in (name for name in metrics if name in runs):
         for speed, mine in runs.dropna(subset=metric).groupby("speed", sort=True, dropna=False):
             values = {name: own.set_index("seed") for name, own in mine.groupby("variant")}
             base = values[reference][metric] if reference in values else mine[metric][:0]
             for name, own in values.items():
                 row = {"variant": name, "speed": speed, "metric": metric}
-                found.append(row | _statistics(metric, own) | _change(own[metric], base))
+                table.append(row | _statistics(metric, own) | _change(own[metric], base))
     columns = ["variant", "speed", "metric", *STATISTICS]
     names = pd.DataFrame([*variants], columns=["variant", "label", "changes", "note"])
-    return names.merge(pd.DataFrame(found, columns=columns), on="variant", how="left")
+    return names.merge(pd.DataFrame(table, columns=columns), on="variant", how="left")
 
 
 def _statistics(metric: str, runs: pd.DataFrame) -> dict[str, float]:
@@ -232,25 +232,25 @@ def _spreads(values: np.ndarray) -> bool:
     return len(values) > 1 and bool(np.isfinite(values).all())
 
 
-def strongest(found: pd.DataFrame) -> pd.DataFrame:
+def strongest(summary: pd.DataFrame) -> pd.DataFrame:
     """The reference, the variants whose shares [%] change most, ``SHOWN`` in all, and all notes."""
-    names = found.loc[found["metric"].notna(), "variant"].drop_duplicates()
+    names = summary.loc[summary["metric"].notna(), "variant"].drop_duplicates()
     if len(names) <= SHOWN:
-        return found
-    shares = found["metric"].isin(name for name, metric in QUANTITIES.items() if metric.share)
-    size = found["change"].where(shares).abs()
-    order = size.groupby(found["variant"]).max().reindex(names[1:]).fillna(0.0)
+        return summary
+    shares = summary["metric"].isin(name for name, metric in QUANTITIES.items() if metric.share)
+    size = summary["change"].where(shares).abs()
+    order = size.groupby(summary["variant"]).max().reindex(names[1:]).fillna(0.0)
     order = order.sort_values(ascending=False, kind="stable").index[: SHOWN - 1]
     place = {name: index for index, name in enumerate([names.iloc[0], *order])}
-    shown = found[found["variant"].isin(place) | found["metric"].isna()]
+    shown = summary[summary["variant"].isin(place) | summary["metric"].isna()]
     by_place = shown["variant"].map(place).sort_values(kind="stable").index
     return shown.loc[by_place]
 
 
 def blocks(name: str, folder: Path) -> Iterator[Written]:
     """Figure and tables from the files of a study: per metric variants down, speeds across."""
-    found = pd.read_csv(folder / f"{name}.csv", keep_default_na=False, na_values=[""])
-    shown, count = strongest(found), found["variant"].nunique()
+    summary = pd.read_csv(folder / f"{name}.csv", keep_default_na=False, na_values=[""])
+    shown, count = strongest(summary), summary["variant"].nunique()
     yield Text(
         "Means over runs (least to greatest); of a single run with its 95 % interval where there "
         "is one. Errors and quality are those of surviving robots. \\*: the 95 % interval of the "
@@ -262,11 +262,11 @@ def blocks(name: str, folder: Path) -> Iterator[Written]:
         yield _table(quantity(str(metric)), mine)
 
 
-def _variants(found: pd.DataFrame) -> Table:
+def _variants(summary: pd.DataFrame) -> Table:
     body = [
         [Cell(row.label), Cell(" ".join(f"`{text}`" for text in _words(row.changes)) or "none")]
         + [Cell(" ".join(_words(row.note)))]
-        for row in found.drop_duplicates("variant").itertuples()
+        for row in summary.drop_duplicates("variant").itertuples()
     ]
     return Table(["variant", "overrides", "not compared"], body, sortable=False)
 
@@ -275,10 +275,10 @@ def _words(text: object) -> list[str]:
     return text.split() if isinstance(text, str) else []
 
 
-def _table(metric: Quantity, found: pd.DataFrame) -> Table:
-    speeds = list(found["speed"].sort_values().unique())
+def _table(metric: Quantity, summary: pd.DataFrame) -> Table:
+    speeds = list(summary["speed"].sort_values().unique())
     body = []
-    for _, mine in found.groupby("variant", sort=False):
+    for _, mine in summary.groupby("variant", sort=False):
         label = mine["label"].iloc[0]
         cells = {row.speed: _cell(metric, row) for row in mine.itertuples()}
         body.append([Cell(label, label), *(cells.get(v, Cell(NONE)) for v in speeds)])

@@ -21,21 +21,24 @@ PANELS = 5
 CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}
 _MARKERS = "os^DvPX"
 _DASHES = ("-", "--", ":")
-_WRAP = 22  # characters of a title or a label in a line
+_WRAP = 22  # characters of a title in a line
 _MARGIN = 0.12  # [inch]
 _WIDE = 30.0  # ratio of the numbers from which on an axis is logarithmic
 
 
-def draw(found: pd.DataFrame, curves: pd.DataFrame) -> Figure:
+def draw(summary: pd.DataFrame, curves: pd.DataFrame) -> Figure:
     """Dots are means, bars reach from the least to the greatest run; bands do so for curves.
 
     Args:
-        found: as :func:`slider.reports.study.summarise` makes it.
+        summary: as :func:`slider.reports.study.summarise` makes it.
         curves: checks of trainings, by variant, seed and samples; may be empty.
     """
-    found = found.dropna(subset="metric")
-    labels = dict(zip(found["variant"], found["label"], strict=True))
-    metrics, speeds = found["metric"].unique()[:PANELS], np.sort(found["speed"].dropna().unique())
+    summary = summary.dropna(subset="metric")
+    labels = dict(zip(summary["variant"], summary["label"], strict=True))
+    metrics, speeds = (
+        summary["metric"].unique()[:PANELS],
+        np.sort(summary["speed"].dropna().unique()),
+    )
     above = 0.0 if curves.empty else 2.8  # [inch]
     below = 1.2 + max(0.22, 0.1 * len(speeds)) * len(labels)
     figure = new_figure(above + below)
@@ -48,9 +51,11 @@ def draw(found: pd.DataFrame, curves: pd.DataFrame) -> Figure:
         _draw_curves(part, curves, labels)
     panels = np.atleast_1d(lower.subplots(1, len(metrics), sharey=True))
     for axes, metric in zip(panels, metrics, strict=True):
-        _draw_dots(axes, found[found["metric"] == metric], list(labels), quantity(metric), speeds)
+        _draw_dots(
+            axes, summary[summary["metric"] == metric], list(labels), quantity(metric), speeds
+        )
     panels[0].set_yticks(
-        range(len(labels)), [fill(text, _WRAP, break_long_words=False) for text in labels.values()]
+        range(len(labels)), [fill(text, 30, break_long_words=False) for text in labels.values()]
     )
     panels[0].set_ylim(len(labels) - 0.5, -0.5)
     handles = [_marker(index, label=f"{speed(v)} m/s") for index, v in enumerate(speeds)]

@@ -8,6 +8,8 @@ robot.xml. On a robot, replace ``observe`` by the state estimate and ``simulate`
 drives.
 """
 
+from __future__ import annotations  # for Python 3.8
+
 import argparse
 import json
 from pathlib import Path
@@ -18,14 +20,14 @@ import onnxruntime
 
 
 class Policy:
-    """The network and what it must remember from one control step to the next."""
+    """The network and its state between control steps."""
 
     def __init__(self, folder: Path) -> None:
         if not (folder / "policy.json").is_file():
             raise SystemExit(f"expected policy.json and the files that it names in {folder}")
         self.layout = json.loads((folder / "policy.json").read_text())
         self.session = onnxruntime.InferenceSession(
-            folder / "policy.onnx", providers=["CPUExecutionProvider"]
+            str(folder / "policy.onnx"), providers=["CPUExecutionProvider"]
         )
         joints = self.layout["action"]["joints"]
         self.nominal, self.scale, self.lower, self.upper = (
@@ -113,7 +115,7 @@ class Policy:
         return clock is not None and clock["mirror"] and self.phase >= 0.5
 
     def terms(self, state: dict[str, np.ndarray], command: np.ndarray) -> dict[str, np.ndarray]:
-        """What a policy may ask for, before scaling; the layout says what each term means."""
+        """Terms of observations before scaling; the layout has the meaning of each."""
         error = (self.heading_target - state["yaw"] + np.pi) % (2.0 * np.pi) - np.pi
         angle = 2.0 * np.pi * self.phase
         layout = self.layout["observation"]
@@ -152,9 +154,9 @@ def step_time(clock: dict, command: list[float]) -> float:
 
 def trilinear(grid: dict, values: np.ndarray, command: list[float]) -> np.ndarray:
     """Values (nx, ny, nw, k) at vx, vy, yaw rate: (k,); the border's outside the grid."""
-    for name, wanted in zip(("vx", "vy", "yaw_rate"), command, strict=True):
+    for index, name in enumerate(("vx", "vy", "yaw_rate")):
         axis = grid[name]
-        place = np.interp(wanted, axis, np.arange(len(axis)))
+        place = np.interp(command[index], axis, np.arange(len(axis)))
         low = min(int(place), max(len(axis) - 2, 0))
         high = min(low + 1, len(axis) - 1)
         values = values[low] + (place - low) * (values[high] - values[low])
@@ -195,7 +197,7 @@ def simulate(
 ) -> None:
     """One control period; actuators carry the names of the motors and take their angles."""
     action = policy.layout["action"]
-    target = {joint["name"]: t for joint, t in zip(action["joints"], targets, strict=True)}
+    target = {joint["name"]: targets[i] for i, joint in enumerate(action["joints"])}
     for motor in action["motors"]:
         angle = sum(share * target[joint] for joint, share in motor["joints"].items())
         data.actuator(motor["name"]).ctrl[0] = angle

@@ -84,8 +84,8 @@ def _jobs(store: Store, targets: list[str], everything: bool) -> dict[str, JobSp
     names = list(plan.targets) if everything else targets or ["table1"]
     for name in names:
         if name not in plan.targets:
-            known = ", ".join(plan.targets)
-            raise UserError(f"expected targets of the current plan ({known}), found {name}")
+            names = ", ".join(plan.targets)
+            raise UserError(f"expected targets of the current plan ({names}), found {name}")
     return dict(build_plan({name: plan.jobs[plan.targets[name]] for name in names}).jobs)
 
 
@@ -98,7 +98,7 @@ def _list(store: Store) -> int:
 
 
 def _times(store: Store, out: Path | None) -> int:
-    """What later runs tell the time left by; a job of another size takes in proportion."""
+    """Print the times that later runs estimate the time left from."""
     stages = sorted({path.parent.name for path in store.manifests()})
     rows = mean_rows(times(store, stages).remembered)
     print(f"{'kind':<28}{'size':>12}{'seconds':>10}")

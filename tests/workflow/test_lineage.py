@@ -114,10 +114,10 @@ def test_bad_input_is_one_line(once, arguments, code, text):
 
 
 def test_looking_writes_nothing(workspace):
-    """But for seals of objects that it read, once they are old enough."""
+    """But for the integrity index of objects that it read, once they are old enough."""
 
     def present() -> list[Path]:
-        return sorted(p for p in workspace.artefacts.rglob("*") if "seals" not in p.parts)
+        return sorted(p for p in workspace.artefacts.rglob("*") if "integrity" not in p.parts)
 
     before = present()
     assert workspace.slider("lineage", "show", "table1").returncode == 0

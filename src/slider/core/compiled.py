@@ -2,7 +2,7 @@
 
 There is no fast-math and no contraction, so that each operation rounds as IEEE 754 says, and the
 target is one and the same for all x86-64 processors with AVX2: results are those of any of them.
-Products of matrices are those of SciPy's BLAS (``slider.core.numerics``).
+Products of matrices are those of SciPy's BLAS (``slider.core.machine.kernels``).
 
 What is compiled lies in ``NUMBA_CACHE_DIR``, or beside the source, where Python keeps its bytecode.
 Jobs that start at once compile each for itself, and one of the results stays. A damaged file is

@@ -5,7 +5,9 @@ import sys
 from pathlib import Path
 
 # The source beside this file, whatever is installed; as for the jobs, no PYTHONPATH.
-FOREIGN = {*map(os.path.abspath, filter(None, os.environ.get("PYTHONPATH", "").split(":")))}
+FOREIGN = {
+    *map(os.path.abspath, filter(None, os.environ.get("PYTHONPATH", "").split(":")))
+}
 sys.path[:] = [path for path in sys.path if path not in FOREIGN]
 sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
 

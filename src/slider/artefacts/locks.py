@@ -16,7 +16,7 @@ _GATE = "all"  # whoever holds every lock keeps this one, so that no new one is 
 
 @contextmanager
 def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
-    """Wait until no other process holds the lock of this name, nor all of them.
+    """Hold the lock of a name; wait until no other process holds it, nor all locks.
 
     Raises:
         Timeout: another process still holds the name after so many seconds; -1 waits for ever.
@@ -28,7 +28,7 @@ def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
         try:
             yield
         finally:
-            _path(folder, name).unlink(missing_ok=True)  # who waits for it sees that and goes on
+            _path(folder, name).unlink(missing_ok=True)  # a process that waits for it notices
 
 
 @contextmanager

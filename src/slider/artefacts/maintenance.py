@@ -18,7 +18,7 @@ from slider.core.errors import UserError
 
 
 class Kind(NamedTuple):
-    """What the store holds of one stage: manifests, different objects and their size [bytes]."""
+    """Numbers of one stage: manifests, different objects and their size [bytes]."""
 
     stage: str
     manifests: int
@@ -40,7 +40,7 @@ class Removed:
 
     @property
     def damage(self) -> list[str]:
-        """What went because of damage or loss, in words."""
+        """Lines about what was removed because of damage or loss."""
         return [
             *(f"{name}, unreadable" for name in self.unreadable),
             *(f"object {digest}, damaged" for digest in self.objects),
@@ -83,14 +83,14 @@ def verify(store: Store) -> Removed:
 
 
 def drop_damaged(store: Store, manifests: Iterable[Path]) -> Removed:
-    """Drop of some manifests those without a whole object, reading what may have changed.
+    """Drop those of some manifests that have no whole object, reading what may have changed.
 
-    What came from a damaged object stays: its inputs were checked when it was computed, so that was
-    before the damage, and it is good again once the object is.
+    Results that came from a damaged object stay: its content was checked when they were computed,
+    so that was before the damage.
     """
     manifests = list(manifests)
-    found = {manifest.result.object for manifest in map(store.usable, manifests) if manifest}
-    return _drop(store, {digest for digest in found if not store.is_whole(digest)}, manifests)
+    digests = {manifest.result.object for manifest in map(store.usable, manifests) if manifest}
+    return _drop(store, {d for d in digests if not store.is_whole(d)}, manifests)
 
 
 def _drop(store: Store, corrupt: set[str], manifests: list[Path]) -> Removed:
@@ -103,31 +103,31 @@ def _drop(store: Store, corrupt: set[str], manifests: list[Path]) -> Removed:
 
 def _derived(store: Store, corrupt: set[str]) -> list[Path]:
     """Manifests and index entries of what was computed from objects, directly or not."""
-    known = {path: readable(path) for path in (*store.manifests(), *store.index())}
-    left = {path: manifest for path, manifest in known.items() if manifest}
-    recipes = {m.recipe for m in left.values() if m.result.object in corrupt}
-    left = {path: m for path, m in left.items() if m.result.object not in corrupt}
+    manifests = {path: readable(path) for path in (*store.manifests(), *store.index())}
+    others = {path: m for path, m in manifests.items() if m and m.result.object not in corrupt}
+    recipes = {m.recipe for m in manifests.values() if m and m.result.object in corrupt}
     derived: list[Path] = []
     while True:
-        found = [
+        following = [
             path
-            for path, manifest in left.items()
-            if _meets(manifest.inputs, recipes) or _meets(manifest.input_objects, corrupt)
+            for path, manifest in others.items()
+            if _meet(manifest.inputs, recipes) or _meet(manifest.input_objects, corrupt)
         ]
-        if not found:
+        if not following:
             return sorted(derived)
-        derived += found
-        recipes |= {left.pop(path).recipe for path in found}
+        derived += following
+        recipes |= {others.pop(path).recipe for path in following}
 
 
-def _meets(groups: Groups, digests: set[str]) -> bool:
+def _meet(groups: Groups, digests: set[str]) -> bool:
+    """Tell whether groups hold one of some digests."""
     return any(not digests.isdisjoint(group) for group in groups.values())
 
 
 def date_now(store: Store, paths: Iterable[Path]) -> int:
-    """Date files now that are dated later, by the clock of their file system; count them.
+    """Date files of the future now, by the clock of their file system; count them.
 
-    The clock was set back after they were written. What is made from them would else be older,
+    The clock was set back after they were written. Results of them would be older than they are,
     which Snakemake refuses.
     """
     now = store.integrity.now()

@@ -83,8 +83,8 @@ def _jobs(store: Store, targets: list[str], everything: bool) -> dict[str, JobSp
     names = list(plan.targets) if everything else targets or ["table1"]
     for name in names:
         if name not in plan.targets:
-            known = ", ".join(plan.targets)
-            raise UserError(f"expected targets of the current plan ({known}), found {name}")
+            names = ", ".join(plan.targets)
+            raise UserError(f"expected targets of the current plan ({names}), found {name}")
     return dict(build_plan({name: plan.jobs[plan.targets[name]] for name in names}).jobs)
 
 

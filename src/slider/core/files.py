@@ -45,7 +45,7 @@ def read_json(path: Path) -> Any:
     """Parse a JSON file.
 
     Raises:
-        ValueError: it is no JSON that this program wrote.
+        ValueError: it is not JSON, or nested too deeply.
     """
     try:
         return json.loads(path.read_text(encoding="utf-8"))
@@ -83,14 +83,14 @@ def list_files(folder: Path) -> list[str]:
     Raises:
         ValueError: something that is neither a file nor a folder, such as a link.
     """
-    found = []
+    names = []
     for path in folder.rglob("*"):
         mode = path.lstat().st_mode
         if stat.S_ISREG(mode):
-            found.append(path.relative_to(folder).as_posix())
+            names.append(path.relative_to(folder).as_posix())
         elif not stat.S_ISDIR(mode):
             raise ValueError(f"expected files and folders, found another kind: {path}")
-    return sorted(found)
+    return sorted(names)
 
 
 def file_table(folder: Path) -> FileTable:

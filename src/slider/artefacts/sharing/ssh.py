@@ -25,11 +25,11 @@ class KnownHostFileSystem(SFTPFileSystem):
     def _connect(self) -> None:
         waits = ("timeout", "banner_timeout", "auth_timeout")
         settings: dict[str, Any] = dict.fromkeys(waits, CONNECTION_S)
-        host, found = _look_up(self.host)
+        host, arguments = _look_up(self.host)
         self.client = paramiko.SSHClient()
         self.client.load_system_host_keys()
         self.client.set_missing_host_key_policy(paramiko.RejectPolicy())
-        self.client.connect(host, **(settings | found | self.ssh_kwargs))
+        self.client.connect(host, **(settings | arguments | self.ssh_kwargs))
         self.ftp = self.client.open_sftp()
         channel = self.ftp.get_channel()
         if channel is not None:
@@ -37,26 +37,26 @@ class KnownHostFileSystem(SFTPFileSystem):
 
 
 def _look_up(host: str) -> tuple[str, dict[str, Any]]:
-    """Host name and arguments of a connection that ``~/.ssh/config`` has for a host."""
+    """Read host name and arguments of the connection to a host from ``~/.ssh/config``."""
     path = Path.home() / _SETTINGS
     if not path.is_file():
         return host, {}
-    found = paramiko.SSHConfig.from_path(str(path)).lookup(host)
-    arguments: dict[str, Any] = {"username": found["user"]} if "user" in found else {}
-    if "port" in found:
-        arguments["port"] = int(found["port"])
-    if "identityfile" in found:
-        arguments["key_filename"] = found["identityfile"]
-    name = found.get("hostname", host)
-    command = found.get("proxycommand") or _jump(found, f"[{name}]:{found.get('port', 22)}")
+    options = paramiko.SSHConfig.from_path(str(path)).lookup(host)
+    arguments: dict[str, Any] = {"username": options["user"]} if "user" in options else {}
+    if "port" in options:
+        arguments["port"] = int(options["port"])
+    if "identityfile" in options:
+        arguments["key_filename"] = options["identityfile"]
+    name = options.get("hostname", host)
+    command = options.get("proxycommand") or _jump(options, f"[{name}]:{options.get('port', 22)}")
     if command:
         arguments["sock"] = paramiko.ProxyCommand(command)
     return name, arguments
 
 
-def _jump(found: Mapping[str, Any], target: str) -> str | None:
+def _jump(options: Mapping[str, Any], target: str) -> str | None:
     """Command that connects to a target over the hosts of ``ProxyJump``."""
-    jumps = found.get("proxyjump", "none")
+    jumps = options.get("proxyjump", "none")
     if jumps == "none":
         return None
     first, _, last = jumps.rpartition(",")

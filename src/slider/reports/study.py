@@ -58,7 +58,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_pictures(out / name, lambda: figure.draw(strongest(found), curves))
     text = document(name.replace("_", " ").capitalize(), blocks(name, out))
     (out / f"{name}.md").write_text(text, encoding="utf-8")
-    job.tracker.log_file(out / f"{name}.png")
+    job.tracker.log_file(out / f"{name}.svg")
     return {"runs": len(runs), "variants": len(section["variants"])}
 
 
@@ -265,7 +265,7 @@ def _variants(found: pd.DataFrame) -> Table:
         + [Cell(" ".join(_words(row.note)))]
         for row in found.drop_duplicates("variant").itertuples()
     ]
-    return Table(["variant", "overrides", "not compared"], body, sortable=False)
+    return Table(["variant", "overrides", "not compared"], body)
 
 
 def _words(text: object) -> list[str]:

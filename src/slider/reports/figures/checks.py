@@ -1,6 +1,6 @@
-"""The stage ``stability_figures``: spectral radii, basins of attraction, walks that converge."""
+"""The stages ``verification_maps`` and ``stability_figures``: tables of gaits as pictures."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.hzd.summary import CSV
 from slider.library.reader import STORE, GaitLibrary
@@ -15,9 +16,75 @@ from slider.reports import rows
 from slider.reports.figures import STABILITY
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
-from slider.robot.names import COMMAND
+from slider.robot.names import COMMAND, command_text
+from slider.verification.quantities import QUANTITIES
 
-MAPS, BASINS, PORTRAITS = STABILITY
+TABLE = "verification.csv"
+NAME = "verification_maps"
+MAPS = (  # what a gait is like, rather than whether its numbers are right
+    "return_map",
+    "regulated_steps",
+    "replay_steps",
+    "plant_force",
+    "roll_end",
+    "dense_torque",
+    "dense_cop",
+    "dense_friction",
+    "jump_samples",
+)
+VERIFICATION_CAPTION = """\
+One cell per gait. An eigenvalue above 1 means that the gait, left alone in time, drifts away from
+its limit cycle, as a walk on line feet does: a controller has to place the feet. The replay holds
+at most the configured number of steps. The force is what the plant's inverse dynamics leave on the
+base under the stored ground force, at the worst sample: rounding where gaits have the prismatic
+leg's dynamics, tens of newtons where they have the virtual knee's. `reports/verification.csv` has
+all numbers.
+"""
+
+
+def run_verification(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Draw what the independent checks give as maps, SVG and Markdown.
+
+    Raises:
+        UserError: the table lacks a gait of the library.
+    """
+    library = GaitLibrary.load(inputs["library"][0] / STORE).straight
+    table = rows_by_command(inputs["verification"][0] / TABLE)
+    maps = [
+        VelocityMap(QUANTITIES[name].meaning, gait_values(library, table, name), unit(name))
+        for name in MAPS
+    ]
+    title = "Verification over the commanded velocity"
+    write_figure(out / NAME, title, lambda: draw_maps(library, maps), VERIFICATION_CAPTION)
+    job.tracker.log_file(out / f"{NAME}.svg")
+    return {"maps": len(maps)}
+
+
+def unit(name: str) -> str:
+    """Unit of a quantity; nothing for plain numbers."""
+    found = QUANTITIES[name].unit
+    return "" if found in ("-", "1") else found
+
+
+def rows_by_command(path: Path) -> dict[tuple[float, ...], rows.Row]:
+    """Rows by command; NaN where a quantity does not apply."""
+    return {tuple(row[name] for name in COMMAND): row for row in rows.read(path)}
+
+
+def gait_values(
+    library: GaitLibrary, table: Mapping[tuple[float, ...], rows.Row], name: str
+) -> np.ndarray:
+    """A quantity of each gait (G,), in the order of the library.
+
+    Raises:
+        UserError: the table lacks a gait.
+    """
+    for command in library.commands.tolist():
+        if tuple(command) not in table:
+            raise UserError(f"expected a row of the gait {command_text(command)}, found none")
+    return np.array([table[tuple(command)][name] for command in library.commands.tolist()], float)
+
+
 _SHOWN = {
     "spectral_radius": "spectral radius per step, without foot placement",
     "closed_spectral_radius": "spectral radius per step, with it",
@@ -77,36 +144,24 @@ class Basin:
         )
 
 
-def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Draw the figures as SVG, PNG and Markdown."""
+def run_stability(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Draw spectral radii, basins and perturbed walks as SVG and Markdown."""
     library = GaitLibrary.load(inputs["library"][0] / STORE)
-    table = {
-        tuple(row[name] for name in COMMAND): row for row in rows.read(inputs["stability"][0] / CSV)
-    }
+    table = rows_by_command(inputs["stability"][0] / CSV)
     maps = [
-        VelocityMap(title, _values(library, table, name), _UNITS.get(name, ""))
+        VelocityMap(title, gait_values(library, table, name), _UNITS.get(name, ""))
         for name, title in _SHOWN.items()
     ]
     basins = [Basin.load(folder) for folder in inputs.get("basins", ())]
-    drawings = {
-        MAPS: ("Stability over the commanded velocity", MAPS_CAPTION),
-        BASINS: ("Basins of attraction", BASINS_CAPTION),
-        PORTRAITS: ("Walks that converge", PORTRAITS_CAPTION),
-    }
-    draw = {
-        MAPS: lambda: draw_maps(library, maps),
-        BASINS: lambda: draw_basins(basins),
-        PORTRAITS: lambda: draw_portraits(basins),
-    }
-    for name, (title, caption) in drawings.items():
-        write_figure(out / name, title, draw[name], caption)
-        job.tracker.log_file(out / f"{name}.png")
+    drawings = (
+        ("Stability over the commanded velocity", lambda: draw_maps(library, maps), MAPS_CAPTION),
+        ("Basins of attraction", lambda: draw_basins(basins), BASINS_CAPTION),
+        ("Walks that converge", lambda: draw_portraits(basins), PORTRAITS_CAPTION),
+    )
+    for name, (title, draw, caption) in zip(STABILITY, drawings, strict=True):
+        write_figure(out / name, title, draw, caption)
+        job.tracker.log_file(out / f"{name}.svg")
     return {"gaits": len(table), "basins": len(basins)}
-
-
-def _values(library: GaitLibrary, table: dict, name: str) -> np.ndarray:
-    found = [table.get(tuple(map(float, command)), {}).get(name) for command in library.commands]
-    return np.array([np.nan if value is None else value for value in found], dtype=float)
 
 
 def draw_basins(basins: Sequence[Basin]) -> Figure:

@@ -1,13 +1,13 @@
 """Where it all comes from: commit, configuration, recipes, versions, seeds, machine, times."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import pandas as pd
 import yaml
 
-from slider.reports.sections.sources import Sources
-from slider.reports.table import Cell, Table, Tables, Text
+from slider.reports.table import Cell, Table, Text, grid
 
 _TEXT = (
     "This page was built from commit `{commit}` (a + stands for uncommitted changes). Times are "
@@ -36,8 +36,14 @@ _STAGES = {  # in the order in which they run; others follow
 
 
 @dataclass(frozen=True)
-class _Made:
-    """A result: its origin, what differs between runs, and its object."""
+class Made:
+    """A result.
+
+    Attributes:
+        origin: stage, label, recipe, source digest, versions.
+        facts: times, machine and commit of the run that computed it.
+        object: name of its folder in the store.
+    """
 
     origin: Mapping[str, Any]
     facts: Mapping[str, Any]
@@ -54,32 +60,37 @@ class Details:
     text: str = ""
 
 
-def blocks(sources: Sources) -> Iterator[Text | Table | Tables | Details]:
-    """Tables of stages, recipes, versions and seeds, and the resolved configuration."""
-    stages = _by_stage(sources)
-    yield Text(_TEXT.format(commit=_commit(sources.page)))
-    yield _stages(stages, sources.page.get("pipeline_started"))
+def blocks(
+    configuration: Mapping[str, Any],
+    results: Mapping[str, Sequence[Made]],
+    page: Mapping[str, Any],
+) -> Iterator[Text | Table | Details]:
+    """Tables of stages, recipes, versions and seeds, and the resolved configuration.
+
+    Args:
+        configuration: the resolved one, as plain values.
+        results: input of the page → its results.
+        page: commit and start of the pipeline run that builds the page.
+    """
+    stages = _by_stage(results)
+    yield Text(_TEXT.format(commit=_commit(page)))
+    yield _stages(stages, page.get("pipeline_started"))
     machines = _machines(stages)
     yield Text(f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}.")
-    yield Tables([_seeds(sources.configuration), _versions(sources)])
+    yield _seeds(configuration)
+    yield Details("Versions of packages", _versions(stages))
     yield Details("Recipes, objects and commits of all jobs", _recipes(stages))
-    configuration = dict(sources.configuration)
-    text = yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
+    text = yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True)
     yield Details("Resolved configuration", text=text)
 
 
-def _by_stage(sources: Sources) -> dict[str, list[_Made]]:
-    """Every result that the page is made from, once, by its stage."""
-    found: dict[str, _Made] = {}
-    for name, origins in sources.origins.items():
-        for origin, facts, folder in zip(
-            origins, sources.times[name], sources.inputs[name], strict=True
-        ):
-            found[origin["recipe"]] = _Made(origin, facts, folder.name)
-    order = in_order(made.origin["stage"] for made in found.values())
-    return {
-        stage: [made for made in found.values() if made.origin["stage"] == stage] for stage in order
-    }
+def _by_stage(results: Mapping[str, Sequence[Made]]) -> dict[str, list[Made]]:
+    """Each result once, by its stage."""
+    once = {made.origin["recipe"]: made for items in results.values() for made in items}
+    stages = {made.origin["stage"]: [] for made in once.values()}
+    for made in once.values():
+        stages[made.origin["stage"]].append(made)
+    return {stage: stages[stage] for stage in in_order(stages)}
 
 
 def in_order(stages: Iterable[str]) -> list[str]:
@@ -93,7 +104,7 @@ def stage_title(stage: str) -> str:
     return _STAGES.get(stage, stage.replace("_", " "))
 
 
-def _stages(stages: Mapping[str, list[_Made]], started: str | None) -> Table:
+def _stages(stages: Mapping[str, list[Made]], started: str | None) -> Table:
     columns = [
         "stage",
         "jobs",
@@ -104,37 +115,37 @@ def _stages(stages: Mapping[str, list[_Made]], started: str | None) -> Table:
         "finished (UTC)",
         "commit",
     ]
-    rows = [_stage(stage_title(name), made, started) for name, made in stages.items()]
+    rows = [_stage(stage_title(name), results, started) for name, results in stages.items()]
     return Table(columns, rows)
 
 
-def _stage(name: str, made: list[_Made], started: str | None) -> list[Cell]:
-    jobs = [item.facts for item in made]
+def _stage(name: str, results: list[Made], started: str | None) -> list[Cell]:
+    jobs = [made.facts for made in results]
     now = sum(_is_of(job, started) for job in jobs)
     resumed = sum(bool(job.get("resumed")) for job in jobs)
     wall, cpu = (sum(job.get(key, 0.0) for job in jobs) for key in ("wall_s", "cpu_s"))
     ended = max((job.get("ended", "") for job in jobs), default="")
     return [
-        Cell(name, name),
+        Cell(name),
         Cell(str(len(jobs)), len(jobs)),
         Cell(str(now), now),
         Cell(str(resumed), resumed),
         Cell(f"{wall:.1f}", wall),
         Cell(f"{cpu:.1f}", cpu),
-        Cell(ended[:16].replace("T", "\u00a0") or _UNKNOWN, ended),
-        Cell(_all(map(_commit, jobs))),
+        Cell(ended[:16].replace("T", "\u00a0") or _UNKNOWN),
+        Cell(", ".join(sorted(set(map(_commit, jobs))))),
     ]
 
 
-def _machines(stages: Mapping[str, list[_Made]]) -> list[str]:
+def _machines(stages: Mapping[str, list[Made]]) -> list[str]:
     """Machines, each with the stages that it computed unless it computed all."""
-    found: dict[str, list[str]] = {}
+    machines: dict[str, list[str]] = {}
     for stage, results in stages.items():
         for machine in {made.facts.get("machine", _UNKNOWN) for made in results}:
-            found.setdefault(machine, []).append(stage_title(stage))
-    if len(found) == 1:
-        return list(found)
-    return [f"{machine} ({', '.join(names)})" for machine, names in sorted(found.items())]
+            machines.setdefault(machine, []).append(stage_title(stage))
+    if len(machines) == 1:
+        return list(machines)
+    return [f"{machine} ({', '.join(names)})" for machine, names in sorted(machines.items())]
 
 
 def _is_of(job: Mapping[str, Any], started: str | None) -> bool:
@@ -150,51 +161,31 @@ def _commit(facts: Mapping[str, Any]) -> str:
     return facts["commit"][:8] + ("+" if facts["dirty"] == "true" else "")
 
 
-def _all(texts: Iterable[str]) -> str:
-    return ", ".join(sorted(set(texts)))
-
-
-def _recipes(stages: Mapping[str, list[_Made]]) -> Table:
+def _recipes(stages: Mapping[str, list[Made]]) -> Table:
     rows = [
         [
-            Cell(stage, stage),
-            Cell(made.origin["label"], made.origin["label"]),
-            Cell(made.origin["recipe"][:16], made.origin["recipe"]),
-            Cell(made.object[:16], made.object),
-            Cell(made.origin["source"][:12], made.origin["source"]),
-            Cell(_commit(made.facts)),
+            stage,
+            made.origin["label"],
+            made.origin["recipe"][:16],
+            made.object[:16],
+            made.origin["source"][:12],
+            _commit(made.facts),
         ]
         for stage, results in stages.items()
         for made in results
     ]
-    return Table(["stage", "job", "recipe", "object", "source digest", "commit"], rows)
+    return grid(["stage", "job", "recipe", "object", "source digest", "commit"], rows)
 
 
-def _versions(sources: Sources) -> Table:
-    found: dict[str, str] = {}
-    for jobs in sources.origins.values():
-        for job in jobs:
-            found |= job["versions"]
-    return Table(
-        ["package", "version"],
-        [[Cell(name, name), Cell(found[name], found[name])] for name in sorted(found)],
-    )
+def _versions(stages: Mapping[str, list[Made]]) -> Table:
+    versions: dict[str, str] = {}
+    for results in stages.values():
+        for made in results:
+            versions |= made.origin["versions"]
+    return grid(["package", "version"], sorted(versions.items()))
 
 
 def _seeds(configuration: Mapping[str, Any]) -> Table:
-    rows = [
-        [Cell(path, path), Cell(str(value), value)]
-        for path, value in _leaves(configuration)
-        if path.endswith(".seed")
-    ]
-    return Table(["seed", "value"], rows)
-
-
-def _leaves(node: Any, prefix: str = "") -> list[tuple[str, Any]]:
-    if not isinstance(node, Mapping):
-        return [(prefix, node)]
-    return [
-        leaf
-        for name, value in node.items()
-        for leaf in _leaves(value, f"{prefix}.{name}" if prefix else str(name))
-    ]
+    leaves = pd.json_normalize(dict(configuration)).iloc[0]
+    seeds = leaves[[name for name in leaves.index if name.endswith(".seed")]]
+    return grid(["seed", "value"], [[name, str(value)] for name, value in seeds.items()])

@@ -1,4 +1,4 @@
-"""Figures of the protocols: speeds, segments of a case, and cases; one colour per controller."""
+"""Controllers: results over the speed, velocity over time, protocols, and learning curves."""
 
 from collections.abc import Sequence
 
@@ -9,20 +9,55 @@ from matplotlib.figure import Figure
 
 from slider.config.evaluation import CaseConfig
 from slider.evaluation.results import Evaluation
-from slider.reports.controllers import colour
+from slider.reports.controllers import PAPER, colour, speed
 from slider.reports.figures.style import DARK, new_figure
 from slider.reports.rows import Row, by
+from slider.training.results import Training
 
 _LEAST_ERROR = 1e-4  # shown [m²/s²]: a robot that stands has nearly none
 _DASHES = ("-", "--", "-.", ":")
 _MARGIN = 0.15  # [inch]; the layout does not see the labels of the logarithmic axis
 _LABELS = ("vx [m/s]", "vy [m/s]", "yaw rate [rad/s]")
 _ROW, _REST = 0.19, 1.0  # height of a case and of the rest [inch]
+_MARKERS = "os^vDPX"
+_CHECKS = {  # column of the checks → axis
+    "success": "share that survives",
+    "speed_error": "speed error [m/s]",
+    "flight": "flight share",
+    "value": "score",
+}
+_SHOWN_TERMS = 7  # of the reward, the largest
 _ERRORS = {  # column → marker, filled, name
     "vx_error": ("o", True, "error of mean vx"),
     "vy_error": ("o", False, "error of mean vy"),
     "fastest": ("D", True, "fastest robot after a stop"),
 }
+
+
+def draw_overview(rows: Sequence[Row]) -> Figure:
+    """Success and settled error over the commanded speed; ``rows`` are those of Table 1."""
+    figure = new_figure(3.3)
+    success, errors = figure.subplots(1, 2)
+    for index, (label, mine) in enumerate(by(rows, "label").items()):
+        mine = sorted(mine, key=lambda row: row["command_velocity"])
+        printed = mine[0]["source"] == PAPER
+        look = {
+            "color": DARK if printed else colour(index),
+            "linestyle": _DASHES[2 if printed else index % 2],
+            "marker": _MARKERS[index % len(_MARKERS)],
+            "markersize": 4,
+        }
+        speeds = _column(mine, "command_velocity")
+        success.plot(speeds, 100 * _column(mine, "success_rate"), label=label, **look)
+        error = _column(mine, "mse" if printed else "mse_steady")
+        errors.plot(speeds, np.where(np.isfinite(error), error, np.nan), **look)
+    success.set(ylabel="success rate [%]", ylim=(-4, 104))
+    errors.set(ylabel="velocity MSE [m²/s²]", yscale="log")
+    for axes in (success, errors):
+        axes.set_xlabel("commanded speed [m/s]")
+    figure.legend(loc="outside upper center", ncols=3)
+    figure.set_layout_engine("constrained", w_pad=_MARGIN)
+    return figure
 
 
 def draw_speeds(rows: Sequence[Row]) -> Figure:
@@ -164,3 +199,71 @@ def _errors(axes: Axes, rows: Sequence[Row], places: np.ndarray, tint: str, name
 
 def _column(rows: Sequence[Row], name: str) -> np.ndarray:
     return np.array([row[name] for row in rows])
+
+
+_PANEL_HEIGHT = 2.1  # height [inch]
+
+
+def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
+    """Mean (line) and standard deviation (band) over survivors; ``period`` of control in s."""
+    commands = sorted({one.command for one in evaluations if one.command is not None})
+    labels = list(dict.fromkeys(one.label for one in evaluations))
+    lines = (len(commands) + 1) // 2
+    figure = new_figure(_PANEL_HEIGHT * lines + 0.4)
+    panels = figure.subplots(lines, 2, sharex=True, squeeze=False)
+    for axes, command in zip(panels.flat, commands, strict=False):
+        for one in evaluations:
+            if one.command == command and one.robots.survived.any():
+                _curve(axes, one.velocity, period, labels.index(one.label))
+        axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)))
+        axes.set_title(f"{speed(command)} m/s")
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+        axes.margins(x=0.0)
+        axes.set_xlim(left=0.0)
+    for axes in panels.flat[len(commands) :]:
+        axes.set_axis_off()
+    for axes in panels[:, 0]:
+        axes.set_ylabel("velocity [m/s]")
+    for axes in panels[-1]:
+        axes.set_xlabel("time [s]")
+    figure.align_ylabels()
+    for index, label in enumerate(labels):
+        panels[0, 0].plot([], [], _DASHES[index % 4], color=colour(index), label=label)
+    panels[0, 0].plot([], [], color=DARK, linewidth=0.9, linestyle=(0, (4, 2)), label="command")
+    handles, names = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper center", ncols=len(names))
+    return figure
+
+
+def _curve(axes: Axes, velocity: np.ndarray, period: float, index: int) -> None:
+    mean, spread = velocity.T
+    time, tint = period * np.arange(1, len(mean) + 1), colour(index)
+    axes.fill_between(time, mean - spread, mean + spread, color=tint, alpha=0.2, linewidth=0)
+    axes.plot(time, mean, _DASHES[index % 4], color=tint, linewidth=1.0)
+
+
+def draw_training(training: Training) -> Figure:
+    """Periodic checks above; below, where recorded, the largest terms of the reward."""
+    checks, curve = training.checks, training.curve
+    names = [name for name in _CHECKS if not np.isnan(checks[name]).all()]
+    terms = [name for name in curve if "reward" in name.partition("/")[0].lower() and "/" in name]
+    figure = new_figure(4.2 if terms else 1.9)
+    above, *below = np.atleast_1d(figure.subfigures(2 if terms else 1, 1))
+    panels = above.subplots(1, len(names), squeeze=False)[0]
+    for axes, name in zip(panels, names, strict=True):
+        axes.plot(checks["iteration"], checks[name], ".-", color=DARK)
+        axes.set(title=_CHECKS[name], xlabel="iteration")
+        if name == "value" and (checks[name] > 0).all():
+            axes.set_yscale("log")
+        else:
+            axes.set_ylim(bottom=0.0)
+    for part in below:
+        axes = part.subplots()
+        sizes = {name: float(np.nanmean(np.abs(curve[name]))) for name in terms}
+        shown = sorted(terms, key=lambda name: -sizes[name])[:_SHOWN_TERMS]
+        for index, name in enumerate(shown):
+            label = name.partition("/")[2].replace("_", " ")
+            axes.plot(curve["iteration"], curve[name], color=colour(index), label=label)
+        axes.set(xlabel="iteration", ylabel="weighted reward term")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure

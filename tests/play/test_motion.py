@@ -10,7 +10,7 @@ from slider.config.compose import compose
 from slider.env.episode import Frame
 from slider.library.reader import GaitLibrary
 from slider.play import loop
-from slider.play.control import Control
+from slider.play.loop import Control
 from slider.play.motion import Replay, simulate_agent
 
 CONF = Path(__file__).parents[2] / "conf"

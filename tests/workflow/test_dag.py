@@ -82,7 +82,7 @@ def test_the_figures_are_beside_the_way_to_the_table(finished):
     done = finished.snakemake("figures", hydra=QUIET)
     assert done.returncode == 0, done.stderr
     names = {path.name for path in (finished.folder / "reports/figures").iterdir()}
-    assert names == {*FILES, "solve_times.svg", "solve_times.png", "solve_times.md"}
+    assert names == {*FILES, "solve_times.svg", "solve_times.md"}
     assert finished.computed() == []
     shown = finished.slider("gait", "show", "--vx", "0.4")
     assert "Solve_Succeeded" in shown.stdout, shown.stderr

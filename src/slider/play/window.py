@@ -3,10 +3,11 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-import os
 import sys
+import warnings
 from collections.abc import Callable
 
+import glfw
 import mujoco
 from mujoco import viewer
 
@@ -63,10 +64,11 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
     Raises:
         UserError: there is no display.
     """
-    if sys.platform == "linux" and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
-        raise UserError("expected a display, found none: use --web or --headless")
+    if sys.platform == "linux":
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # GLFW's own text about the display
+            if not glfw.init():
+                raise UserError("expected a display, found none: use --web or --headless")
     print(f"{scene.title}\n{HELP}")
     model = build_scene(scene.robot)
     data = mujoco.MjData(model)

@@ -73,7 +73,9 @@ class Table:
     @property
     def html(self) -> Markup:
         """A ``table`` element; columns with numbers are aligned on the right."""
-        frame = self.frame(_html_cell).rename(columns=inline)
+        frame = self.frame(_html_cell)
+        columns = zip(self.columns, zip(*self.rows, strict=True), strict=True) if self.rows else ()
+        frame.columns = [_html_heading(*column) for column in columns] or frame.columns
         body = frame.to_html(index=False, escape=False, border=0, justify="left")
         caption = f"<caption>{inline(self.caption)}</caption>" if self.caption else ""
         return Markup(body.replace("<thead>", f"{caption}<thead>", 1))
@@ -175,6 +177,11 @@ _LATEX = {character: f"\\{character}" for character in "%&#$_{}"} | {
 
 def _latex_cell(cell: Cell) -> str:
     return f"\\textbf{{{escape(cell.text)}}}" if cell.best else escape(cell.text)
+
+
+def _html_heading(text: str, cells: Sequence[Cell]) -> str:
+    numeric = any(isinstance(cell.key, (int, float)) for cell in cells)
+    return f'<span class="number">{inline(text)}</span>' if numeric else str(inline(text))
 
 
 def _html_cell(cell: Cell) -> str:

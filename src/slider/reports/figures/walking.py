@@ -43,7 +43,7 @@ def draw_overview(rows: Sequence[Row]) -> Figure:
         printed = mine[0]["source"] == PAPER
         look = {
             "color": DARK if printed else colour(index),
-            "linestyle": _DASHES[2 if printed else index % 2],
+            "linestyle": ":" if printed else _DASHES[index % 2],
             "marker": _MARKERS[index % len(_MARKERS)],
             "markersize": 4,
         }

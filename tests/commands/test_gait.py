@@ -134,6 +134,6 @@ def test_solve_times_come_from_beside_the_gaits(plan, library, capsys):
     for index, gait in enumerate(jobs["library"].inputs["gaits"][:2]):
         files.write_json(store.sidecar_path("gait", gait.recipe), {"solve_cpu": 1.5 + index})
     assert main(["library", "times"]) == 0
-    assert "solve_times.png is ready" in capsys.readouterr().out
+    assert "solve_times.svg is ready" in capsys.readouterr().out
     text = Path("reports/figures/solve_times.md").read_text()
     assert "median 2.00 s, greatest 2.50 s, 4 s in all for 2 gaits" in text

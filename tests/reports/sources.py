@@ -5,8 +5,8 @@ from typing import Any, TypeVar
 
 from slider.config.report import ReportConfig
 from slider.config.video import VideoConfig
+from slider.reports.contents import Sources
 from slider.reports.page import Content, render
-from slider.reports.sections.sources import Sources
 
 Block = TypeVar("Block")
 VIDEO = VideoConfig("none", "both", 1.0, 64, 64, 25, 27, 0)
@@ -16,8 +16,8 @@ def sources(inputs: dict[str, list[Path]], **others: Any) -> Sources:
     """Sources with these inputs; the rest is empty unless given."""
     empty = ("configuration", "labels", "origins", "times", "page")
     values: dict[str, Any] = {name: {} for name in empty}
-    report = ReportConfig(["table1"], [], VIDEO)
-    return Sources(report=report, inputs=inputs, **{**values, **others})
+    values |= {"report": ReportConfig(["table1"], [], VIDEO), "out": Path()}
+    return Sources(inputs=inputs, **{**values, **others})
 
 
 def pick(content: Content, kind: type[Block]) -> list[Block]:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from slider.reports.page import content
 from slider.reports.table import Table, Text
-from tests.reports.sections.sources import pick, sources
+from tests.reports.sources import pick, sources
 
 OLD, NEW = "2026-01-01T00:00:00.000+00:00", "2026-01-02T00:00:00.000+00:00"
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.compose import compose
-from slider.reports.figures.leg_pair import LegPair
-from slider.reports.figures.mapping import map_errors
+from slider.reports.figures.mapping import LegPair, map_errors
 
 ROBOT = compose([], Path(__file__).parents[3] / "conf").robot
 

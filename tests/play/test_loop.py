@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slider.play import window
-from slider.play.control import PUSH, Control
+from slider.play.loop import PUSH, Control
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ from slider.reports.quantities import QUANTITIES
 from slider.reports.rows import NAN, Row, by, distinct, read
 from slider.reports.table import grid
 
-MARKED = re.compile(r"(<!-- results: (\S+) -->\n).*?(\n<!-- /results)[^\n]*(-->)", re.S)
+MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
 _TABLE1 = ("success_rate", "mse_steady", "mse", "tracking_rate")
 _WALKING = (
     *("alternation", "touchdown_rate", "asymmetry", "flight", "slip", "clearance", "leg_distance"),
@@ -82,7 +82,7 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
         raise UserError(f"expected the column {error} in {report}, found none") from None
     facts = [store.facts(job.stage, job.recipe) for job in jobs]
     oldest = min(facts, key=lambda fact: str(fact.get("ended", "")), default={})
-    return f"{match[1]}\n{body}\n\n{origin(command, oldest)}\n{match[3]} -->"
+    return f"{match[1]}\n{body}\n\n{origin(command, oldest)}\n\n<!-- /results -->"
 
 
 def origin(command: str, facts: dict[str, Any]) -> str:
@@ -133,13 +133,14 @@ def summary(report: Path) -> str:
 
 def markdown_tables(report: Path, count: int | None = None) -> str:
     """Headings, as bold lines, and the first ``count`` tables of a Markdown report."""
-    parts, tables = [], 0
+    parts: list[str] = []
     for part in report.read_text(encoding="utf-8").split("\n\n"):
         if part.startswith("## "):
             parts.append(f"**{part.removeprefix('## ')}**")
-        elif part.startswith("|") and (count is None or tables < count):
-            tables += 1
+        elif part.startswith("|"):
             parts.append(part.strip("\n"))
+            if sum(part.startswith("|") for part in parts) == count:
+                break
     return "\n\n".join(parts)
 
 

@@ -40,7 +40,7 @@ _CHECKS = ("success", "speed_error", "flight")
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``NAME.csv``, ``NAME_runs.csv``, ``NAME.md``, ``.svg``, ``.png``.
+    """Write ``NAME.csv``, ``NAME_runs.csv``, ``NAME.md`` and ``.svg``.
 
     Where variants are trained also ``NAME_curves.csv``.
     """

@@ -17,7 +17,7 @@ from slider.config.studies import StudyConfig
 from slider.control import EXPORT_FILES as POLICY_FILES
 from slider.reports.figures import FILES as FIGURES
 from slider.reports.figures import STABILITY_FILES
-from slider.reports.sections.registry import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
+from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
 
 RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
 """Rules that are neither a target nor a stage."""
@@ -94,5 +94,5 @@ def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
     return (*_compared(name), f"{name}_runs.csv", *curves)
 
 
-def _drawn(name: str) -> tuple[str, str]:
-    return f"figures/{name}.svg", f"figures/{name}.png"
+def _drawn(name: str) -> tuple[str]:
+    return (f"figures/{name}.svg",)

@@ -39,7 +39,7 @@ rule solve_times:
     input:
         PIPELINE.manifest("library"),
     output:
-        multiext(SOLVE_TIMES, ".svg", ".png", ".md"),
+        multiext(SOLVE_TIMES, ".svg", ".md"),
     shell:
         "{PIPELINE.slider} library times --out {SOLVE_TIMES}"
 

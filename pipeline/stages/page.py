@@ -10,7 +10,7 @@ from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.reports.sections.registry import OPTIONAL, SECTIONS
+from slider.reports.sections import OPTIONAL, SECTIONS
 
 VIDEOS = "videos"
 

@@ -9,7 +9,7 @@ import pytest
 from slider.artefacts.store import Store
 from slider.bench import growth
 from slider.cli import main
-from slider.reports.results.tables import TABLES
+from slider.commands.results import growth as growth_tables
 
 ROOT = Path(__file__).parents[2]
 
@@ -25,7 +25,7 @@ def test_points_are_printed_written_and_shown(monkeypatch, tmp_path, capsys):
     assert main(["benchmark-growth", "--curves", "objects", "--out", str(out)]) == 0
     printed = capsys.readouterr().out
     assert re.search(r"^ +12 objects +verify \[s\] +[\d.]+$", printed, re.MULTILINE)
-    table = TABLES["growth"].make(out, Store(tmp_path)).splitlines()
+    table = growth_tables(out).splitlines()
     assert table[0] == "| objects | 3 | 12 |"
     assert re.fullmatch(r"\| gc of all \[s\] \| [\d.]+ \| [\d.]+ \|", table[-1])
 

@@ -53,8 +53,9 @@ def visit(browser):
     """Open pages; note console errors, exceptions and requests of each."""
     contexts = []
 
-    def open_page(address: str, scheme: str = "light") -> Visit:
-        context = browser.new_context(viewport={"width": 1280, "height": 900}, color_scheme=scheme)
+    def open_page(address: str, scheme: str = "light", width: int = 1280) -> Visit:
+        size = {"width": width, "height": 900}
+        context = browser.new_context(viewport=size, color_scheme=scheme)
         contexts.append(context)
         visit = Visit(context.new_page())
         page = visit.page

@@ -10,7 +10,7 @@ from slider.artefacts.plan import build_plan
 from slider.cli import main
 from slider.config.compose import compose
 from slider.core.errors import UserError
-from slider.reports.sections.registry import SECTIONS
+from slider.reports.sections import SECTIONS
 
 CONF = Path(__file__).parents[2] / "conf"
 

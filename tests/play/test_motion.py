@@ -10,7 +10,7 @@ from slider.config.compose import compose
 from slider.env.episode import Frame
 from slider.library.reader import GaitLibrary
 from slider.play import loop
-from slider.play.control import Control
+from slider.play.loop import Control
 from slider.play.motion import Replay, simulate_agent
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -135,13 +135,32 @@ def test_headless_says_how_it_went(capsys, tmp_path):
 def test_a_window_needs_a_display(capsys, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    monkeypatch.setattr("sys.platform", "linux")
     assert main(["play", "zero", "--conf", str(CONF)]) == 1
     assert "use --web or --headless" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("values", [["0.6"], ["0.6", "0", "0.3", "1"]])
-def test_a_gait_is_two_or_three_numbers(values, capsys):
-    assert main(["play", "--conf", str(CONF), "--headless", "--gait", *values]) == 1
-    expected = f"--gait: expected VX VY [YAW_RATE], found {len(values)} values"
-    assert expected in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--gait", "0.6"], "--gait: expected VX VY [YAW_RATE], found 1 values"),
+        (["--gait", "0.6", "0", "0.3", "1"], "--gait: expected VX VY [YAW_RATE], found 4 values"),
+        (["--gait", "nan", "0"], "--gait: expected finite numbers, found nan 0"),
+        (["zero", "--command", "inf", "0", "0"], "--command: expected finite numbers"),
+        (["zero", "--command", "9", "0", "0"], "--command: expected VX between -1 and 3, found 9"),
+        (["zero", "--seconds", "nan"], "--seconds: expected a positive number, found nan"),
+        (["zero", "--seconds", "0"], "--seconds: expected a positive number, found 0"),
+        (["zero", "--port", "99999"], "--port: expected a number from 0 to 65535, found 99999"),
+    ],
+)
+def test_impossible_numbers_are_one_line(arguments, message, capsys):
+    assert main(["play", *arguments, "--conf", str(CONF), "--headless"]) == 1
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+
+
+def test_a_fall_leaves_no_log_behind(tmp_path, monkeypatch):
+    """Uniform actions make MuJoCo warn about the accelerations of a fallen robot."""
+    monkeypatch.chdir(tmp_path)
+    main(["play", "random", "--conf", str(CONF), "--headless", "--seconds", "3"])
+    assert list(tmp_path.iterdir()) == []

@@ -18,7 +18,7 @@ from slider.reports.study import SHOWN, run, strongest, summarise
 from slider.reports.table import Table
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
-from tests.reports.sections.sources import html, pick, sources
+from tests.reports.sources import html, pick, sources
 
 SPEEDS = [0.2, 0.8]
 RUNS = [("default", 1), ("default", 2), ("hard", 1), ("hard", 2)]

@@ -91,7 +91,7 @@ def test_what_is_beside_the_way_to_the_table(real, tmp_path):
         assert {"library"} <= set(manifest["inputs"]) <= {"library", "gaits"}
     reports = workspace.folder / "reports"
     names = {path.name for path in (reports / "figures").iterdir()}
-    assert names == {*FILES, "solve_times.svg", "solve_times.png", "solve_times.md"}
+    assert names == {*FILES, "solve_times.svg", "solve_times.md"}
     rows = list(csv.DictReader((reports / "stability.csv").read_text().splitlines()))
     assert [float(row["vx"]) for row in rows] == [0.2, 0.4]
     assert all(float(row["closed_spectral_radius"]) < 1 for row in rows)

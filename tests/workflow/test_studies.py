@@ -15,7 +15,7 @@ def test_a_study_computes_what_is_new_and_a_file_is_a_study(session_folder, tmp_
         [*["gait"] * 8, *["evaluation"] * 6, "study"]
     )
     assert len((reports / "sensitivity_runs.csv").read_text().splitlines()) == 1 + 2 * (1 + 4)
-    assert (reports / "figures/sensitivity.png").is_file()
+    assert (reports / "figures/sensitivity.svg").is_file()
     assert workspace.computed(target=target) == []
     starts = "reports/gait_starts.csv"
     assert workspace.computed(target=starts) == ["gait_start", "gait_start", "study"]

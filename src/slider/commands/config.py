@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> None:
     from slider.config.convert import to_dict
     from slider.config.reference import HEADER, entries, matching
     from slider.env.terms import checked, kinds
-    from slider.reports.sections.registry import check_sections
+    from slider.reports.sections import check_sections
 
     config = checked(compose(arguments.overrides, arguments.conf))
     check_sections(config)

@@ -61,12 +61,12 @@ def _default_picture(library: GaitLibrary, gait: int) -> Path:
 
 
 def _draw(library: GaitLibrary, gait: int, out: Path) -> None:
-    from slider.reports.figures import gait_sheet
+    from slider.reports.figures import gaits
     from slider.reports.figures.style import save, style
 
     _make_folder(out)
     with style():
-        save(gait_sheet.draw(library, gait), out)
+        save(gaits.draw_sheet(library, gait), out)
 
 
 def _make_folder(out: Path) -> None:

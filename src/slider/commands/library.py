@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         default=Path("reports/figures/solve_times"),
-        help="name without ending of the .svg, .png and .md (default: reports/figures/solve_times)",
+        help="name without ending of .svg and .md (default: reports/figures/solve_times)",
     )
 
 
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> None:
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     text = convergence.times_caption(times)
     write_figure(arguments.out, "Solve times", lambda: convergence.draw_times(library, times), text)
-    print(f"{arguments.out}.png is ready")
+    print(f"{arguments.out}.svg is ready")
 
 
 def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:

@@ -1,18 +1,24 @@
 """``slider play``: watch a policy, a controller of ``conf/control``, a gait or a smoke agent."""
 
 import argparse
+import math
 import os
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from slider.artefacts.current import add_store_argument, current_folder
 from slider.artefacts.store import Store
+from slider.commands.runs import check_port
 from slider.config.control import POLICY, SMOKE_AGENTS
 from slider.core.errors import UserError
 
 if TYPE_CHECKING:
     from slider.play.scenes import Scene
+
+
+VELOCITY = ("VX", "VY", "YAW_RATE")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,9 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="replay the nearest gait of the library, without physics: VX VY [YAW_RATE]",
     )
     parser.add_argument("--library", type=Path, help="gait library (default: of the current plan)")
-    parser.add_argument(
-        "--command", type=float, nargs=3, default=(0.4, 0.0, 0.0), metavar=("VX", "VY", "YAW_RATE")
-    )
+    parser.add_argument("--command", type=float, nargs=3, default=(0.4, 0.0, 0.0), metavar=VELOCITY)
     parser.add_argument("--web", action="store_true", help="show it in a browser")
     parser.add_argument("--port", type=int, default=0, help="of --web (default: from 8080 on)")
     parser.add_argument(
@@ -62,30 +66,67 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Watch it; with ``--headless`` status 1 if the robot fell."""
+    check(arguments)
     if arguments.film is not None:
         os.environ.setdefault("MUJOCO_GL", "egl")  # MuJoCo reads it when it is imported
-    from slider.play.control import Control
+    from slider.play import loop
 
+    silence_mujoco()
     scene = choose(arguments)
-    control = Control(arguments.command, scene.top)
+    _check_velocity(arguments.command, loop.velocity_limits(scene.top))
+    control = loop.Control(arguments.command, scene.top)
     if arguments.headless:
-        from slider.play import headless
-
-        return headless.run(scene, control, arguments.seconds)
+        return loop.run_headless(scene, control, arguments.seconds)
     if arguments.film is not None:
         from slider.play import animation
 
         animation.run(scene, control, arguments.seconds, arguments.film)
-        return 0
-    if arguments.web:
+    elif arguments.web:
         from slider.play import web
 
         web.run(scene, control, arguments.seconds, arguments.host, arguments.port)
-        return 0
-    from slider.play import window
+    else:
+        from slider.play import window
 
-    window.run(scene, control, arguments.seconds)
+        window.run(scene, control, arguments.seconds)
     return 0
+
+
+def check(arguments: argparse.Namespace) -> None:
+    """Refuse numbers that nothing can be done with.
+
+    Raises:
+        UserError: names the option.
+    """
+    for name in ("gait", "command"):
+        values = getattr(arguments, name) or ()
+        if not all(map(math.isfinite, values)):
+            raise UserError(f"--{name}: expected finite numbers, found {_joined(values)}")
+    if arguments.gait is not None and len(arguments.gait) not in (2, 3):
+        found = f"found {len(arguments.gait)} values"
+        raise UserError(f"--gait: expected VX VY [YAW_RATE], {found}")
+    seconds = arguments.seconds
+    if seconds is not None and not 0 < seconds < math.inf:
+        raise UserError(f"--seconds: expected a positive number, found {seconds:g}")
+    check_port(arguments.port, arguments.host if arguments.web else None)
+
+
+def _check_velocity(velocity: Sequence[float], limits: Sequence[tuple[float, float]]) -> None:
+    for name, value, (low, high) in zip(VELOCITY, velocity, limits, strict=True):
+        if not low <= value <= high:
+            expected = f"{name} between {low:g} and {high:g}"
+            raise UserError(f"--command: expected {expected}, found {value:g}")
+
+
+def _joined(values: Sequence[float]) -> str:
+    return " ".join(f"{value:g}" for value in values)
+
+
+def silence_mujoco() -> None:
+    """Write no MUJOCO_LOG.TXT into the working directory: a fall is shown, not logged."""
+    import mujoco
+
+    mujoco.set_mju_user_warning(lambda message: None)  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def choose(arguments: argparse.Namespace) -> "Scene":
@@ -102,12 +143,8 @@ def choose(arguments: argparse.Namespace) -> "Scene":
 
     config = checked(compose(arguments.set, arguments.conf))
     if arguments.gait is not None:
-        if len(arguments.gait) not in (2, 3):
-            raise UserError(
-                f"--gait: expected VX VY [YAW_RATE], found {len(arguments.gait)} values"
-            )
-        command = [*arguments.gait, 0.0][:3]
-        return scenes.gait_scene(library_path(arguments), command, config)
+        velocity = [*arguments.gait, 0.0][:3]
+        return scenes.gait_scene(library_path(arguments), velocity, config)
     path = arguments.policy
     if arguments.agent != POLICY:
         if path is not None:

@@ -1,18 +1,44 @@
-"""``slider results``: fill the result blocks of the documentation from ``reports/``."""
+"""``slider results``: fill the tables of README.md and docs/ from a finished run.
+
+A page marks a table by ``<!-- results: NAME -->`` and ``<!-- /results -->``. NAME is in ``BLOCKS``,
+or any Markdown report of ``reports/``, of which headings and tables are taken.
+"""
 
 import argparse
+import re
 import sys
-from functools import cache, partial
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from slider.artefacts.current import add_store_argument
+from slider.artefacts.manifest import Manifest, parse_manifest
+from slider.artefacts.run_metadata import config_option
 from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
-from slider.reports.results import blocks
-from slider.reports.results.blocks import Block
-from slider.reports.results.origin import facts, line, made
-from slider.reports.results.tables import TABLES, Unmade
+from slider.reports.controllers import PAPER, speed
+from slider.reports.provenance import in_order, stage_title
+from slider.reports.quantities import QUANTITIES
+from slider.reports.rows import NAN, Row, by, distinct, read
+from slider.reports.table import grid
+
+MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
+_TABLE1 = ("success_rate", "mse_steady", "mse", "tracking_rate")
+_WALKING = (
+    *("alternation", "touchdown_rate", "asymmetry", "flight", "slip", "clearance", "leg_distance"),
+    *("robots_touch", "robots_cross", "heading", "heading_worst", "velocity_variance"),
+    *(
+        "reference_velocity_variance",
+        "reference_touchdown_rate",
+        "peak_effort",
+        "peak_speed",
+        "cost_of_transport",
+    ),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,59 +51,140 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Fill each block whose report is there; say on stderr which reports are missing."""
+    """Fill each table whose report is there; say on stderr which reports are missing."""
     pages = arguments.pages or [Path("README.md"), *sorted(Path("docs").rglob("*.md"))]
+    fill = partial(_filled, arguments.reports, Store(arguments.artefacts))
     for page in pages:
-        if not page.is_file():
-            raise UserError(f"expected a page at {page}, found none")
-    texts = {page: page.read_text(encoding="utf-8") for page in pages}
-    found = {page: _blocks(page, text) for page, text in texts.items()}
-    make = cache(partial(_make, arguments.reports, Store(arguments.artefacts)))
-    for page, text in texts.items():
-        bodies = {block: _body(block, make(block.name)) for block in found[page]}
-        known = {block: body for block, body in bodies.items() if body is not None}
-        filled = blocks.fill(text, known)
+        try:
+            text = page.read_text(encoding="utf-8")
+        except OSError as error:
+            raise UserError(f"expected a page at {page}: {error.strerror}") from None
+        filled = MARKED.sub(fill, text)
         if filled != text:
             files.write_atomic(page, filled)
             print(f"{page} is filled")
 
 
-def _blocks(page: Path, text: str) -> list[Block]:
+def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
+    name = match[2]
+    file, table = BLOCKS.get(name, (f"{name}.md", markdown_tables))
+    report = reports / file
+    command = f"snakemake -j2 reports/{report.stem}.csv"
+    if name == "growth":
+        command = "slider benchmark-growth --out reports/growth.csv"
+    if not report.is_file():
+        print(f"slider results: {name} stays, {report} is missing: {command}", file=sys.stderr)
+        return match[0]
+    jobs = store.mentioning(files.digest_file(report))
     try:
-        found = blocks.find(text)
-    except UserError as error:
-        raise UserError(f"{page}, {error}") from None
-    for block in found:
-        if block.name not in TABLES:
-            known = ", ".join(TABLES)
-            raise UserError(f"{page}: expected a result block of {known}, found '{block.name}'")
-    return found
-
-
-def _body(block: Block, made_now: tuple[str, str, bool] | None) -> str | None:
-    """New body of a block, or nothing where it stays as it is."""
-    if made_now is None:
-        return None
-    text, origin, stored = made_now
-    same = not stored and block.body.startswith(f"{text}\n\n")
-    return None if same and not block.edited else f"{text}\n\n{origin}"
-
-
-def _make(reports: Path, store: Store, name: str) -> tuple[str, str, bool] | None:
-    """Table, the line below it, and whether a job of the store made it."""
-    table = TABLES[name]
-    report = reports / table.report
-    try:
-        if not report.is_file():
-            raise Unmade(f"{report} is missing")
-        origin = made(report, store)
-        text = table.make(report, store)
-    except Unmade as error:
-        print(f"slider results: {name} stays as it is, {error}: {table.command}", file=sys.stderr)
-        return None
+        body = stage_times(jobs, store) if name == "times" else table(report)
     except KeyError as error:
-        raise UserError(
-            f"expected a column {error} in {report}, found none: it is of another version"
-        ) from None
-    noted = None if origin is None else facts(origin, store)
-    return text, line(report, table.command, noted), origin is not None
+        raise UserError(f"expected the column {error} in {report}, found none") from None
+    facts = [store.facts(job.stage, job.recipe) for job in jobs]
+    oldest = min(facts, key=lambda fact: str(fact.get("ended", "")), default={})
+    return f"{match[1]}\n{body}\n\n{origin(command, oldest)}\n\n<!-- /results -->"
+
+
+def origin(command: str, facts: dict[str, Any]) -> str:
+    """Line below a table: command, commit, date, machine."""
+    command += config_option(str(facts.get("overrides", "")))
+    commit = f"commit `{facts['commit'][:8]}`" if "commit" in facts else "commit unknown"
+    changed = " with changes" if facts.get("dirty") == "true" else ""
+    date, machine = str(facts.get("ended", "unknown date"))[:10], facts.get("machine", "unknown")
+    return f"Made by `{command}`, {commit}{changed}, {date}, {machine}."
+
+
+def across(names: Sequence[str], controllers: Sequence[str], report: Path) -> str:
+    """Quantities and controllers down, speeds across; with intervals where the report has them."""
+    rows = [row for row in read(report) if not controllers or row["controller"] in controllers]
+    speeds, body = distinct(rows, "command_velocity"), []
+    for name in names:
+        for (_, label), mine in by(rows, "controller", "label").items():
+            cells = {row["command_velocity"]: _text(row, name) for row in mine}
+            if any(row[name] == row[name] for row in mine):
+                heading = QUANTITIES[name].heading
+                title = "" if body and heading in {line[0] for line in body} else heading
+                body.append([title, label, *(cells.get(value, "–") for value in speeds)])
+    return grid(["command [m/s]", "", *map(speed, speeds)], body).markdown
+
+
+def _text(row: Row, name: str) -> str:
+    ends = (row.get("success_low", NAN), row.get("success_high", NAN))
+    return QUANTITIES[name].between(row[name], *(ends if name == "success_rate" else (NAN, NAN)))
+
+
+def summary(report: Path) -> str:
+    """A line per speed: success and error of ours, the gaits', the best baseline's, the paper's."""
+    groups = by(read(report), "controller")
+    shown = [n for n in ("policy", "hzd", "mpc_wbc_tuned", "guided_drl") if n in groups]
+    columns = {}
+    for name, short in (("success_rate", "success [%]"), ("mse_steady", "MSE [m²/s²]")):
+        for mine in (groups[controller] for controller in shown):
+            printed = mine[0]["source"] == PAPER and name == "mse_steady"
+            columns[f"{short}, {mine[0]['label']}"] = {
+                speed(row["command_velocity"]): QUANTITIES[name].text(
+                    row["mse" if printed else name]
+                )
+                for row in mine
+            }
+    frame = pd.DataFrame(columns).reindex([*next(iter(columns.values()))]).fillna("–")
+    return grid(["command [m/s]", *frame.columns], frame.reset_index().to_numpy().tolist()).markdown
+
+
+def markdown_tables(report: Path, count: int | None = None) -> str:
+    """Headings, as bold lines, and the first ``count`` tables of a Markdown report."""
+    parts: list[str] = []
+    for part in report.read_text(encoding="utf-8").split("\n\n"):
+        if part.startswith("## "):
+            parts.append(f"**{part.removeprefix('## ')}**")
+        elif part.startswith("|"):
+            parts.append(part.strip("\n"))
+            if sum(part.startswith("|") for part in parts) == count:
+                break
+    return "\n\n".join(parts)
+
+
+def growth(report: Path) -> str:
+    """A table per curve: growing sizes across, quantities down."""
+    tables = []
+    for curve, mine in pd.read_csv(report).groupby("curve", sort=False):
+        wide = mine.pivot_table(values="value", index="name", columns="count", sort=False)
+        wide = wide[sorted(wide.columns)].map(lambda value: f"{value:.3g}")
+        heads = [str(curve), *(f"{count:g}" for count in wide.columns)]
+        tables.append(grid(heads, wide.reset_index().to_numpy().tolist()).markdown)
+    return "\n\n".join(tables)
+
+
+def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
+    """Jobs, threads, wall and processor time of each stage that a result was made by."""
+    waiting, ancestors = list(jobs[:1]), {}
+    while waiting:
+        job = waiting.pop()
+        ancestors[job.recipe] = job.stage
+        recipes = {recipe for group in job.inputs.values() for recipe in group} - set(ancestors)
+        waiting += [parse_manifest(p) for r in recipes for p in store.root.glob(f"*/{r}.json")]
+    facts = pd.DataFrame(
+        [{"stage": stage} | store.facts(stage, recipe) for recipe, stage in ancestors.items()],
+        columns=["stage", "threads", "wall_s", "cpu_s"],
+    )
+    stages, body = facts.groupby("stage"), []
+    for stage in in_order(facts["stage"]):
+        mine = stages.get_group(stage)
+        minutes = (mine[["wall_s", "cpu_s"]].sum() / 60).map("{:.1f}".format)
+        body.append([stage_title(stage), f"{len(mine)}", f"{mine['threads'].max():g}", *minutes])
+    heads = ["stage", "jobs", "threads of a job", "wall time of all jobs [min]"]
+    return grid([*heads, "processor time [min]"], body).markdown
+
+
+BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
+    "table1": ("table1.csv", partial(across, _TABLE1, ())),
+    "summary": ("table1.csv", summary),
+    "times": ("table1.csv", str),
+    "quality": ("gait_quality.csv", partial(across, _WALKING, ("policy",))),
+    "learning": ("gait_quality.csv", partial(across, _WALKING, ("policy", "hzd", "mpc_wbc_tuned"))),
+    "robust": ("robust.csv", partial(across, ("success_rate", "tracking_rate", "mse_steady"), ())),
+    "sweep": ("sweep.md", partial(markdown_tables, count=1)),
+    "stability": ("stability.md", partial(markdown_tables, count=1)),
+    "growth": ("growth.csv", growth),
+}
+"""Name of the block → report, and the Markdown made from it."""

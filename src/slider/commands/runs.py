@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import socket
 import sqlite3
 import sys
 from contextlib import closing
@@ -11,6 +12,7 @@ from slider.artefacts.current import add_store_argument
 from slider.core.errors import UserError
 from slider.tracking.mlflow_writer import DATABASE, page
 
+HOST = "127.0.0.1"
 # Without workers for jobs that nothing here uses: each is one more import of MLflow.
 _SETTINGS = {"MLFLOW_DISABLE_TELEMETRY": "true", "MLFLOW_SERVER_ENABLE_JOB_EXECUTION": "false"}
 _LATEST = """SELECT experiment_id FROM runs JOIN tags USING (run_uuid) WHERE key = 'plan'
@@ -27,10 +29,32 @@ def run(arguments: argparse.Namespace) -> None:
     """Say which address shows the runs, and become MLflow's server."""
     database = (arguments.artefacts / DATABASE).resolve()
     experiment = _experiment(database)
-    print(f"open http://127.0.0.1:{arguments.port}/#{page(experiment)}", flush=True)
-    command = [sys.executable, "-m", "mlflow", "ui", "--workers", "1", "--host", "127.0.0.1"]
+    check_port(arguments.port, HOST)
+    print(f"open http://{HOST}:{arguments.port}/#{page(experiment)}", flush=True)
+    command = [sys.executable, "-m", "mlflow", "ui", "--workers", "1", "--host", HOST]
     command += ["--port", str(arguments.port), "--backend-store-uri", f"sqlite:///{database}"]
     os.execve(sys.executable, command, os.environ | _SETTINGS)
+
+
+def check_port(port: int, host: str | None) -> None:
+    """Refuse a port that does not exist or, given a host, that something else listens at.
+
+    Raises:
+        UserError: names the port.
+    """
+    if not 0 <= port < 1 << 16:
+        raise UserError(f"--port: expected a number from 0 to 65535, found {port}")
+    if host is None or port == 0:
+        return
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            probe.bind(address)
+    except OSError as error:
+        raise UserError(
+            f"--port: expected a free port at {host}, found {port}: {error.strerror}"
+        ) from None
 
 
 def _experiment(database: Path) -> str:

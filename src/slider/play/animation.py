@@ -8,7 +8,6 @@ from PIL import Image
 from slider.core.errors import UserError
 from slider.env.episode import Frame
 from slider.play import loop
-from slider.play.control import Control
 from slider.play.scenes import Scene
 
 _WARM_UP = 4.0  # from rest to a periodic walk [s]
@@ -19,7 +18,7 @@ _SIZE = (480, 320)  # [pixel]
 _QUALITY = 60
 
 
-def run(scene: Scene, control: Control, seconds: float | None, path: Path) -> None:
+def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) -> None:
     """Write the steady part of a motion, from the side, as an animated WebP.
 
     Raises:

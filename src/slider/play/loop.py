@@ -1,15 +1,95 @@
-"""The loop that moves the robot in real time and shows it."""
+"""Control of a motion by a person, the loop in real time, and the same without pictures."""
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+
+import numpy as np
 
 from slider.env.episode import Frame
-from slider.play.control import Control
 from slider.play.motion import Motion
+from slider.play.scenes import Scene
+from slider.robot.scene import CAMERAS
+
+BACKWARD, SIDEWAYS, TURNING = 1.0, 0.5, 1.0
+"""Highest backward and sideways velocity [m/s] and yaw rate [rad/s]."""
+PUSH = 0.4
+"""Change of the base's velocity [m/s]."""
+_SECONDS = 10.0  # without pictures
 
 Show = Callable[[Frame], bool]
-"""Shows a frame; tells whether to go on."""
+"""Shows a frame; returns whether to go on."""
+
+
+def velocity_limits(top: float) -> tuple[tuple[float, float], ...]:
+    """Lowest and highest vx, vy [m/s] and yaw rate [rad/s]; ``top`` is the highest vx."""
+    return (-BACKWARD, top), (-SIDEWAYS, SIDEWAYS), (-TURNING, TURNING)
+
+
+class Control:
+    """Velocity, pause, camera, and requests; written by one thread, read by another.
+
+    Args:
+        velocity: first commanded velocity.
+        top: highest forward velocity [m/s].
+
+    Attributes:
+        velocity: vx, vy [m/s], yaw rate [rad/s].
+        limits: lowest and highest value of each of them.
+        paused: whether time stands still.
+    """
+
+    def __init__(self, velocity: Sequence[float], top: float) -> None:
+        self.velocity = np.array(velocity, dtype=float)
+        self.limits = velocity_limits(top)
+        self.paused = False
+        self._pushes: list[np.ndarray] = []
+        self._restart = False
+        self._cameras = list(CAMERAS)
+        self._camera: str | None = self._cameras[0]
+
+    def change(self, index: int, amount: float) -> None:
+        """Add to one part of the velocity, within its limits."""
+        self.set(index, self.velocity[index] + amount)
+
+    def set(self, index: int, value: float) -> None:
+        """Set one part of the velocity, within its limits."""
+        self.velocity[index] = np.round(np.clip(value, *self.limits[index]), 3)
+
+    def stop(self) -> None:
+        """Command standing still."""
+        self.velocity[:] = 0.0
+
+    def toggle_pause(self) -> None:
+        """Let time stand still, or go on."""
+        self.paused = not self.paused
+
+    def push(self, forward: float, leftward: float) -> None:
+        """Request a push that changes the base's velocity [m/s]."""
+        self._pushes.append(np.array([forward, leftward]))
+
+    def restart(self) -> None:
+        """Request a new start."""
+        self._restart = True
+
+    def next_camera(self) -> None:
+        """Request the next of the cameras, in turn."""
+        self._cameras.append(self._cameras.pop(0))
+        self._camera = self._cameras[0]
+
+    def take_camera(self) -> str | None:
+        """Camera requested since the last call; at first the first one."""
+        camera, self._camera = self._camera, None
+        return camera
+
+    def take_push(self) -> np.ndarray | None:
+        """Oldest requested push, removed from the queue."""
+        return self._pushes.pop(0) if self._pushes else None
+
+    def take_restart(self) -> bool:
+        """Whether a new start was requested since the last call."""
+        restart, self._restart = self._restart, False
+        return restart
 
 
 def run(
@@ -19,21 +99,21 @@ def run(
     seconds: float | None = None,
     real_time: bool = True,
 ) -> Frame:
-    """Move until ``show`` says stop or the time [s] is over; return the last frame."""
+    """Move until ``show`` returns false or the time [s] is over; return the last frame."""
     frame = motion.start(control.velocity)
     limit = math.inf if seconds is None else seconds
     elapsed = 0.0
     while show(frame) and elapsed < limit - 1e-9:
         began = time.monotonic()
-        frame = advance(motion, control, frame)
+        frame = _advance(motion, control, frame)
         elapsed += motion.period
         if real_time:
             time.sleep(max(0.0, motion.period - (time.monotonic() - began)))
     return frame
 
 
-def advance(motion: Motion, control: Control, frame: Frame) -> Frame:
-    """One control period, with what the person asked for."""
+def _advance(motion: Motion, control: Control, frame: Frame) -> Frame:
+    """One control period, with the requests of the person."""
     if control.take_restart():
         return motion.start(control.velocity)
     if control.paused:
@@ -45,10 +125,26 @@ def advance(motion: Motion, control: Control, frame: Frame) -> Frame:
 
 
 def status(frame: Frame, control: Control) -> str:
-    """What is commanded and what is done, in one line."""
+    """Commanded and actual velocity in one line."""
     vx, vy, yaw = control.velocity
     state = "fallen" if frame.failed else "paused" if control.paused else "walking"
     return (
         f"{state}, t = {frame.time:5.1f} s, command {vx:+.2f} {vy:+.2f} m/s {yaw:+.2f} rad/s, "
         f"actual {frame.velocity[0]:+.2f} {frame.velocity[1]:+.2f} m/s"
     )
+
+
+def run_headless(scene: Scene, control: Control, seconds: float | None) -> int:
+    """Move as fast as possible and print the outcome; status 1 if the robot fell."""
+    frames: list[Frame] = []
+
+    def show(frame: Frame) -> bool:
+        frames.append(frame)
+        return not frame.failed
+
+    duration = _SECONDS if seconds is None else seconds
+    last = run(scene.motion, control, show, duration, real_time=False)
+    half = [frame.velocity[0] for frame in frames[len(frames) // 2 :]]
+    fate = f"fell after {last.time:.2f} s" if last.failed else f"up after {last.time:.2f} s"
+    print(f"{scene.title}: {fate}, {np.mean(half):.3f} m/s forward in the second half")
+    return int(last.failed)

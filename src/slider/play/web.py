@@ -10,7 +10,7 @@ from mujoco.studio.web_viewer import WebViewer
 
 from slider.env.episode import Frame
 from slider.play import loop
-from slider.play.control import PUSH, Control
+from slider.play.loop import PUSH, Control
 from slider.play.scenes import Scene
 from slider.robot import names
 from slider.robot.scene import aim, build_scene
@@ -63,21 +63,18 @@ class Panel(plugin.ViewerPlugin):
 
     def _buttons(self) -> None:
         control = self._control
-        pause = "go on" if control.paused else "pause"
-        if imgui.Button("stand"):
-            control.stop()
-        imgui.SameLine()
-        if imgui.Button("push"):
-            control.push(0.0, PUSH)
-        imgui.SameLine()
-        if imgui.Button(pause):
-            control.toggle_pause()
-        imgui.SameLine()
-        if imgui.Button("start anew"):
-            control.restart()
-        imgui.SameLine()
-        if imgui.Button("camera"):
-            control.next_camera()
+        actions = {
+            "stand": control.stop,
+            "push": lambda: control.push(0.0, PUSH),
+            "go on" if control.paused else "pause": control.toggle_pause,
+            "start anew": control.restart,
+            "camera": control.next_camera,
+        }
+        for index, (name, action) in enumerate(actions.items()):
+            if index:
+                imgui.SameLine()
+            if imgui.Button(name):
+                action()
 
 
 def viewer_at(host: str) -> type[WebViewer]:

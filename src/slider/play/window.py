@@ -3,16 +3,18 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-import os
 import sys
+import warnings
+from collections.abc import Callable
 
+import glfw
 import mujoco
 from mujoco import viewer
 
 from slider.core.errors import UserError
 from slider.env.episode import Frame
 from slider.play import loop
-from slider.play.control import PUSH, Control
+from slider.play.loop import PUSH, Control
 from slider.play.scenes import Scene
 from slider.robot import names
 from slider.robot.scene import aim, build_scene
@@ -30,28 +32,29 @@ _SPACE, _COMMA, _PERIOD, _ENTER, _BACKSPACE, _HOME, _END = 32, 44, 46, 257, 259,
 _RIGHT, _LEFT, _DOWN, _UP = 262, 263, 264, 265
 
 
+_CHANGES = {
+    _UP: (0, 0.1),
+    _DOWN: (0, -0.1),
+    _COMMA: (1, 0.05),
+    _PERIOD: (1, -0.05),
+    _LEFT: (2, 0.1),
+    _RIGHT: (2, -0.1),
+}
+_ACTIONS: dict[int, Callable[[Control], None]] = {
+    _HOME: Control.stop,
+    _SPACE: Control.toggle_pause,
+    _ENTER: lambda control: control.push(0.0, PUSH),
+    _BACKSPACE: Control.restart,
+    _END: Control.next_camera,
+}
+
+
 def on_key(control: Control, key: int) -> None:
-    """Do what a key means."""
-    changes = {
-        _UP: (0, 0.1),
-        _DOWN: (0, -0.1),
-        _COMMA: (1, 0.05),
-        _PERIOD: (1, -0.05),
-        _LEFT: (2, 0.1),
-        _RIGHT: (2, -0.1),
-    }
-    if key in changes:
-        control.change(*changes[key])
-    elif key == _HOME:
-        control.stop()
-    elif key == _SPACE:
-        control.toggle_pause()
-    elif key == _ENTER:
-        control.push(0.0, PUSH)
-    elif key == _BACKSPACE:
-        control.restart()
-    elif key == _END:
-        control.next_camera()
+    """Do the action of a key."""
+    if key in _CHANGES:
+        control.change(*_CHANGES[key])
+    elif key in _ACTIONS:
+        _ACTIONS[key](control)
 
 
 def run(scene: Scene, control: Control, seconds: float | None) -> None:
@@ -60,21 +63,26 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
     Raises:
         UserError: there is no display.
     """
-    if sys.platform == "linux" and not (
-        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
-        raise UserError("expected a display, found none: use --web or --headless")
+    if sys.platform == "linux":
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # GLFW's own text about the display
+            if not glfw.init():
+                raise UserError("expected a display, found none: use --web or --headless")
     print(f"{scene.title}\n{HELP}")
     model = build_scene(scene.robot)
     data = mujoco.MjData(model)
     data.qpos[:] = scene.motion.start(control.velocity).qpos
-    with viewer.launch_passive(
-        model,
-        data,
-        key_callback=lambda key: on_key(control, key),
-        show_left_ui=False,
-        show_right_ui=False,
-    ) as handle:
+    try:
+        window = viewer.launch_passive(
+            model,
+            data,
+            key_callback=lambda key: on_key(control, key),
+            show_left_ui=False,
+            show_right_ui=False,
+        )
+    except (RuntimeError, mujoco.FatalError) as error:  # no window, or macOS without mjpython
+        raise UserError(f"expected a window, found: {error}; --web needs none") from None
+    with window as handle:
         handle.cam.type = mujoco.mjtCamera.mjCAMERA_TRACKING
         handle.cam.trackbodyid = model.body(names.BASE).id
 
@@ -86,8 +94,7 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
                 data.qpos[:] = frame.qpos
                 data.time = frame.time
                 mujoco.mj_forward(model, data)
-            overlay = (None, None, loop.status(frame, control), "")
-            handle.set_texts(overlay)
+            handle.set_texts((None, None, loop.status(frame, control), ""))
             handle.sync()
             return handle.is_running()
 

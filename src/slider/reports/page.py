@@ -2,30 +2,28 @@
 
 import base64
 import math
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup, escape
-from plotly.offline import get_plotlyjs
 
 from slider.config.convert import from_dict
 from slider.config.report import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.reports import contents
+from slider.reports.contents import Sources
 from slider.reports.controllers import speed
-from slider.reports.sections.registry import SECTIONS
-from slider.reports.sections.sources import Sources
+from slider.reports.sections import SECTIONS
+from slider.reports.table import inline
 
 PAGE = "index.html"
 _TITLE = "SLIDER: extended hybrid zero dynamics and gait-guided learning"
 
 
-@dataclass(frozen=True)
-class Content:
-    """A section of the page: its title and its blocks, see ``templates/blocks.html``."""
+class Content(NamedTuple):
+    """A section of the page: its title and its blocks, see ``templates/page.html``."""
 
     title: str
     blocks: Sequence[Any]
@@ -42,21 +40,22 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         inputs=inputs,
         times=job.input_volatile,
         page=job.volatile,
+        out=out,
     )
-    contents = {name: content(name, sources) for name in report.sections}
-    page = render(_TITLE, _facts(sources), contents)
+    shown = {name: content(name, sources) for name in report.sections}
+    page = render(_TITLE, _facts(sources), shown)
     (out / PAGE).write_text(page, encoding="utf-8")
     job.tracker.log_file(out / PAGE)
     return {"sections": report.sections, "megabytes": round(len(page.encode()) / 1e6, 1)}
 
 
 def content(name: str, sources: Sources) -> Content:
-    """What a section shows."""
-    return Content(SECTIONS[name].title, tuple(SECTIONS[name].blocks(sources)))
+    """Title and blocks of a section."""
+    return Content(SECTIONS[name].title, tuple(getattr(contents, name)(sources)))
 
 
 def render(title: str, facts: Mapping[str, str], sections: Mapping[str, Content]) -> str:
-    """The whole page as one HTML text that needs nothing else."""
+    """The whole page as one HTML text that needs nothing else, and no script."""
     environment = Environment(
         loader=PackageLoader("slider.reports", "templates"),
         autoescape=select_autoescape(["html"]),
@@ -69,21 +68,19 @@ def render(title: str, facts: Mapping[str, str], sections: Mapping[str, Content]
         title=title,
         facts=facts,
         sections=sections,
-        plotly=get_plotlyjs(),
         style=environment.get_template("page.css").render(),
-        script=environment.get_template("page.js").render(),
     )
 
 
-def inline(text: str) -> Markup:
-    """Markdown within a paragraph: ``code`` and **bold**."""
-    html = re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(text)))
-    return Markup(re.sub(r"\*\*([^*]+)\*\*", r"<strong>\1</strong>", html))
-
-
 def data_address(path: Path, kind: str) -> str:
-    """A file as a ``data:`` address of a media type."""
+    """A file as a ``data:`` address of a media type; texts are shorter without base64."""
+    if kind == "image/svg+xml":
+        return f"data:{kind},{quote(path.read_text(encoding='utf-8'), safe=_SAFE)}"
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
+
+
+_SAFE = " /:;=,.-_()!$*+@?[]{}'|^`~"
+"""Characters of an SVG that may stand in an address within double quotes."""
 
 
 def _facts(sources: Sources) -> dict[str, str]:

@@ -1,12 +1,12 @@
 """Rows of the reports' tables: names to numbers, NaN where there is none, and texts."""
 
-import csv
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
+import pandas as pd
 
 from slider.evaluation.results import QUALITY, Estimate, Evaluation, Robots
 from slider.library.blend import GaitNumbers, gait_numbers
@@ -21,22 +21,15 @@ Reference = Callable[[float], GaitNumbers | None]
 
 def write(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
     """Write CSV, by default the columns of the first row; numbers keep 6 digits."""
-    names = columns or tuple(rows[0])
-    with path.open("w", newline="") as file:
-        lines = csv.writer(file, lineterminator="\n")
-        lines.writerow(names)
-        lines.writerows([_text(row[name]) for name in names] for row in rows)
+    names = list(columns or rows[0])
+    frame = pd.DataFrame.from_records(rows, columns=names)
+    frame.to_csv(path, index=False, float_format="%.6g", lineterminator="\n")
 
 
-def read(path: Path) -> list[Row]:
-    """Rows of a published table."""
-    with path.open(newline="") as file:
-        return parse(file)
-
-
-def parse(lines: Iterable[str]) -> list[Row]:
-    """Rows of CSV text; what is no number is text, and empty cells are NaN."""
-    return [{n: _value(text) for n, text in row.items()} for row in csv.DictReader(lines)]
+def read(file: Path | TextIO) -> list[Row]:
+    """Rows of a published table: numbers, NaN for empty cells, and texts."""
+    frame = pd.read_csv(file, keep_default_na=False, na_values=[""], float_precision="round_trip")
+    return frame.to_dict("records")
 
 
 def by(rows: Iterable[Row], *names: str) -> dict[Any, list[Row]]:
@@ -132,18 +125,3 @@ def reference_gaits(folders: Sequence[Path]) -> Reference:
         return lambda command: None
     library = GaitLibrary.load(folders[0] / STORE)
     return lambda command: gait_numbers(library, command)
-
-
-def _text(value: str | float) -> str:
-    if isinstance(value, str):
-        return value
-    return "" if np.isnan(value) else f"{value:.6g}"
-
-
-def _value(text: str) -> str | float:
-    if not text:
-        return NAN
-    try:
-        return float(text)
-    except ValueError:
-        return text

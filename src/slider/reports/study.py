@@ -43,7 +43,7 @@ _CHECKS = ("success", "speed_error", "flight")
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
-    """Write ``NAME.csv``, ``NAME_runs.csv``, ``NAME.md``, ``.svg``, ``.png``.
+    """Write ``NAME.csv``, ``NAME_runs.csv``, ``NAME.md`` and ``.svg``.
 
     Where variants are trained also ``NAME_curves.csv``.
     """
@@ -61,7 +61,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_pictures(out / name, lambda: figure.draw(strongest(summary), curves))
     text = document(name.replace("_", " ").capitalize(), blocks(name, out))
     (out / f"{name}.md").write_text(text, encoding="utf-8")
-    job.tracker.log_file(out / f"{name}.png")
+    job.tracker.log_file(out / f"{name}.svg")
     return {"runs": len(runs), "variants": len(section["variants"])}
 
 
@@ -268,7 +268,7 @@ def _variants(summary: pd.DataFrame) -> Table:
         + [Cell(" ".join(_words(row.note)))]
         for row in summary.drop_duplicates("variant").itertuples()
     ]
-    return Table(["variant", "overrides", "not compared"], body, sortable=False)
+    return Table(["variant", "overrides", "not compared"], body)
 
 
 def _words(text: object) -> list[str]:

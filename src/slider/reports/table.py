@@ -1,16 +1,28 @@
-"""What documents and the page are made of: tables, texts and pictures, here as Markdown."""
+"""Tables, texts and pictures of documents and of the page; each table in every format."""
 
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
+
+import pandas as pd
+from markupsafe import Markup
+from markupsafe import escape as escape_html
 
 from slider.reports.quantities import Quantity
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell of a table: what is shown, what it is sorted by, and whether none is better."""
+    """A cell of a table.
+
+    Attributes:
+        text: Markdown with ``code`` and **bold**.
+        key: the number behind the text, if any; columns with numbers are aligned on the right.
+        best: whether it is the best of its line, which is bold.
+        failed: whether it breaks a bound, which is red on the page.
+    """
 
     text: str
     key: float | str = ""
@@ -25,53 +37,48 @@ class Cell:
 
 @dataclass(frozen=True)
 class Table:
-    """A table, on the page by default one that sorts by a click on a heading."""
+    """A table with a heading per column and an optional caption."""
 
     kind: ClassVar = "table"
     columns: Sequence[str]
     rows: Sequence[Sequence[Cell]]
     caption: str = ""
-    sortable: bool = True
+
+    def frame(self, text: Callable[[Cell], str] = lambda cell: cell.text) -> pd.DataFrame:
+        """Texts of the cells, by default without marks."""
+        rows = [[text(cell) for cell in row] for row in self.rows]
+        return pd.DataFrame(rows, columns=list(self.columns), dtype=str)
 
     @property
-    def headings(self) -> list[tuple[str, bool]]:
-        """Each column's heading, and whether numbers stand below it."""
-        return [
-            (column, any(isinstance(row[index].key, (int, float)) for row in self.rows))
-            for index, column in enumerate(self.columns)
-        ]
+    def terminal(self) -> str:
+        """Lines of aligned columns."""
+        return self.frame().to_string(index=False)
 
     @property
     def markdown(self) -> str:
         """Lines without the caption; the best are bold."""
-        lines = [_line(self.columns), "|" + "---|" * len(self.columns)]
-        lines += [_line([_marked(cell, "**{}**") for cell in row]) for row in self.rows]
-        return "\n".join(lines)
+        frame = self.frame(lambda cell: f"**{cell.text}**" if cell.best else cell.text)
+        lines = [list(self.columns), *frame.to_numpy().tolist()]
+        texts = ["| " + " | ".join(t.replace("|", "\\|") for t in line) + " |" for line in lines]
+        return "\n".join([texts[0], "|" + "---|" * len(self.columns), *texts[1:]])
 
     @property
     def latex(self) -> str:
-        r"""A ``tabular`` for ``\input``; needs the package booktabs."""
-        columns = "l" + "r" * (len(self.columns) - 1)
-        lines = [
-            f"\\begin{{tabular}}{{{columns}}}",
-            "\\toprule",
-            f"\\multicolumn{{{len(columns)}}}{{l}}{{{escape(self.caption)}}} \\\\",
-            "\\midrule",
-            " & ".join(map(escape, self.columns)) + " \\\\",
-            "\\midrule",
-        ]
-        for row in self.rows:
-            cells = [f"\\textbf{{{escape(c.text)}}}" if c.best else escape(c.text) for c in row]
-            lines.append(" & ".join(cells) + " \\\\")
-        return "\n".join([*lines, "\\bottomrule", "\\end{tabular}", ""])
+        r"""A ``tabular`` for ``\input`` below its caption; needs the package booktabs."""
+        frame = self.frame(_latex_cell).rename(columns=escape)
+        style = frame.style.hide(axis="index")
+        body = style.to_latex(hrules=True, column_format="l" + "r" * (len(self.columns) - 1))
+        return f"{escape(self.caption)}\n\n{body}" if self.caption else body
 
-
-@dataclass(frozen=True)
-class Tables:
-    """Tables next to each other, where there is room."""
-
-    kind: ClassVar = "tables"
-    tables: Sequence[Table]
+    @property
+    def html(self) -> Markup:
+        """A ``table`` element; columns with numbers are aligned on the right."""
+        frame = self.frame(_html_cell)
+        columns = zip(self.columns, zip(*self.rows, strict=True), strict=True) if self.rows else ()
+        frame.columns = [_html_heading(*column) for column in columns] or frame.columns
+        body = frame.to_html(index=False, escape=False, border=0, justify="left")
+        caption = f"<caption>{inline(self.caption)}</caption>" if self.caption else ""
+        return Markup(body.replace("<thead>", f"{caption}<thead>", 1))
 
 
 @dataclass(frozen=True)
@@ -100,13 +107,13 @@ class Heading:
 
     @property
     def markdown(self) -> str:
-        """Of the second level."""
+        """A heading of the second level."""
         return f"## {self.text}"
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of a stage, by its SVG file."""
+    """A figure, by its SVG file."""
 
     kind: ClassVar = "picture"
     path: Path
@@ -114,12 +121,12 @@ class Picture:
 
     @property
     def markdown(self) -> str:
-        """The PNG file as it is published."""
-        return f"![{self.path.stem.capitalize()}](figures/{self.path.stem}.png)"
+        """The file as it is published."""
+        return f"![{self.path.stem.capitalize()}](figures/{self.path.name})"
 
 
-Written = Table | Tables | Text | Heading | Picture
-"""What can stand in a document as well as on the page."""
+Written = Table | Text | Heading | Picture
+"""Blocks of documents and of the page."""
 
 
 def document(title: str, blocks: Iterable[Written]) -> str:
@@ -131,22 +138,22 @@ def markdown(blocks: Iterable[Written], caption: str = "## {}") -> str:
     """Blocks below each other, captions as headings."""
     parts: list[str] = []
     for block in blocks:
-        for item in block.tables if isinstance(block, Tables) else [block]:
-            if isinstance(item, Table) and item.caption:
-                parts.append(caption.format(item.caption))
-            parts.append(item.markdown.strip("\n"))
+        if isinstance(block, Table) and block.caption:
+            parts.append(caption.format(block.caption))
+        parts.append(block.markdown.strip("\n"))
     return "\n\n".join(parts)
 
 
 def grid(columns: Sequence[str], rows: Iterable[Sequence[str]], caption: str = "") -> Table:
     """Table of plain texts."""
-    return Table(columns, [[Cell(text) for text in row] for row in rows], caption, sortable=False)
+    return Table(columns, [[Cell(text) for text in row] for row in rows], caption)
 
 
-def listed(texts: Iterable[str]) -> str:
-    """Texts as a sentence lists them: with commas, and an "and" before the last one."""
-    *first, last = texts
-    return f"{', '.join(first)} and {last}" if first else last
+def inline(text: str) -> Markup:
+    """Markdown within a paragraph, ``code`` and **bold**, as HTML."""
+    html = re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape_html(text)))
+    html = re.sub(r"\*\*([^*]+)\*\*", r"<strong>\1</strong>", html)
+    return Markup(html.replace("\\*", "*"))
 
 
 def escape(text: str) -> str:
@@ -168,9 +175,19 @@ _LATEX = {character: f"\\{character}" for character in "%&#$_{}"} | {
 }
 
 
-def _marked(cell: Cell, pattern: str) -> str:
-    return pattern.format(cell.text) if cell.best else cell.text
+def _latex_cell(cell: Cell) -> str:
+    return f"\\textbf{{{escape(cell.text)}}}" if cell.best else escape(cell.text)
 
 
-def _line(texts: Iterable[str]) -> str:
-    return "| " + " | ".join(text.replace("|", "\\|") for text in texts) + " |"
+def _html_heading(text: str, cells: Sequence[Cell]) -> str:
+    numeric = any(isinstance(cell.key, (int, float)) for cell in cells)
+    return f'<span class="number">{inline(text)}</span>' if numeric else str(inline(text))
+
+
+def _html_cell(cell: Cell) -> str:
+    names = {"number": isinstance(cell.key, (int, float)), "best": cell.best, "failed": cell.failed}
+    look = " ".join(name for name, given in names.items() if given)
+    text = re.sub(
+        r" (±.*|\[.*)$", r" <small>\1</small>", str(inline(cell.text))
+    )  # hidden on phones
+    return f'<span class="{look}">{text}</span>' if look else text

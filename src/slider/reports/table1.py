@@ -14,7 +14,7 @@ from slider.reports.comparison import METRICS, comparisons
 from slider.reports.controllers import PAPER, speed
 from slider.reports.quantities import quantity
 from slider.reports.rows import NAN, Row
-from slider.reports.table import Cell, Heading, Table, Tables, Text, Written, document, escape
+from slider.reports.table import Cell, Heading, Table, Text, Written, document, escape
 
 COLUMNS = (
     "controller",
@@ -33,14 +33,9 @@ COLUMNS = (
     "tracking_rate_std",
 )
 _PAPER_TABLE = "paper_table1.csv"
-_PAGE = (
+_PROTOCOL = (
     "{trials} trials (seeds {seed} to {last}) × {robots} robots × {duration:g} s per command, from "
-    "rest. ± is the standard deviation over trials, brackets hold Wilson's 95 % interval of the "
-    "success rate; ▲ marks the best of a row, and everything equal to it as printed. Columns "
-    "marked “paper” are the paper's own numbers, not measured here. The paper prints one MSE and "
-    "does not say whether the start counts, so it stands beside both of ours; its MPC ran on "
-    "the earlier SLIDER. Errors are means over surviving robots, ∞ where none survived. Click a "
-    "heading to sort."
+    "rest. "
 )
 _QUALITY = (
     "Means over surviving robots; – where none survived. Success and velocity error do not show a "
@@ -77,11 +72,17 @@ def blocks(
 ) -> Iterator[Written]:
     """On the page: a table per metric, and one per controller about the quality of its gait."""
     ours, quality = _measured(evaluations, library)
-    yield Text(_PAGE.format(last=protocol["seed"] + protocol["trials"] - 1, **protocol))
-    yield Tables(comparisons(ours + paper_rows()))
+    last = protocol["seed"] + protocol["trials"] - 1
+    yield Text(_PROTOCOL.format(last=last, **protocol) + _CAPTION)
+    yield from comparisons(ours + paper_rows())
     yield Heading("How it walks")
     yield Text(_QUALITY)
     yield from quality_tables(quality)
+
+
+def table_rows(evaluations: Sequence[Evaluation]) -> list[Row]:
+    """Rows of ``table1.csv``: ours, then the paper's."""
+    return [tables.table_row(one) for one in evaluations] + paper_rows()
 
 
 def _measured(
@@ -95,23 +96,23 @@ def _measured(
 
 def _metrics(rows: list[Row]) -> dict[str, float]:
     """The whole table as metrics of one run, such as ``success_rate/policy/1.2``."""
-    found = {
+    metrics = {
         f"{name}/{row['controller']}/{row['command_velocity']}": row[name]
         for row in rows
         for name in METRICS
     }
-    return {name: value for name, value in found.items() if np.isfinite(value)}
+    return {name: value for name, value in metrics.items() if np.isfinite(value)}
 
 
 def paper_rows() -> list[Row]:
     """The paper's own Table 1, labelled as the paper's; it states no spread."""
     with files("slider.reports").joinpath(_PAPER_TABLE).open() as file:
-        printed = tables.parse(file)
+        printed = tables.read(file)
     return [dict.fromkeys(COLUMNS, NAN) | row | {"source": PAPER} for row in printed]
 
 
 def quality_tables(rows: list[Row]) -> Iterator[Table]:
-    """A table per controller, quantities down, commands across; nothing sorts."""
+    """A table per controller, quantities down, commands across."""
     for label, mine in tables.by(rows, "label").items():
         heads = ["at a command of [m/s]", *(speed(row["command_velocity"]) for row in mine)]
         body = [
@@ -119,4 +120,4 @@ def quality_tables(rows: list[Row]) -> Iterator[Table]:
             for name in mine[0]
             if name not in (*tables.NAMED, "command_velocity")
         ]
-        yield Table(heads, body, label, sortable=False)
+        yield Table(heads, body, label)

@@ -1,4 +1,4 @@
-"""Pictures of robot and gait library; one module per figure, drawn by the stage ``figures``."""
+"""Figures of robot, gaits and controllers, each as SVG; names here, so that plans draw nothing."""
 
 NAMES = (
     "capstan",
@@ -10,7 +10,7 @@ NAMES = (
     "convergence",
     "smoothness",
 )
-FORMATS = ("svg", "png", "md")
+FORMATS = ("svg", "md")
 STABILITY = ("spectral_radius", "basins", "phase_portraits")
 FILES = tuple(f"{name}.{suffix}" for name in NAMES for suffix in FORMATS)
 STABILITY_FILES = tuple(f"{name}.{suffix}" for name in STABILITY for suffix in FORMATS)

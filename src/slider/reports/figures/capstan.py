@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from slider.library.reader import GaitLibrary
-from slider.reports.figures.limit_cycles import forward_gaits
+from slider.reports.figures.gaits import forward_gaits
 from slider.reports.figures.style import DARK, EMPTY, LIGHT, MIDDLE, new_figure
 from slider.robot.names import JOINTS, MOTORS, NUM_JOINTS, SIDES
 from slider.robot.transmission import Transmission

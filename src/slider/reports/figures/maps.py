@@ -1,4 +1,4 @@
-"""Quantities of each gait over the grid of commanded velocities."""
+"""Quantities of each gait over the commanded velocities, and the smoothness of the library."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,10 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from slider.library import measures
+from slider.library.measures import smoothness
 from slider.library.reader import GaitLibrary
-from slider.reports.figures.style import COLOURS, EMPTY, MIDDLE, new_figure
+from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure
+from slider.robot.names import CHANNELS, command_text
 
-CAPTION = """\
+MAPS_CAPTION = """\
 One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
 the grid. Gaits that turn are left out. The cost is that of the optimisation (`gait.cost`). Torque
 and voltage are the greatest of all motors over the walk, as shares of the motor's torque limit and
@@ -63,7 +65,7 @@ def draw_map(axes: Axes, library: GaitLibrary, item: VelocityMap) -> None:
     axes.set_title(item.name, loc="left")
 
 
-def draw(library: GaitLibrary) -> Figure:
+def draw_velocity_maps(library: GaitLibrary) -> Figure:
     """What the library alone can give, one map below the other."""
     return draw_maps(library, library_maps(library))
 
@@ -134,3 +136,38 @@ def _norm(item: VelocityMap) -> Normalize:
     positive = values[values > 0]
     low = float(positive.min()) if len(positive) else 1e-12
     return LogNorm(low, max(float(values.max()), 10 * low))
+
+
+def draw_smoothness(library: GaitLibrary) -> Figure:
+    """Map of each gait's greatest jump, and the greatest jump of each channel."""
+    measured = smoothness(library.commands, library.arrays["samples"])
+    jumps = 100 * measured.per_gait(len(library))
+    figure = new_figure(4.9)
+    top, bottom = figure.subplots(2, 1, height_ratios=(1, 2.4))
+    item = VelocityMap("greatest jump to a neighbouring gait", jumps, "% of range")
+    draw_map(top, library, item)
+    active = [i for i, name in enumerate(CHANNELS) if "upper_foot" not in name]
+    by_channel = 100 * measured.jumps.max(axis=0, initial=0.0)[active]
+    order = np.argsort(by_channel)
+    bottom.barh([CHANNELS[active[i]] for i in order], by_channel[order], color=DARK, height=0.6)
+    bottom.set(xlabel="greatest jump of the channel between neighbouring gaits [% of its range]")
+    bottom.tick_params(axis="y", labelsize=6.5, length=0)
+    bottom.grid(visible=False, axis="y")
+    return figure
+
+
+def smoothness_caption(library: GaitLibrary) -> str:
+    """The scale of a jump, and where the greatest one is."""
+    measured = smoothness(library.commands, library.arrays["samples"])
+    text = (
+        "Difference between gaits that follow one another in vx or in vy, at the same sample, as a "
+        "share of the channel's range over the whole library (all gaits and samples). "
+    )
+    if not len(measured.pairs):
+        return text + "This library has no neighbouring gaits.\n"
+    first, second, channel = measured.worst
+    places = [command_text(command) for command in library.commands[[first, second]]]
+    return text + (
+        f"The greatest is {100 * measured.largest:.1f} % of {CHANNELS[channel]}, between "
+        f"{places[0]} and {places[1]}.\n"
+    )

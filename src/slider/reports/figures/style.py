@@ -61,22 +61,21 @@ def save(figure: Figure, path: Path) -> None:
 
 
 def write_figure(stem: Path, title: str, draw: Callable[[], Figure], caption: str) -> None:
-    """Write ``stem``.svg, .png and .md; ``draw`` is called in the common style."""
+    """Write ``stem``.svg and .md; ``draw`` is called in the common style."""
     write_pictures(stem, draw)
-    text = f"# {title}\n\n![{title}]({stem.name}.png)\n\n{caption}"
-    stem.with_name(f"{stem.name}.md").write_text(text)
+    text = f"# {title}\n\n![{title}]({stem.name}.svg)\n\n{caption}"
+    stem.with_name(f"{stem.name}.md").write_text(text, encoding="utf-8")
 
 
 def write_pictures(stem: Path, draw: Callable[[], Figure]) -> None:
-    """Write ``stem``.svg and .png; ``draw`` is called in the common style."""
+    """Write ``stem``.svg; ``draw`` is called in the common style."""
     with style():
         figure = draw()
-        for _ in range(2):  # lay it out for both files; the second time with the sizes of the first
+        for _ in range(2):  # the second layout has the sizes of the first
             figure.draw_without_rendering()
         figure.set_layout_engine("none")
         _round_layout(figure)
-        for suffix in ("svg", "png"):
-            save(figure, stem.with_name(f"{stem.name}.{suffix}"))
+        save(figure, stem.with_name(f"{stem.name}.svg"))
 
 
 def _round_layout(figure: Figure) -> None:

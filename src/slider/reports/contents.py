@@ -1,0 +1,336 @@
+"""Blocks of the page's sections; each function is called as its section is in ``sections``."""
+
+import csv
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, ClassVar
+
+from matplotlib.figure import Figure
+
+from slider.config.convert import from_dict
+from slider.config.evaluation import EvaluationConfig
+from slider.config.report import ReportConfig
+from slider.core.job import Inputs
+from slider.evaluation.results import Evaluation
+from slider.library.reader import STORE, GaitLibrary
+from slider.reports import protocols, study
+from slider.reports import provenance as origins_report
+from slider.reports import table1 as table1_report
+from slider.reports.controllers import PAPER, speed
+from slider.reports.figures import checks, maps, walking
+from slider.reports.figures import gaits as gait_figures
+from slider.reports.figures.style import write_pictures
+from slider.reports.provenance import Made
+from slider.reports.quantities import QUANTITIES
+from slider.reports.rows import Row, by, evaluations
+from slider.reports.table import Cell, Heading, Picture, Table, Text, Written
+from slider.reports.video import ABOUT, FILM, POSTER
+from slider.training.results import Training
+from slider.verification.quantities import QUANTITIES as CHECKED
+from slider.verification.summary import place
+
+READINGS = "readings.csv"
+_TRAININGS = {
+    "standing": "Standing",
+    "untuned": "Walking, before fine-tuning",
+    "walking": "Walking",
+}
+_NO_RENDERER = (
+    "No videos: this machine renders neither with EGL nor with OSMesa. Install one of them (on "
+    "Debian `libegl1 libegl-mesa0` or `libosmesa6`) and build the page again."
+)
+_PROTOCOLS = {
+    "robust": "Noise, delay, pushes, and robots and ground that differ from those of the training.",
+    "sweep": "Every command from standing to the fastest.",
+    "joystick": "Commands as from a joystick, changing on the way.",
+    "heldout": "Speeds between those that checkpoints are chosen by, a minute of each, stops, "
+    "sideways.",
+}
+_SHOWN_FAILURES = 20
+_HOLDS = {None: "–", True: "yes", False: "NO"}
+
+
+@dataclass(frozen=True)
+class Film:
+    """A video, the picture in its place on paper, and how the robot did."""
+
+    path: Path
+    poster: Path
+    caption: str
+
+
+@dataclass(frozen=True)
+class Films:
+    """Films below headings."""
+
+    kind: ClassVar = "films"
+    rows: Mapping[str, Sequence[Film]]
+
+
+@dataclass(frozen=True)
+class Overview:
+    """The first screen: a robot that walks, a plot, and a sentence."""
+
+    kind: ClassVar = "overview"
+    film: Film | None
+    plot: Picture
+    sentence: str
+
+
+Blocks = Iterator[Written | Films | Overview | origins_report.Details]
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Inputs of the sections of the page.
+
+    Attributes:
+        report: settings of the page.
+        configuration: the resolved configuration, as plain values.
+        labels: names of the controllers for people.
+        origins: input → for each of its jobs stage, label, recipe, entry, source digest, versions.
+        inputs: input → object folders.
+        times: input → for each of its jobs what differs between runs, such as ``wall_s``.
+        page: the same of the page itself; see :mod:`slider.artefacts.run_metadata`.
+        out: folder of the page and of the figures that it draws.
+    """
+
+    report: ReportConfig
+    configuration: Mapping[str, Any]
+    labels: Mapping[str, str]
+    origins: Mapping[str, Sequence[Mapping[str, Any]]]
+    inputs: Inputs
+    times: Mapping[str, Sequence[Mapping[str, Any]]]
+    page: Mapping[str, Any]
+    out: Path
+
+    def evaluations(self, name: str) -> list[Evaluation]:
+        """Evaluations among the inputs of a target."""
+        return evaluations(self.inputs[f"{name}.evaluations"], self.labels)
+
+    def file(self, name: str, path: str) -> Path:
+        """File of the one result of an input."""
+        return self.inputs[name][0] / path
+
+    def draw(self, name: str, draw: Callable[[], Figure]) -> Path:
+        """Draw ``name``.svg beside the page."""
+        write_pictures(self.out / name, draw)
+        return self.out / f"{name}.svg"
+
+
+def overview(sources: Sources) -> Blocks:
+    """The robot walking, success and error over the speed, and one sentence."""
+    rows = table1_report.table_rows(sources.evaluations("table1"))
+    films = [(about, film) for about, film in _films(sources) if about["fell_at"] is None]
+    films.sort(
+        key=lambda item: (item[0]["controller"] != rows[0]["controller"], -item[0]["command"])
+    )
+    svg = sources.draw("overview", partial(walking.draw_overview, rows))
+    caption = (
+        "Success rate, and velocity MSE after the warm-up of the robots that survive. Dotted: the "
+        "paper's numbers."
+    )
+    film = films[0][1] if films else None
+    yield Overview(film, Picture(svg, caption), finding(rows))
+
+
+def finding(rows: Sequence[Row]) -> str:
+    """Success and error of the first controller beside the paper's, in one sentence."""
+    mine = [row for row in rows if row["controller"] == rows[0]["controller"]]
+    top = max(row["command_velocity"] for row in mine)
+    paper = [r for r in rows if r["source"] == PAPER and r["command_velocity"] == top]
+    success, mse = QUANTITIES["success_rate"], QUANTITIES["mse_steady"]
+    printed = ""
+    if paper:
+        rate = success.text(paper[0]["success_rate"])
+        printed = f" ({paper[0]['label']}: {rate} % at {speed(top)} m/s)"
+    return (
+        f"With the controller {mine[0]['label']} at least "
+        f"**{success.text(min(row['success_rate'] for row in mine))} %** of the robots survive at "
+        f"every commanded speed up to {speed(top)} m/s{printed}; the velocity MSE after the "
+        f"warm-up is at most **{mse.text(max(row['mse_steady'] for row in mine))} m²/s²**."
+    )
+
+
+def table1(sources: Sources) -> Blocks:
+    """Ours, the baselines' and the paper's side by side, and how it walks."""
+    library = sources.inputs.get("table1.library", ())
+    protocol = sources.configuration["evaluation"]
+    return table1_report.blocks(sources.evaluations("table1"), library, protocol)
+
+
+def tracking(sources: Sources) -> Blocks:
+    """Forward velocity over time, as in the paper's figure."""
+    asked, found = sources.report.tracking_commands, sources.evaluations("table1")
+    shown = [one for one in found if one.command in asked]
+    if shown:
+        period = sources.configuration["env"]["control_period"]
+        svg = sources.draw(protocols.TRACKING, partial(walking.draw_tracking, shown, period))
+        yield Picture(svg, protocols.TRACKING_CAPTION)
+    yield from protocols.undrawn(found, asked)
+
+
+def videos(sources: Sources) -> Blocks:
+    """A row of films per speed, one film per controller."""
+    if sources.report.video.renderer == "none":
+        yield Text("No videos: `report.video.renderer` is `none`.", "note")
+        return
+    rows: dict[str, list[Film]] = {}
+    for about, film in sorted(_films(sources), key=lambda item: item[0]["command"]):
+        rows.setdefault(f"{speed(about['command'])} m/s", []).append(film)
+    if not rows:
+        yield Text(_NO_RENDERER, "note")
+        return
+    seen = " and ".join(sources.report.video.cameras)
+    yield Text(f"One robot per film, all from the same start at rest, seen from the {seen}.")
+    yield Films(rows)
+
+
+def _films(sources: Sources) -> Iterator[tuple[dict[str, Any], Film]]:
+    """Facts and film of each video."""
+    for folder in sources.inputs.get("videos", ()):
+        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        fate = f"walks at {about['mean_velocity']:.2f} m/s"
+        if about["fell_at"] is not None:
+            fate = f"falls after {about['fell_at']:.1f} s"
+        yield about, Film(folder / FILM, folder / POSTER, f"{about['label']}: {fate}")
+
+
+def gaits(sources: Sources) -> Blocks:
+    """Figures of the gait library."""
+    library = GaitLibrary.load(sources.file("library", STORE))
+    yield Text(f"{len(library)} gaits; `reports/figures/` has all figures of them.")
+    for name, caption in (
+        ("gait_tiles", gait_figures.TILES_CAPTION),
+        ("velocity_maps", maps.MAPS_CAPTION),
+        ("limit_cycles", gait_figures.CYCLES_CAPTION),
+    ):
+        yield Picture(sources.file("figures", f"{name}.svg"), caption)
+
+
+def verification(sources: Sources) -> Blocks:
+    """The verdict of the independent checks, the maps, and one row per quantity."""
+    about = json.loads(sources.file("verification", "verification.json").read_text("utf-8"))
+    failures = about["failures"]
+    bounded = sum(quantity["bound"] is not None for quantity in about["quantities"].values())
+    yield Text(
+        f"{about['gaits']} gaits, checked by other means than those that made them: pinocchio and "
+        "MuJoCo for the dynamics, another integrator for the orbit, a dense sampling between the "
+        "nodes, a replay in simulation."
+    )
+    if failures:
+        yield Text(f"{len(failures)} values are beyond their bounds, of {bounded}:", "failed")
+        more = len(failures) - _SHOWN_FAILURES
+        rest = [f"and {more} more; `reports/verification.json` has all"] if more > 0 else []
+        yield Text("\n".join(f"* {text}" for text in [*failures[:_SHOWN_FAILURES], *rest]))
+    else:
+        yield Text(f"All {bounded} bounds hold.", "best")
+    svg = sources.file(checks.NAME, f"{checks.NAME}.svg")
+    yield Picture(svg, checks.VERIFICATION_CAPTION)
+    yield bounds_table(about["quantities"])
+
+
+def bounds_table(quantities: Mapping[str, Mapping[str, Any]]) -> Table:
+    """Worst value over all gaits, its bound and gait, and the median, per checked quantity."""
+    heads = ["check", "quantity", "meaning", "unit", "worst", "bound", "holds"]
+    rows = [_bound(name, result) for name, result in quantities.items()]
+    return Table([*heads, "at vx, vy [m/s]", "median"], rows)
+
+
+def _bound(name: str, result: Mapping[str, Any]) -> list[Cell]:
+    quantity, bound = CHECKED[name], result["bound"]
+    sign = "≥" if quantity.at_least else "≤"
+    return [
+        Cell(str(quantity.check)),
+        Cell(f"`{name}`"),
+        Cell(quantity.meaning),
+        Cell(checks.unit(name)),
+        _three_digits(result["worst"]),
+        Cell("–") if bound is None else Cell(f"{sign} {bound:g}", bound),
+        Cell(_HOLDS[result["passed"]], failed=result["passed"] is False),
+        Cell(place(result)),
+        _three_digits(result["median"]),
+    ]
+
+
+def _three_digits(value: float | None) -> Cell:
+    return Cell("not finite") if value is None else Cell(f"{value:.3g}", value)
+
+
+def learning(sources: Sources) -> Blocks:
+    """For each training its periodic checks and, where recorded, the terms of its reward."""
+    for name, title in _TRAININGS.items():
+        if name not in sources.inputs:  # no pre-training, no fine-tuning
+            continue
+        training = Training.load(sources.inputs[name][0])
+        yield Heading(title)
+        svg = sources.draw(f"training_{name}", partial(walking.draw_training, training))
+        yield Picture(
+            svg,
+            "Periodic checks on a few robots (score: lower is better), and the largest terms of "
+            f"the reward, weighted. The policy of iteration {training.kept} was kept.",
+        )
+
+
+def ablation(sources: Sources) -> Blocks:
+    """What each choice of the method is worth."""
+    return study.blocks("ablation", sources.inputs["ablation"][0])
+
+
+def readings(sources: Sources) -> Blocks:
+    """A table per part of the paper, a row per statement, with its value in this run."""
+    yield Text("What the paper says, whether it is here as printed, and where that is configured.")
+    heads = ["the paper says", "status", "here", "where", "in this run"]
+    for part, statements in by(read_statements(), "part").items():
+        rows = [
+            [*(Cell(text) for text in list(statement.values())[1:])]
+            + [Cell(in_effect(sources.configuration, statement["where"]))]
+            for statement in statements
+        ]
+        yield Table(heads, rows, part)
+
+
+def read_statements() -> list[dict[str, str]]:
+    """Each statement: part of the paper, what it says, status, what is here, and where."""
+    text = (files("slider.reports") / READINGS).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+def in_effect(configuration: Mapping[str, Any], where: str) -> str:
+    """Value of the first place, if that is a dotted path to a single value."""
+    node: Any = configuration
+    for name in where.split(", ")[0].split("."):
+        if not isinstance(node, Mapping) or name not in node:
+            return ""
+        node = node[name]
+    return "" if isinstance(node, (Mapping, list)) else str(node)
+
+
+def provenance(sources: Sources) -> Blocks:
+    """Commit, configuration, recipes, versions, seeds, machine, times."""
+    results = {
+        name: [
+            Made(origin, facts, folder.name)
+            for origin, facts, folder in zip(
+                origins, sources.times[name], sources.inputs[name], strict=True
+            )
+        ]
+        for name, origins in sources.origins.items()
+    }
+    return origins_report.blocks(sources.configuration, results, sources.page)
+
+
+def _protocol(name: str, sources: Sources) -> Blocks:
+    """The figure of a protocol's report, and its tables."""
+    protocol = from_dict(EvaluationConfig, sources.configuration["protocols"][name])
+    seeds = f"Seeds {protocol.seed} to {protocol.seed + protocol.trials - 1}."
+    yield Text(f"{_PROTOCOLS[name]} {seeds}")
+    svg = sources.file(name, f"{name}.svg")
+    yield from protocols.blocks(name, svg, sources.evaluations(name), protocol)
+
+
+robust, sweep, joystick, heldout = (partial(_protocol, name) for name in _PROTOCOLS)

@@ -1,0 +1,305 @@
+"""Gaits: limit cycles, postures over a walk, and one gait on one page."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from slider.config.robot import Geometry
+from slider.library.blend import Gait, blend
+from slider.library.measures import foot_heights, motor_torques
+from slider.library.reader import GaitLibrary
+from slider.reports.figures.style import COLOURS, DARK, LIGHT, MIDDLE, new_figure
+from slider.robot.kinematics import foot_ends, leg_points, rotation_from_quaternion
+from slider.robot.names import (
+    JOINTS,
+    LEG_JOINTS,
+    LEG_MOTORS,
+    MOTORS,
+    NUM_JOINTS,
+    SIDES,
+    command_text,
+)
+from slider.robot.transmission import by_motor
+
+CYCLES_CAPTION = """\
+Position against velocity of the left leg's joints over one walk (two steps), one closed curve per
+forward velocity, straight ahead; the right leg's are the same, reflected. Solid: stance and swing;
+dotted: the jump of the velocity at a touchdown. The last panel is the roll about the foot line,
+the one coordinate that no drive holds. Similar velocities have similar cycles: `smoothness.md`
+says by how much they differ.
+"""
+
+_CYCLES = 9
+_PHASE = np.linspace(0.0, 1.0, 101)
+_SHOWN = LEG_JOINTS[:5]
+
+Pieces = list[tuple[np.ndarray, np.ndarray]]
+
+
+def draw_cycles(library: GaitLibrary) -> Figure:
+    """Five driven joints and the roll of the stance foot."""
+    chosen = forward_gaits(library, _CYCLES)
+    speeds = library.velocities[chosen, 0]
+    scale = Normalize(0.0, max(float(speeds.max()) * 1.1, 0.1))  # not up to the lightest yellow
+    colours = ScalarMappable(scale, COLOURS)
+    figure = new_figure(4.6)
+    panels = figure.subplots(2, 3)
+    for index in chosen:
+        gait = blend(library, *library.commands[index])
+        colour = colormaps[COLOURS](scale(float(gait.command[0])))
+        for axes, joint in zip(panels.flat, _SHOWN, strict=False):
+            _closed_curve(axes, _joint(gait, joint), colour)
+        _closed_curve(panels.flat[-1], _roll(gait), colour)
+    for axes, joint in zip(panels.flat, _SHOWN, strict=False):
+        unit = "m" if joint == "slide" else "rad"
+        axes.set(title=joint.replace("_", " "), xlabel=f"[{unit}]", ylabel=f"[{unit}/s]")
+    panels.flat[-1].set(title="roll of stance foot", xlabel="[rad]", ylabel="[rad/s]")
+    bar = figure.colorbar(colours, ax=panels, pad=0.01, aspect=40, ticks=speeds, format="%.2g")
+    bar.set_label("commanded forward velocity [m/s]")
+    return figure
+
+
+def forward_gaits(library: GaitLibrary, count: int) -> np.ndarray:
+    """Indices of at most ``count`` gaits straight ahead, evenly spread, slowest to fastest.
+
+    Straight ahead is the leftward velocity nearest to zero that the library has.
+    """
+    vx, vy = library.velocities.T
+    straight = np.flatnonzero(np.abs(vy) == np.abs(vy).min())
+    # One row: where −0.05 and 0.05 are equally near, the first of them.
+    straight = straight[vy[straight] == vy[straight[0]]]
+    ordered = straight[np.argsort(vx[straight])]
+    wanted = np.linspace(vx[ordered[0]], vx[ordered[-1]], count)
+    return ordered[np.unique(np.abs(vx[ordered] - wanted[:, None]).argmin(axis=1))]
+
+
+def _joint(gait: Gait, joint: str) -> Pieces:
+    """Position and velocity (N,) of a joint of the left leg in each step."""
+    column = JOINTS.index(f"left_{joint}")
+    steps = [gait.joints(step, _PHASE) for step in range(2)]
+    return [(position[:, column], velocity[:, column]) for position, velocity in steps]
+
+
+def _roll(gait: Gait) -> Pieces:
+    """Roll and its rate in each step; the second step is reflected, for the world's signs."""
+    return [(sign * gait.roll[step, :, 0], sign * gait.roll[step, :, 1]) for step, sign in _SIGNS]
+
+
+_SIGNS = ((0, 1.0), (1, -1.0))
+
+
+def _closed_curve(axes: Axes, pieces: Pieces, colour: object) -> None:
+    ends = zip(pieces, [*pieces[1:], pieces[0]], strict=True)
+    for (x, y), (next_x, next_y) in ends:
+        axes.plot(x, y, color=colour, linewidth=1.0)
+        axes.plot([x[-1], next_x[0]], [y[-1], next_y[0]], ":", color=colour, linewidth=0.7)
+
+
+TILES_CAPTION = """\
+The prismatic robot (after eq. 1) from its right side over one walk, at several forward velocities;
+each tile moves along with the base, and the marks on the ground, 0.1 m apart, stand still. Light:
+left leg; dark: right leg, the upper foot at its top; filled: the foot that stands. The fourth and
+the fifth tile of a row are the two sides of a touchdown: the same posture, the other stance foot.
+"""
+
+_ROWS = 5
+_HALF_WIDTH, _TILE_TOP = 0.52, 1.24  # of a tile [m]
+# The torso's outline in the base frame (x, z) [m], as large as in the simulation.
+_TORSO = np.array([[-0.07, -0.01], [0.07, -0.01], [0.07, 0.11], [-0.07, 0.11]])
+_HIP, _ANKLE, _TOP, _BACK, _FRONT = range(5)
+
+
+@dataclass(frozen=True)
+class Posture:
+    """Points of one posture in the world [m].
+
+    Attributes:
+        base: (3,); rotation: (3, 3) base to world.
+        legs: (2, 5, 3) hip, ankle, top and upper foot of the left and the right leg.
+        feet: (2, 2, 3) heel and toe.
+        stance: 0 where the left foot stands, 1 where the right one does.
+    """
+
+    base: np.ndarray
+    rotation: np.ndarray
+    legs: np.ndarray
+    feet: np.ndarray
+    stance: int
+
+
+def draw_walks(library: GaitLibrary) -> Figure:
+    """One row per velocity, time goes to the right."""
+    chosen = forward_gaits(library, _ROWS)
+    columns = tile_samples(library)
+    figure = new_figure(1.2 * len(chosen) + 0.1)
+    panels = figure.subplots(len(chosen), len(columns), squeeze=False)
+    for row, index in zip(panels, chosen, strict=True):
+        draw_tiles(row, library, int(index))
+        row[0].set_ylabel(f"{library.velocities[index, 0]:.2f} m/s")
+    return figure
+
+
+def tile_samples(library: GaitLibrary) -> list[int]:
+    """Samples of four tiles per step: its start, one third, two thirds and its end."""
+    per_step = library.arrays["time"].shape[1] // 2
+    within = [round(share * (per_step - 1) / 3) for share in range(4)]
+    return [step * per_step + sample for step in range(2) for sample in within]
+
+
+def draw_tiles(row: Sequence[Axes], library: GaitLibrary, gait: int) -> None:
+    """Draw the tiles of one gait, with the time below each."""
+    samples = tile_samples(library)
+    times = library.arrays["time"][gait, samples]
+    for axes, posture, time in zip(row, postures(library, gait, samples), times, strict=True):
+        _tile(axes, posture)
+        axes.set_xlabel(f"{time:.2f} s", labelpad=1)
+
+
+def _tile(axes: Axes, posture: Posture) -> None:
+    x = float(posture.base[0])
+    draw_ground(axes, x - _HALF_WIDTH, x + _HALF_WIDTH)
+    draw_posture(axes, posture)
+    axes.set(xlim=(x - _HALF_WIDTH, x + _HALF_WIDTH), ylim=(-0.05, _TILE_TOP), aspect="equal")
+    axes.set(xticks=[], yticks=[])
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(False)
+
+
+def postures(library: GaitLibrary, gait: int, samples: list[int]) -> list[Posture]:
+    """Postures of a gait of the library at some of its samples."""
+    geometry: Geometry = library.robot.geometry
+    base = library.arrays["base"][gait, samples]
+    joints = library.arrays["samples"][gait, samples, :NUM_JOINTS]
+    rotation = rotation_from_quaternion(base[:, 3:7])
+    legs = base[:, None, None, :3] + leg_points(geometry, rotation, joints)
+    feet = base[:, None, None, :3] + foot_ends(geometry, rotation, joints)
+    stance = library.arrays["contact"][gait, samples].argmax(axis=1)
+    values = zip(base[:, :3], rotation, legs, feet, stance, strict=True)
+    return [Posture(*posture) for posture in values]
+
+
+def draw_posture(axes: Axes, posture: Posture) -> None:
+    """Draw in world x and z: the left leg behind in light, the right leg in front in dark."""
+    _draw_leg(axes, posture, 0, LIGHT)
+    torso = posture.base + np.stack([_TORSO[:, 0], 0 * _TORSO[:, 0], _TORSO[:, 1]], 1) @ (
+        posture.rotation.T
+    )
+    axes.add_patch(Polygon(torso[:, [0, 2]], facecolor="white", edgecolor=DARK, zorder=3))
+    _draw_leg(axes, posture, 1, DARK)
+
+
+def draw_ground(axes: Axes, low: float, high: float, spacing: float = 0.1) -> None:
+    """Ground from x = low to high, with marks that stand still in the world [m]."""
+    axes.plot([low, high], [0, 0], color="black", linewidth=0.8)
+    for x in np.arange(np.ceil(low / spacing), np.floor(high / spacing) + 1) * spacing:
+        axes.plot([x, x - 0.02], [0, -0.03], color="black", linewidth=0.5)
+
+
+def _draw_leg(axes: Axes, posture: Posture, leg: int, colour: str) -> None:
+    order = 2 + 2 * leg
+    points, foot = posture.legs[leg], posture.feet[leg]
+    x, z = points[:, 0], points[:, 2]
+    axes.plot(x[[_ANKLE, _TOP]], z[[_ANKLE, _TOP]], color=colour, linewidth=2.2, zorder=order)
+    axes.plot(x[[_BACK, _FRONT]], z[[_BACK, _FRONT]], color=colour, linewidth=1.2, zorder=order)
+    axes.plot(x[_HIP], z[_HIP], "o", color=colour, markersize=4.5, zorder=order)
+    shape = np.array([points[_ANKLE], *foot])[:, [0, 2]]
+    loaded = posture.stance == leg
+    axes.add_patch(
+        Polygon(
+            shape,
+            facecolor=MIDDLE if loaded else "white",
+            edgecolor=colour,
+            linewidth=0.9,
+            joinstyle="round",
+            zorder=order + 0.5,
+        )
+    )
+
+
+_LINES = {"left": (DARK, "-"), "right": (MIDDLE, "--")}
+_HEIGHTS = (1.35, 1.15, 1.15, 1.15)  # of the rows [inch]
+
+
+def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
+    """Draw the gait with an index of the library; ``style()`` must be active."""
+    figure = new_figure(sum(_HEIGHTS) + 1.4)
+    heights = (_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6)
+    tiles, plots = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
+    figure.suptitle(f"gait at {command_text(library.commands[gait])}", fontsize=9)
+    draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
+    panels = plots.subplots(3, 5, sharex=True)
+    positions = library.arrays["samples"][gait][:, :NUM_JOINTS]
+    for axes, joint in zip(panels[0], _SHOWN, strict=True):
+        _both_legs(axes, library, gait, [f"{side}_{joint}" for side in SIDES], JOINTS, positions)
+    torques = motor_torques(library, gait)
+    for axes, motor in zip(panels[1], LEG_MOTORS, strict=True):
+        _both_legs(axes, library, gait, [f"{side}_{motor}" for side in SIDES], MOTORS, torques)
+    _label_panels(panels, library)
+    _ground(panels[2], library, gait)
+    for axes in panels.flat:
+        axes.title.set_size(7)
+    return figure
+
+
+def _both_legs(
+    axes: Axes,
+    library: GaitLibrary,
+    gait: int,
+    pair: list[str],
+    order: tuple[str, ...],
+    values: np.ndarray,
+) -> None:
+    _two_lines(axes, library, gait, [values[:, order.index(name)] for name in pair])
+
+
+def _two_lines(axes: Axes, library: GaitLibrary, gait: int, columns: list[np.ndarray]) -> None:
+    """Left and right over time, in pieces: values jump at the touchdown."""
+    time = library.arrays["time"][gait]
+    half = len(time) // 2
+    for side, values in zip(SIDES, columns, strict=True):
+        colour, dash = _LINES[side]
+        for piece, label in ((slice(0, half), side), (slice(half, None), None)):
+            axes.plot(time[piece], values[piece], dash, color=colour, label=label)
+    axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
+
+
+def _label_panels(panels: np.ndarray, library: GaitLibrary) -> None:
+    for axes, joint in zip(panels[0], _SHOWN, strict=True):
+        axes.set_title(f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]")
+    drives = by_motor(library.robot.drives)
+    for axes, motor, drive in zip(panels[1], LEG_MOTORS, drives, strict=True):
+        axes.set_title(f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]")
+    panels[0, 0].legend()
+
+
+def _ground(row: np.ndarray, library: GaitLibrary, gait: int) -> None:
+    """Ground force under the stance foot, its line's loads, height and speed."""
+    time, wrench = library.arrays["time"][gait], library.arrays["ground_wrench"][gait]
+    half = len(time) // 2
+    columns = [
+        np.where(np.arange(len(time)) < half, wrench[:, 2], np.nan),
+        np.where(np.arange(len(time)) < half, np.nan, wrench[:, 2]),
+    ]
+    _two_lines(row[0], library, gait, columns)
+    row[0].set_title("ground force z [N]")
+    heights = 100 * foot_heights(library, gait)
+    _two_lines(row[1], library, gait, [heights[:, 0], heights[:, 1]])
+    row[1].set_title("foot height [cm]")
+    samples = library.arrays["samples"][gait]
+    speeds = [samples[:, NUM_JOINTS + JOINTS.index(f"{side}_slide")] for side in SIDES]
+    _two_lines(row[3], library, gait, speeds)
+    row[3].set_title("slide speed [m/s]")
+    for axes, column, name in ((row[2], -2, "forward"), (row[4], -1, "leftward")):
+        for piece in (slice(0, half), slice(half, None)):
+            axes.plot(time[piece], samples[piece, column], color=DARK)
+        axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
+        axes.set_title(f"base {name} [m/s]")
+    for axes in row:
+        axes.set_xlabel("time [s]")

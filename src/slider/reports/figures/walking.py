@@ -1,0 +1,269 @@
+"""Controllers: results over the speed, velocity over time, protocols, and learning curves."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from slider.config.evaluation import CaseConfig
+from slider.evaluation.results import Evaluation
+from slider.reports.controllers import PAPER, colour, speed
+from slider.reports.figures.style import DARK, new_figure
+from slider.reports.rows import Row, by
+from slider.training.results import Training
+
+_LEAST_ERROR = 1e-4  # shown [m²/s²]: a robot that stands has nearly none
+_DASHES = ("-", "--", "-.", ":")
+_MARGIN = 0.15  # [inch]; the layout does not see the labels of the logarithmic axis
+_LABELS = ("vx [m/s]", "vy [m/s]", "yaw rate [rad/s]")
+_ROW, _REST = 0.19, 1.0  # height of a case and of the rest [inch]
+_MARKERS = "os^vDPX"
+_CHECKS = {  # column of the checks → axis
+    "success": "share that survives",
+    "speed_error": "speed error [m/s]",
+    "flight": "flight share",
+    "value": "score",
+}
+_SHOWN_TERMS = 7  # of the reward, the largest
+_ERRORS = {  # column → marker, filled, name
+    "vx_error": ("o", True, "error of mean vx"),
+    "vy_error": ("o", False, "error of mean vy"),
+    "fastest": ("D", True, "fastest robot after a stop"),
+}
+
+
+def draw_overview(rows: Sequence[Row]) -> Figure:
+    """Success and settled error over the commanded speed; ``rows`` are those of Table 1."""
+    figure = new_figure(3.3)
+    success, errors = figure.subplots(1, 2)
+    for index, (label, mine) in enumerate(by(rows, "label").items()):
+        mine = sorted(mine, key=lambda row: row["command_velocity"])
+        printed = mine[0]["source"] == PAPER
+        look = {
+            "color": DARK if printed else colour(index),
+            "linestyle": ":" if printed else _DASHES[index % 2],
+            "marker": _MARKERS[index % len(_MARKERS)],
+            "markersize": 4,
+        }
+        speeds = _column(mine, "command_velocity")
+        success.plot(speeds, 100 * _column(mine, "success_rate"), label=label, **look)
+        error = _column(mine, "mse" if printed else "mse_steady")
+        errors.plot(speeds, np.where(np.isfinite(error), error, np.nan), **look)
+    success.set(ylabel="success rate [%]", ylim=(-4, 104))
+    errors.set(ylabel="velocity MSE [m²/s²]", yscale="log")
+    for axes in (success, errors):
+        axes.set_xlabel("commanded speed [m/s]")
+    figure.legend(loc="outside upper center", ncols=3)
+    figure.set_layout_engine("constrained", w_pad=_MARGIN)
+    return figure
+
+
+def draw_speeds(rows: Sequence[Row]) -> Figure:
+    """Three panels over a common axis; ``rows`` are those of the protocol's table."""
+    figure = new_figure(6.2)
+    speeds, rates, errors = figure.subplots(3, 1, sharex=True, height_ratios=(1.9, 1.0, 1.0))
+    commands = _column(rows, "command_velocity")
+    ends = [commands.min(), commands.max()]
+    speeds.plot(ends, ends, color=DARK, linewidth=0.8, linestyle=(0, (1, 2)), label="command")
+    for index, (label, mine) in enumerate(by(rows, "label").items()):
+        mine.sort(key=lambda row: row["command_velocity"])
+        _speed_curves((speeds, rates, errors), mine, index, label)
+    speeds.set(ylabel="mean speed [m/s]")
+    speeds.legend(loc="upper left")
+    rates.set(ylabel="share of robots", ylim=(-0.04, 1.04))
+    errors.set(ylabel="MSE [m²/s²]", yscale="log", xlabel="commanded speed [m/s]")
+    figure.align_ylabels()
+    figure.set_layout_engine("constrained", w_pad=_MARGIN)
+    errors.set_ylim(bottom=_LEAST_ERROR)
+    errors.yaxis.set_major_formatter("{x:g}")
+    return figure
+
+
+def _speed_curves(
+    panels: tuple[Axes, Axes, Axes], rows: Sequence[Row], index: int, name: str
+) -> None:
+    speeds, rates, errors = panels
+    command, tint = _column(rows, "command_velocity"), colour(index)
+    dashes = _DASHES[index % len(_DASHES)]
+    mean, spread = _column(rows, "mean_velocity"), _column(rows, "mean_velocity_spread")
+    speeds.fill_between(command, mean - spread, mean + spread, color=tint, alpha=0.2, linewidth=0)
+    speeds.plot(command, mean, color=tint, linestyle=dashes, label=name)
+    rates.plot(command, _column(rows, "success_rate"), color=tint, linestyle=dashes)
+    rates.plot(command, _column(rows, "tracking_rate"), ".", color=tint, markersize=4)
+    error = _column(rows, "mse_steady")
+    errors.plot(command, np.where(np.isfinite(error), error, np.nan), color=tint, linestyle=dashes)
+
+
+def draw_segments(evaluations: Sequence[Evaluation], case: CaseConfig, duration: float) -> Figure:
+    """One panel per velocity and one for the share of robots that are up; ``duration`` in s."""
+    figure = new_figure(6.4)
+    panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.5, 1.2, 1.2, 0.6))
+    traces = [one.traces for one in evaluations if one.traces is not None]
+    for index, (one, trace) in enumerate(zip(evaluations, traces, strict=True)):
+        _segment_curves(panels, trace, duration, index, one.label)
+    for axis, axes in enumerate(panels[:3]):
+        command = traces[0][:, axis]
+        axes.plot(_times(command, duration), command, color=DARK, linewidth=0.9, label="command")
+        axes.set(ylabel=_LABELS[axis], ylim=_limits(command))
+    panels[3].set(ylabel="share up", ylim=(-0.08, 1.08), xlabel="time [s]", xlim=(0.0, duration))
+    _mark_segments(panels, case)
+    handles, names = panels[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper center", ncols=len(names))
+    return figure
+
+
+def _segment_curves(
+    panels: Sequence[Axes], values: np.ndarray, duration: float, index: int, name: str
+) -> None:
+    time, tint = _times(values, duration), colour(index)
+    for axis in range(3):
+        mean, spread = values[:, 3 + axis], values[:, 6 + axis]
+        band = {"color": tint, "alpha": 0.2, "linewidth": 0}
+        panels[axis].fill_between(time, mean - spread, mean + spread, **band)
+        panels[axis].plot(time, mean, color=tint, label=name)
+    panels[3].plot(time, values[:, 9], color=tint)
+
+
+def _limits(command: np.ndarray) -> tuple[float, float]:
+    """Range around the command; what a falling robot does beyond it is cut off."""
+    low, high = float(command.min()), float(command.max())
+    margin = 0.5 * max(high - low, 0.4)
+    return low - margin, high + margin
+
+
+def _times(values: np.ndarray, duration: float) -> np.ndarray:
+    """Ends of the control steps [s]."""
+    return duration * np.arange(1, len(values) + 1) / len(values)
+
+
+def _mark_segments(panels: Sequence[Axes], case: CaseConfig) -> None:
+    for axes in panels:
+        axes.grid(visible=False, axis="x")
+        for segment in case.segments[1:]:
+            axes.axvline(segment.time, color="#b8c0c9", linewidth=0.5, zorder=0)
+    for segment in case.segments:
+        name = segment.name.replace("_", " ")
+        place = (segment.time, 1.02)
+        at = panels[0].get_xaxis_transform()
+        panels[0].text(*place, f" {name}", transform=at, rotation=28, fontsize=6.5, va="bottom")
+
+
+def draw_cases(rows: Sequence[Row]) -> Figure:
+    """Cases down; shares of robots on the left, velocities [m/s] on the right."""
+    cases, controllers = list(by(rows, "case")), by(rows, "label")
+    height = _REST + _ROW * len(cases)
+    figure = new_figure(height)
+    figure.set_layout_engine(None)  # which cuts the names of the cases off
+    figure.subplots_adjust(0.19, 0.5 * _REST / height, 0.98, 1 - 0.35 * _REST / height, 0.06)
+    shares, errors = figure.subplots(1, 2, sharey=True)
+    for index, (label, mine) in enumerate(controllers.items()):
+        offset = 0.5 * ((index + 0.5) / len(controllers) - 0.5)
+        places = np.array([cases.index(row["case"]) for row in mine]) + offset
+        _shares(shares, mine, places, colour(index), (label, "standing"))
+        _errors(errors, mine, places, colour(index), named=index == 0)
+    shares.set(xlabel="share of robots", xlim=(-0.04, 1.04), ylim=(len(cases) - 0.5, -0.5))
+    shares.set_yticks(range(len(cases)), cases)
+    errors.set(xlabel="velocity [m/s]")
+    errors.set_xlim(left=0.0)
+    named = [pair for axes in (shares, errors) for pair in _named(axes)]
+    figure.legend(*zip(*named, strict=True), loc="upper center", ncols=5)
+    return figure
+
+
+def _named(axes: Axes) -> list[tuple[Artist, str]]:
+    handles, names = axes.get_legend_handles_labels()
+    return list(zip(handles, names, strict=True))
+
+
+def _shares(
+    axes: Axes, rows: Sequence[Row], places: np.ndarray, tint: str, names: tuple[str, str]
+) -> None:
+    """Dots for survival, rings below them for standing, with their intervals."""
+    looks = (("success", tint, 0.0), ("standing", "white", 0.2))
+    for (prefix, face, shift), name in zip(looks, names, strict=True):
+        rate, low, high = (_column(rows, f"{prefix}_{end}") for end in ("rate", "low", "high"))
+        bars = np.abs(np.stack([rate - low, high - rate]))
+        look = {"color": tint, "markerfacecolor": face, "markersize": 4, "elinewidth": 0.8}
+        axes.errorbar(rate, places + shift, xerr=bars, fmt="o", label=name, **look)
+
+
+def _errors(axes: Axes, rows: Sequence[Row], places: np.ndarray, tint: str, named: bool) -> None:
+    for column, (marker, filled, name) in _ERRORS.items():
+        face = tint if filled else "white"
+        look = {"color": tint, "markerfacecolor": face, "markersize": 4, "linestyle": "none"}
+        values = _column(rows, column)
+        axes.plot(values, places, marker=marker, label=name if named else None, **look)
+
+
+def _column(rows: Sequence[Row], name: str) -> np.ndarray:
+    return np.array([row[name] for row in rows])
+
+
+_PANEL_HEIGHT = 2.1  # height [inch]
+
+
+def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
+    """Mean (line) and standard deviation (band) over survivors; ``period`` of control in s."""
+    commands = sorted({one.command for one in evaluations if one.command is not None})
+    labels = list(dict.fromkeys(one.label for one in evaluations))
+    lines = (len(commands) + 1) // 2
+    figure = new_figure(_PANEL_HEIGHT * lines + 0.4)
+    panels = figure.subplots(lines, 2, sharex=True, squeeze=False)
+    for axes, command in zip(panels.flat, commands, strict=False):
+        for one in evaluations:
+            if one.command == command and one.robots.survived.any():
+                _curve(axes, one.velocity, period, labels.index(one.label))
+        axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)))
+        axes.set_title(f"{speed(command)} m/s")
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+        axes.margins(x=0.0)
+        axes.set_xlim(left=0.0)
+    for axes in panels.flat[len(commands) :]:
+        axes.set_axis_off()
+    for axes in panels[:, 0]:
+        axes.set_ylabel("velocity [m/s]")
+    for axes in panels[-1]:
+        axes.set_xlabel("time [s]")
+    figure.align_ylabels()
+    for index, label in enumerate(labels):
+        panels[0, 0].plot([], [], _DASHES[index % 4], color=colour(index), label=label)
+    panels[0, 0].plot([], [], color=DARK, linewidth=0.9, linestyle=(0, (4, 2)), label="command")
+    handles, names = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper center", ncols=len(names))
+    return figure
+
+
+def _curve(axes: Axes, velocity: np.ndarray, period: float, index: int) -> None:
+    mean, spread = velocity.T
+    time, tint = period * np.arange(1, len(mean) + 1), colour(index)
+    axes.fill_between(time, mean - spread, mean + spread, color=tint, alpha=0.2, linewidth=0)
+    axes.plot(time, mean, _DASHES[index % 4], color=tint, linewidth=1.0)
+
+
+def draw_training(training: Training) -> Figure:
+    """Periodic checks above; below, where recorded, the largest terms of the reward."""
+    checks, curve = training.checks, training.curve
+    names = [name for name in _CHECKS if not np.isnan(checks[name]).all()]
+    terms = [name for name in curve if "reward" in name.partition("/")[0].lower() and "/" in name]
+    figure = new_figure(4.2 if terms else 1.9)
+    above, *below = np.atleast_1d(figure.subfigures(2 if terms else 1, 1))
+    panels = above.subplots(1, len(names), squeeze=False)[0]
+    for axes, name in zip(panels, names, strict=True):
+        axes.plot(checks["iteration"], checks[name], ".-", color=DARK)
+        axes.set(title=_CHECKS[name], xlabel="iteration")
+        if name == "value" and (checks[name] > 0).all():
+            axes.set_yscale("log")
+        else:
+            axes.set_ylim(bottom=0.0)
+    for part in below:
+        axes = part.subplots()
+        sizes = {name: float(np.nanmean(np.abs(curve[name]))) for name in terms}
+        shown = sorted(terms, key=lambda name: -sizes[name])[:_SHOWN_TERMS]
+        for index, name in enumerate(shown):
+            label = name.partition("/")[2].replace("_", " ")
+            axes.plot(curve["iteration"], curve[name], color=colour(index), label=label)
+        axes.set(xlabel="iteration", ylabel="weighted reward term")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure

@@ -1,0 +1,356 @@
+"""Stages of figures and tables from evaluations: velocity over time, and the protocols' reports.
+
+A protocol is of constant speeds (``sweep``), of segments of one case (``joystick``), or of cases
+(``heldout``); each has a table, a figure and their explanation.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from slider.config.convert import from_dict
+from slider.config.evaluation import CaseConfig, EvaluationConfig
+from slider.core.errors import UserError
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
+from slider.evaluation.segments import SMOOTHING, command, profile_of
+from slider.reports import rows as tables
+from slider.reports.comparison import comparisons
+from slider.reports.controllers import speed
+from slider.reports.figures import walking
+from slider.reports.figures.style import write_pictures
+from slider.reports.quantities import QUANTITIES, Quantity
+from slider.reports.rows import NAN, Row, by, distinct
+from slider.reports.table import Cell, Picture, Table, Text, Written, document
+
+TRACKING = "velocity_tracking"
+TRACKED_SHARE = 0.9
+"""Share of the robots that must track a speed for it to count as tracked."""
+STANDING = 0.1
+"""A robot that stands is slower than this [m/s]."""
+MEANS = {  # column of the table of cases → measure of the last segment
+    "mse_steady": "vx_mse",
+    **{name: name for name in ("vx", "vy", "vx_error", "vy_error", "heading_error")},
+}
+STOPPED = ("standing_rate", "standing_low", "standing_high", "fastest", "drift", "drift_max")
+TRACKING_CAPTION = (
+    "Forward velocity from rest: mean over surviving robots, the band is one standard deviation "
+    "between robots, dashed the command."
+)
+_SPEEDS_CAPTION = """\
+{trials} trials of {robots} robots per controller and command, {duration:g} s from rest. What is
+drawn counts from {warm_up:g} s on: mean forward speed (band: one standard deviation between
+robots), share of robots that stay up (line) and that track (dots: mean speed within
+max({tracking_tolerance:g} m/s, {tracking_relative:.0%}) of the command), and mean squared error.
+± is the standard deviation over trials, of the mean speed that between robots; brackets hold
+Wilson's 95 % interval. Speeds and errors are those of robots that stay up. `reports/{name}.csv`
+has all numbers, and how the robots walk.
+
+A speed counts as tracked where at least {share:.0%} of the robots track it.
+"""
+_SEGMENTS_CAPTION = """\
+{trials} trials of {robots} robots per controller. Commanded (black) and measured forward and
+leftward velocity and yaw rate: mean and one standard deviation between the robots that are still
+up, each a moving average over {window:g} s, since a walking base sways within a step. Below, the
+share of robots that are still up.
+
+In the tables a segment counts from {settled:g} s after its start; the numbers are means over the
+robots that are up at its end. Errors are |mean − command|; the heading error is the largest
+deviation from the commanded heading, the integral of the yaw rate; touchdowns are those of both
+feet; the displacement is how far the base got. `reports/{name}.csv` has all numbers.
+"""
+_CASES_CAPTION = """\
+Share of robots that survive the case (dot) and that stand after it (ring), with Wilson's 95 %
+interval; errors of the mean velocity, and the fastest robot after a stop (diamond). {trials} trials
+of {robots} robots per controller and case, {duration:g} s each, from rest. A robot survives a case
+if it stays up for all of it. The other numbers are those of survivors, from {settled:g} s after the
+case's last command on. Where that command is zero, a robot stands if all means of its velocity over
+{smoothing:g} s stay below {standing:g} m/s; the fastest robot has the largest of these means, and
+the drift is how far the base got. Brackets hold Wilson's 95 % interval. `reports/{name}.csv` has
+all numbers.
+"""
+_SEGMENT_COLUMNS = (
+    *("success_rate", "vx_error", "vy_error", "yaw_rate_error", "heading_error"),
+    *("touchdown_rate", "displacement"),
+)
+
+
+def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write table, figure and Markdown of forward velocities over time.
+
+    Raises:
+        UserError: none of the speeds is evaluated.
+    """
+    asked, period = section["commands"], section["control_period"]
+    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
+    if not evaluations:
+        expected = "at least one of evaluation.commands"
+        raise UserError(f"report.tracking_commands: expected {expected}, found {asked}")
+    rows = [row for one in evaluations for row in tracking_rows(one, period)]
+    shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
+    draw = partial(walking.draw_tracking, evaluations, period)
+    title = "Forward velocity over time"
+    _write(out / TRACKING, title, rows, draw, [*shown, *undrawn(evaluations, asked)], job)
+    return {"rows": len(rows)}
+
+
+def tracking_rows(one: Evaluation, period: float) -> list[Row]:
+    """A row per control step: the time of its end [s], mean and spread over survivors [m/s]."""
+    about = tables.named(one) | {"command_velocity": one.command}
+    values = np.full_like(one.velocity, NAN) if _all_fell(one) else one.velocity
+    return [
+        about | {"time": period * step, "mean_velocity": mean, "mean_velocity_spread": spread}
+        for step, (mean, spread) in enumerate(values.tolist(), start=1)
+    ]
+
+
+def undrawn(evaluations: Sequence[Evaluation], asked: Sequence[float]) -> Iterator[Written]:
+    """Curves that are not drawn, and why."""
+    evaluated = {one.command for one in evaluations}
+    missing = ", ".join(speed(value) for value in asked if value not in evaluated)
+    if missing:
+        yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
+    fallen = [
+        f"{one.label} at {speed(one.command)} m/s"
+        for one in evaluations
+        if one.command is not None and one.command in asked and _all_fell(one)
+    ]
+    if fallen:
+        yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")
+
+
+def _all_fell(one: Evaluation) -> bool:
+    return not one.robots.survived.any()
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write ``NAME.csv``, ``NAME.md`` and ``NAME.svg`` of a protocol."""
+    name, protocol = section["name"], from_dict(EvaluationConfig, section["evaluation"])
+    evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
+    rows = protocol_rows(evaluations, protocol)
+    shown = list(blocks(name, out / f"{name}.svg", evaluations, protocol))
+    kind = protocol.profile.rows if protocol.profile else ""
+    if kind == "segments":
+        (case,) = profile_of(protocol).cases
+        draw = partial(walking.draw_segments, evaluations, case, protocol.duration)
+        title = "Changing commands"
+    elif kind == "cases":
+        draw, title = partial(walking.draw_cases, rows), "Cases"
+    else:
+        draw, title = partial(walking.draw_speeds, rows), "Mean speed over the commanded speed"
+    _write(out / name, title, rows, draw, shown, job)
+    if kind:
+        pick = min if kind == "cases" else lambda rates: rates[-1]  # of all cases, or at the end
+        groups = by(rows, "controller").items()
+        rates = {who: pick([row["success_rate"] for row in mine]) for who, mine in groups}
+        return {"rows": len(rows), "success_rate": rates}
+    highest = highest_tracked(rows)
+    metrics = {f"highest_tracked/{c}": value for c, value in highest.items() if value is not None}
+    job.tracker.log_metrics(metrics, 0)
+    return {"rows": len(rows), "highest_tracked": highest}
+
+
+def _write(
+    stem: Path,
+    title: str,
+    rows: list[Row],
+    draw: Callable[[], Figure],
+    blocks: Iterable[Written],
+    job: Job,
+) -> None:
+    """Write ``stem``.csv, .svg and .md."""
+    tables.write(rows, stem.with_suffix(".csv"))
+    write_pictures(stem, draw)
+    text = document(f"{title}: {stem.name}", blocks)
+    stem.with_suffix(".md").write_text(text, encoding="utf-8")
+    job.tracker.log_file(stem.with_suffix(".svg"))
+
+
+def protocol_rows(evaluations: Sequence[Evaluation], protocol: EvaluationConfig) -> list[Row]:
+    """Rows of a protocol's table: per controller and speed, segment or case."""
+    if protocol.profile is None:
+        return [_speed_row(one) for one in evaluations]
+    cases = {case.name: case for case in protocol.profile.cases}
+    if protocol.profile.rows == "cases":
+        return [_case_row(one, cases[str(one.case)], protocol.duration) for one in evaluations]
+    (case,) = cases.values()
+    return [row for one in evaluations for row in _segment_rows(one, case)]
+
+
+def blocks(
+    name: str, svg: Path, evaluations: Sequence[Evaluation], protocol: EvaluationConfig
+) -> Iterator[Written]:
+    """The figure of a protocol, its explanation and its tables."""
+    rows, profile = protocol_rows(evaluations, protocol), protocol.profile
+    kind = profile.rows if profile else ""
+    captions = {"": _SPEEDS_CAPTION, "segments": _SEGMENTS_CAPTION, "cases": _CASES_CAPTION}
+    values = {"name": name, "share": TRACKED_SHARE, "smoothing": SMOOTHING, "standing": STANDING}
+    if profile:
+        values |= {"window": profile.window, "settled": profile.warm_up}
+    yield Picture(svg)
+    yield Text(captions[kind].format(**vars(protocol), **values))
+    if kind == "cases":
+        yield from case_tables(rows)
+    elif kind == "segments":
+        yield from _segment_tables(rows)
+    else:
+        yield highest_table(rows)
+        yield _mean_speeds(rows)
+        yield from comparisons(rows)
+
+
+def _speed_row(evaluation: Evaluation) -> Row:
+    """A row of Table 1, how the robots walk, and the spread of their mean speeds."""
+    speeds = evaluation.robots.survivors("mean_velocity")
+    between = {"mean_velocity_spread": float(speeds.std()) if len(speeds) else NAN}
+    return tables.table_row(evaluation) | tables.quality_row(evaluation) | between
+
+
+def highest_tracked(rows: Sequence[Row]) -> dict[str, float | None]:
+    """Highest commanded speed [m/s] that each controller tracks; None where it tracks none."""
+    return {
+        controller: max((row["command_velocity"] for row in mine if _tracked(row)), default=None)
+        for controller, mine in by(rows, "controller").items()
+    }
+
+
+def _tracked(row: Row) -> bool:
+    return row["tracking_rate"] >= TRACKED_SHARE
+
+
+def highest_table(rows: Sequence[Row]) -> Table:
+    """Highest speed that each controller tracks, and lower ones that it does not."""
+    highest, body = highest_tracked(rows), []
+    for mine in by(rows, "controller").values():
+        top = highest[mine[0]["controller"]]
+        lost = [row["command_velocity"] for row in mine if not _tracked(row)]
+        lower = ", ".join(speed(value) for value in lost if value < (top or 0.0)) or "none"
+        body.append([mine[0]["label"], "none" if top is None else speed(top), lower])
+    heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
+    return Table(heads, [[Cell(text) for text in line] for line in body])
+
+
+def _mean_speeds(rows: Sequence[Row]) -> Table:
+    """Mean speed and its spread between robots: speeds down, controllers across."""
+    cells = {(row["label"], row["command_velocity"]): _mean_speed(row) for row in rows}
+    labels = list(by(rows, "label"))
+    body = [
+        [Cell(speed(value), value), *(cells[name, value] for name in labels)]
+        for value in distinct(rows, "command_velocity")
+    ]
+    return Table(["command [m/s]", *labels], body, "Mean speed [m/s]")
+
+
+def _mean_speed(row: Row) -> Cell:
+    mean, spread = row["mean_velocity"], row["mean_velocity_spread"]
+    if mean != mean:
+        return Cell("–")
+    return Cell(f"{round(mean, 3) + 0.0:.3f} ± {spread:.3f}", mean)  # no -0.000
+
+
+def _segment_rows(one: Evaluation, case: CaseConfig) -> Iterator[Row]:
+    """A row per segment: means over the robots that are up at its end."""
+    for segment, robots in zip(case.segments, one.segments, strict=True):
+        row = tables.named(one) | {"segment": segment.name, "time": segment.time}
+        velocity = zip(AXES, command(segment), strict=True)
+        row |= {f"{axis}_command": value for axis, value in velocity}
+        yield row | tables.success(robots) | {name: robots.mean(name) for name in MEASURES}
+
+
+def _segment_tables(rows: Sequence[Row]) -> Iterator[Table]:
+    """A table per controller with a row per segment."""
+    heads = ["from [s]", "segment", "vx, vy, yaw rate"]
+    heads += [QUANTITIES[column].heading for column in _SEGMENT_COLUMNS]
+    for label, mine in by(rows, "label").items():
+        body = []
+        for row in mine:
+            velocity = ", ".join(f"{row[f'{axis}_command']:g}" for axis in AXES)
+            cells = [Cell(f"{row['time']:g}", row["time"]), Cell(row["segment"].replace("_", " "))]
+            numbers = (Cell.of(QUANTITIES[name], row[name]) for name in _SEGMENT_COLUMNS)
+            body.append([*cells, Cell(velocity), *numbers])
+        yield Table(heads, body, label)
+
+
+def _case_row(evaluation: Evaluation, case: CaseConfig, seconds: float) -> Row:
+    """Success, and what survivors did in the settled last segment; NaN where none survived.
+
+    ``vx_before`` is the command before the last one [m/s], if there was another.
+    """
+    last, velocity = evaluation.segments[-1], command(case.segments[-1])
+    before = case.segments[-2].vx if len(case.segments) > 1 else NAN
+    row = tables.named(evaluation) | {"case": case.name, "seconds": seconds}
+    row |= {"vx_before": before}
+    row |= {f"{axis}_command": value for axis, value in zip(AXES, velocity, strict=True)}
+    row |= tables.success(last) | {name: last.mean(measure) for name, measure in MEANS.items()}
+    return row | (dict.fromkeys(STOPPED, NAN) if any(velocity) else _standing(last))
+
+
+def _standing(robots: Robots) -> Row:
+    """Share of all robots that survived and stood; of survivors the fastest, and the drift [m]."""
+    fastest, drift = robots.survivors("fastest"), robots.survivors("displacement")
+    standing, count = int((fastest < STANDING).sum()), len(robots.survived)
+    values = (
+        standing / count,
+        *wilson(standing, count),
+        float(fastest.max()) if len(fastest) else NAN,
+        robots.mean("displacement"),
+        float(drift.max()) if len(drift) else NAN,
+    )
+    return dict(zip(STOPPED, values, strict=True))
+
+
+def case_tables(rows: Sequence[Row]) -> Iterator[Table]:
+    """Of each controller constant speeds, standing and sideways, without empty tables."""
+    for label, mine in by(rows, "label").items():
+        for title, chosen, columns in _CASE_KINDS:
+            shown = [row for row in mine if chosen(row)]
+            if shown:
+                yield _case_table(f"{title}, {label}", shown, ("success_rate", *columns))
+
+
+def _case_table(title: str, rows: list[Row], names: Sequence[str]) -> Table:
+    heads = ["case", "time [s]", *(_quantity(name).heading for name in names)]
+    body = [
+        [Cell(row["case"]), Cell(f"{row['seconds']:g}", row["seconds"])]
+        + [_case_cell(row, name) for name in names]
+        for row in rows
+    ]
+    return Table(heads, body, title)
+
+
+def _case_cell(row: Row, name: str) -> Cell:
+    quantity, ends = _quantity(name), name.removesuffix("_rate")
+    if not name.endswith("_rate"):
+        return Cell.of(quantity, row[name])
+    return Cell(quantity.between(row[name], row[f"{ends}_low"], row[f"{ends}_high"]), row[name])
+
+
+def _quantity(name: str) -> Quantity:
+    return QUANTITIES[MEANS.get(name, name)]
+
+
+def _stands(row: Row) -> bool:
+    return not np.isnan(row["standing_rate"])
+
+
+def _sideways(row: Row) -> bool:
+    return row["vy_command"] != 0
+
+
+# Title, which cases, their columns beside those of all.
+_CASE_KINDS: tuple[tuple[str, Callable[[Row], bool], tuple[str, ...]], ...] = (
+    (
+        "Constant speeds",
+        lambda row: not _sideways(row) and not _stands(row),
+        ("vx", "vy", "mse_steady", "heading_error"),
+    ),
+    (
+        f"Standing (slower than {STANDING:g} m/s)",
+        _stands,
+        ("standing_rate", "fastest", "drift", "drift_max", "vx", "vy", "mse_steady"),
+    ),
+    ("Sideways", _sideways, ("vy", "vy_error", "vx", "mse_steady")),
+)

@@ -1,1 +1,0 @@
-"""Result blocks of the documentation: tables that a command writes from a finished run."""

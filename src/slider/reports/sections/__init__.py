@@ -1,1 +1,0 @@
-"""Sections of the page, one module each but for those that show a report as it is."""

@@ -1,0 +1,139 @@
+"""``slider library`` and ``slider gait``: what people read, also of their mistakes."""
+
+import os
+import re
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.artefacts.manifest import Manifest
+from slider.artefacts.plan import JobSpec, build_plan, write_plan
+from slider.artefacts.recipe import Code
+from slider.artefacts.store import Store
+from slider.cli import main
+from slider.core import files
+from tests.library.gaits import write_store
+
+GAITS = [(0.0, 0.0), (0.5, 0.0), (0.6, 0.1)]
+HOLES = [(0.6, 0.0)]
+CODE = Code("slider.none:run", "abc", {})
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory) -> Path:
+    return write_store(tmp_path_factory.mktemp("commands"), GAITS, HOLES)
+
+
+@pytest.fixture
+def plan(monkeypatch, tmp_path: Path) -> tuple[Store, dict[str, JobSpec]]:
+    """An empty store with a plan, in the working directory."""
+    monkeypatch.chdir(tmp_path)
+    gaits = [JobSpec("gait", "gait", CODE, {"command": [*v, 0.0]}) for v in [*GAITS, *HOLES]]
+    job = JobSpec("library", "library", CODE, {}, {"gaits": gaits})
+    store = Store(Path("artefacts"))
+    write_plan(build_plan({"library": job}), store.root / "plans")
+    return store, {"library": job}
+
+
+def publish(store: Store, job: JobSpec, made: Path) -> None:
+    """Put a library into the store as the result of a job."""
+    with store.temporary("test") as out:
+        shutil.copytree(made, out / "library.zarr")
+        result = store.publish(out, {})
+    store.write_manifest(Manifest(job.stage, job.recipe, {}, result))
+
+
+def said(capsys) -> str:
+    found = capsys.readouterr()
+    assert not found.out
+    assert found.err.count("\n") == 1
+    return found.err
+
+
+def test_the_overview_has_grid_holes_ranges_and_the_worst_residual(library, capsys):
+    assert main(["library", "show", "--library", str(library)]) == 0
+    text = capsys.readouterr().out
+    assert "3 of 4 gaits converged" in text
+    assert "hole (0.6, 0) m/s: Infeasible_Problem_Detected, torso 3.0e-01, impact" in text
+    assert "vx 0, 0.5, 0.6 m/s" in text
+    assert "worst residual: impact 1.0e-09" in text
+    assert "smoothness: greatest jump" in text
+
+
+def test_show_prints_a_summary_and_draws(library, capsys, tmp_path: Path):
+    picture = tmp_path / "new" / "gait.svg"
+    arguments = ["gait", "show", "--vx", "0.5", "--library", str(library), "--out", str(picture)]
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    assert "gait (0.5, 0) m/s: Solve_Succeeded, 30 iterations" in text
+    for part in ("step time    0.395 s", "cost         15000", "impact", "clearance"):
+        assert part in text
+    assert re.search(r"^    torque +\d+\.\d\d of \d+ N m .* %  (left|right)_\w+$", text, re.M)
+    assert re.search(r"^    voltage +\d+\.\d\d of 1 of the bus .* %  (left|right)_\w+$", text, re.M)
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("form", ["csv", "npz"])
+def test_export_writes_the_gait(library, capsys, tmp_path: Path, form):
+    out = tmp_path / f"gait.{form}"
+    arguments = ["--vx", "0.6", "--vy", "0.1", "--library", str(library), "--out", str(out)]
+    assert main(["gait", "export", "--format", form, *arguments]) == 0
+    assert str(out) in capsys.readouterr().out
+    if form == "npz":
+        assert np.load(out)["commands"].tolist() == [0.6, 0.1, 0.0]
+    else:
+        assert len(out.read_text().splitlines()) == 43
+
+
+def test_without_a_store_or_a_library_it_says_what_makes_one(plan, library, capsys):
+    store, jobs = plan
+    for folder in (store.root, Path("nowhere")):
+        assert main(["library", "show", "--artefacts", str(folder)]) == 1
+        assert "no library of the current configuration yet" in (text := said(capsys))
+        assert "`snakemake -j2 gait_library`" in text
+    publish(store, jobs["library"], library)
+    assert main(["library", "show"]) == 0
+    assert "3 of 4 gaits" in capsys.readouterr().out
+
+
+def test_the_latest_plan_counts(plan, library, capsys):
+    store, jobs = plan
+    publish(store, jobs["library"], library)
+    other = JobSpec("library", "library", CODE, {"other": 1})
+    path = write_plan(build_plan({"library": other}), store.root / "plans")
+    os.utime(path, (2e9, 2e9))
+    assert main(["gait", "show", "--vx", "0.5"]) == 1
+    assert "gait_library" in said(capsys)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--vx", "0.52"], "found (0.52, 0) m/s; the nearest gait is at (0.5, 0) m/s"),
+        (["--vx", "0.6"], "the gait (0.6, 0) m/s did not converge: Infeasible_Problem_Detected"),
+        (["--vx", "0.5", "--out", "gait.pdf"], "expected a name that ends in .svg or .png"),
+    ],
+)
+def test_mistakes_are_one_line(library, capsys, arguments, message):
+    assert main(["gait", "show", "--library", str(library), *arguments]) == 1
+    assert message in said(capsys)
+
+
+def test_what_is_no_library_is_one_line(tmp_path: Path, capsys):
+    assert main(["library", "show", "--library", str(tmp_path)]) == 1
+    assert f"expected a gait library at {tmp_path}" in said(capsys)
+
+
+def test_solve_times_come_from_beside_the_gaits(plan, library, capsys):
+    store, jobs = plan
+    publish(store, jobs["library"], library)
+    assert main(["library", "times"]) == 1
+    assert "expected solve times" in said(capsys)
+    for index, gait in enumerate(jobs["library"].inputs["gaits"][:2]):
+        files.write_json(store.sidecar_path("gait", gait.recipe), {"solve_cpu": 1.5 + index})
+    assert main(["library", "times"]) == 0
+    assert "solve_times.svg is ready" in capsys.readouterr().out
+    text = Path("reports/figures/solve_times.md").read_text()
+    assert "median 2.00 s, greatest 2.50 s, 4 s in all for 2 gaits" in text

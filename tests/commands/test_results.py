@@ -1,0 +1,160 @@
+"""``slider results`` fills pages from reports and names their origin."""
+
+from pathlib import Path
+
+import pytest
+
+from slider import cli
+from slider.artefacts.manifest import Manifest, Result
+from slider.artefacts.store import Store
+from slider.commands.results import BLOCKS, MARKED, markdown_tables
+from slider.core import files
+
+ROOT = Path(__file__).parents[2]
+DOCS = sorted((ROOT / "docs").rglob("*.md"))
+GUIDES = [ROOT / "README.md", *(page for page in DOCS if page.parent.name != "notebook")]
+NOTEBOOK = sorted((ROOT / "docs" / "notebook").glob("2*.md"))
+TABLE = """\
+controller,label,source,command_velocity,success_rate,success_low,success_high,mse,mse_steady,tracking_rate
+policy,policy (ours),measured,0.2,0.996,0.99,0.998,0.0314,0.00271,0.9
+policy,policy (ours),measured,3,0,0,0.004,inf,inf,0
+guided_drl,guided RL (paper),paper,0.2,1,,,0.0317,,
+guided_drl,guided RL (paper),paper,3,0.731,,,1.6,,
+"""
+REPORT = """\
+# Sweep: sweep
+
+![Sweep](figures/sweep.svg)
+
+10 trials.
+
+| controller | highest |
+|---|---|
+| policy | 3.0 |
+
+## Mean speed [m/s]
+
+| command [m/s] | policy |
+|---|---|
+| 3.0 | 2.9 |
+"""
+FACTS = {
+    "commit": "0123456789abcdef",
+    "dirty": "false",
+    "ended": "2026-11-23T08:00:00.000+00:00",
+    "machine": "Processor X, 2 cores, Linux",
+    "overrides": "evaluation.controllers=[policy] env.label='on ice'",
+    "wall_s": 90.0,
+    "cpu_s": 120.0,
+    "threads": 2,
+}
+
+
+@pytest.fixture(autouse=True)
+def workspace(tmp_path, monkeypatch) -> Path:
+    """Reports, and a store whose job wrote the table."""
+    monkeypatch.chdir(tmp_path)
+    Path("reports").mkdir()
+    Path("reports/table1.csv").write_text(TABLE)
+    Path("reports/sweep.md").write_text(REPORT)
+    store = Store(Path("artefacts"))
+    with store.temporary("table1") as folder:
+        (folder / "table1.csv").write_text(TABLE)
+        result = store.publish(folder, {})
+    recipe = "ab" * 32
+    store.write_manifest(Manifest("table1", recipe, {}, Result(result.object, result.files, {})))
+    files.write_json(store.sidecar_path("table1", recipe), FACTS)
+    return tmp_path
+
+
+def filled(*names: str, status: int = 0) -> list[str]:
+    """Lines of a README with the blocks."""
+    marks = "\n".join(f"<!-- results: {name} -->\n<!-- /results -->" for name in names)
+    Path("README.md").write_text(f"# Results\n\n{marks}\n\nText.\n")
+    assert cli.main(["results"]) == status
+    return Path("README.md").read_text().splitlines()
+
+
+def test_table1_has_numbers_as_people_read_them_and_its_origin():
+    lines = filled("table1")
+    assert lines[4] == "| command [m/s] |  | 0.2 | 3.0 |"
+    assert "| Success rate [%] | policy (ours) | 99.6 [99, 99.8] | 0 [0, 0.4] |" in lines
+    assert "|  | guided RL (paper) | 100 | 73.1 |" in lines
+    assert "| Velocity MSE after the warm-up [m²/s²] | policy (ours) | 0.00271 | ∞ |" in lines
+    assert "| Tracking rate [%] | policy (ours) | 90 | 0 |" in lines
+    assert lines[-1] == "Text."
+    (origin,) = (line for line in lines if line.startswith("Made by "))
+    assert origin.startswith("Made by `snakemake -j2 reports/table1.csv --config hydra=")
+    assert origin.endswith(", commit `01234567`, 2026-11-23, Processor X, 2 cores, Linux.")
+
+
+def test_the_summary_has_the_papers_error_beside_ours():
+    lines = filled("summary")
+    assert "| 0.2 | 99.6 | 100 | 0.00271 | 0.0317 |" in lines
+    assert "| 3.0 | 0 | 73.1 | ∞ | 1.60 |" in lines
+
+
+def test_times_sum_the_jobs_of_a_stage():
+    assert "| table 1 | 1 | 2 | 1.5 | 2.0 |" in filled("times")
+
+
+def test_a_second_run_and_an_edit_by_hand_end_in_the_same_bytes(capsys):
+    filled("table1", "sweep")
+    before = Path("README.md").read_text()
+    Path("README.md").write_text(before.replace("99.6", "100"))
+    assert cli.main(["results"]) == 0
+    assert Path("README.md").read_text() == before
+    capsys.readouterr()
+    assert cli.main(["results"]) == 0
+    assert capsys.readouterr().out == ""
+
+
+def test_reports_give_headings_and_tables():
+    assert markdown_tables(Path("reports/sweep.md"), 1).endswith("| policy | 3.0 |")
+    text = markdown_tables(Path("reports/sweep.md"))
+    assert "**Mean speed [m/s]**" in text
+    assert "trials" not in text
+    assert "![" not in text
+
+
+def test_without_the_report_a_block_stays_and_one_line_names_the_command(capsys):
+    before = filled("heldout")
+    assert before[2:4] == ["<!-- results: heldout -->", "<!-- /results -->"]
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "snakemake -j2 reports/heldout.csv" in error
+
+
+def test_a_report_of_another_version_is_one_line(capsys):
+    Path("reports/table1.csv").write_text("controller,label,command_velocity\npolicy,p,0.2\n")
+    filled("table1", status=1)
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "expected the column 'success_rate' in reports/table1.csv" in error
+
+
+def name(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
+def test_every_block_is_shown_somewhere():
+    shown = {match[2] for page in GUIDES for match in MARKED.finditer(page.read_text())}
+    assert set(BLOCKS) <= shown
+
+
+@pytest.mark.parametrize("page", GUIDES[1:], ids=name)
+def test_measurements_of_a_machine_stand_in_blocks_or_in_the_notebook(page):
+    assert "AMD EPYC" not in MARKED.sub("", page.read_text())
+
+
+@pytest.mark.parametrize("page", GUIDES[1:], ids=name)
+def test_a_page_opens_with_what_its_reader_can_do(page):
+    title, empty, first = page.read_text().splitlines()[:3]
+    assert title.startswith("# ")
+    assert not empty
+    assert first.startswith(("After this page you ", "From here you "))
+
+
+@pytest.mark.parametrize("page", NOTEBOOK, ids=name)
+def test_a_page_of_the_notebook_says_of_which_commits_it_is(page):
+    assert "up to commit `" in "\n".join(page.read_text().splitlines()[:6])

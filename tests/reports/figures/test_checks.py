@@ -1,0 +1,133 @@
+"""Maps and basins show the numbers of their tables, gait by gait, and repeat themselves."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.hzd.summary import CSV, QUANTITIES, write_csv
+from slider.library.reader import GaitLibrary
+from slider.reports.figures import STABILITY_FILES
+from slider.reports.figures.checks import (
+    MAPS,
+    NAME,
+    TABLE,
+    Basin,
+    gait_values,
+    rows_by_command,
+    run_stability,
+    run_verification,
+)
+from slider.robot.names import COMMAND
+from slider.verification.quantities import QUANTITIES as CHECKS
+from tests.library.gaits import write_store
+
+GAITS = [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (0.5, 0.1, 0.0)]
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory) -> dict[str, list[Path]]:
+    folder = tmp_path_factory.mktemp("stability")
+    store = write_store(folder / "library", GAITS, []).parent
+    values = dict.fromkeys(QUANTITIES, 1.5)
+    rows = [dict(zip(COMMAND, gait, strict=True)) | values for gait in GAITS[:2]]
+    rows.append(dict(zip(COMMAND, GAITS[2], strict=True)))  # without a limit cycle
+    write_csv(folder / CSV, rows)
+    basin = folder / "basin"
+    basin.mkdir()
+    angle = np.linspace(0, 2 * np.pi, 42)
+    arrays = {
+        "command": np.array([0.5, 0.1, 0.0]),
+        "roll": np.array([-0.1, 0.0, 0.1]),
+        "roll_rate": np.array([-1.0, 1.0]),
+        "without": np.full((3, 2), -1),
+        "with": np.arange(6).reshape(3, 2),
+        "walk_without": np.zeros((0, 2)),
+        "walk_with": np.stack([2 * np.cos(angle), np.sin(angle)], axis=1),
+        "cycle": np.stack([np.cos(angle), np.sin(angle)], axis=1),
+    }
+    for name, array in arrays.items():
+        np.save(basin / f"{name}.npy", array)
+    return {"library": [store], "stability": [folder], "basins": [basin]}
+
+
+def drawn(inputs: dict[str, list[Path]], out: Path) -> dict[str, bytes]:
+    out.mkdir()
+    run_stability({}, inputs, out, Job(out))
+    return {path.name: path.read_bytes() for path in out.iterdir()}
+
+
+def test_draws_and_repeats_itself(inputs, tmp_path):
+    first = drawn(inputs, tmp_path / "one")
+    assert first == drawn(inputs, tmp_path / "two")
+    assert set(first) == set(STABILITY_FILES)
+
+
+def test_a_library_without_gaits_of_the_basins_has_empty_pictures(inputs, tmp_path):
+    without = {name: inputs[name] for name in ("library", "stability")}
+    assert set(drawn(without, tmp_path / "none")) == set(STABILITY_FILES)
+
+
+def test_a_basin_is_read_as_it_was_written(inputs):
+    found = Basin.load(inputs["basins"][0])
+    assert found.title == "(0.5, 0.1) m/s"
+    assert found.steps.shape == (2, 3, 2)
+    assert found.steps[1, 2, 1] == 5
+    assert [len(walked) for walked in found.walks] == [0, 42]
+
+
+CHECKED = [(0.0, -0.1, 0.0), (0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]
+
+
+def table(folder: Path, gaits: list[tuple[float, float, float]]) -> Path:
+    """Values that tell gait and quantity: 100 · row + column; one does not apply."""
+    folder.mkdir()
+    with (folder / TABLE).open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["vx", "vy", "yaw_rate", *CHECKS, "failed"])
+        for k, command in enumerate(gaits):
+            values = [100 * k + i + 1 for i in range(len(CHECKS))]
+            blank = list(CHECKS).index("regulated_steps")
+            row = [*values[:blank], "" if k == 2 else values[blank], *values[blank + 1 :]]
+            writer.writerow([*command, *row, ""])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory) -> Path:
+    return write_store(tmp_path_factory.mktemp("maps"), CHECKED, []).parent
+
+
+def test_values_belong_to_their_gaits(store, tmp_path):
+    checked = table(tmp_path / "checked", CHECKED[::-1])  # in another order than the library's
+    library = GaitLibrary.load(store / "library.zarr")
+    found = gait_values(library, rows_by_command(checked / TABLE), "return_map")
+    place = list(CHECKS).index("return_map") + 1
+    expected = {gait: 100 * k + place for k, gait in enumerate(CHECKED[::-1])}
+    np.testing.assert_array_equal(
+        found, [expected[tuple(command)] for command in library.commands.tolist()]
+    )
+    assert set(MAPS) <= CHECKS.keys()
+
+
+def test_maps_of_the_verification_repeat_themselves(store, tmp_path):
+    checked = table(tmp_path / "checked", CHECKED)
+    files = []
+    for name in ("one", "two"):
+        out = tmp_path / name
+        out.mkdir()
+        run_verification({}, {"library": [store], "verification": [checked]}, out, Job(out))
+        files.append({path.name: path.read_bytes() for path in out.iterdir()})
+    assert files[0] == files[1]
+    assert set(files[0]) == {f"{NAME}.{suffix}" for suffix in ("svg", "md")}
+
+
+def test_a_gait_without_checks_is_refused(store, tmp_path):
+    checked = table(tmp_path / "checked", CHECKED[:2])
+    with pytest.raises(UserError, match=r"expected a row of the gait \(0.5, 0\) m/s, found none"):
+        run_verification(
+            {}, {"library": [store], "verification": [checked]}, tmp_path, Job(tmp_path)
+        )

@@ -1,0 +1,141 @@
+"""Blocks of the page's sections from inputs whose answers are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from slider.config.report import ReportConfig
+from slider.core.job import Job
+from slider.evaluation.results import Evaluation, Robots
+from slider.reports import contents, page
+from slider.reports.contents import Sources
+from slider.reports.figures.style import style
+from slider.reports.figures.walking import draw_overview, draw_training
+from slider.reports.page import content
+from slider.reports.sections import SECTIONS
+from slider.reports.table import Table, Text, inline
+from slider.reports.table1 import paper_rows
+from slider.training.results import Training
+from slider.verification.quantities import QUANTITIES
+from slider.verification.summary import Row, failures, worst, write_csv, write_json
+from tests.evaluation.test_results import make_robots, write_evaluation
+from tests.reports.sources import VIDEO, html, pick, sources
+
+
+def test_every_section_has_its_function():
+    assert all(callable(getattr(contents, name)) for name in SECTIONS)
+
+
+def verified(folder, bound: float):
+    """The section for two gaits and a bound of ``mirror_cost``; some have no ``roll_end``."""
+    first = dict.fromkeys(QUANTITIES, 0.5)
+    second = dict.fromkeys(QUANTITIES, 0.25) | {"mirror_cost": 0.9, "return_map": 20.0}
+    second.pop("roll_end")
+    rows = [Row((0.0, 0.0, 0.0), first), Row((0.5, 0.1, 0.3), second)]
+    bounds: dict[str, float | None] = dict.fromkeys(QUANTITIES) | {"mirror_cost": bound}
+    failed = failures(rows, bounds)
+    write_csv(folder / "verification.csv", rows, failed)
+    facts = {"failures": [str(one) for one in failed], "quantities": worst(rows, bounds)}
+    write_json(folder / "verification.json", {"gaits": 2, **facts})
+    (folder / "verification_maps.svg").write_text("<svg/>")
+    inputs = {"verification": [folder], "verification_maps": [folder]}
+    return content("verification", sources(inputs))
+
+
+def test_the_verification_names_failures(tmp_path):
+    section = verified(tmp_path, 0.1)
+    assert pick(section, Text)[2].markdown.splitlines() == [
+        "* gait (0, 0) m/s, mirror_cost: expected ≤ 0.1 -, found 0.5",
+        "* gait (0.5, 0.1) m/s, 0.3 rad/s, mirror_cost: expected ≤ 0.1 -, found 0.9",
+    ]
+    (bounds,) = pick(section, Table)
+    table = {row[1].text: [cell.text for cell in row] for row in bounds.rows}
+    assert set(table) == {f"`{name}`" for name in QUANTITIES}
+    assert table["`mirror_cost`"][4:] == ["0.9", "≤ 0.1", "NO", "0.5, 0.1, 0.3 rad/s", "0.7"]
+    assert table["`roll_end`"][4:] == ["0.5", "–", "–", "0, 0", "0.5"]
+    assert '<span class="failed">NO</span>' in html(verification=section)
+
+
+def test_the_verification_holds(tmp_path):
+    shown = html(verification=verified(tmp_path, 1.0))
+    assert "All 1 bounds hold." in shown
+    assert ">NO<" not in shown
+    assert 'src="data:image/svg+xml,%3Csvg/%3E"' in shown
+
+
+def test_speeds_without_an_evaluation_are_named(monkeypatch):
+    one = Evaluation("policy", 1.0, Robots({"survived": np.array([True])}), label="policy (ours)")
+    monkeypatch.setattr(Sources, "evaluations", lambda self, name: [one])
+    report = ReportConfig(["tracking"], [7.0, 0.25], VIDEO)
+    (note,) = content("tracking", replace(sources({}), report=report)).blocks
+    assert note.markdown.endswith("not drawn: 7.0, 0.25 m/s.")
+
+
+def row(speed: float, success: float, error: float) -> dict:
+    about = {"controller": "policy", "label": "policy (ours)", "source": "measured"}
+    return about | {"command_velocity": speed, "success_rate": success, "mse_steady": error}
+
+
+def test_the_finding_has_the_worst_numbers_and_the_papers():
+    rows = [row(0.2, 1.0, 0.001), row(3.0, 0.998, 0.0123), *paper_rows()]
+    sentence = contents.finding(rows)
+    for part in ("**99.8 %**", "**0.0123 m²/s²**", "up to 3.0 m/s (guided RL (paper): 73.1 %"):
+        assert part in sentence
+
+
+def test_the_overview_draws_every_controller_and_leaves_infinite_errors_out():
+    with style():
+        success, errors = draw_overview([row(0.2, 1.0, 0.001), row(3.0, 0.5, np.inf)]).axes
+    np.testing.assert_allclose(success.lines[0].get_ydata(), [100, 50])
+    np.testing.assert_array_equal(errors.lines[0].get_ydata(), [0.001, np.nan])
+
+
+def test_a_training_is_drawn_with_gaps_where_nobody_survived(tmp_path):
+    file = tmp_path / "selection.csv"
+    file.write_text("iteration,value,success,speed_error\n5,10,0,\n10,5.3,0.5,0.1\n")
+    with style():
+        axes = draw_training(Training.load(tmp_path)).axes
+    shown = {panel.get_title(): panel.lines[0].get_ydata() for panel in axes}
+    np.testing.assert_array_equal(shown["speed error [m/s]"], [np.nan, 0.1])
+    np.testing.assert_array_equal(shown["score"], [10.0, 5.3])
+
+
+def test_the_page_is_one_file_without_script_or_network(tmp_path):
+    evaluation = write_evaluation(tmp_path / "a", 0.2, make_robots([[1, 1]], [[1, 2]]))
+    settings = {"trials": 1, "robots": 2, "duration": 10.0, "seed": 5, "commands": [0.2]}
+    section = {
+        "report": {
+            "sections": ["overview", "table1"],
+            "tracking_commands": [],
+            "video": vars(VIDEO),
+        },
+        "configuration": {
+            "evaluation": settings | {"controllers": ["policy"]},
+            "train": {"walking": {}},
+            "finetuning": None,
+        },
+        "labels": {"policy": "policy (ours)"},
+        "origins": {},
+    }
+    out = tmp_path / "out"
+    out.mkdir()
+    page.run(section, {"table1.evaluations": [evaluation]}, out, Job(tmp_path))
+    text = (out / "index.html").read_text()
+    assert "<script" not in text
+    assert "http" not in text.replace("http://www.w3.org", "").replace(
+        "http%3A//www.w3.org", ""
+    ).replace("http://", "")
+    assert text.index("<img") < text.index("<table")
+    assert (out / "overview.svg").is_file()
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("`a<b`", "<code>a&lt;b</code>"),
+        ("**x** \\* y", "<strong>x</strong> * y"),
+    ],
+)
+def test_markdown_within_a_paragraph(text, shown):
+    assert inline(text) == shown

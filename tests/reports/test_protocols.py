@@ -1,0 +1,337 @@
+"""Reports of the protocols and of velocities over time, from rollouts whose answers are known."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.stages import table1_jobs
+from pipeline.stages.evaluation import velocity_tracking
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig, Segment
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.env.metrics import tracking
+from slider.env.rollout import Recording
+from slider.evaluation import segments
+from slider.evaluation.results import AXES, MEASURES, Evaluation, wilson
+from slider.evaluation.segments import commands
+from slider.reports import protocols, rows
+from slider.reports.page import content
+from slider.reports.table import Picture, Table
+from tests.env.synthetic import CONF, config, make_contacts
+from tests.evaluation.test_results import make_robots, random_robots, write_evaluation
+from tests.evaluation.test_segments import case, protocol, recording
+from tests.reports.sources import pick, sources
+
+PERIOD, SECONDS, COUNT = 0.02, 10.0, 4
+STEPS = round(SECONDS / PERIOD)
+STOP = CaseConfig(
+    "stop from 0.4 m/s", [Segment("walk", 0.0, 0.4, 0.0, 0.0), Segment("stop", 4.0, 0.0)]
+)
+SIDE = CaseConfig("0.4 m/s leftward", [Segment("walk", 0.0, 0.4, 0.1)])
+
+
+def cases_protocol() -> EvaluationConfig:
+    whole = config("experiment=test").evaluation
+    profile = ProfileConfig(0.0, 3.0, 0.8, "cases", [STOP, SIDE])
+    return replace(whole, profile=profile, duration=SECONDS, trials=2, robots=2, commands=[])
+
+
+def case_recording(case: CaseConfig, alive: np.ndarray) -> Recording:
+    """Robot 0 tracks exactly; 1 goes on with 0.05 and 2 with 0.2 m/s after 4 s; 3: 0.02 m/s off."""
+    command = np.repeat(commands(case, 0.0, SECONDS, PERIOD)[:, None], COUNT, axis=1)
+    velocity = command[:, :, :2].copy()
+    late = round(4.0 / PERIOD)
+    velocity[late:, 1, 1] += 0.05
+    velocity[late:, 2, 0] += 0.2
+    velocity[:, 3] += 0.02
+    velocity[::2, 1:] += 0.5  # sway that a mean over half a second does not show
+    velocity[1::2, 1:] -= 0.5
+    zeros = np.zeros((STEPS, COUNT))
+    return Recording(
+        period=PERIOD,
+        command=command,
+        alive=np.tile(alive, (STEPS, 1)),
+        velocity=velocity,
+        yaw=zeros,
+        position=np.cumsum(velocity, axis=0) * PERIOD,
+        foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
+        contacts=make_contacts(np.zeros((STEPS, COUNT, 2))),
+        power=zeros,
+        effort_share=zeros,
+        speed_share=zeros,
+        diverged=np.zeros(COUNT, dtype=bool),
+        weight=np.full(COUNT, 120.0),
+    )
+
+
+def write_cases(folder: Path, alive: list[bool]):
+    out = folder / "out"
+    out.mkdir(parents=True)
+    inputs = []
+    for one in (STOP, SIDE):
+        inputs.append(folder / f"e{len(inputs)}")
+        inputs[-1].mkdir()
+        rollout = case_recording(one, np.array(alive))
+        robots = tuple(segments.measure(rollout, cases_protocol(), one))
+        Evaluation("policy", None, random_robots(), case=one.name, segments=robots).save(inputs[-1])
+    section = {
+        "name": "heldout",
+        "evaluation": to_dict(cases_protocol()),
+        "labels": {"policy": "policy (ours)"},
+    }
+    summary = protocols.run(section, {"evaluations": inputs}, out, Job(folder))
+    rows = list(csv.DictReader((out / "heldout.csv").read_text().splitlines()))
+    return summary, rows, out
+
+
+def test_one_row_per_case(tmp_path):
+    summary, rows, out = write_cases(tmp_path, [True] * COUNT)
+    assert [row["case"] for row in rows] == [STOP.name, SIDE.name]
+    assert [row["seconds"] for row in rows] == ["10", "10"]
+    assert [row["vx_before"] for row in rows] == ["0.4", ""]
+    assert [row["vy_command"] for row in rows] == ["0", "0.1"]
+    assert summary == {"rows": 2, "success_rate": {"policy": 1.0}}
+    assert {path.name for path in out.iterdir()} == {
+        f"heldout.{suffix}" for suffix in ("csv", "md", "svg")
+    }
+
+
+def test_the_fastest_robot_is_a_maximum_and_standing_a_share(tmp_path):
+    _, (stop, side), _ = write_cases(tmp_path, [True] * COUNT)
+    assert float(stop["fastest"]) == pytest.approx(0.2, abs=0.03)  # robot 2, not the mean
+    assert float(stop["standing_rate"]) == 0.75
+    ends = float(stop["standing_low"]), float(stop["standing_high"])
+    assert ends == pytest.approx(wilson(3, 4), rel=1e-5)
+    moved = np.array([0.0, 0.05, 0.2, 0.02 * 2**0.5]) * 3.0  # 7 to 10 s; the sway cancels
+    assert float(stop["drift"]) == pytest.approx(moved.mean(), abs=0.02)
+    assert float(stop["drift_max"]) == pytest.approx(moved.max(), abs=0.02)
+    assert {side[name] for name in protocols.STOPPED} == {""}
+
+
+def test_sideways_has_its_mean_and_its_error(tmp_path):
+    _, (_, side), _ = write_cases(tmp_path, [True] * COUNT)
+    late = round(3.0 / PERIOD)
+    lateral = case_recording(SIDE, np.ones(COUNT, dtype=bool)).velocity[late:, :, 1].mean(axis=0)
+    assert float(side["vy"]) == pytest.approx(lateral.mean(), rel=1e-5)
+    assert float(side["vy_error"]) == pytest.approx(np.abs(lateral - 0.1).mean(), rel=1e-5)
+
+
+def test_a_constant_command_has_table_1s_error(tmp_path):
+    """The same number from another module, which knows neither segments nor cases."""
+    _, (_, side), _ = write_cases(tmp_path, [True] * COUNT)
+    found = tracking(case_recording(SIDE, np.ones(COUNT, dtype=bool)), 3.0, 0.1, 0.1)
+    assert float(side["mse_steady"]) == pytest.approx(found.squared_error_steady.mean(), rel=1e-5)
+
+
+def test_a_robot_that_fell_does_not_stand_and_has_no_part_in_the_means(tmp_path):
+    summary, (stop, _), _ = write_cases(tmp_path, [True, False, False, True])
+    assert float(stop["success_rate"]) == float(stop["standing_rate"]) == 0.5
+    assert float(stop["fastest"]) < 0.1
+    assert summary["success_rate"] == {"policy": 0.5}
+
+
+def test_where_all_fall_there_are_no_numbers(tmp_path):
+    _, rows, out = write_cases(tmp_path, [False] * COUNT)
+    assert {row["success_rate"] for row in rows} == {"0"}
+    assert {row[name] for row in rows for name in protocols.MEANS} == {""}
+    assert (rows[0]["standing_rate"], rows[0]["fastest"]) == ("0", "")
+    text = (out / "heldout.md").read_text()
+    assert f"| {STOP.name} | 10 | 0 [0, 49] | 0 [0, 49] | – |" in text
+
+
+def write_segments(folder: Path, fall: bool = False) -> Path:
+    folder.mkdir(parents=True)
+    rollout = recording()
+    if fall:
+        rollout = replace(rollout, alive=np.zeros_like(rollout.alive))
+    found = tuple(segments.measure(rollout, protocol(), case()))
+    traces = segments.traces(rollout, protocol())
+    evaluation = Evaluation("policy", None, random_robots(), case="tour", segments=found)
+    replace(evaluation, traces=traces).save(folder)
+    return folder
+
+
+def run_segments(folder: Path, fall: bool = False):
+    out = folder / "out"
+    inputs = [write_segments(folder / "a", fall)]
+    out.mkdir()
+    section = {
+        "name": "joystick",
+        "evaluation": to_dict(protocol()),
+        "labels": {"policy": "policy (ours)"},
+    }
+    summary = protocols.run(section, {"evaluations": inputs}, out, Job(folder))
+    rows = list(csv.DictReader((out / "joystick.csv").read_text().splitlines()))
+    return summary, rows, out
+
+
+def test_one_row_per_segment_with_means_of_those_that_are_up(tmp_path):
+    summary, rows, out = run_segments(tmp_path)
+    names = {path.name for path in out.iterdir()}
+    assert names == {f"joystick.{suffix}" for suffix in ("csv", "md", "svg")}
+    assert [row["segment"] for row in rows] == ["stand", "turn", "side"]
+    turn = rows[1]
+    commanded = [turn[f"{axis}_command"] for axis in AXES]
+    assert commanded == ["0.4", "0", "0.3"]
+    assert (turn["success_rate"], rows[0]["success_rate"]) == ("0.75", "1")
+    assert float(turn["vx_error"]) == pytest.approx(0.5 / 3, rel=1e-5)
+    assert float(turn["yaw_rate_error"]) == pytest.approx(0.4 / 3, rel=1e-5)
+    assert summary == {"rows": 3, "success_rate": {"policy": 0.75}}
+    assert "| 1 | turn | 0.4, 0, 0.3 | 75 | 0.167 |" in (out / "joystick.md").read_text()
+
+
+def test_segments_in_which_all_fall_have_no_errors(tmp_path):
+    _, rows, out = run_segments(tmp_path, fall=True)
+    assert {row["success_rate"] for row in rows} == {"0"}
+    assert {row[name] for row in rows for name in MEASURES} == {""}
+    assert (out / "joystick.svg").stat().st_size > 0
+
+
+WALKS = make_robots([[1, 1], [1, 1]], [[0.5, 0.25], [0.125, 1.0]])
+FALLS = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
+
+
+def sweep_section() -> dict:
+    protocol = to_dict(config("experiment=test").protocols["sweep"])
+    return {"name": "sweep", "evaluation": protocol, "labels": {"policy": "policy (ours)"}}
+
+
+def write_speeds(tmp_path, out):
+    inputs = [
+        write_evaluation(tmp_path / out / "a", 0.2, WALKS),
+        write_evaluation(tmp_path / out / "b", 3.0, FALLS),
+    ]
+    folder = tmp_path / out / "out"
+    folder.mkdir()
+    return protocols.run(sweep_section(), {"evaluations": inputs}, folder, Job(tmp_path)), folder
+
+
+def test_speeds(tmp_path):
+    summary, out = write_speeds(tmp_path, "one")
+    assert {path.name for path in out.iterdir()} == {f"sweep.{x}" for x in ("csv", "md", "svg")}
+    rows = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
+    assert [row["command_velocity"] for row in rows] == ["0.2", "3"]
+    assert [row["success_rate"] for row in rows] == ["1", "0"]
+    velocity = np.array([1.5, 1.25, 1.125, 2.0])  # errors + 1
+    assert float(rows[0]["mean_velocity"]) == pytest.approx(velocity.mean(), rel=1e-5)
+    assert float(rows[0]["mean_velocity_spread"]) == pytest.approx(velocity.std(), rel=1e-5)
+    assert (rows[1]["mean_velocity"], rows[1]["mse_steady"]) == ("", "inf")
+    assert summary == {"rows": 2, "highest_tracked": {"policy": None}}
+    assert "| policy (ours) | none |" in (out / "sweep.md").read_text()
+
+
+def test_the_highest_tracked_speed():
+    shares = {0.2: 1.0, 2.2: 0.9, 3.0: 0.89}
+    rows = [
+        {"controller": "policy", "command_velocity": v, "tracking_rate": share}
+        for v, share in shares.items()
+    ] + [{"controller": "other", "command_velocity": 1.0, "tracking_rate": 0.0}]
+    assert protocols.highest_tracked(rows) == {"policy": 2.2, "other": None}
+
+
+LABELS = {"policy": "policy (ours)", "mpc": "MPC + WBC"}
+TRACE = np.array([[0.1, 0.01], [0.3, 0.02], [0.4, 0.0]], dtype=np.float32)
+
+
+def write_tracking(folder: Path, *controllers: str) -> Path:
+    """The stage's files; nobody survives with the controller ``mpc``."""
+    inputs = []
+    for controller in controllers:
+        inputs.append(folder / controller)
+        inputs[-1].mkdir(parents=True)
+        robots = make_robots([[controller != "mpc"] * 2], [[1.0, 2.0]])
+        Evaluation(controller, 0.4, robots, TRACE).save(inputs[-1])
+    out = folder / "out"
+    out.mkdir(parents=True)
+    section = {"commands": [0.4, 3.0], "control_period": 0.02, "labels": LABELS}
+    protocols.run_tracking(section, {"evaluations": inputs}, out, Job(folder))
+    return out
+
+
+def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
+    out = write_tracking(tmp_path, "policy", "mpc")
+    name = protocols.TRACKING
+    assert {path.name for path in out.iterdir()} == {f"{name}.{x}" for x in ("csv", "md", "svg")}
+    ours, others = rows.by(rows.read(out / f"{name}.csv"), "label").values()
+    assert [row["time"] for row in ours] == [0.02, 0.04, 0.06]
+    assert [row["mean_velocity"] for row in ours] == [0.1, 0.3, 0.4]
+    assert [row["mean_velocity_spread"] for row in ours] == [0.01, 0.02, 0.0]
+    assert np.isnan([row["mean_velocity"] for row in others]).all()  # nobody survived
+    text = (out / f"{name}.md").read_text()
+    assert "not drawn: 3.0 m/s." in text
+    assert "not drawn: MPC + WBC at 0.4 m/s." in text
+
+
+def test_tracking_needs_an_evaluated_speed(tmp_path):
+    message = r"^report\.tracking_commands: expected at least one of evaluation\.commands, found "
+    with pytest.raises(UserError, match=message + r"\[0\.4, 3\.0\]$"):
+        write_tracking(tmp_path)
+
+
+def test_the_job_waits_for_the_speeds_that_it_shows_alone():
+    composed = compose(["experiment=test", "report.tracking_commands=[0.4,7.0]"], CONF)
+    table1 = table1_jobs(composed)["table1"]
+    inputs = velocity_tracking(composed, table1).inputs["evaluations"]
+    assert [one for one in table1.inputs["evaluations"] if one in inputs] == list(inputs)
+    assert [one.section["command"] for one in inputs] == [0.4]
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        lambda folder: write_cases(folder, [True] * COUNT)[2],
+        lambda folder: run_segments(folder)[2],
+        lambda folder: write_speeds(folder, "out")[1],
+        lambda folder: write_tracking(folder, "policy"),
+    ],
+    ids=["cases", "segments", "speeds", "tracking"],
+)
+def test_same_input_same_bytes(write, tmp_path):
+    one, other = write(tmp_path / "one"), write(tmp_path / "other")
+    for path in one.iterdir():
+        assert path.read_bytes() == (other / path.name).read_bytes(), path.name
+
+
+def page_section(name, out, evaluations, settings):
+    inputs = {name: [out], f"{name}.evaluations": evaluations}
+    configuration = {"protocols": {name: settings}}
+    return content(name, sources(inputs, configuration=configuration, labels=LABELS))
+
+
+def texts(table: Table) -> list[list[str]]:
+    return [[cell.text for cell in row] for row in table.rows]
+
+
+def test_the_page_has_the_figure_and_the_tables_of_the_sweep(tmp_path):
+    _, out = write_speeds(tmp_path, "one")
+    settings = sweep_section()["evaluation"]
+    settings.pop("profile")  # as the pipeline does with what a protocol does not use
+    folders = [tmp_path / "one" / name for name in ("a", "b")]
+    section = page_section("sweep", out, folders, settings)
+    highest, *tables = pick(section, Table)
+    assert texts(highest) == [["policy (ours)", "none", "none"]]
+    shown = {table.caption: texts(table) for table in tables}
+    assert shown["Mean speed [m/s]"] == [["0.2", "1.469 ± 0.335"], ["3.0", "–"]]
+    assert shown["Success rate"] == [
+        ["0.2", "100.0 % ± 0.0 [51.0, 100.0]"],
+        ["3.0", "0.0 % ± 0.0 [0.0, 49.0]"],
+    ]
+    assert pick(section, Picture)[0].path == out / "sweep.svg"
+
+
+def test_the_page_has_a_row_per_segment_and_per_case(tmp_path):
+    _, _, out = run_segments(tmp_path / "segments")
+    section = page_section("joystick", out, [tmp_path / "segments/a"], to_dict(protocol()))
+    (table,) = pick(section, Table)
+    assert texts(table)[1][1:5] == ["turn", "0.4, 0, 0.3", "75", "0.167"]
+    _, _, out = write_cases(tmp_path / "cases", [True] * COUNT)
+    folders = [tmp_path / "cases" / name for name in ("e0", "e1")]
+    section = page_section("heldout", out, folders, to_dict(cases_protocol()))
+    standing, sideways = pick(section, Table)
+    assert texts(standing)[0][:4] == ["stop from 0.4 m/s", "10", "100 [51, 100]", "75 [30.1, 95.4]"]
+    assert texts(sideways)[0][0] == "0.4 m/s leftward"

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -106,8 +107,8 @@ def _metrics(rows: list[Row]) -> dict[str, float]:
 
 def paper_rows() -> list[Row]:
     """The paper's own Table 1, labelled as the paper's; it states no spread."""
-    with files("slider.reports").joinpath(_PAPER_TABLE).open() as file:
-        printed = tables.read(file)
+    text = files("slider.reports").joinpath(_PAPER_TABLE).read_text(encoding="utf-8")
+    printed = tables.read(StringIO(text))
     return [dict.fromkeys(COLUMNS, NAN) | row | {"source": PAPER} for row in printed]
 
 

@@ -4,7 +4,7 @@ import importlib.util
 import json
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -139,7 +139,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"gaits": len(table), "passed": not failures, "failures": len(failures)}
 
 
-def _table(folders: list[Path], library: GaitLibrary) -> pd.DataFrame:
+def _table(folders: Sequence[Path], library: GaitLibrary) -> pd.DataFrame:
     """One row per gait in the library's order; NaN where a quantity does not apply."""
     texts = [(folder / RECORDS).read_text(encoding="utf-8") for folder in folders]
     table = pd.DataFrame([record for text in texts for record in json.loads(text)])
@@ -148,7 +148,7 @@ def _table(folders: list[Path], library: GaitLibrary) -> pd.DataFrame:
     return table.loc[order].rename_axis(list(COMMAND)).reset_index()
 
 
-def _describe(failures: list[summary.Failure]) -> str:
+def _describe(failures: Sequence[summary.Failure]) -> str:
     texts = [str(failure) for failure in failures[:_SHOWN]]
     more = f"; and {len(failures) - _SHOWN} more" if len(failures) > _SHOWN else ""
     return (

@@ -64,9 +64,9 @@ def failures(table: pd.DataFrame, bounds: Bounds) -> list[Failure]:
         if bound is None:
             continue
         beyond = table[name] < bound if about.at_least else table[name] > bound
-        for row in table[beyond].to_dict("records"):
-            velocity = tuple(row[axis] for axis in COMMAND)
-            result.append(Failure(velocity, name, row[name], bound))
+        for _, row in table[beyond].iterrows():
+            velocity = tuple(float(row[axis]) for axis in COMMAND)
+            result.append(Failure(velocity, name, float(row[name]), bound))
     return result
 
 
@@ -82,9 +82,9 @@ def worst(table: pd.DataFrame, bounds: Bounds) -> dict[str, dict[str, Any]]:
         result[name] = {
             "check": about.check,
             "unit": about.unit,
-            "worst": _number(values[row]),
-            **{axis: float(table.loc[row, axis]) for axis in COMMAND},  # pyright: ignore
-            "median": _number(values.median()),
+            "worst": _number(float(values[row])),
+            **{axis: float(table[axis][row]) for axis in COMMAND},
+            "median": _number(float(values.median())),
             "bound": bounds[name],
             "passed": None if bounds[name] is None else name not in failed,
         }

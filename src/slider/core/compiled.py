@@ -14,7 +14,7 @@ for itself. Where nothing can be written, every process compiles.
 import hashlib
 import os
 from collections.abc import Callable
-from functools import cached_property, update_wrapper
+from functools import cached_property, partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -27,7 +27,7 @@ from slider.core.machine import cpuinfo
 F = TypeVar("F", bound=Callable[..., Any])
 _SETTINGS = cast(Any, numba).config  # without type stubs
 _TARGET = "haswell", "+avx,+avx2,+bmi,+bmi2,+fma,+lzcnt,+movbe,+popcnt,+sse4.2"
-_OPTIONS = {"error_model": "numpy"}
+_njit: Any = partial(numba.njit, error_model="numpy")
 _DIGESTS = "digests.json"
 
 
@@ -42,7 +42,7 @@ def compiled(function: F) -> F:
 
 def part(function: F) -> F:
     """Let compiled functions of the module call a function: it is compiled with each of them."""
-    return cast(F, numba.njit(function, **_OPTIONS))
+    return cast(F, _njit(function))
 
 
 def _fix_settings() -> None:
@@ -82,12 +82,12 @@ class _Compiled:
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError:
-            return numba.njit(self._function, **_OPTIONS)
+            return _njit(self._function)
         if not os.access(self._folder, os.W_OK):  # numba would take another folder
-            return numba.njit(self._function, **_OPTIONS)
+            return _njit(self._function)
         _drop_damaged(self._folder)
         _SETTINGS.CACHE_DIR = str(self._folder)
-        return numba.njit(self._function, cache=True, **_OPTIONS)
+        return _njit(self._function, cache=True)
 
     @cached_property
     def _folder(self) -> Path:

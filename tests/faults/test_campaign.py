@@ -10,13 +10,13 @@ import pytest
 
 from tests.workflow.workspace import QUIET, REPOSITORY, TABLE, copy_repository, with_dummies
 
-SHORT = 13
+SHORT = 19
 BLIND = """
 from slider.artefacts.integrity import IntegrityIndex
 from tests.faults.campaign import main
 
 IntegrityIndex.is_whole = lambda self, digest, folder: folder.is_dir()
-raise SystemExit(main(["--only", "further jobs"]))
+raise SystemExit(main(["--only", "further jobs", "--every", "4"]))
 """
 MOMENTS = 20
 

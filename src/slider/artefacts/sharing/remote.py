@@ -159,7 +159,7 @@ class Remote:
         """Results of some work for all items, several at a time, in the order of the items."""
         with self._one_line():
             fs, _ = self._place()
-        workers = 16 if fs.async_impl else 4  # what is not asynchronous has a connection each
+        workers = 16 if fs.async_impl else 8  # what is not asynchronous has a connection each
         with ThreadPoolExecutor(workers) as pool:
             try:
                 yield from pool.map(work, items)

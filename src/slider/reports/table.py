@@ -187,6 +187,6 @@ def _html_heading(text: str, cells: Sequence[Cell]) -> str:
 def _html_cell(cell: Cell) -> str:
     names = {"number": isinstance(cell.key, (int, float)), "best": cell.best, "failed": cell.failed}
     look = " ".join(name for name, given in names.items() if given)
-    # What phones hide is small.
+    # Narrow screens hide the spread.
     text = re.sub(r" (±.*|\[.*)$", r" <small>\1</small>", str(inline(cell.text)))
     return f'<span class="{look}">{text}</span>' if look else text

@@ -1,8 +1,10 @@
 """Blocks of the page's sections from inputs whose answers are known."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from slider.config.report import ReportConfig
@@ -16,9 +18,10 @@ from slider.reports.page import content
 from slider.reports.sections import SECTIONS
 from slider.reports.table import Table, Text, inline
 from slider.reports.table1 import paper_rows
+from slider.robot.names import COMMAND
 from slider.training.results import Training
 from slider.verification.quantities import QUANTITIES
-from slider.verification.summary import Row, failures, worst, write_csv, write_json
+from slider.verification.summary import failures, worst, write_csv
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.reports.sources import VIDEO, html, pick, sources
 
@@ -28,16 +31,17 @@ def test_every_section_has_its_function():
 
 
 def verified(folder, bound: float):
-    """The section for two gaits and a bound of ``mirror_cost``; some have no ``roll_end``."""
+    """The section for two gaits and a bound of ``periodicity``; some have no ``roll_end``."""
     first = dict.fromkeys(QUANTITIES, 0.5)
-    second = dict.fromkeys(QUANTITIES, 0.25) | {"mirror_cost": 0.9, "return_map": 20.0}
+    second = dict.fromkeys(QUANTITIES, 0.25) | {"periodicity": 0.9, "return_map": 20.0}
     second.pop("roll_end")
-    rows = [Row((0.0, 0.0, 0.0), first), Row((0.5, 0.1, 0.3), second)]
-    bounds: dict[str, float | None] = dict.fromkeys(QUANTITIES) | {"mirror_cost": bound}
+    velocities = [dict(zip(COMMAND, v, strict=True)) for v in ((0.0, 0.0, 0.0), (0.5, 0.1, 0.3))]
+    rows = pd.DataFrame([velocities[0] | first, velocities[1] | second])
+    bounds: dict[str, float | None] = dict.fromkeys(QUANTITIES) | {"periodicity": bound}
     failed = failures(rows, bounds)
     write_csv(folder / "verification.csv", rows, failed)
     facts = {"failures": [str(one) for one in failed], "quantities": worst(rows, bounds)}
-    write_json(folder / "verification.json", {"gaits": 2, **facts})
+    (folder / "verification.json").write_text(json.dumps({"gaits": 2, **facts}))
     (folder / "verification_maps.svg").write_text("<svg/>")
     inputs = {"verification": [folder], "verification_maps": [folder]}
     return content("verification", sources(inputs))
@@ -46,13 +50,13 @@ def verified(folder, bound: float):
 def test_the_verification_names_failures(tmp_path):
     section = verified(tmp_path, 0.1)
     assert pick(section, Text)[2].markdown.splitlines() == [
-        "* gait (0, 0) m/s, mirror_cost: expected ≤ 0.1 -, found 0.5",
-        "* gait (0.5, 0.1) m/s, 0.3 rad/s, mirror_cost: expected ≤ 0.1 -, found 0.9",
+        "* gait (0, 0) m/s, periodicity: expected ≤ 0.1 rad, m, found 0.5",
+        "* gait (0.5, 0.1) m/s, 0.3 rad/s, periodicity: expected ≤ 0.1 rad, m, found 0.9",
     ]
     (bounds,) = pick(section, Table)
     table = {row[1].text: [cell.text for cell in row] for row in bounds.rows}
     assert set(table) == {f"`{name}`" for name in QUANTITIES}
-    assert table["`mirror_cost`"][4:] == ["0.9", "≤ 0.1", "NO", "0.5, 0.1, 0.3 rad/s", "0.7"]
+    assert table["`periodicity`"][4:] == ["0.9", "≤ 0.1", "NO", "0.5, 0.1, 0.3 rad/s", "0.7"]
     assert table["`roll_end`"][4:] == ["0.5", "–", "–", "0, 0", "0.5"]
     assert '<span class="failed">NO</span>' in html(verification=section)
 

@@ -2,8 +2,8 @@
 
 There is no fast-math and no contraction, so that each operation rounds as IEEE 754 says, and the
 target is the same for all x86-64 processors with AVX2: results are those of any of them.
-Products of matrices are those of SciPy's BLAS (``slider.core.machine.kernels``). Settings of numba from
-the environment or from ``.numba_config.yaml``, such as ``NUMBA_DISABLE_JIT``, do not apply.
+Products of matrices are those of SciPy's BLAS (``slider.core.machine.kernels``). Settings of numba
+from the environment or from ``.numba_config.yaml``, such as ``NUMBA_DISABLE_JIT``, do not apply.
 
 The cache lies in ``NUMBA_CACHE_DIR``, or beside the source, where Python keeps its bytecode.
 Numba checks neither the constants of other modules nor damage: each function has a folder named

@@ -4,6 +4,9 @@ A table has one row per gait: its commanded velocity and the ``QUANTITIES``, NaN
 apply.
 """
 
+# The types of pandas' cells are unions of all that a cell may be.
+# pyright: reportArgumentType=false
+
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

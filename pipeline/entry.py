@@ -24,9 +24,9 @@ from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.core import environment, threads
-from slider.core.disk import is_read_only, not_written
-from slider.core.errors import UserError
+from slider.core import environment
+from slider.core.errors import UserError, is_read_only, not_written
+from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
 from slider.tracking import session as tracking
 
@@ -92,7 +92,7 @@ class Pipeline:
         They are ``resources.threads``. A job of several waits until as many are free at once, so
         the default is one, but on a cluster, where the scheduler gives them at once.
         """
-        wanted = self.config.resources.threads or (1 if self.cores else threads.MOST)
+        wanted = self.config.resources.threads or (1 if self.cores else MOST_THREADS)
         return max(wanted, self.gpus(wildcards))
 
     def threads(self, slots: int) -> int:
@@ -102,7 +102,7 @@ class Pipeline:
         """
         if self.cores is None or self.config.resources.threads is not None:
             return slots
-        return max(slots, threads.threads(self.cores))
+        return max(slots, training_threads(self.cores))
 
     def gpus(self, wildcards: Any) -> int:
         """GPUs that the job of a recipe needs."""

@@ -8,7 +8,7 @@ from slider.artefacts.recipe import code_of
 
 ENTRIES = {
     "gait": "slider.gait.stage:run",
-    "gait_start": "slider.gait.random_start:run",
+    "gait_start": "slider.gait.study:run",
     "library": "slider.library.stage:run",
     "standing": "slider.training.stage:run_standing",
     "walking": "slider.training.stage:run_walking",

@@ -8,7 +8,7 @@ from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
-from slider.core.numerics import device, precision
+from slider.core.machine import device, precision
 from slider.env.observations import TERMS
 from slider.env.terms import check_clock, uses_library
 

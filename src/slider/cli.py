@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from slider.artefacts.store import ARTEFACTS
-from slider.core.disk import is_read_only, not_written
-from slider.core.errors import UserError
+from slider.core.errors import UserError, is_read_only, not_written
 
 COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),

@@ -11,8 +11,8 @@ from slider.config.types import Interval
 from slider.core.job import Job
 from slider.gait import REPORT
 from slider.gait.guess import Start, cold_start
-from slider.gait.random_start import random_start, run
 from slider.gait.solve import GIVEN
+from slider.gait.study import random_start, run
 from tests.gait.gaits import problem, section, solved
 
 DURATION = (0.25, 0.42)

@@ -20,10 +20,10 @@ from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of
 from slider.artefacts.run_metadata import now, run_metadata
 from slider.artefacts.store import Store
-from slider.core import files, numerics
+from slider.core import files
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Summary, Tracker
-from slider.core.machine import machine
+from slider.core.machine import check_machine, machine
 from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
 
 
@@ -72,7 +72,7 @@ class Runner:
 
     def _compute(self, spec: JobSpec, objects: Mapping[str, list[str]]) -> Result:
         watch = _watch()  # before the imports: they are part of what a job costs
-        numerics.check(spec.section)
+        check_machine(spec.section)
         limit_threads(self.threads)
         keep_freed_memory()
         for compiler in ("NUMBA_CACHE_DIR", "WARP_CACHE_PATH"):

@@ -57,8 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
     _check(arguments)
     from slider.artefacts.runner import limit_threads
     from slider.config.compose import compose
-    from slider.core.machine import machine
-    from slider.core.numerics import device
+    from slider.core.machine import device, machine
     from slider.env.terms import checked
 
     overrides = list(arguments.overrides)
@@ -145,7 +144,7 @@ def measure(
     rounds: int,
 ) -> Throughput:
     """Measure the walking training with ``num_envs`` robots."""
-    from slider.core.numerics import device, precision
+    from slider.core.machine import device, precision
     from slider.env.task import task_of
 
     walking = config.train.walking

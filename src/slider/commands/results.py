@@ -20,9 +20,8 @@ from slider.artefacts.run_metadata import config_option
 from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
-from slider.reports.controllers import PAPER, speed
 from slider.reports.provenance import in_order, stage_title
-from slider.reports.quantities import QUANTITIES
+from slider.reports.quantities import PAPER, QUANTITIES, speed
 from slider.reports.rows import NAN, Row, by, distinct, read
 from slider.reports.table import grid
 

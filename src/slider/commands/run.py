@@ -17,8 +17,7 @@ from slider.artefacts.current import add_store_argument
 from slider.artefacts.plan import Plan, read_plan
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
-from slider.core.disk import not_written
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_written
 
 _TAIL = 15  # lines of the log shown after a failure
 

@@ -10,8 +10,8 @@ from slider.config.convert import to_dict
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.control.policy_file import Policy
-from slider.core.dotted import flatten
 from slider.core.errors import UserError
+from slider.core.files import flatten
 from slider.env.interface import AgentInterface
 from slider.env.state import RobotState
 

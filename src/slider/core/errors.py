@@ -1,8 +1,64 @@
 """The one error that users see as a single line."""
 
+import errno
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
 
 class UserError(Exception):
     """Bad input from a user: one line that says what was expected and what was found.
 
     Command-line entry points print it without a trace and exit with status 1.
     """
+
+
+_OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_OF_PLACES = (errno.ENOTDIR, errno.EEXIST)  # a file where a folder must be
+_OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
+_FOLDERS = ("reports", ".snakemake")
+# What numpy and torch say of a full disk, without its number.
+_SHORT = re.compile(
+    r"requested and \d+ written|PytorchStreamWriter failed|inline_container.*unexpected pos"
+)
+
+
+def is_read_only(error: BaseException) -> bool:
+    """Tell whether something may be read but not written."""
+    return isinstance(error, OSError) and error.errno in (errno.EROFS, *_OF_RIGHTS)
+
+
+def not_written(error: BaseException, place: Path) -> UserError | None:
+    """What to say if an error comes from a place that cannot be written, else nothing.
+
+    ``place`` is named where the error names none. A missing right counts below ``place`` and the
+    other folders that the pipeline writes: elsewhere it may be that of a program.
+    """
+    for found in _chain(error):
+        if isinstance(found, OSError):
+            where = found.filename2 or found.filename
+            if found.errno in _OF_PLACES and _is_ours(where, place):
+                expected = f"expected to write {where}, found a file in the place of a folder"
+                return UserError(f"{expected}: run `slider store verify`")
+            own = found.errno in _OF_RIGHTS and _is_ours(where, place)
+            if own or found.errno in _OF_DISKS:
+                return UserError(f"expected to write {where or place}, found: {found.strerror}")
+        if _SHORT.search(str(found)):
+            return UserError(f"expected to write {place}, found: No space left on device")
+    return None
+
+
+def _is_ours(where: object, place: Path) -> bool:
+    if not isinstance(where, str | os.PathLike):
+        return False
+    folders = (Path(folder).resolve() for folder in (place, *_FOLDERS))  # the store may be a link
+    return any(map(Path(where).resolve().is_relative_to, folders))
+
+
+def _chain(error: BaseException | None) -> Iterator[BaseException]:
+    """An error and its causes; what another kind of error came up beside is none."""
+    while error is not None:
+        yield error
+        beside = isinstance(error, OSError) and not error.__suppress_context__
+        error = error.__cause__ or (error.__context__ if beside else None)

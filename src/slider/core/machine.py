@@ -1,9 +1,18 @@
-"""The machine that a job runs on, as a person would name it."""
+"""The machine that a job runs on: its name, the kernels of its libraries, device, precision.
 
+NumPy, BLAS and torch choose their kernels by the processor, so :func:`kernels` stands in the
+recipes of the stages whose bytes depend on it.
+"""
+
+import importlib
 import os
 import platform
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+from slider.core.errors import UserError
 
 _CPUINFO = Path("/proc/cpuinfo")
 _LEVELS = {  # highest first, with flags of the processor
@@ -52,3 +61,50 @@ def _cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+MOST_THREADS = 4
+"""Threads of the physics of a training at the most."""
+
+
+def training_threads(cores: int) -> int:
+    """Half of the cores, from two to :data:`MOST_THREADS`.
+
+    With more threads the networks, which have one each, take most of a training's time.
+    """
+    return min(cores, max(2, min(cores // 2, MOST_THREADS)))
+
+
+def device(setting: str) -> str:
+    """``cpu`` or ``cuda``; ``auto`` is cuda where torch finds one here."""
+    if setting != "auto":
+        return setting
+    return "cuda" if _has_cuda() else "cpu"
+
+
+def precision(setting: str, device: str = "cpu") -> str:
+    """``bfloat16`` or ``float32``; ``auto`` is bfloat16 on a processor with instructions for it."""
+    if setting != "auto":
+        return setting
+    fast = any(level in kernels() for level in ("amx", "avx512_bf16"))
+    return "bfloat16" if fast and device == "cpu" else "float32"
+
+
+def check_machine(section: Mapping[str, Any]) -> None:
+    """Compare the ``numerics`` and the device of a section with this machine.
+
+    Raises:
+        UserError: the machine has others.
+    """
+    expected = section.get("numerics", kernels())
+    if expected != kernels():
+        raise UserError(
+            f"numerics: expected {expected}, as where the pipeline was started, "
+            f"found {kernels()} on {platform.node()} ({processor()})"
+        )
+    if section.get("train", {}).get("device") == "cuda" and not _has_cuda():
+        raise UserError(f"device: expected cuda, found none on {platform.node()}")
+
+
+def _has_cuda() -> bool:
+    return importlib.import_module("torch").cuda.is_available()

@@ -4,8 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from slider.reports.controllers import PAPER, speed
-from slider.reports.quantities import QUANTITIES, decimals
+from slider.reports.quantities import PAPER, QUANTITIES, decimals, speed
 from slider.reports.rows import Row
 from slider.reports.table import Cell, Table
 

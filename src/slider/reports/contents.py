@@ -20,12 +20,11 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.reports import protocols, study
 from slider.reports import provenance as origins_report
 from slider.reports import table1 as table1_report
-from slider.reports.controllers import PAPER, speed
 from slider.reports.figures import checks, maps, walking
 from slider.reports.figures import gaits as gait_figures
 from slider.reports.figures.style import write_pictures
 from slider.reports.provenance import Made
-from slider.reports.quantities import QUANTITIES
+from slider.reports.quantities import PAPER, QUANTITIES, speed
 from slider.reports.rows import Row, by, evaluations
 from slider.reports.table import Cell, Heading, Picture, Table, Text, Written
 from slider.reports.video import ABOUT, FILM, POSTER

@@ -14,7 +14,7 @@ from slider.config.report import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports import contents
 from slider.reports.contents import Sources
-from slider.reports.controllers import speed
+from slider.reports.quantities import speed
 from slider.reports.sections import SECTIONS
 from slider.reports.table import inline
 

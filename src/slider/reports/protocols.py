@@ -19,10 +19,9 @@ from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
 from slider.evaluation.segments import SMOOTHING, command, profile_of
 from slider.reports import rows as tables
 from slider.reports.comparison import comparisons
-from slider.reports.controllers import speed
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import QUANTITIES, Quantity
+from slider.reports.quantities import QUANTITIES, Quantity, speed
 from slider.reports.rows import NAN, Row, by, distinct
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
 

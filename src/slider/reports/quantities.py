@@ -129,3 +129,19 @@ def decimals(value: float) -> int:
     if value <= 0:
         return 3
     return min(max(0, 2 - math.floor(math.log10(value))), _MOST_DECIMALS)
+
+
+OURS, PAPER = "measured", "paper"  # the column ``source`` of Table 1
+
+# Tell apart in print, by colour-blind readers, on light and on dark ground.
+PALETTE = ("#2a6fc9", "#e8932c", "#2a9d74", "#b565b5", "#8b8f96", "#c4a000", "#d1495b")
+
+
+def speed(command: float) -> str:
+    """Commanded velocity as people write it, such as ``1.0`` or ``0.25`` [m/s]."""
+    return f"{command:.1f}" if round(command, 1) == command else f"{command:g}"
+
+
+def colour(index: int) -> str:
+    """Colour of the controller, or other curve, number ``index``."""
+    return PALETTE[index % len(PALETTE)]

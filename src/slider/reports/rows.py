@@ -11,7 +11,7 @@ import pandas as pd
 from slider.evaluation.results import QUALITY, Estimate, Evaluation, Robots
 from slider.library.blend import GaitNumbers, gait_numbers
 from slider.library.reader import STORE, GaitLibrary
-from slider.reports.controllers import OURS
+from slider.reports.quantities import OURS
 
 NAN = float("nan")
 NAMED = ("controller", "label")

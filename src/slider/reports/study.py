@@ -19,10 +19,10 @@ from slider.gait import REPORT
 from slider.gait.study import MeshGait
 from slider.library.stage import acceptable
 from slider.reports import rows
-from slider.reports.controllers import speed as speed_text
 from slider.reports.figures import study as figure
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity
+from slider.reports.quantities import speed as speed_text
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
 from slider.training.results import Training
 

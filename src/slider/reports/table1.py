@@ -12,8 +12,7 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import Evaluation
 from slider.reports import rows as tables
 from slider.reports.comparison import METRICS, comparisons
-from slider.reports.controllers import PAPER, speed
-from slider.reports.quantities import quantity
+from slider.reports.quantities import PAPER, quantity, speed
 from slider.reports.rows import NAN, Row
 from slider.reports.table import Cell, Heading, Table, Text, Written, document, escape
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from slider.core import files
-from slider.core.dotted import flatten
+from slider.core.files import flatten
 
 SESSION_FILE = "session.json"
 MAIN = "main"  # journal of the pipeline run itself

@@ -21,8 +21,7 @@ from fsspec.callbacks import Callback
 from fsspec.config import conf
 
 from slider.core import files
-from slider.core.disk import not_written
-from slider.core.errors import UserError
+from slider.core.errors import UserError, not_written
 
 LAYOUT = 2
 MARKER = "slider-store.json"

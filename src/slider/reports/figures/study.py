@@ -13,9 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
-from slider.reports.controllers import colour, speed
 from slider.reports.figures.style import LIGHT, new_figure
-from slider.reports.quantities import Quantity, quantity
+from slider.reports.quantities import Quantity, colour, quantity, speed
 
 PANELS = 5
 CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}

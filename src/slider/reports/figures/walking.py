@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 
 from slider.config.evaluation import CaseConfig
 from slider.evaluation.results import Evaluation
-from slider.reports.controllers import PAPER, colour, speed
 from slider.reports.figures.style import DARK, new_figure
+from slider.reports.quantities import PAPER, colour, speed
 from slider.reports.rows import Row, by
 from slider.training.results import Training
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from slider.core.disk import not_written
+from slider.core.errors import not_written
 from slider.core.files import write_atomic
 
 PLACE = Path("artefacts")

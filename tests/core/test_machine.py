@@ -4,8 +4,7 @@ import pytest
 
 from slider.core import machine
 from slider.core.errors import UserError
-from slider.core.machine import kernels
-from slider.core.numerics import check, device, precision
+from slider.core.machine import check_machine, device, kernels, precision
 
 AVX2 = "sse2 avx2 fma"
 AVX512 = f"{AVX2} avx512f avx512bw avx512dq avx512vl"
@@ -64,21 +63,21 @@ def test_other_architectures_have_no_levels(processor):
 def test_a_job_of_another_machine_is_refused(processor):
     processor(AMX)
     section = {"numerics": kernels()}
-    check(section)
-    check({})
+    check_machine(section)
+    check_machine({})
     processor(AVX2)
     expected = r"^numerics: expected x86_64-amx-intel, .* found x86_64-avx2-intel on .*\(any\)$"
     with pytest.raises(UserError, match=expected):
-        check(section)
+        check_machine(section)
 
 
 def test_auto_is_the_device_that_torch_finds_and_a_missing_one_is_refused(cuda):
     section = {"train": {"device": "cuda"}}
     cuda(True)
     assert (device("auto"), device("cpu")) == ("cuda", "cpu")
-    check(section)
+    check_machine(section)
     cuda(False)
     assert (device("auto"), device("cuda")) == ("cpu", "cuda")
-    check({"train": {"device": "cpu"}})
+    check_machine({"train": {"device": "cpu"}})
     with pytest.raises(UserError, match=r"^device: expected cuda, found none on "):
-        check(section)
+        check_machine(section)

@@ -248,7 +248,7 @@ def draw_training(training: Training) -> Figure:
     names = [name for name in _CHECKS if not np.isnan(checks[name]).all()]
     terms = [name for name in curve if "reward" in name.partition("/")[0].lower() and "/" in name]
     figure = new_figure(4.2 if terms else 1.9)
-    above, *below = np.atleast_1d(figure.subfigures(2 if terms else 1, 1))
+    above, *below = figure.subfigures(2 if terms else 1, 1, squeeze=False)[:, 0]
     panels = above.subplots(1, len(names), squeeze=False)[0]
     for axes, name in zip(panels, names, strict=True):
         axes.plot(checks["iteration"], checks[name], ".-", color=DARK)

@@ -81,7 +81,7 @@ def blocks(
     yield Details("Versions of packages", _versions(stages))
     yield Details("Recipes, objects and commits of all jobs", _recipes(stages))
     text = yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True)
-    yield Details("Resolved configuration", text=text)
+    yield Details("Resolved configuration", text=str(text))
 
 
 def _by_stage(results: Mapping[str, Sequence[Made]]) -> dict[str, list[Made]]:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TextIO
+from typing import IO, Any
 
 import numpy as np
 import pandas as pd
@@ -26,7 +26,7 @@ def write(rows: Sequence[Row], path: Path, columns: Sequence[str] = ()) -> None:
     frame.to_csv(path, index=False, float_format="%.6g", lineterminator="\n")
 
 
-def read(file: Path | TextIO) -> list[Row]:
+def read(file: Path | IO[str]) -> list[Row]:
     """Rows of a published table: numbers, NaN for empty cells, and texts."""
     frame = pd.read_csv(file, keep_default_na=False, na_values=[""], float_precision="round_trip")
     return frame.to_dict("records")

@@ -40,21 +40,6 @@ ENTRIES = {
 }
 """Stage → entry point ``module:function``."""
 
-OF_HZD = {
-    "standing": "slider.training.stage:run_standing",
-    "walking": "slider.training.stage:run_walking",
-    "evaluation": "slider.evaluation.stage:run",
-    "baseline": "slider.evaluation.stage:run_baseline",
-}
-"""The same where ``hzd`` walks, alone or below the actions: no other job depends on its source."""
-
-OF_WARP = {
-    "standing": "slider.training.warp:run_standing",
-    "walking": "slider.training.warp:run_walking",
-}
-"""The same with MuJoCo Warp, whose version is in no other recipe."""
-
-
 def job(
     stage: str,
     label: str,

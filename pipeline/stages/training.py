@@ -1,10 +1,8 @@
 """Pre-training, training, and the policy for others."""
 
-from pipeline.stages.entries import ENTRIES, OF_HZD, OF_WARP, job
-from pipeline.stages.evaluation import check_walkable, controlled, first_hzd
+from pipeline.stages.entries import job
 from pipeline.stages.numerics import of_training, resolved
-from pipeline.stages.sections import only, origin, simulation
-from pipeline.stages.stability import stability_jobs
+from pipeline.stages.sections import origin, simulation
 from slider.artefacts.plan import JobSpec
 from slider.config.convert import to_dict
 from slider.config.schema import Config
@@ -49,9 +47,6 @@ def _job(
 
     Of the library the pre-training takes the clock's step times and the gaits that actions are
     about. A fine-tuning is the stage ``walking`` again, from the weights of a walk.
-
-    Raises:
-        UserError: actions are on top of ``hzd``, and there is no such controller for these gaits.
     """
     check_clock(config.env, train, label)
     train = resolved(config, train)
@@ -59,14 +54,7 @@ def _job(
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:
         inputs["start"] = [start]
-    if config.env.action.offset != "hzd":
-        entries = OF_WARP if train.simulator == "mujoco_warp" else ENTRIES
-        return job(stage, label, section, inputs, entries=entries)
-    name = first_hzd(config)
-    check_walkable(config, "env.action.offset", [name])
-    section |= only(controlled(config, name, None), "hzd", "control")
-    inputs["foot_placement"] = [stability_jobs(config, library)["foot_placement"]]
-    return job(stage, label, section, inputs, entries=OF_HZD)
+    return job(stage, label, section, inputs)
 
 
 def policy_export(walking: JobSpec) -> JobSpec:

@@ -10,13 +10,13 @@ from slider.config.compose import compose
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
+from slider.core.arrays import tensors
 from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.instruments import CONTACT_FORCE, Contacts
-from slider.env.interface import AgentInterface
+from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.physics import BatchedPhysics
-from slider.env.state import RobotState
-from slider.env.view import View
+from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.robot.mjcf import Actuation, nominal_qpos
@@ -147,7 +147,7 @@ def turning_library() -> GaitLibrary:
 
 
 def make_guide(gait: str = "interpolated") -> Guide:
-    return Guide(library(), gait_table(), gait)
+    return Guide(library(), gait_table(), gait, FLOAT64)
 
 
 def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhysics:
@@ -235,7 +235,7 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
         ).copy()
         for name, value in changes.items()
     }
-    return replace(state, **shaped)
+    return replace(state, **shaped).tensors(FLOAT64)
 
 
 def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:
@@ -265,7 +265,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
     for name in ("reference_velocity", "expected_velocity"):  # those of a command long since given
         values.setdefault(name, values["command"][:, :2])
     values["halted"] = np.asarray(changes.get("halted", np.zeros(count)), dtype=bool)
-    return View(
+    view = View(
         state=state,
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
@@ -275,3 +275,4 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         scan_spacing=0.1,
         **values,
     )
+    return tensors(view, FLOAT64)

@@ -8,7 +8,7 @@ import pytest
 from slider.config.env import HeightScan, ObservationConfig
 from slider.core.errors import UserError
 from slider.env.observations import TERMS, Observer
-from slider.env.view import View
+from slider.env.state import View
 from tests.env.synthetic import (
     PERMUTATION,
     SIGN,

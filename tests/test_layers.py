@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.stages.entries import ENTRIES, OF_HZD
+from pipeline.stages.entries import ENTRIES
 from slider.artefacts.source.closure import Sources, closure
 
 SOURCE = Path(__file__).parents[1] / "src"
@@ -67,18 +67,6 @@ def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
     name = path.relative_to(SOURCE / "slider").as_posix()
     allowed = name.startswith("config/") or name == "commands/config.py"
     assert allowed or not packages & {"hydra", "omegaconf"}
-
-
-def test_no_other_job_depends_on_the_controller_that_walks_by_gaits():
-    """A change of it trains and evaluates no other policy or controller anew."""
-    sources = Sources(SOURCE)
-    for stage, entry in OF_HZD.items():
-        modules = (name.partition(":")[0] for name in (entry, ENTRIES[stage]))
-        own, plain = (closure(module, sources).modules for module in modules)
-        assert "slider.control.hzd.steps" in own
-        hzd = ("slider.control.hzd", "slider.hzd")
-        assert not any(module.startswith(hzd) for module in plain), stage
-        assert not any(module.startswith("slider.control.mpc") for module in own), stage
 
 
 @pytest.mark.parametrize("stage", ENTRIES)

@@ -46,7 +46,6 @@ def job(
     section: Mapping[str, Any],
     inputs: Mapping[str, Sequence[JobSpec]] | None = None,
     tracked: bool = True,
-    entries: Mapping[str, str] = ENTRIES,
 ) -> JobSpec:
     """A job of a stage; the arguments are those of :class:`JobSpec`."""
-    return JobSpec(stage, label, code_of(entries[stage]), section, inputs or {}, tracked)
+    return JobSpec(stage, label, code_of(ENTRIES[stage]), section, inputs or {}, tracked)

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from pipeline.stages.entries import ENTRIES, OF_HZD, job
+from pipeline.stages.entries import job
 from pipeline.stages.numerics import numerics
 from pipeline.stages.sections import only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
@@ -42,18 +42,16 @@ def _evaluations(
     section = {"evaluation": settings, **controlled(config, controller, None)}
     inputs = made_of(config, controller, made)
     stage = "evaluation" if controller == POLICY else "baseline"
-    residual = controller == POLICY and config.env.action.offset == "hzd"
-    entries = OF_HZD if residual or controller in walkers(config) else ENTRIES
     name = f"evaluation of {controller}"
     if protocol.profile is None:
         for command in protocol.commands:
             label = f"{name} at {command:.1f} m/s{note}"
-            yield job(stage, label, {**section, "command": command}, inputs, entries=entries)
+            yield job(stage, label, {**section, "command": command}, inputs)
         return
     settings["profile"] = without(to_dict(protocol.profile), "rows", "cases")
     for case in protocol.profile.cases:
         label = f"{name} in {case.name}{note}"
-        yield job(stage, label, {**section, "case": to_dict(case)}, inputs, entries=entries)
+        yield job(stage, label, {**section, "case": to_dict(case)}, inputs)
 
 
 def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
@@ -80,19 +78,6 @@ def controlled(config: Config, controller: str, command: float | None) -> dict[s
 def walkers(config: Config) -> dict[str, HzdControlConfig]:
     """Controllers that walk by gaits."""
     return {n: c for n, c in config.control.items() if isinstance(c, HzdControlConfig)}
-
-
-def first_hzd(config: Config) -> str:
-    """The first controller that walks by gaits; the actions may be on top of it.
-
-    Raises:
-        UserError: there is none, or it has an observer, which knows no actions.
-    """
-    for name, control in walkers(config).items():
-        if control.observer is not None:
-            raise UserError(f"control.{name}.observer: expected null below actions, found one")
-        return name
-    raise UserError("env.action.offset=hzd: expected a controller of the family hzd, found none")
 
 
 def check_walkable(

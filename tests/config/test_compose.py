@@ -347,12 +347,6 @@ def test_without_the_library_the_other_rewards_stay():
     assert (unguided.scale, unguided.on_fall) == (walking.scale, walking.on_fall)
 
 
-def test_a_controller_under_the_actions_is_for_mujoco_itself():
-    message = "simulator: expected mujoco with env.action.offset=hzd, found mujoco_warp"
-    with pytest.raises(UserError, match=message):
-        compose(["env.action.offset=hzd", "train.walking.simulator=mujoco_warp"], CONF)
-
-
 @pytest.mark.parametrize(("top", "count"), [("2.0", 21), ("2.47", 25), ("1.3", 14)])
 def test_the_sweep_ends_at_or_below_the_top_speed(top, count):
     commands = compose([f"speeds.top={top}"], CONF).protocols["sweep"].commands

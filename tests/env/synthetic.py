@@ -3,8 +3,10 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import torch
 
 from slider.config.compose import compose
 from slider.config.env import PhysicsConfig
@@ -147,7 +149,7 @@ def turning_library() -> GaitLibrary:
 
 
 def make_guide(gait: str = "interpolated") -> Guide:
-    return Guide(library(), gait_table(), gait, FLOAT64)
+    return Guide(library(), gait_table(), gait)
 
 
 def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhysics:
@@ -183,7 +185,37 @@ def make_agent(count: int, *overrides: str) -> AgentInterface:
     """The agent of an environment; ``overrides`` are Hydra's."""
     settings = config("experiment=test", *overrides)
     table = gait_table()
-    return AgentInterface(settings.robot, settings.env, count, table.times, table.joints)
+    return ArrayAgent(settings.robot, settings.env, count, table.times, table.joints)
+
+
+def as_tensor(value: Any) -> Any:
+    """A tensor of an array or of the arrays of a state; anything else as it is."""
+    if isinstance(value, RobotState):
+        return value.tensors(FLOAT64)
+    return torch.tensor(value) if isinstance(value, np.ndarray) else value
+
+
+class ArrayAgent(AgentInterface):
+    """An agent that takes NumPy's arrays as well, so that tests are written in one library."""
+
+    def reset(self, *arguments: Any, **named: Any) -> None:
+        named = {name: as_tensor(value) for name, value in named.items()}
+        super().reset(*map(as_tensor, arguments), **named)
+
+    def set_velocity_command(self, *arguments: Any) -> None:
+        super().set_velocity_command(*map(as_tensor, arguments))
+
+    def act(self, action: Any) -> torch.Tensor:
+        return super().act(as_tensor(action))
+
+    def advance(self, state: RobotState) -> None:
+        super().advance(as_tensor(state))
+
+    def refresh_heading(self, state: RobotState) -> None:
+        super().refresh_heading(as_tensor(state))
+
+    def view(self, state: RobotState) -> View:
+        return super().view(as_tensor(state))
 
 
 def random_pose(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -209,7 +241,12 @@ def mirror_pose(qpos: np.ndarray, qvel: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
-    """Robots at rest in the nominal pose, with ``changes`` of some quantities."""
+    """Robots at rest in the nominal pose, as tensors, with ``changes`` of some quantities."""
+    return make_arrays(count, **changes).tensors(FLOAT64)
+
+
+def make_arrays(count: int, **changes: np.ndarray | list | float) -> RobotState:
+    """The same as NumPy's arrays."""
     height = float(nominal_qpos(robot_config())[2])
     state = RobotState(
         base_position=np.tile([0.0, 0.0, height], (count, 1)),
@@ -235,7 +272,7 @@ def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
         ).copy()
         for name, value in changes.items()
     }
-    return replace(state, **shaped).tensors(FLOAT64)
+    return replace(state, **shaped)
 
 
 def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:
@@ -261,7 +298,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         "filtered_velocity": np.zeros((count, 2)),
         "phase": np.zeros(count),
     }
-    values |= {name: np.asarray(value, dtype=float) for name, value in changes.items()}
+    values |= {name: np.array(value, dtype=float, order="C") for name, value in changes.items()}
     for name in ("reference_velocity", "expected_velocity"):  # those of a command long since given
         values.setdefault(name, values["command"][:, :2])
     values["halted"] = np.asarray(changes.get("halted", np.zeros(count)), dtype=bool)

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import torch
+from slider.training.symmetry import symmetry_config, with_reflections
 from tensordict import TensorDict
 
 from slider.env.task import Task
-from slider.training.symmetry import symmetry_config, with_reflections
 from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
 from tests.training.test_trainer import TINY, Run, actor, job, same

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 import torch
+from tests.env.test_libraries import NoWaiting
 
 from slider.config.convert import to_dict
 from slider.control import POLICY_FILE
@@ -14,14 +15,14 @@ from slider.training.results import CURVE
 from slider.training.selection import Selector
 from slider.training.stage import task
 from tests.env.synthetic import config
-from tests.env.test_libraries import NoWaiting
 from tests.library.gaits import write_store
 from tests.training.test_stage import section
 from tests.training.test_trainer import TINY
 
 pytest.importorskip("mujoco_warp", reason="no extra gpu")
-from slider.env.vec_env import WalkingEnv
 from slider.training.warp import run_walking
+
+from slider.env.vec_env import WalkingEnv
 
 WARP = (
     "train.walking.simulator=mujoco_warp",

@@ -103,24 +103,6 @@ def test_all_variants_train_on_as_many_samples():
     assert paper == pytest.approx(4e6, rel=0.01)
 
 
-def test_what_is_under_the_actions_is_of_that_variant_alone():
-    """Library and foot placement of hzd, and its settings; the default's recipes stay."""
-    seed = ("ablation.seeds=[1]", "ablation.run=[default,residual_hzd]")
-    both, changed = ablation(*seed), ablation(*seed, "control.hzd.ahead=0.3")
-    default, residual = both.inputs["walking"]
-    assert set(default.inputs) == {"library", "start"}
-    assert set(residual.inputs) == {"library", "foot_placement"}
-    assert residual.section["control"]["family"] == "hzd"
-    assert "hzd" not in default.section
-    assert default.code.entry == entries.ENTRIES["walking"]
-    assert residual.code.entry == entries.OF_HZD["walking"]
-    evaluated = [job.code.entry for job in both.inputs["evaluations"]]
-    expected = [entries.ENTRIES["evaluation"]] * 2 + [entries.OF_HZD["evaluation"]] * 2
-    assert evaluated == expected
-    other = changed.inputs["walking"]
-    assert (default.recipe == other[0].recipe, residual.recipe == other[1].recipe) == (True, False)
-
-
 @pytest.mark.parametrize(
     ("override", "message"),
     [

@@ -29,14 +29,3 @@ def test_stability_is_a_target_of_its_own(workspace):
     assert [float(row["vx"]) for row in rows] == [0.2, 0.4]
     assert all(float(row["closed_spectral_radius"]) < 1 for row in rows)
     assert workspace.computed("hzd.basin.points=3", target=TARGET) == []
-
-
-def test_a_policy_on_top_of_the_controller_goes_through_the_ablation(workspace):
-    """Its foot placement is that of the gaits whose stability is known."""
-    hydra = "ablation.run=[residual_hzd] ablation.seeds=[1]"
-    found = workspace.computed(hydra, target="reports/ablation.csv")
-    assert found == ["ablation", "evaluation", "evaluation", "foot_placement", "walking"]
-    rows = list(
-        csv.DictReader((workspace.folder / "reports/ablation.csv").read_text().splitlines())
-    )
-    assert [(row["variant"], row["success_rate"]) for row in rows] == 2 * [("residual_hzd", "1")]

@@ -37,11 +37,10 @@ class PhysicsConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ActionConfig:
-    """Desired joint position = origin + scale · clip(action), or torques on top of a controller."""
+    """Desired joint position = origin + scale · clip(action)."""
 
-    offset: Literal["nominal", "gait", "hzd"]
-    """origin: the nominal pose, or the gait of the reference velocity at the clock's phase; hzd:
-    the torques of that controller, to which the position loops add kp · scale · clip(action)"""
+    offset: Literal["nominal", "gait"]
+    """origin: the nominal pose, or the gait of the reference velocity at the clock's phase"""
     clip: Positive[Number]
     """bound of |action|"""
     scale: dict[str, Annotated[NonNegative[Number], Unit("rad | m")]]

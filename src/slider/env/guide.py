@@ -4,6 +4,7 @@ import numpy as np
 import torch
 
 from slider.core.arrays import Array, tensors
+from slider.env.interface import FLOAT64
 from slider.env.state import View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
@@ -31,11 +32,11 @@ class Guide:
         self,
         library: GaitLibrary,
         table: GaitTable,
-        gait: str,
-        like: torch.Tensor,
+        gait: str = "interpolated",
+        like: torch.Tensor = FLOAT64,
     ) -> None:
         self._library, self._arrays, self._nearest = library, table, gait == "nearest"
-        self._gait = gait
+        self._gait, self._like = gait, like
         self._table = tensors(table, like)
         self._samples = torch.asarray(library.samples, dtype=torch.float32, device=like.device)
         self._active = torch.asarray(np.flatnonzero(~_PASSIVE), device=like.device)
@@ -47,6 +48,8 @@ class Guide:
 
     def on(self, like: torch.Tensor) -> "Guide":
         """The same guide in the precision and on the device of ``like``."""
+        if (like.device, like.dtype) == (self._like.device, self._like.dtype):
+            return self
         return Guide(self._library, self._arrays, self._gait, like)
 
     def at_phase(self, view: View) -> Array:

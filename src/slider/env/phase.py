@@ -85,7 +85,7 @@ class Clock:
 def gait_command(reference: Array, command: Array) -> Array:
     """Command (N, 3) of the gait in use: reference velocity (N, 2), commanded yaw rate."""
     parts = [reference, command[:, 2:3]]
-    return namespace(*parts).concat(parts, axis=1)
+    return namespace(parts[0]).concat(parts, axis=1)
 
 
 def standing(command: Array) -> Array:

@@ -81,7 +81,7 @@ class Lyapunov:
         """V (N,) of outputs (N, 2, K), K values [rad] and their rates [rad/s]; in rad²."""
         y, rate = outputs[:, 0], outputs[:, 1] / self.bandwidth
         diagonal = self.largest - 1.0
-        return (diagonal * (y**2 + rate**2) + 2.0 * y * rate).sum(dim=1)
+        return (diagonal * (y**2 + rate**2) + 2.0 * y * rate).sum(axis=1)
 
 
 class RewardView:

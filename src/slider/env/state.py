@@ -76,7 +76,7 @@ class RobotState:
     def qpos(self) -> Array:
         """MuJoCo's generalised positions (N, 19)."""
         parts = [self.base_position, self.quaternion, self.joint_positions]
-        return namespace(*parts).concat(parts, axis=1)
+        return namespace(parts[0]).concat(parts, axis=1)
 
     @property
     def qvel(self) -> Array:

@@ -7,7 +7,6 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.config.train import TrainConfig
 from slider.env.guide import Guide
-from slider.env.interface import FLOAT64
 from slider.library.joint_table import JointTable
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
@@ -51,7 +50,7 @@ def task_of(
         return Task(robot, env, train, _times(env, None), None)
     gaits = GaitLibrary.load(library)
     table = GaitTable.from_library(gaits)
-    guide = Guide(gaits, table, train.guide.gait, FLOAT64) if guided else None
+    guide = Guide(gaits, table, train.guide.gait) if guided else None
     reference = table.joints if env.action.offset == "gait" else None
     return Task(robot, env, train, _times(env, table), guide, reference)
 

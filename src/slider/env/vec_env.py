@@ -108,7 +108,7 @@ class WalkingEnv(VecEnv):
         seen = RewardView(view, self._guide, self._outputs)
         reward, parts = self._reward(seen, fell)
         if Needs.HISTORY in self._reward.needs:
-            self._outputs = seen.outputs
+            self._outputs = seen.outputs.clone()
         speed_error = abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         self._diverged += state.diverged.sum()
         timed_out = self._end_episodes(fell)

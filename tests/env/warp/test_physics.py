@@ -7,18 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from tests.env.test_libraries import NoWaiting
 
 from slider.core.errors import UserError
 from slider.env.disturbance.draws import Disturbance, Draws
-from slider.env.disturbance.machines import COLUMNS
+from slider.env.disturbance.models import COLUMNS
 from slider.env.physics import BatchedPhysics
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import config, make_physics, robot_config
-from tests.env.test_libraries import NoWaiting
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
-from slider.env.warp.machines import WarpMachines
 from slider.env.warp.physics import WarpPhysics
 
 N = 6
@@ -57,7 +56,7 @@ def made() -> WarpPhysics:
 def physics(made: WarpPhysics, monkeypatch) -> WarpPhysics:
     """All nominal, at rest and undisturbed."""
     settings = config("experiment=test").evaluation.disturbance
-    nominal = WarpMachines(made.simulation, made.model, settings)
+    nominal = WarpModels(made.simulation, made.model, settings)
     nominal.draw(everyone(), torch.full((N, COLUMNS), 0.5))
     monkeypatch.setattr(made, "_disturber", None)
     return clean(made)

@@ -20,9 +20,6 @@ def check_env(env: EnvConfig) -> None:
     halt = env.phase.halt
     expected = f"a value ≥ {halt.below}"
     require(halt.above >= halt.below, "env.phase.halt.above", expected, halt.above)
-    fixed = env.phase.step_time > 0 or halt.below > 0
-    expected = "no step_time and no halt where the clock is that of the steps of hzd"
-    require(env.action.offset != "hzd" or not fixed, "env.phase", expected, "one")
     possible = env.phase.enabled or not (env.phase.mirror or halt.below > 0)
     require(possible, "env.phase", "a clock for mirror and halt", "none")
 

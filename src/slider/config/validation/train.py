@@ -29,7 +29,6 @@ def _machine(train: TrainConfig, config: Config, key: str) -> None:
     require(precise, f"{key}.ppo.precision", expected, train.ppo.precision)
     own = {
         "numerics=portable": portable,
-        "env.action.offset=hzd": config.env.action.offset == "hzd",
         "disturbance.ground.amplitude > 0": train.disturbance.ground.amplitude > 0,
     }
     for setting, chosen in own.items():

@@ -301,7 +301,7 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
     values |= {name: np.array(value, dtype=float, order="C") for name, value in changes.items()}
     for name in ("reference_velocity", "expected_velocity"):  # those of a command long since given
         values.setdefault(name, values["command"][:, :2])
-    values["halted"] = np.asarray(changes.get("halted", np.zeros(count)), dtype=bool)
+    values["halted"] = np.array(changes.get("halted", np.zeros(count)), dtype=bool, order="C")
     view = View(
         state=state,
         nominal=np.zeros(NUM_JOINTS),

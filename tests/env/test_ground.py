@@ -14,7 +14,7 @@ from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
-from tests.env.synthetic import disturbed_physics, make_view, robot_config, stand
+from tests.env.synthetic import disturbed_physics, make_arrays, make_view, robot_config, stand
 
 AMPLITUDE = 0.03
 SETTING = f"ground.amplitude={AMPLITUDE}"

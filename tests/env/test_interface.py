@@ -271,9 +271,9 @@ def test_a_residual_action_is_about_the_gait_that_turns():
     agent.reset(np.array([0]), make_state(1), phase=0.1)
     agent.advance(make_state(1))
     assert agent.clock is not None
-    velocity = agent.reference_velocity[0]
+    velocity = agent.reference_velocity[0].numpy()
     assert 0.0 < velocity[0] < 0.4
-    expected = table.at(np.array([[*velocity, 0.2]]), agent.clock.phase)[:, :NUM_JOINTS]
+    expected = table.at(np.array([[*velocity, 0.2]]), agent.clock.phase.numpy())[:, :NUM_JOINTS]
     np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), expected, atol=1e-12)
     assert np.abs(expected[0, JOINTS.index("left_hip_yaw")]) > 0.01
 

@@ -58,7 +58,7 @@ def physical_view(mirrored: bool) -> View:
         phase = (phase + 0.5) % 1.0
     forces = rng.uniform(10.0, 200.0, (COUNT, 2))  # the random poses are in the air
     if mirrored:
-        forces = forces[:, ::-1]
+        forces = forces[:, ::-1].copy()
     physics = make_physics(COUNT)
     physics.reset(np.arange(COUNT), *pose)
     return make_view(

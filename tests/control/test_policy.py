@@ -154,7 +154,7 @@ def test_the_controller_starts_its_clock_at_zero_and_moves_it_between_calls():
 
     def network(observations: torch.Tensor) -> torch.Tensor:
         assert agent.clock is not None
-        seen_phases.append(agent.clock.phase.copy())
+        seen_phases.append(agent.clock.phase.clone())
         return torch.zeros(len(observations), 12)
 
     controller = PolicyController(network, agent)
@@ -188,7 +188,7 @@ def test_a_new_command_counts_from_the_next_observation_on():
     seen = []
 
     def network(observations: torch.Tensor) -> torch.Tensor:
-        seen.append(agent.command.copy())
+        seen.append(agent.command.clone())
         return torch.zeros(1, 12)
 
     agent = make_agent(1)

@@ -3,20 +3,22 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import torch
 
 from slider.config.compose import compose
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
+from slider.core.arrays import tensors
 from slider.env.disturbance.draws import Disturbance
 from slider.env.guide import Guide
 from slider.env.instruments import CONTACT_FORCE, Contacts
-from slider.env.interface import AgentInterface
+from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.physics import BatchedPhysics
-from slider.env.state import RobotState
-from slider.env.view import View
+from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.robot.mjcf import Actuation, nominal_qpos
@@ -183,7 +185,37 @@ def make_agent(count: int, *overrides: str) -> AgentInterface:
     """The agent of an environment; ``overrides`` are Hydra's."""
     settings = config("experiment=test", *overrides)
     table = gait_table()
-    return AgentInterface(settings.robot, settings.env, count, table.times, table.joints)
+    return ArrayAgent(settings.robot, settings.env, count, table.times, table.joints)
+
+
+def as_tensor(value: Any) -> Any:
+    """A tensor of an array or of the arrays of a state; anything else as it is."""
+    if isinstance(value, RobotState):
+        return value.tensors(FLOAT64)
+    return torch.tensor(value) if isinstance(value, np.ndarray) else value
+
+
+class ArrayAgent(AgentInterface):
+    """An agent that takes NumPy's arrays as well, so that tests are written in one library."""
+
+    def reset(self, *arguments: Any, **named: Any) -> None:
+        named = {name: as_tensor(value) for name, value in named.items()}
+        super().reset(*map(as_tensor, arguments), **named)
+
+    def set_velocity_command(self, *arguments: Any) -> None:
+        super().set_velocity_command(*map(as_tensor, arguments))
+
+    def act(self, action: Any) -> torch.Tensor:
+        return super().act(as_tensor(action))
+
+    def advance(self, state: RobotState) -> None:
+        super().advance(as_tensor(state))
+
+    def refresh_heading(self, state: RobotState) -> None:
+        super().refresh_heading(as_tensor(state))
+
+    def view(self, state: RobotState) -> View:
+        return super().view(as_tensor(state))
 
 
 def random_pose(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -209,7 +241,12 @@ def mirror_pose(qpos: np.ndarray, qvel: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def make_state(count: int, **changes: np.ndarray | list | float) -> RobotState:
-    """Robots at rest in the nominal pose, with ``changes`` of some quantities."""
+    """Robots at rest in the nominal pose, as tensors, with ``changes`` of some quantities."""
+    return make_arrays(count, **changes).tensors(FLOAT64)
+
+
+def make_arrays(count: int, **changes: np.ndarray | list | float) -> RobotState:
+    """The same as NumPy's arrays."""
     height = float(nominal_qpos(robot_config())[2])
     state = RobotState(
         base_position=np.tile([0.0, 0.0, height], (count, 1)),
@@ -261,11 +298,11 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         "filtered_velocity": np.zeros((count, 2)),
         "phase": np.zeros(count),
     }
-    values |= {name: np.asarray(value, dtype=float) for name, value in changes.items()}
+    values |= {name: np.array(value, dtype=float, order="C") for name, value in changes.items()}
     for name in ("reference_velocity", "expected_velocity"):  # those of a command long since given
         values.setdefault(name, values["command"][:, :2])
-    values["halted"] = np.asarray(changes.get("halted", np.zeros(count)), dtype=bool)
-    return View(
+    values["halted"] = np.array(changes.get("halted", np.zeros(count)), dtype=bool, order="C")
+    view = View(
         state=state,
         nominal=np.zeros(NUM_JOINTS),
         nominal_height=float(nominal_qpos(robot_config())[2]),
@@ -275,3 +312,4 @@ def make_view(state: RobotState, **changes: np.ndarray) -> View:
         scan_spacing=0.1,
         **values,
     )
+    return tensors(view, FLOAT64)

@@ -2,22 +2,29 @@
 
 import numpy as np
 import pytest
+import torch
 
 from slider.config.train import CommandConfig, CurriculumConfig, Interval
-from slider.env.commands import CommandSampler, Curriculum
+from slider.env.commands import CommandSampler, Curriculum, Random
+from slider.env.interface import FLOAT64
 
 COUNT = 20000
+
+
+@pytest.fixture
+def rng() -> Random:
+    return Random(0, FLOAT64)
 
 
 def sampler(period: float = 5.0, standing: float = 0.25) -> CommandSampler:
     ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
     curriculum = CurriculumConfig(1.0, 0.1, 0.9)
     config = CommandConfig(*ranges, period, standing, curriculum)
-    return CommandSampler(config, control_period=0.02)
+    return CommandSampler(config, control_period=0.02, like=FLOAT64)
 
 
 def test_uniform_within_the_ranges(rng):
-    commands = sampler(standing=0.0).sample(rng, COUNT)
+    commands = sampler(standing=0.0).sample(rng, COUNT).numpy()
     assert commands.shape == (COUNT, 3)
     lower, upper = np.array([0.2, -0.1, -0.5]), np.array([3.0, 0.3, 0.5])
     assert (commands >= lower).all()
@@ -29,7 +36,7 @@ def test_uniform_within_the_ranges(rng):
 
 
 def test_share_of_zero_commands(rng):
-    commands = sampler().sample(rng, COUNT)
+    commands = sampler().sample(rng, COUNT).numpy()
     standing = (commands == 0.0).all(axis=1)
     assert standing.mean() == pytest.approx(0.25, abs=0.015)
     assert (commands[~standing, 0] >= 0.2).all()
@@ -50,21 +57,23 @@ def test_period_zero_never_changes(rng):
 
 
 def test_same_seed_same_commands():
-    draws = [sampler().sample(np.random.default_rng(3), 50) for _ in range(2)]
+    draws = [sampler().sample(Random(3, FLOAT64), 50) for _ in range(2)]
     np.testing.assert_array_equal(*draws)
 
 
 def test_a_share_of_the_ranges_about_zero(rng):
-    commands = sampler(standing=0.0).sample(rng, COUNT, share=0.5)
+    commands = sampler(standing=0.0).sample(rng, COUNT, share=0.5).numpy()
     assert commands.min(axis=0) == pytest.approx([0.1, -0.05, -0.25], abs=0.01)
     assert commands.max(axis=0) == pytest.approx([1.5, 0.15, 0.25], abs=0.01)
 
 
 def test_the_share_grows_with_success_only():
-    curriculum = Curriculum(CurriculumConfig(start=0.4, growth=0.35, success=0.9), window=10)
+    curriculum = Curriculum(
+        CurriculumConfig(start=0.4, growth=0.35, success=0.9), window=10, like=FLOAT64
+    )
 
     def note(ended: int, fallen: int) -> float:
-        robots = np.arange(10)
+        robots = torch.arange(10)
         curriculum.note(robots < ended, robots < fallen)
         return curriculum.share.item()
 

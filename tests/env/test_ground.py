@@ -10,10 +10,11 @@ import numpy as np
 from slider.env import terminations
 from slider.env.disturbance.terrain import SKIN
 from slider.env.ground import FLAT, UnevenGround
+from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
-from tests.env.synthetic import disturbed_physics, make_state, make_view, robot_config, stand
+from tests.env.synthetic import disturbed_physics, make_arrays, make_view, robot_config, stand
 
 AMPLITUDE = 0.03
 SETTING = f"ground.amplitude={AMPLITUDE}"
@@ -106,9 +107,9 @@ def test_a_robot_that_leaves_the_field_goes_on_in_its_world():
 
 def test_the_scan_reads_the_ground_below_each_point():
     state = replace(
-        make_state(2, base_position=[[50.0, 20.0, 6.0], [50.0, 20.0, 6.0]], yaw=[0.0, np.pi / 2]),
+        make_arrays(2, base_position=[[50.0, 20.0, 6.0], [50.0, 20.0, 6.0]], yaw=[0.0, np.pi / 2]),
         ground=ramp(2),
-    )
+    ).tensors(FLOAT64)
     scan = height_scan(make_view(state)).reshape(2, 15, 12)
     x = 0.1 * (np.arange(15) - 7.0)
     y = 0.1 * (np.arange(12) - 5.5)
@@ -121,9 +122,9 @@ def test_the_scan_reads_the_ground_below_each_point():
 def test_base_height_and_terminations_are_about_the_ground_below():
     heights = [5.0 + 0.5, 5.0 + 0.3]
     state = replace(
-        make_state(2, base_position=[[50.0, 0.0, heights[0]], [50.0, 0.0, heights[1]]]),
+        make_arrays(2, base_position=[[50.0, 0.0, heights[0]], [50.0, 0.0, heights[1]]]),
         ground=ramp(2),
-    )
+    ).tensors(FLOAT64)
     np.testing.assert_allclose(state.base_height, [0.5, 0.3])
     np.testing.assert_array_equal(terminations.failed(state, {"base_height": 0.4}), [False, True])
     view = make_view(state)

@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from slider.core.errors import UserError
-from slider.env.interface import AgentInterface
+from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.starts import joint_range
 from slider.library.lookup import GaitTable
 from slider.robot.names import JOINTS, NUM_JOINTS
 from tests.env.synthetic import (
     PERMUTATION,
     SIGN,
+    ArrayAgent,
     config,
     gait_table,
     make_agent,
@@ -75,12 +76,12 @@ def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
     agent.refresh_heading(state)
     matrix = 0.3 * rng.standard_normal((agent.observer.size, NUM_JOINTS)) / 5
     for _ in range(10):
-        seen = agent.observe(state)
+        seen = agent.observe(state.tensors(FLOAT64)).numpy()
         np.testing.assert_allclose(seen[0], seen[1], atol=1e-4)
         physics.step(agent.act(seen[:1].astype(float).repeat(2, axis=0) @ matrix))
         state = physics.read()
         agent.advance(state)
-    assert np.abs(agent.action).max() > 0.05
+    assert agent.action.abs().max() > 0.05
     mirrored = mirror_pose(physics.qpos[1:], physics.qvel[1:])
     np.testing.assert_allclose(physics.qpos[:1], mirrored[0], atol=1e-6)
 
@@ -89,7 +90,7 @@ def test_actions_and_targets_are_clipped():
     agent = at_phase(0.1)
     clip = config("experiment=test").env.action.clip
     action = np.full((3, NUM_JOINTS), 1e6)
-    targets = agent.act(action)
+    targets = agent.act(action).numpy()
     active = [i for i in range(NUM_JOINTS) if i not in UPPER_FEET]
     np.testing.assert_array_equal(agent.action[:, active], clip)
     lower, upper = joint_range(robot_config())
@@ -175,7 +176,7 @@ def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
         risen = min(1.0, 2.0 * 0.02 * k)
         np.testing.assert_allclose(agent.reference_velocity[0], [risen, min(0.1, 0.04 * k)])
         np.testing.assert_allclose(agent.reference_velocity[1], [1.0 - risen, 0.1], atol=1e-12)
-        expected = expected + 0.02 / 0.5 * (agent.reference_velocity[0] - expected)
+        expected = expected + 0.02 / 0.5 * (agent.reference_velocity[0].numpy() - expected)
         np.testing.assert_allclose(agent.expected_velocity[0], expected, atol=1e-12)
 
 
@@ -189,7 +190,7 @@ def test_a_robot_that_lags_does_not_hold_its_reference_back():
     for _ in range(26):
         agent.advance(running)
     np.testing.assert_array_equal(agent.reference_velocity, [[0.0, 0.0]])
-    gait = gait_table().at(np.zeros((1, 3)), agent.clock.phase)[:, :NUM_JOINTS]
+    gait = gait_table().at(np.zeros((1, 3)), agent.clock.phase.numpy())[:, :NUM_JOINTS]
     np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), gait, atol=1e-12)
 
 
@@ -209,7 +210,11 @@ def test_resetting_one_robot_leaves_the_others():
     agent.reset(np.arange(2), moving, phase=0.1)
     agent.act(np.ones((2, NUM_JOINTS)))
     agent.advance(moving)
-    before = (agent.action[0].copy(), agent.filtered_velocity[0].copy(), agent.clock.phase[0])
+    before = (
+        agent.action[0].clone(),
+        agent.filtered_velocity[0].clone(),
+        agent.clock.phase[0].clone(),
+    )
     agent.reset(np.array([1]), moving, phase=0.4, velocity=np.array([[0.3, 0.1]]))
     np.testing.assert_array_equal(agent.action[0], before[0])
     np.testing.assert_array_equal(agent.filtered_velocity[0], before[1])
@@ -251,24 +256,24 @@ def test_a_residual_action_is_about_the_gait(phase):
         agent.reset(np.arange(3), make_state(3), phase=phase, velocity=command[:, :2])
     residual, nominal = agents
     expected = gait_table().at(command, np.full(3, phase))[:, :NUM_JOINTS]
-    assert np.abs(expected - nominal.nominal).max() > 0.05
+    assert np.abs(expected - nominal.nominal.numpy()).max() > 0.05
     np.testing.assert_allclose(residual.act(np.zeros((3, NUM_JOINTS))), expected, atol=1e-12)
     action = np.random.default_rng(0).uniform(-0.2, 0.2, (3, NUM_JOINTS))
-    moved = residual.act(action.copy()) - expected
+    moved = residual.act(action.copy()).numpy() - expected
     np.testing.assert_allclose(moved, nominal.act(action.copy()) - nominal.nominal, atol=1e-12)
 
 
 def test_a_residual_action_is_about_the_gait_that_turns():
     """The commanded yaw rate counts at once, the velocity on its way."""
     settings, table = config("experiment=test"), GaitTable.from_library(turning_library())
-    agent = AgentInterface(settings.robot, settings.env, 1, table.times, table.joints)
+    agent = ArrayAgent(settings.robot, settings.env, 1, table.times, table.joints)
     agent.set_velocity_command(np.array([0]), np.array([[0.4, 0.0, 0.2]]))
     agent.reset(np.array([0]), make_state(1), phase=0.1)
     agent.advance(make_state(1))
     assert agent.clock is not None
-    velocity = agent.reference_velocity[0]
+    velocity = agent.reference_velocity[0].numpy()
     assert 0.0 < velocity[0] < 0.4
-    expected = table.at(np.array([[*velocity, 0.2]]), agent.clock.phase)[:, :NUM_JOINTS]
+    expected = table.at(np.array([[*velocity, 0.2]]), agent.clock.phase.numpy())[:, :NUM_JOINTS]
     np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), expected, atol=1e-12)
     assert np.abs(expected[0, JOINTS.index("left_hip_yaw")]) > 0.01
 

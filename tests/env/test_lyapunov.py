@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh, expm, solve_continuous_are
 
-from slider.env.lyapunov import Lyapunov
+from slider.env.rewards import Lyapunov
 
 CASES = [(20.0, 2.0), (1.0, 0.0), (7.3, 11.0)]
 F, G = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])

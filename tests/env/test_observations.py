@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 
 from slider.config.env import HeightScan, ObservationConfig
 from slider.core.errors import UserError
 from slider.env.observations import TERMS, Observer
-from slider.env.view import View
+from slider.env.state import View
 from tests.env.synthetic import (
     PERMUTATION,
     SIGN,
@@ -57,7 +58,7 @@ def physical_view(mirrored: bool) -> View:
         phase = (phase + 0.5) % 1.0
     forces = rng.uniform(10.0, 200.0, (COUNT, 2))  # the random poses are in the air
     if mirrored:
-        forces = forces[:, ::-1]
+        forces = forces[:, ::-1].copy()
     physics = make_physics(COUNT)
     physics.reset(np.arange(COUNT), *pose)
     return make_view(
@@ -81,9 +82,9 @@ def test_the_papers_layout():
 def test_the_default_layout_matches_what_is_computed():
     settings = config("experiment=default").env.observation
     see = Observer(settings)
-    values = see(physical_view(False), np.zeros(COUNT, dtype=bool))
+    values = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
     assert values.shape == (COUNT, see.size)
-    assert values.dtype == np.float32
+    assert values.dtype == torch.float32
     assert see.layout["command"] == 4
     assert see.layout["joint_positions"] == 12
     assert see.size == sum(see.layout.values())
@@ -92,32 +93,32 @@ def test_the_default_layout_matches_what_is_computed():
 @pytest.mark.parametrize("name", TERMS)
 def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
     see = observer(name)
-    reflected = see(physical_view(False), np.ones(COUNT, dtype=bool))
-    plain = see(physical_view(False), np.zeros(COUNT, dtype=bool))
-    expected = see(physical_view(True), np.zeros(COUNT, dtype=bool))
+    reflected = see(physical_view(False), torch.ones(COUNT, dtype=torch.bool))
+    plain = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
+    expected = see(physical_view(True), torch.zeros(COUNT, dtype=torch.bool))
     assert reflected.shape == (COUNT, see.layout[name])
     np.testing.assert_allclose(reflected, expected, atol=1e-6)
     turned = (see.permutation != np.arange(see.size)).any() or (see.sign < 0.0).any()
     if turned and name != "height_scan":  # of flat ground
-        assert np.abs(reflected - plain).max() > 1e-2
+        assert (reflected - plain).abs().max() > 1e-2
 
 
 def test_reflecting_twice_changes_nothing():
     see = observer(*TERMS)
-    both = np.ones(COUNT, dtype=bool)
+    both = torch.ones(COUNT, dtype=torch.bool)
     there = see(physical_view(False), both)
     back = see(physical_view(True), both)
-    plain = see(physical_view(False), np.zeros(COUNT, dtype=bool))
+    plain = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
     np.testing.assert_allclose(back, plain, atol=1e-6)
-    assert np.abs(there - plain).max() > 0.1
+    assert (there - plain).abs().max() > 0.1
 
 
 def test_only_the_asked_robots_are_reflected():
     see = observer(*TERMS)
-    some = np.arange(COUNT) % 2 == 0
+    some = torch.arange(COUNT) % 2 == 0
     mixed = see(physical_view(False), some)
-    plain = see(physical_view(False), np.zeros(COUNT, dtype=bool))
-    full = see(physical_view(False), np.ones(COUNT, dtype=bool))
+    plain = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
+    full = see(physical_view(False), torch.ones(COUNT, dtype=torch.bool))
     np.testing.assert_array_equal(mixed[some], full[some])
     np.testing.assert_array_equal(mixed[~some], plain[~some])
 
@@ -132,11 +133,11 @@ def test_values_by_hand():
         expected_velocity=[[0.4, -0.1]],
         phase=[0.25],
     )
-    view = replace(view, nominal=np.full(12, 0.1))
-    nobody = np.zeros(1, dtype=bool)
+    view = replace(view, nominal=torch.full((12,), 0.1, dtype=torch.float64))
+    nobody = torch.zeros(1, dtype=torch.bool)
 
     def seen(name: str) -> np.ndarray:
-        return observer(name)(view, nobody)[0]
+        return observer(name)(view, nobody)[0].numpy()
 
     np.testing.assert_allclose(seen("target_linear_velocity"), [0.5, -0.1, 0.0])
     np.testing.assert_allclose(seen("target_angular_velocity"), [0.0, 0.0, 0.2])
@@ -148,7 +149,7 @@ def test_values_by_hand():
     np.testing.assert_allclose(seen("height_scan"), np.full(180, 0.7), atol=1e-7)
     np.testing.assert_allclose(seen("phase"), [1.0, 0.0], atol=1e-7)
     assert seen("velocity_error") == pytest.approx(np.tanh([-2.0, 0.5]))  # at rest
-    halted = observer("phase")(replace(view, halted=np.ones(1, dtype=bool)), nobody)
+    halted = observer("phase")(replace(view, halted=torch.ones(1, dtype=torch.bool)), nobody)
     np.testing.assert_array_equal(halted, [[0.0, 0.0]])
     np.testing.assert_allclose(seen("projected_gravity"), [0.0, 0.0, -1.0])
 
@@ -156,7 +157,7 @@ def test_values_by_hand():
 def test_scale_then_clip():
     view = make_view(make_state(1, joint_velocities=np.linspace(-30, 30, 12)))
     see = observer("joint_velocities", scale=0.5, clip=10.0)
-    values = see(view, np.zeros(1, dtype=bool))
+    values = see(view, torch.zeros(1, dtype=torch.bool))
     expected = np.clip(0.5 * np.linspace(-30, 30, 12), -10, 10)
     np.testing.assert_allclose(values[0], expected, rtol=1e-6)
 

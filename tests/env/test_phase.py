@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import torch
 
 from slider.config.env import HaltConfig
+from slider.env.interface import FLOAT64
 from slider.env.phase import Clock, standing
 from tests.env.synthetic import STEP_TIME, gait_table
 
@@ -12,9 +14,13 @@ NEVER, HALT = HaltConfig(0.0, 0.0), HaltConfig(0.2, 0.4)
 STAND, GO = [0.0, 0.0, 0.0, 0.3], [0.1, 0.0, 0.0, 0.0]  # a heading error is no command
 
 
+def tensor(row: list[float]) -> torch.Tensor:
+    return FLOAT64.new_tensor([row])
+
+
 def make_clock(halt: HaltConfig, start: float = 0.0, speed: float = 1.0) -> Clock:
-    clock = Clock(gait_table().times, PERIOD, 1, halt)
-    clock.reset(np.arange(1), start, np.array([STAND]), np.array([speed]))
+    clock = Clock(gait_table().times, PERIOD, 1, halt, FLOAT64)
+    clock.reset(slice(None), start, tensor(STAND), torch.tensor([speed]))
     return clock
 
 
@@ -23,10 +29,9 @@ def run(
 ) -> np.ndarray:
     phases = []
     for _ in range(steps):
-        clock.advance(
-            np.array([command]), np.array([command[:2]]), np.array([mean_speed]), np.array([speed])
-        )
-        phases.append(clock.phase[0])
+        speeds = (FLOAT64.new_tensor([value]) for value in (mean_speed, speed))
+        clock.advance(tensor(command), tensor(command[:2]), *speeds)
+        phases.append(clock.phase[0].item())
     return np.array(phases)
 
 
@@ -85,7 +90,7 @@ def test_a_start_at_a_change_of_feet_may_stand_at_once():
     assert not make_clock(HALT, 0.0, speed=0.3).halted[0]
     assert not make_clock(NEVER, 0.0, speed=0.0).halted[0]
     walking = make_clock(HALT, 0.0, speed=0.0)
-    walking.reset(np.arange(1), 0.0, np.array([GO]), np.zeros(1))
+    walking.reset(slice(None), 0.0, tensor(GO), torch.zeros(1))
     assert not walking.halted[0]
 
 

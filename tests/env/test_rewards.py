@@ -7,7 +7,7 @@ from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
 from slider.env.guide import Guide, observed_channels
 from slider.env.rewards import TERMS, Reward, RewardView
-from slider.env.view import View
+from slider.env.state import View
 from slider.library.lookup import GaitTable
 from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
 from tests.env.synthetic import (

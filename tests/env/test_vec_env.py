@@ -11,8 +11,8 @@ from slider.config.train import TrainConfig
 from slider.core.errors import UserError
 from slider.env.declaration import Needs
 from slider.env.guide import Guide
-from slider.env.lyapunov import Lyapunov
-from slider.env.rewards import Reward, RewardView
+from slider.env.interface import FLOAT64
+from slider.env.rewards import Lyapunov, Reward, RewardView
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.library.lookup import GaitTable
@@ -192,7 +192,7 @@ def test_starts_on_the_reference(share, spread):
     state, command = env.physics.read(), env.agent.command
     clock = env.agent.clock
     assert clock is not None
-    reference = gait_table().at(command[:, :3], clock.phase)
+    reference = gait_table().at(command[:, :3].numpy(), clock.phase.numpy())
     if not spread:
         np.testing.assert_allclose(state.joint_positions, 0.0, atol=1e-12)
         np.testing.assert_allclose(state.heading_velocity, 0.0, atol=1e-12)
@@ -227,7 +227,7 @@ def test_on_the_gait_robots_head_along_its_course_and_at_rest_where_they_look(sh
 
     def turned(*arguments):
         qpos, qvel = straight(*arguments)
-        qpos[:, 3:7] = [np.cos(0.04), 0.0, 0.0, np.sin(0.04)]
+        qpos[:, 3:7] = torch.tensor([np.cos(0.04), 0.0, 0.0, np.sin(0.04)])
         return qpos, qvel
 
     guide.states = turned  # type: ignore[method-assign]
@@ -267,10 +267,10 @@ def test_commands_are_seen_and_change():
         "train.walking.commands.standing_fraction=0.0",
     )
     env = build(whole)
-    before = env.agent.command[:, :3].copy()
+    before = env.agent.command[:, :3].numpy().copy()
     for _ in range(40):
         env.step(torch.zeros(NUM_ENVS, 12))
-    after = env.agent.command[:, :3]
+    after = env.agent.command[:, :3].numpy()
     limits = whole.train.walking.commands.vx
     assert (before != after).any(axis=1).mean() > 0.5
     assert ((after[:, 0] >= limits.lower) & (after[:, 0] <= limits.upper)).all()
@@ -295,7 +295,7 @@ def test_what_is_observed_is_the_state_after_the_resets():
         _, _, done, _ = env.step(torch.zeros(env.num_envs, 12))
         fallen += int(done.sum())
         fresh = env.physics.read()
-        expected = env.agent.observe(fresh)
+        expected = env.agent.observe(fresh.tensors(FLOAT64))
         np.testing.assert_array_equal(env.get_observations()["policy"].numpy(), expected)
     assert fallen >= 40
 
@@ -321,7 +321,7 @@ def test_the_low_passed_velocity_is_that_of_what_is_measured():
     )
     gain = env.cfg.observation.filter_gain(env.cfg.control_period)
     for _ in range(3):
-        before = env.agent.filtered_velocity.copy()
+        before = env.agent.filtered_velocity.numpy().copy()
         _, _, done, _ = env.step(torch.zeros(NUM_ENVS, 12))
         on, state = done.numpy() == 0, env.physics.read()
         assert on.any()
@@ -370,7 +370,7 @@ def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     env = WalkingEnv(task)
     command, yaw = env.agent.command, env.physics.read().yaw
     assert env.agent.clock is not None
-    expected = guide.course(command[:, :3], env.agent.clock.phase)
+    expected = guide.course(command[:, :3], env.agent.clock.phase).numpy()
     np.testing.assert_allclose(yaw, expected, atol=1e-4)  # attitudes are blended as quaternions
     np.testing.assert_allclose(command[:, 3], expected - yaw, atol=1e-9)
     assert np.ptp(yaw) > 0.05
@@ -381,7 +381,7 @@ def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
     for _ in range(5):
         _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
         assert not done.any()
-        error = np.abs(env.agent.filtered_velocity[:, 0] - env.agent.command[:, 0])
+        error = (env.agent.filtered_velocity[:, 0] - env.agent.command[:, 0]).abs().numpy()
         assert extras["log"]["/episode/speed_error"] == pytest.approx(error.mean())
     assert error.mean() > 0.01
 
@@ -389,7 +389,7 @@ def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
 class Watched(Reward):
     """A reward that keeps what it saw and gave."""
 
-    def __call__(self, r: RewardView, fell: np.ndarray) -> tuple[np.ndarray, dict]:
+    def __call__(self, r: RewardView, fell: torch.Tensor) -> tuple[torch.Tensor, dict]:
         self.seen, result = r, super().__call__(r, fell)
         self.parts = result[1]
         return result
@@ -409,7 +409,7 @@ def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset():
         if step == 30:
             env.physics.qpos[2, 2] = 0.2  # falls
         _, _, done, _ = env.step(actions("random", generator))
-        value = clf.value(reward.seen.outputs)
+        value = clf.value(reward.seen.outputs).numpy()
         violation = np.clip(((value - before) / 0.02 + decay * value) / scale, 0.0, 1.0)
         expected = term.weight * np.where(started, 0.0, violation)
         np.testing.assert_allclose(reward.parts["clf_decrease"], expected, rtol=1e-9, atol=1e-12)
@@ -421,6 +421,6 @@ def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset():
 
 def test_errors_are_kept_only_for_terms_that_look_back():
     env = build(settings("experiment=test"))
-    assert Needs.PAST not in env._reward.needs
+    assert Needs.HISTORY not in env._reward.needs
     env.step(torch.zeros(NUM_ENVS, 12))
     assert np.isinf(env._outputs).all()

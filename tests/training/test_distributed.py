@@ -18,9 +18,9 @@ from slider.training.trainer import Trainer
 from tests.training.test_trainer import actor, same, task
 
 pytest.importorskip("mujoco_warp", reason="no extra gpu")
-from slider.training.warp import build_physics
+from slider.env.warp.physics import WarpPhysics
 
-SIMULATE = partial(build_physics, "cpu")
+SIMULATE = partial(WarpPhysics, device="cpu")
 
 
 def of_processors(runner: OnPolicyRunner) -> None:

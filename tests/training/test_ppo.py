@@ -54,7 +54,7 @@ def test_a_training_logs_once_per_iteration_and_once_per_check(tmp_path):
 def test_our_settings_in_rsl_rls_words():
     """Every value of the paper's configuration arrives where rsl-rl looks for it."""
     train = config("experiment=paper", "train.walking.ppo.precision=float32").train.walking
-    settings = runner_config(train, NoTracker(), [], threads=2)
+    settings = runner_config(train, NoTracker(), [])
     own, network = train.ppo, train.network
     model = {
         "class_name": "MLPModel",
@@ -93,7 +93,6 @@ def test_our_settings_in_rsl_rls_words():
         "max_grad_norm": own.max_grad_norm,
         "use_mixed_precision": False,
         "symmetry_cfg": None,
-        "threads": 2,
     }
 
 

@@ -47,7 +47,6 @@ def library(tmp_path_factory) -> Path:
         ((*ALONE, "env/phase=clock"), True, True),
         ((*ALONE, "env/phase=none"), False, False),
         ((*ALONE, "env.action.offset=gait"), True, True),
-        ((*ALONE, "env/phase=clock", "env.action.offset=hzd"), True, True),
         (("env=paper", "train/standing=paper", "train/walking=paper"), False, True),
     ],
 )

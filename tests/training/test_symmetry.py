@@ -5,8 +5,10 @@ import pytest
 import torch
 from tensordict import TensorDict
 
+from slider.core.job import NoTracker
+from slider.env.interface import FLOAT64
 from slider.env.task import Task
-from slider.training.symmetry import symmetry_config, with_reflections
+from slider.training.ppo import runner_config, with_reflections
 from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
 from tests.training.test_trainer import TINY, Run, actor, job, same
@@ -34,11 +36,12 @@ def test_reflections_follow_the_originals(tmp_path):
     env.physics.reset(index, *both)
     command = np.tile([0.4, 0.05, 0.1], (env.num_envs, 1))
     command[half:] *= [1, -1, -1]
-    env.agent.set_velocity_command(index, command)
-    phase = np.linspace(0.1, 0.4, half)
-    env.agent.reset(index, env.physics.read(), np.concatenate([phase, phase + 0.5]))
-    env.agent.refresh_heading(env.physics.read())
-    values = torch.from_numpy(env.agent.observe(env.physics.read()))
+    state = env.physics.read().tensors(FLOAT64)
+    env.agent.set_velocity_command(index, torch.tensor(command))
+    phase = torch.linspace(0.1, 0.4, half)
+    env.agent.reset(index, state, torch.cat([phase, phase + 0.5]).double())
+    env.agent.refresh_heading(state)
+    values = env.agent.observe(state)
     seen = TensorDict({"policy": values}, batch_size=[env.num_envs])
     action = torch.randn(half, 12)
     observations, actions = with_reflections(env, seen[:half], action)
@@ -52,7 +55,8 @@ def test_reflections_follow_the_originals(tmp_path):
 
 
 def test_it_is_off_by_default():
-    assert symmetry_config(config(*TINY).train.walking.ppo) is None
+    settings = runner_config(config(*TINY).train.walking, NoTracker(), [])
+    assert settings["algorithm"]["symmetry_cfg"] is None
 
 
 @pytest.mark.parametrize("kind", ["augmentation", "loss"])

@@ -9,19 +9,20 @@ from slider.config.convert import to_dict
 from slider.control import POLICY_FILE
 from slider.control.policy_file import load_policy
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.task import task_of
 from slider.evaluation import stage as evaluation
+from slider.library.reader import STORE
 from slider.training.results import CURVE
 from slider.training.selection import Selector
-from slider.training.stage import task
+from slider.training.stage import run_walking
 from tests.env.synthetic import config
-from tests.env.test_libraries import NoWaiting
 from tests.library.gaits import write_store
 from tests.training.test_stage import section
 from tests.training.test_trainer import TINY
 
 pytest.importorskip("mujoco_warp", reason="no extra gpu")
+
 from slider.env.vec_env import WalkingEnv
-from slider.training.warp import run_walking
 
 WARP = (
     "train.walking.simulator=mujoco_warp",
@@ -41,13 +42,12 @@ def train(work: Path, inputs: Inputs, iterations: int) -> tuple[Path, Job, Summa
 
 
 def test_a_policy_of_warp_is_resumed_and_evaluated_as_any_other(tmp_path, monkeypatch):
-    """Robots that vary and are pushed; all is computed with tensors, and no step waits."""
+    """Robots that vary and are pushed; all is computed with tensors."""
     seen, real = [], WalkingEnv.step
 
     def step(env: WalkingEnv, actions: torch.Tensor) -> tuple:
         seen.append(env.agent.command)
-        with NoWaiting():
-            return real(env, actions)
+        return real(env, actions)
 
     monkeypatch.setattr(WalkingEnv, "step", step)
     inputs = {"library": [write_store(tmp_path / "library", [(0.0, 0.0), (0.5, 0.0)]).parent]}
@@ -61,7 +61,9 @@ def test_a_policy_of_warp_is_resumed_and_evaluated_as_any_other(tmp_path, monkey
     assert [row.split(",")[0] for row in after[1:]] == ["0", "1"]
     assert [command.dtype for command in seen] == 8 * [torch.float32]
     policy = load_policy(out / POLICY_FILE).network
-    assert Selector(task(settings(2), inputs, True), 1).score(policy).value == facts["value"]
+    whole, store = config(*TINY, *WARP, "train.walking.iterations=2"), inputs["library"][0] / STORE
+    task = task_of(whole.robot, whole.env, whole.train.walking, store)
+    assert Selector(task, 1).score(policy).value == facts["value"]
     own = settings(2) | {"controller": "policy", "command": 0.2}
     own["evaluation"] = to_dict(config(*TINY, "evaluation.duration=0.4").evaluation)
     (tmp_path / "evaluated").mkdir()

@@ -20,7 +20,6 @@ import time
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -170,10 +169,11 @@ class Bench:
 
         from slider.env.vec_env import WalkingEnv
         from slider.robot.names import NUM_JOINTS
-        from slider.training.beside import set_up_thread
         from slider.training.distributed import device_of
+        from slider.training.stage import simulator
+        from slider.training.trainer import set_up_torch
 
-        set_up_thread()
+        set_up_torch()
         torch.manual_seed(task.train.seed)
         self._task, self._threads, self._work = task, threads, work
         self._device = device_of(task.train.device)
@@ -181,14 +181,9 @@ class Bench:
         noise = task.train.network.initial_std * torch.randn(shape)
         self._actions = noise.to(self._device)
         self.recorded: list[Any] = []
-        if task.train.simulator == "mujoco_warp":
-            from slider.training.warp import build_physics
-
-            self.env = WalkingEnv(task, threads, partial(build_physics, task.train.device))
-            self.bare = self._bare_warp()
-        else:
-            self.env = WalkingEnv(task, threads)
-            self.bare = self._bare_mujoco()
+        self.env = WalkingEnv(task, threads, simulator(task.train))
+        with_warp = task.train.simulator == "mujoco_warp"
+        self.bare = self._bare_warp() if with_warp else self._bare_mujoco()
 
     def _bare_warp(self) -> Callable[[], int]:
         simulation = self.env.physics.simulation
@@ -279,7 +274,7 @@ class Bench:
         from slider.training.ppo import runner_config
 
         train = self._task.train
-        config = runner_config(train, NoTracker(), [], self._threads)
+        config = runner_config(train, NoTracker(), [])
         with contextlib.redirect_stdout(io.StringIO()):
             runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device=self._device)
         runner.save = lambda *_, **__: None  # a training saves once in many iterations

@@ -12,8 +12,10 @@ from slider.config.robot import RobotConfig
 from slider.control.policy_file import Policy
 from slider.core.errors import UserError
 from slider.core.files import flatten
-from slider.env.interface import AgentInterface
+from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.state import RobotState
+
+_ALL = slice(None)  # robots
 
 
 class PolicyController:
@@ -30,14 +32,14 @@ class PolicyController:
         self._network = network
         self.agent = agent
         self._started = False
-        self._robots = np.arange(agent.num_robots)
         self._velocity = np.zeros((agent.num_robots, 3))
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start with clocks at zero (left stance), commanded to ``velocity`` (N, 3)."""
         self.command(velocity)
-        self.agent.set_velocity_command(self._robots, velocity)
-        self.agent.reset(self._robots, state)
+        state = state.tensors(FLOAT64)
+        self.agent.set_velocity_command(_ALL, torch.tensor(velocity))
+        self.agent.reset(_ALL, state)
         self.agent.refresh_heading(state)
         self._started = False
 
@@ -47,13 +49,14 @@ class PolicyController:
 
     def control(self, state: RobotState) -> np.ndarray:
         """Desired joint positions (N, 12) [rad or m], once per control period."""
+        state = state.tensors(FLOAT64)
         if self._started:
             self.agent.advance(state)  # with the velocity of the period that is over
-            self.agent.set_velocity_command(self._robots, self._velocity)
+            self.agent.set_velocity_command(_ALL, torch.tensor(self._velocity))
         with torch.inference_mode():
-            actions = self._network(torch.from_numpy(self.agent.observe(state)))
+            actions = self._network(self.agent.observe(state))
         self._started = True
-        return self.agent.act(actions.numpy().astype(np.float64))
+        return self.agent.act(actions).numpy()
 
 
 def agent_of(policy: Policy, robot: RobotConfig, env: EnvConfig, count: int) -> AgentInterface:

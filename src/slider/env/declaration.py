@@ -19,7 +19,7 @@ class Needs(Flag):
     NOTHING = 0
     CLOCK = auto()
     LIBRARY = auto()
-    PAST = auto()
+    HISTORY = auto()
 
 
 @dataclass(frozen=True)

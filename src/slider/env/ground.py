@@ -56,7 +56,8 @@ class UnevenGround:
         shape = (len(points),) + (1,) * (points.ndim - 2) + (2,)
         scaled = (points - self.offset.reshape(shape)) / self.cell
         xp = namespace(scaled)
-        place, share = xp.astype(xp.floor(scaled), xp.int64), scaled - xp.floor(scaled)
+        below = xp.floor(scaled)
+        place, share = xp.asarray(below, dtype=xp.int64), scaled - below
         column, row, x, y = place[..., 0], place[..., 1], share[..., 0], share[..., 1]
         a, b = self._at(row, column), self._at(row, column + 1)
         c, d = self._at(row + 1, column), self._at(row + 1, column + 1)

@@ -1,9 +1,11 @@
 """The gait library as a guide: the reference at a phase, or the nearest sample."""
 
 import numpy as np
+import torch
 
-from slider.core.arrays import Array, asarray, beside, namespace, zeros
-from slider.env.view import View
+from slider.core.arrays import Array, tensors
+from slider.env.interface import FLOAT64
+from slider.env.state import View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES
@@ -15,9 +17,7 @@ _HIP_YAWS = [JOINTS.index(f"{side}_hip_yaw") for side in SIDES]
 def observed_channels(view: View) -> Array:
     """Ô of eq. 3: joint positions, joint velocities, forward and leftward velocity (N, 26)."""
     state = view.state
-    return namespace(state.yaw).concat(
-        [state.joint_positions, state.joint_velocities, state.heading_velocity], axis=1
-    )
+    return torch.cat([state.joint_positions, state.joint_velocities, state.heading_velocity], dim=1)
 
 
 class Guide:
@@ -28,25 +28,29 @@ class Guide:
     (``nearest_distance``).
     """
 
-    def __init__(self, library: GaitLibrary, table: GaitTable, gait: str = "interpolated") -> None:
-        self._library = library
-        self._table = table
-        self._gait, self._nearest = gait, gait == "nearest"
-        xp = namespace(table.reference)
-        samples = xp.astype(asarray(library.samples, table.reference), xp.float32)
-        self._samples = samples
-        self._active = asarray(np.flatnonzero(~_PASSIVE), samples)
-        self._commands = asarray(library.commands, table.reference)
+    def __init__(
+        self,
+        library: GaitLibrary,
+        table: GaitTable,
+        gait: str = "interpolated",
+        like: torch.Tensor = FLOAT64,
+    ) -> None:
+        self._library, self._arrays, self._nearest = library, table, gait == "nearest"
+        self._gait, self._like = gait, like
+        self._table = tensors(table, like)
+        self._samples = torch.asarray(library.samples, dtype=torch.float32, device=like.device)
+        self._active = torch.asarray(np.flatnonzero(~_PASSIVE), device=like.device)
+        self._velocities = torch.asarray(library.commands, dtype=like.dtype, device=like.device)
         self._norms = {
-            False: (samples**2).sum(axis=2),
-            True: (samples[:, :, self._active] ** 2).sum(axis=2),
+            False: (self._samples**2).sum(dim=2),
+            True: (self._samples[:, :, self._active] ** 2).sum(dim=2),
         }
 
-    def beside(self, like: Array) -> "Guide":
-        """The same guide with its arrays beside ``like``."""
-        if isinstance(like, np.ndarray):
+    def on(self, like: torch.Tensor) -> "Guide":
+        """The same guide in the precision and on the device of ``like``."""
+        if (like.device, like.dtype) == (self._like.device, self._like.dtype):
             return self
-        return Guide(self._library, beside(self._table, like), self._gait)
+        return Guide(self._library, self._arrays, self._gait, like)
 
     def at_phase(self, view: View) -> Array:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
@@ -55,16 +59,14 @@ class Guide:
         """
         command = view.reference_command
         if self._nearest:
-            command = self._commands[self._nearest_gait(command)]
+            command = self._velocities[self._nearest_gait(command)]
         reference = self._table.at(command, view.phase)
-        return namespace(reference).where(view.halted[:, None], self._table.standing, reference)
+        return self._table.standing.where(view.halted[:, None], reference)
 
     def _nearest_gait(self, command: Array) -> Array:
         """Index (N,) of the gait nearest to each command (N, 3)."""
-        if isinstance(command, np.ndarray):
-            return self._library.nearest(command)  # a tree, by the same distance
-        away = command[:, None] - self._commands
-        return namespace(command).argmin((away**2).sum(axis=2), axis=1)
+        away = command[:, None] - self._velocities
+        return (away**2).sum(dim=2).argmin(dim=1)
 
     def turn(self, view: View) -> Array:
         """What a commanded yaw rate adds to the joints of the gait (N, 12) [rad].
@@ -77,8 +79,8 @@ class Guide:
         progress = (2.0 * view.phase) % 1.0
         missing = command[:, 2] - times.inside(command)[:, 2]
         stance = missing * times.at(command) * (0.5 - progress)
-        left = namespace(stance).where(view.phase < 0.5, stance, -stance)
-        result = zeros((len(left), NUM_JOINTS), left)
+        left = stance.where(view.phase < 0.5, -stance)
+        result = left.new_zeros(len(left), NUM_JOINTS)
         result[:, _HIP_YAWS[0]], result[:, _HIP_YAWS[1]] = left, -left
         return result
 
@@ -89,10 +91,9 @@ class Guide:
         """
         reference = self._table.at(command, phase)
         joints, base = reference[:, : 2 * NUM_JOINTS], reference[:, NUM_CHANNELS:]
-        xp = namespace(reference)
-        qpos = xp.concat([base[:, :7], joints[:, :NUM_JOINTS]], axis=1)
+        qpos = torch.cat([base[:, :7], joints[:, :NUM_JOINTS]], dim=1)
         qpos[:, :2] = 0.0
-        return qpos, xp.concat([base[:, 7:13], joints[:, NUM_JOINTS:]], axis=1)
+        return qpos, torch.cat([base[:, 7:13], joints[:, NUM_JOINTS:]], dim=1)
 
     def course(self, command: Array, phase: Array) -> Array:
         """Heading (n,) [rad] of the walks of :meth:`states`; their bases' yaw swings about it."""
@@ -106,16 +107,14 @@ class Guide:
             view: N robots.
             masked: leave the passive channels out.
         """
-        xp = namespace(view.state.yaw)
-        observed = xp.astype(observed_channels(view), xp.float32)
+        observed = observed_channels(view).to(torch.float32)
         samples, norms = self._samples_for(view, masked)
         if masked:
             observed, samples = observed[:, self._active], samples[:, :, self._active]
         # ‖o − g‖² = ‖o‖² − 2 o·g + ‖g‖², which needs no (N, 42, 26) difference.
-        product = xp.einsum("nk,nsk->ns", observed, samples)
-        square = (observed**2).sum(axis=1)[:, None] - 2.0 * product + norms
-        least = xp.min(square, axis=1).clip(min=0.0)
-        return xp.astype(xp.sqrt(least), view.state.yaw.dtype)
+        product = torch.einsum("nk,nsk->ns", observed, samples)
+        square = (observed**2).sum(dim=1)[:, None] - 2.0 * product + norms
+        return square.amin(dim=1).clip(min=0.0).sqrt().to(view.state.yaw.dtype)
 
     def _samples_for(self, view: View, masked: bool) -> tuple[Array, Array]:
         """Samples (N, S, 26) of the robots' gaits and their squared norms (N, S)."""
@@ -123,7 +122,6 @@ class Guide:
         if self._nearest:
             gait = self._nearest_gait(command)
             return self._samples[gait], self._norms[masked][gait]
-        xp = namespace(command)
-        samples = xp.astype(self._table.channels(command), xp.float32)
+        samples = self._table.channels(command).to(torch.float32)
         counted = samples[:, :, self._active] if masked else samples
-        return samples, (counted**2).sum(axis=2)
+        return samples, (counted**2).sum(dim=2)

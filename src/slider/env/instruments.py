@@ -70,7 +70,7 @@ def join(parts: Sequence[Contacts]) -> Contacts:
     return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
-def down(forces: np.ndarray, timestep: float) -> np.ndarray:
+def in_contact(forces: np.ndarray, timestep: float) -> np.ndarray:
     """Which feet are on the ground (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
 
     Bounces are left out: neither gaps of less than ``LIFT_TIME`` count nor, after that, contacts of
@@ -83,9 +83,9 @@ def down(forces: np.ndarray, timestep: float) -> np.ndarray:
 def touchdowns(forces: np.ndarray, timestep: float) -> np.ndarray:
     """Where a foot comes down (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
 
-    Bounces are left out; see :func:`down`. A foot that is down at first does not come down.
+    Bounces are left out; see :func:`in_contact`. A foot that is down at first does not come down.
     """
-    return landings(down(forces, timestep))
+    return landings(in_contact(forces, timestep))
 
 
 def landings(contact: np.ndarray) -> np.ndarray:

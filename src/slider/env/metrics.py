@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slider.env.instruments import CONTACT_FORCE, Contacts, down, landings
+from slider.env.instruments import CONTACT_FORCE, Contacts, in_contact, landings
 from slider.env.rollout import Recording
 from slider.robot.kinematics import turn_to_heading
 
@@ -61,7 +61,7 @@ class GaitQuality:
 
     Attributes:
         flight: share of time with no foot on the ground, bounces left out; see
-            :func:`slider.env.instruments.down`.
+            :func:`slider.env.instruments.in_contact`.
         double_support: share of time with both feet on the ground, likewise.
         touchdown_rate: touchdowns per second, both feet, likewise.
         alternation: share of touchdowns that follow one of the other foot; two feet that touch down
@@ -104,7 +104,7 @@ class GaitQuality:
 def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     """Quality of the gait: contacts at every simulation step, motion at every control step."""
     step, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
-    contact = down(recording.contacts.forces, recording.timestep)
+    contact = in_contact(recording.contacts.forces, recording.timestep)
     numbers = (
         _support(recording, contact, tick)
         | _stepping(recording, contact, tick)

@@ -12,9 +12,9 @@ from typing import Any, Literal
 import numpy as np
 
 from slider.config.env import ObservationConfig
-from slider.core.arrays import Array, constant, namespace
+from slider.core.arrays import Array, asarray, namespace
 from slider.env.declaration import Function, Needs, Term, check_names, register
-from slider.env.view import View
+from slider.env.state import View
 from slider.robot.kinematics import turn_to_heading
 from slider.robot.names import CHANNEL_UNITS, JOINTS, MIRROR_PERMUTATION, MIRROR_SIGN, NUM_JOINTS
 
@@ -100,8 +100,8 @@ def base_linear_velocity(view: View) -> Array:
 @observation(("vx", "vy", "0"), "m/s", "heading", _POLAR)
 def target_linear_velocity(view: View) -> Array:
     """Commanded velocity, and 0."""
-    xp, velocity = namespace(view.command), view.command[:, :2]
-    return xp.concat([velocity, xp.zeros_like(velocity[:, :1])], axis=1)
+    velocity = view.command[:, :2]
+    return _side_by_side(velocity, 0.0 * velocity[:, :1])
 
 
 @observation(_XYZ, "rad/s", "base", _AXIAL)
@@ -113,8 +113,7 @@ def base_angular_velocity(view: View) -> Array:
 @observation(("0", "0", "yaw_rate"), "rad/s", "base", _AXIAL)
 def target_angular_velocity(view: View) -> Array:
     """0, 0 and the commanded yaw rate."""
-    xp, rate = namespace(view.command), view.command[:, 2:3]
-    return xp.concat([xp.zeros_like(view.command[:, :2]), rate], axis=1)
+    return _side_by_side(0.0 * view.command[:, :2], view.command[:, 2:3])
 
 
 @observation(_XYZ, "-", "base", _POLAR)
@@ -196,15 +195,14 @@ def velocity_error(view: View) -> Array:
     in one number: networks find small differences of large inputs late.
     """
     error = view.filtered_velocity - view.expected_velocity
-    return namespace(error).tanh(error / VELOCITY_ERROR_RANGE)
+    return (error / VELOCITY_ERROR_RANGE).tanh()
 
 
 @observation(("sin", "cos"), "-", "none", Mirror.of(-1.0, -1.0), Needs.CLOCK)
 def phase(view: View) -> Array:
     """Sine and cosine of 2 pi times the clock; 0, 0 when halted."""
     angle = 2.0 * np.pi * view.phase  # half a walk later the other leg is in stance: signs flip
-    xp = namespace(angle)
-    return xp.stack([xp.sin(angle), xp.cos(angle)], axis=1) * ~view.halted[:, None]
+    return _side_by_side(angle.sin()[:, None], angle.cos()[:, None]) * ~view.halted[:, None]
 
 
 def _mirrored_grid(config: ObservationConfig) -> Mirror:
@@ -221,10 +219,10 @@ def height_scan(view: View) -> Array:
     """
     state, (nx, ny) = view.state, view.scan_points
     if state.ground.flat:
-        return namespace(state.yaw).tile(state.base_position[:, 2:3], (1, nx * ny))
+        return state.base_position[:, 2:3].expand(-1, nx * ny)
     grid = [view.scan_spacing * (np.arange(n) - 0.5 * (n - 1)) for n in (nx, ny)]
     x, y = (values.ravel() for values in np.meshgrid(*grid, indexing="ij"))
-    grid = constant(np.stack([x, y], axis=-1), state.yaw)
+    grid = asarray(np.stack([x, y], axis=-1), state.yaw)
     points = turn_to_heading(grid, -state.yaw[:, None]) + state.base_position[:, None, :2]
     return state.base_position[:, 2:3] - state.ground.height(points)
 
@@ -254,13 +252,15 @@ class Observer:
     def __call__(self, view: View, mirrored: Array) -> Array:
         """Observations (N, size) float32; those of ``mirrored`` (N,) robots are reflected."""
         parts = [function(view) * scale for function, scale in self._terms]
-        xp = namespace(*parts)
-        values = reflect(xp.concat(parts, axis=1), mirrored, self.permutation, self.sign)
-        return xp.astype(values.clip(-self._clip, self._clip), xp.float32)
+        values = reflect(_side_by_side(*parts), mirrored, self.permutation, self.sign)
+        return values.clip(-self._clip, self._clip).float()
+
+
+def _side_by_side(*parts: Array) -> Array:
+    return namespace(parts[0]).concat(parts, dim=1)
 
 
 def reflect(values: Array, mirrored: Array, permutation: np.ndarray, sign: np.ndarray) -> Array:
     """Values (N, K), with those of ``mirrored`` (N,) robots reflected."""
-    xp = namespace(values)
-    reflected = xp.take(values, constant(permutation, values), axis=1) * constant(sign, values)
-    return xp.where(mirrored[:, None], reflected, values)
+    reflected = values[:, permutation] * asarray(sign, values)
+    return reflected.where(mirrored[:, None], values)

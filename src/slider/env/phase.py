@@ -3,10 +3,11 @@
 from typing import TYPE_CHECKING
 
 from slider.config.env import HaltConfig
-from slider.core.arrays import NUMPY, Array, beside, namespace, put, rows, zeros
+from slider.core.arrays import Array, namespace, tensors
 
 if TYPE_CHECKING:
-    from slider.env.underlying import UnderlyingController
+    import torch
+
     from slider.library.lookup import StepTimes
 
 
@@ -23,7 +24,7 @@ class Clock:
         period: of a control step [s].
         num_robots: N.
         halt: of the clock at zero command.
-        like: an array of the library and on the device of the clock.
+        like: a tensor of the precision and on the device of the clock.
 
     Attributes:
         phase: (N,).
@@ -36,22 +37,22 @@ class Clock:
         period: float,
         num_robots: int,
         halt: HaltConfig,
-        like: Array = NUMPY,
+        like: "torch.Tensor",
     ) -> None:
-        self._times = beside(times, like)
+        self._times = tensors(times, like)
         self._period = period
         self._halt = halt
-        self.phase = zeros(num_robots, like)
-        self.halted = zeros(num_robots, like, namespace(like).bool)
+        self.phase = like.new_zeros(num_robots)
+        self.halted = self.phase > 0
 
     def reset(self, index: Array, phase: Array | float, command: Array, speed: Array) -> None:
         """Set the phases (n,) of robots ``index``, with commands (n, ≥ 3) and speeds (n,) [m/s].
 
         Those commanded to stand are halted at once where the phase is a change of feet.
         """
-        put(self.phase, index, phase)
-        change = (2.0 * rows(self.phase, index)) % 1.0 == 0.0
-        put(self.halted, index, change & standing(command) & (speed < self._halt.below))
+        self.phase[index] = phase
+        change = (2.0 * self.phase[index]) % 1.0 == 0.0
+        self.halted[index] = change & standing(command) & (speed < self._halt.below)
 
     def advance(self, command: Array, reference: Array, mean_speed: Array, speed: Array) -> None:
         """Move on by one control period at the step times of the gaits in use.
@@ -61,13 +62,13 @@ class Clock:
             reference: velocities (N, 2) [m/s]; the yaw rate is the commanded one.
             mean_speed, speed: of the base, low-passed and now (N,) [m/s].
         """
-        xp, step_time = namespace(command), self._times.at(gait_command(reference, command))
+        step_time = self._times.at(gait_command(reference, command))
         phase = self.phase + self._period / (2.0 * step_time)
         if self.halts:
-            change = xp.ceil(2.0 * self.phase) / 2.0
+            change = (2.0 * self.phase).ceil() / 2.0
             slow = (speed < self._halt.above) & (self.halted | (mean_speed < self._halt.below))
             self.halted = standing(command) & slow & (phase >= change)
-            phase = xp.where(self.halted, change, phase)
+            phase = change.where(self.halted, phase)
         self.phase = phase % 1.0
 
     @property
@@ -81,40 +82,10 @@ class Clock:
         return self.phase < 0.5
 
 
-class StepClock:
-    """The phase of the steps that a controller makes; halted while it makes none."""
-
-    halts = False
-
-    def __init__(self, controller: "UnderlyingController") -> None:
-        self._controller = controller
-
-    @property
-    def phase(self) -> Array:
-        """Phase (N,) in [0, 1), as that of :class:`Clock`, at the controller's last tick."""
-        return self._controller.phase
-
-    @property
-    def halted(self) -> Array:
-        """Whether it stands or sways on both feet (N,)."""
-        return self._controller.halted
-
-    @property
-    def left_stance(self) -> Array:
-        """Whether the left foot carries the robot, or is about to (N,)."""
-        return self.phase < 0.5
-
-    def reset(self, *_: object) -> None:
-        """The controller is reset."""
-
-    def advance(self, *_: object) -> None:
-        """The controller moves on, tick by tick."""
-
-
 def gait_command(reference: Array, command: Array) -> Array:
     """Command (N, 3) of the gait in use: reference velocity (N, 2), commanded yaw rate."""
     parts = [reference, command[:, 2:3]]
-    return namespace(*parts).concat(parts, axis=1)
+    return namespace(parts[0]).concat(parts, axis=1)
 
 
 def standing(command: Array) -> Array:

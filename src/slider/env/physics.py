@@ -13,7 +13,8 @@ from mujoco import rollout
 
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.env.disturbance import machines
+from slider.core.arrays import Array
+from slider.env.disturbance import models
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
 from slider.env.ground import FLAT
@@ -29,11 +30,11 @@ _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after 
 
 
 def _ignore_warning(message: str) -> None:
-    """Blow-ups are found, counted and ended here; MuJoCo would write a log file for each."""
+    """Write no log file: blow-ups are detected, counted and ended in ``BatchedPhysics``."""
 
 
 def _stop_timers() -> None:
-    """Nobody reads the times that MuJoCo takes many times in each step."""
+    """Disable MuJoCo's profiling timers, which are unused and run many times in each step."""
     for library in Path(mujoco.__file__).parent.glob("libmujoco.*"):
         ctypes.c_void_p.in_dll(ctypes.CDLL(str(library)), "mjcb_time").value = None
 
@@ -73,8 +74,8 @@ class BatchedPhysics:
         self._disturber: Disturber | None = None
         if disturbance is not None:
             robots = None
-            if machines.vary(disturbance.config):
-                robots = machines.Machines(self.model, disturbance.config, num_robots)
+            if models.vary(disturbance.config):
+                robots = models.RandomizedModels(self.model, disturbance.config, num_robots)
                 self.models = robots.models
             self._disturber = Disturber(
                 disturbance, robot, self.model, actuation, num_robots, robots
@@ -121,8 +122,12 @@ class BatchedPhysics:
         """View of the base and joint velocities (N, 18): linear world, angular base frame."""
         return self._state[:, 1 + self.model.nq :]
 
-    def reset(self, index: np.ndarray, qpos: np.ndarray, qvel: np.ndarray) -> None:
-        """Place robots ``index`` at positions (n, 19) and velocities (n, 18)."""
+    def reset(self, index: Array, qpos: Array, qvel: Array) -> None:
+        """Place robots ``index`` at positions (n, 19) and velocities (n, 18).
+
+        Tensors on the processor are as welcome as arrays.
+        """
+        index, qpos, qvel = np.asarray(index), np.asarray(qpos), np.asarray(qvel)
         if self._disturber is not None:
             qpos = self._disturber.begin(index, qpos)
         self.qpos[index] = qpos
@@ -134,8 +139,12 @@ class BatchedPhysics:
         """Simulate ``robots`` (N,) no longer."""
         self._retired |= robots
 
-    def step(self, inputs: np.ndarray) -> None:
-        """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
+    def step(self, inputs: Array) -> None:
+        """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N].
+
+        Inputs are an array, or a tensor on the processor, whose memory is used without a copy.
+        """
+        inputs = np.asarray(inputs)
         self._state[:, 0] = _START_TIME
         control = np.repeat(self._to_motors(inputs)[:, None], self._substeps, axis=1)
         if self._disturber is not None:
@@ -153,7 +162,7 @@ class BatchedPhysics:
             self._disturber.wrap(self.qpos)
 
     def check(self) -> None:
-        """Nothing is left to be found: :meth:`step` finds it all."""
+        """Do nothing: :meth:`step` detects every error at once."""
 
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
@@ -225,7 +234,7 @@ class BatchedPhysics:
 
     def measure(self, state: RobotState) -> RobotState:
         """The state as a controller receives it: with sensor noise."""
-        return state if self._disturber is None else self._disturber.sense(state)
+        return state if self._disturber is None else self._disturber.measure(state)
 
     def restart_disturbances(self) -> None:
         """Let the same disturbances follow as after construction."""

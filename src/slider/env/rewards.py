@@ -1,6 +1,8 @@
 """Reward terms: pure functions of a view and the guide, each (N,), named in the configuration."""
 
+import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated
@@ -22,13 +24,12 @@ from slider.config.types import (
     Share,
     Unit,
 )
-from slider.core.arrays import Array, constant, namespace
+from slider.core.arrays import Array, asarray, namespace
 from slider.core.errors import UserError
 from slider.env.declaration import Function, Needs, Term, check_names, register
-from slider.env.lyapunov import Lyapunov
 from slider.env.observations import target_angular_velocity, target_linear_velocity
 from slider.env.phase import standing
-from slider.env.view import View
+from slider.env.state import View
 from slider.robot.kinematics import turn_to_heading
 from slider.robot.names import ACTUATED, JOINTS, NUM_CHANNELS, NUM_JOINTS, leg_joint
 
@@ -50,6 +51,39 @@ _DRIVEN = np.array(ACTUATED)
 _ROOT = np.sqrt(_GUIDE_WEIGHT)
 
 
+@dataclass(frozen=True)
+class Lyapunov:
+    """V = ηᵀPη of outputs y with ÿ = v, and η = (y, ẏ/ω) of each.
+
+    P solves FᵀP + PF − PGR⁻¹GᵀP + Q = 0 with Q = diag(1, q) and R = 1, time in units of 1/ω:
+    P = [[√(q + 2), 1], [1, √(q + 2)]]. In seconds these are Q = diag(1, q/ω²) and R = 1/ω⁴, whose P
+    is that divided by ω. The LQR has the natural frequency ω and the damping √(q + 2)/2.
+
+    Attributes:
+        bandwidth: ω [rad/s].
+        rate_weight: q.
+    """
+
+    bandwidth: float
+    rate_weight: float
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """P (2, 2) of one output; that of all is block diagonal."""
+        return np.eye(2) * np.sqrt(self.rate_weight + 2.0) + np.array([[0.0, 1.0], [1.0, 0.0]])
+
+    @property
+    def largest(self) -> float:
+        """λ_max(P) = ‖P‖."""
+        return math.sqrt(self.rate_weight + 2.0) + 1.0
+
+    def value(self, outputs: Array) -> Array:
+        """V (N,) of outputs (N, 2, K), K values [rad] and their rates [rad/s]; in rad²."""
+        y, rate = outputs[:, 0], outputs[:, 1] / self.bandwidth
+        diagonal = self.largest - 1.0
+        return (diagonal * (y**2 + rate**2) + 2.0 * y * rate).sum(axis=1)
+
+
 class RewardView:
     """A view together with the guide; the reference is looked up once per step.
 
@@ -59,7 +93,7 @@ class RewardView:
         before: ``outputs`` (N, 2, 10) of the control step before, infinite where an episode begins.
     """
 
-    def __init__(self, view: View, guide: "Guide | None", before: Array | float = np.inf) -> None:
+    def __init__(self, view: View, guide: "Guide | None", before: Array | float = math.inf) -> None:
         self.view = view
         self.state = view.state
         self._guide = guide
@@ -85,15 +119,13 @@ class RewardView:
         """
         desired = self.reference[:, : 2 * NUM_JOINTS].reshape(-1, 2, NUM_JOINTS)
         measured = [self.state.joint_positions, self.state.joint_velocities]
-        error = namespace(desired).stack(measured, axis=1) - desired
-        weighted = constant(_ROOT, error) * error
-        return weighted[:, :, constant(_DRIVEN, error)]
+        error = namespace(desired).stack(measured, dim=1) - desired
+        return (asarray(_ROOT, error) * error)[:, :, _DRIVEN]
 
     @property
-    def outputs_before(self) -> Array:
+    def outputs_before(self) -> Array | float:
         """``outputs`` of the control step before, infinite where an episode begins."""
-        xp = namespace(self.outputs)
-        return xp.broadcast_to(xp.asarray(self._before), self.outputs.shape)
+        return self._before
 
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
@@ -102,21 +134,21 @@ def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
 
 
 def _kernel(square: Array, width: Array | float) -> Array:
-    return namespace(square).exp(-square / width)
+    return (-square / width).exp()
 
 
 def _norm(values: Array) -> Array:
-    return namespace(values).sqrt((values**2).sum(axis=1))
+    return (values**2).sum(dim=1).sqrt()
 
 
 def _tanh(values: Array) -> Array:
-    return namespace(values).tanh(values)
+    return values.tanh()
 
 
 @reward()
 def alive(r: RewardView) -> Array:
     """1."""
-    return namespace(r.state.yaw).ones_like(r.state.yaw)
+    return r.state.yaw.new_ones(r.state.num_robots)
 
 
 @reward()
@@ -162,14 +194,14 @@ def heading(r: RewardView, width: _Radians2) -> Array:
 def guide_phase(r: RewardView, width: _Radians2) -> Array:
     """exp(−‖q − gait(phase)‖²_w/width): the gait as a time-indexed reference."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS]
-    return _kernel((constant(_GUIDE_WEIGHT, error) * error**2).sum(axis=1), width)
+    return _kernel((asarray(_GUIDE_WEIGHT, error) * error**2).sum(dim=1), width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
 def guide_phase_turning(r: RewardView, width: _Radians2) -> Array:
     """As ``guide_phase``, with the hip yaws of the commanded turn (``Guide.turn``)."""
     error = r.state.joint_positions - r.reference[:, :NUM_JOINTS] - r.guide.turn(r.view)
-    return _kernel((constant(_GUIDE_WEIGHT, error) * error**2).sum(axis=1), width)
+    return _kernel((asarray(_GUIDE_WEIGHT, error) * error**2).sum(dim=1), width)
 
 
 @reward(Needs.CLOCK | Needs.LIBRARY)
@@ -184,7 +216,7 @@ def clf_value(
     return _kernel(clf.value(r.outputs), clf.largest * eta_max**2)
 
 
-@reward(Needs.CLOCK | Needs.LIBRARY | Needs.PAST)
+@reward(Needs.CLOCK | Needs.LIBRARY | Needs.HISTORY)
 def clf_decrease(
     r: RewardView,
     bandwidth: Positive[RadiansPerSecond],
@@ -207,8 +239,8 @@ def clf_decrease(
 @reward()
 def stand_still(r: RewardView, loaded: Newtons, width: _Radians2PerSecond2) -> Array:
     """At zero command: share of feet with more than ``loaded``, times exp(−‖q̇‖²/width)."""
-    share = (1.0 * (r.state.foot_forces > loaded)).mean(axis=1)
-    speed = (r.state.joint_velocities**2).sum(axis=1)
+    share = (1.0 * (r.state.foot_forces > loaded)).mean(dim=1)
+    speed = (r.state.joint_velocities**2).sum(dim=1)
     return standing(r.view.command) * share * _kernel(speed, width)
 
 
@@ -226,19 +258,18 @@ def contact_schedule(
 
     ``margin``: share of a step at either end in which nothing is asked.
     """
-    xp, left = namespace(r.view.phase), r.view.phase < 0.5
-    forces = r.state.foot_forces
-    stance = xp.where(left, forces[:, 0], forces[:, 1])
-    swing = xp.where(left, forces[:, 1], forces[:, 0])
+    left, forces = r.view.phase < 0.5, r.state.foot_forces
+    stance = forces[:, 0].where(left, forces[:, 1])
+    swing = forces[:, 1].where(left, forces[:, 0])
     progress = (2.0 * r.view.phase) % 1.0
     asked = (progress > margin) & (progress < 1.0 - margin)
-    return xp.where(asked, 0.5 * (stance > loaded) + 0.5 * (swing < unloaded), 1.0)
+    return (0.5 * (stance > loaded) + 0.5 * (swing < unloaded)).where(asked, 1.0)
 
 
 @reward()
 def upright(r: RewardView, width: Positive[Number]) -> Array:
     """exp(−(g_x² + g_y²)/width) of the projected gravity."""
-    return _kernel((r.state.gravity[:, :2] ** 2).sum(axis=1), width)
+    return _kernel((r.state.gravity[:, :2] ** 2).sum(dim=1), width)
 
 
 @reward()
@@ -256,26 +287,26 @@ def guide_height(r: RewardView, width: _Metres2) -> Array:
 @reward()
 def action_rate(r: RewardView) -> Array:
     """Σ (a − a_previous)²."""
-    return ((r.view.action - r.view.previous_action) ** 2).sum(axis=1)
+    return ((r.view.action - r.view.previous_action) ** 2).sum(dim=1)
 
 
 @reward()
 def roll_pitch_rate(r: RewardView) -> Array:
     """ω_x² + ω_y² [rad²/s²]."""
-    return (r.state.angular_velocity[:, :2] ** 2).sum(axis=1)
+    return (r.state.angular_velocity[:, :2] ** 2).sum(dim=1)
 
 
 @reward()
 def effort(r: RewardView) -> Array:
     """Σ (motor torque/limit)²."""
-    return ((r.state.motor_torques / r.view.torque_limits) ** 2).sum(axis=1)
+    return ((r.state.motor_torques / r.view.torque_limits) ** 2).sum(dim=1)
 
 
 @reward()
 def foot_slip(r: RewardView, loaded: Newtons, width: _Metres2PerSecond2) -> Array:
     """Σ over loaded feet of 1 − exp(−v²/width), v the horizontal speed of the sole."""
-    square = (r.state.foot_velocities[:, :, :2] ** 2).sum(axis=2)
-    return ((1.0 - _kernel(square, width)) * (r.state.foot_forces > loaded)).sum(axis=1)
+    square = (r.state.foot_velocities[:, :, :2] ** 2).sum(dim=2)
+    return ((1.0 - _kernel(square, width)) * (r.state.foot_forces > loaded)).sum(dim=1)
 
 
 @reward()
@@ -346,8 +377,12 @@ class Reward:
         """Reward (N,) and the weighted terms by name, each (N,)."""
         config = self._config
         parts = {n: t.weight * TERMS[n].function(r, **t.params) for n, t in config.active.items()}
-        nothing = namespace(r.state.yaw).zeros_like(r.state.yaw)
-        total = sum(parts.values(), start=nothing).clip(min=config.floor) * config.scale
+        total = (
+            sum(parts.values(), start=r.state.yaw.new_zeros(r.state.num_robots)).clip(
+                min=config.floor
+            )
+            * config.scale
+        )
         return total + config.on_fall * fell, parts
 
 

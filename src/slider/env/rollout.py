@@ -128,11 +128,11 @@ def roll_out(
     for step in range(steps):
         if step and (commands[step] != commands[step - 1]).any():
             controller.command(commands[step])
-        state, passed = run_ticks(controller, physics, state, ticks)
-        diverged |= passed.diverged
+        state, record = run_ticks(controller, physics, state, ticks)
+        diverged |= record.diverged
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
-        rows.append(_row(alive, state) | passed.loads._asdict())
-        contacts.append(passed.contacts)
+        rows.append(_row(alive, state) | record.loads._asdict())
+        contacts.append(record.contacts)
         progress((step + 1) / steps)
         if isinstance(controller, GivesUp):
             controller.give_up(~alive)
@@ -151,7 +151,7 @@ def roll_out(
     )
 
 
-class Passed(NamedTuple):
+class StepRecord(NamedTuple):
     """What happened while the plant was stepped: robots (N,) that blew up, loads, contacts."""
 
     diverged: np.ndarray
@@ -161,7 +161,7 @@ class Passed(NamedTuple):
 
 def run_ticks(
     controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
-) -> tuple[RobotState, Passed]:
+) -> tuple[RobotState, StepRecord]:
     """Ask the controller and step the plant ``ticks`` times.
 
     Returns:
@@ -176,7 +176,7 @@ def run_ticks(
         loads.append(physics.loads())
         contacts.append(physics.contacts())
         diverged |= state.diverged
-    return state, Passed(diverged, over(loads), join(contacts))
+    return state, StepRecord(diverged, over(loads), join(contacts))
 
 
 def _row(alive: np.ndarray, state: RobotState) -> dict[str, np.ndarray]:

@@ -1,10 +1,12 @@
 """Starting states of robots: at rest with noise, or on a reference gait."""
 
+from typing import Any, Protocol
+
 import numpy as np
 
 from slider.config.env import StartNoise
 from slider.config.robot import RobotConfig
-from slider.core.arrays import NUMPY, Array, Random, constant, namespace, zeros
+from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot.kinematics import (
     quaternion_from_tilt,
     rotation_from_quaternion,
@@ -22,7 +24,15 @@ USUAL_NOISE = StartNoise(
     angular_velocity=0.0,
     joint_velocity=0.0,
 )
+NUMPY = np.zeros(0)
 _SLIDES = np.array([name.endswith("slide") for name in JOINTS])
+
+
+class Random(Protocol):
+    """A generator of NumPy's, or :class:`slider.env.commands.Random`."""
+
+    def standard_normal(self, size: Any = None) -> Any:
+        """Standard normal numbers of a shape."""
 
 
 def at_rest(
@@ -36,8 +46,9 @@ def at_rest(
 
     The lowest foot point touches the ground, whatever the noise.
     """
-    xp, nominal = namespace(like), constant(nominal_qpos(robot), like)
-    qpos, qvel = xp.tile(nominal, (count, 1)), zeros((count, 6 + NUM_JOINTS), like)
+    nominal = asarray(nominal_qpos(robot), like)
+    qpos = namespace(like).tile(nominal, (count, 1))
+    qvel = zeros((count, 6 + NUM_JOINTS), like)
     perturb(qpos, qvel, robot, noise, rng)
     qpos[:, 2] = _standing_heights(robot, qpos)
     return qpos, qvel
@@ -53,10 +64,9 @@ def about(
 
     Robots keep the gait's height, but where a foot would be inside the ground they are lifted.
     """
-    xp = namespace(*states)
-    qpos, qvel = (xp.asarray(values, copy=True) for values in states)
+    qpos, qvel = 1.0 * states[0], 1.0 * states[1]
     perturb(qpos, qvel, robot, noise, rng)
-    qpos[:, 2] = xp.maximum(qpos[:, 2], _standing_heights(robot, qpos))
+    qpos[:, 2] = namespace(qpos).maximum(qpos[:, 2], _standing_heights(robot, qpos))
     return qpos, qvel
 
 
@@ -78,14 +88,13 @@ def perturb(
     tilt = noise.tilt * rng.standard_normal((count, 2))
     qpos[:, 3:7] = multiply_quaternions(qpos[:, 3:7], quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
     spread = np.where(_SLIDES, noise.slide_position, noise.joint_position)
-    qpos[:, 7:] += constant(spread, qpos) * rng.standard_normal((count, NUM_JOINTS))
-    lower, upper = (constant(limit, qpos) for limit in joint_range(robot))
+    qpos[:, 7:] += asarray(spread, qpos) * rng.standard_normal((count, NUM_JOINTS))
+    lower, upper = (asarray(limit, qpos) for limit in joint_range(robot))
     qpos[:, 7:] = qpos[:, 7:].clip(lower, upper)
     qvel[:, :3] += noise.linear_velocity * rng.standard_normal((count, 3))
     qvel[:, 3:6] += noise.angular_velocity * rng.standard_normal((count, 3))
-    share = constant(
-        np.where(_SLIDES, 0.2, 1.0), qpos
-    )  # a slide's m/s weigh more than a hinge's rad/s
+    # A slide's m/s weigh more than a hinge's rad/s.
+    share = asarray(np.where(_SLIDES, 0.2, 1.0), qpos)
     qvel[:, 6:] += noise.joint_velocity * share * rng.standard_normal((count, NUM_JOINTS))
 
 

@@ -1,9 +1,14 @@
-"""Named quantities of many robots, read from the physics once per control step."""
+"""Named quantities of many robots, and what observation and reward terms read besides them."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from slider.core.arrays import Array, namespace
+from slider.core.arrays import Array, namespace, tensors
 from slider.env.ground import FLAT, Ground
+from slider.env.phase import gait_command
+
+if TYPE_CHECKING:
+    import torch
 
 
 @dataclass(frozen=True)
@@ -50,6 +55,13 @@ class RobotState:
     diverged: Array
     ground: Ground = FLAT
 
+    def tensors(self, like: "torch.Tensor") -> "RobotState":
+        """The same as tensors on the device and in the precision of ``like``.
+
+        Those of MuJoCo on the processor share the memory of its arrays.
+        """
+        return tensors(self, like)
+
     @property
     def num_robots(self) -> int:
         """Number of robots N."""
@@ -64,7 +76,7 @@ class RobotState:
     def qpos(self) -> Array:
         """MuJoCo's generalised positions (N, 19)."""
         parts = [self.base_position, self.quaternion, self.joint_positions]
-        return namespace(*parts).concat(parts, axis=1)
+        return namespace(parts[0]).concat(parts, axis=1)
 
     @property
     def qvel(self) -> Array:
@@ -72,3 +84,48 @@ class RobotState:
         xp = namespace(self.rotation)
         linear = xp.einsum("nij,nj->ni", self.rotation, self.linear_velocity)
         return xp.concat([linear, self.angular_velocity, self.joint_velocities], axis=1)
+
+
+@dataclass(frozen=True)
+class View:
+    """State of N robots together with the commands and actions of their agent.
+
+    Attributes:
+        state: the robots.
+        command: (N, 4) vx, vy [m/s], yaw rate [rad/s], heading error [rad].
+        action, previous_action: (N, 12) unscaled, unmirrored.
+        action_scale: (12,) joint motion of an action of 1 [rad or m].
+        filtered_velocity: (N, 2) low-passed forward and leftward velocity [m/s].
+        reference_velocity: (N, 2) on the way from one command to the next [m/s].
+        expected_velocity: (N, 2) the same, low-passed as filtered_velocity is [m/s].
+        phase: (N,) clock in [0, 1); zero without a clock.
+        halted: (N,) whether the clock stays at a change of feet: stand.
+        nominal: (12,) joint positions of the nominal pose [rad or m].
+        nominal_height: base height of the nominal pose [m].
+        torque_limits: (10,) of the motors [N m].
+        period: control period [s].
+        scan_points: number of points of the height scan, along x and y.
+        scan_spacing: of these points [m].
+    """
+
+    state: RobotState
+    command: Array
+    action: Array
+    previous_action: Array
+    action_scale: Array
+    filtered_velocity: Array
+    reference_velocity: Array
+    expected_velocity: Array
+    phase: Array
+    halted: Array
+    nominal: Array
+    nominal_height: float
+    torque_limits: Array
+    period: float
+    scan_points: tuple[int, int]
+    scan_spacing: float
+
+    @property
+    def reference_command(self) -> Array:
+        """Command (N, 3) of the gait in use: reference velocity, commanded yaw rate."""
+        return gait_command(self.reference_velocity, self.command)

@@ -7,7 +7,6 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.config.train import TrainConfig
 from slider.env.guide import Guide
-from slider.env.underlying import Underlying
 from slider.library.lookup import GaitTable, JointTable, StepTimes
 from slider.library.reader import GaitLibrary
 
@@ -21,7 +20,6 @@ class Task:
         times: step times of the clock, where there is one.
         guide: the library's gaits for guide rewards and starts; none where training is unguided.
         reference: joint positions of the gaits, where actions are about the gait.
-        underlying: the controller under the actions, where there is one.
     """
 
     robot: RobotConfig
@@ -30,7 +28,6 @@ class Task:
     times: StepTimes | None
     guide: Guide | None
     reference: JointTable | None = None
-    underlying: Underlying | None = None
 
 
 def task_of(
@@ -39,7 +36,6 @@ def task_of(
     train: TrainConfig,
     library: Path | None,
     guided: bool = True,
-    underlying: Underlying | None = None,
 ) -> Task:
     """The task that a configuration describes.
 
@@ -47,7 +43,6 @@ def task_of(
         robot, env, train: the configuration.
         library: Zarr gait library, if the training has one.
         guided: whether rewards and starts use its gaits.
-        underlying: the controller under the actions, if there is one.
     """
     if library is None:
         return Task(robot, env, train, _times(env, None), None)
@@ -55,12 +50,12 @@ def task_of(
     table = GaitTable.from_library(gaits)
     guide = Guide(gaits, table, train.guide.gait) if guided else None
     reference = table.joints if env.action.offset == "gait" else None
-    return Task(robot, env, train, _times(env, table), guide, reference, underlying)
+    return Task(robot, env, train, _times(env, table), guide, reference)
 
 
 def _times(env: EnvConfig, table: GaitTable | None) -> StepTimes | None:
     """Step times of the clock, if it has any: fixed, or those of the gaits."""
-    if not env.phase.enabled or env.action.offset == "hzd":
+    if not env.phase.enabled:
         return None
     if env.phase.step_time > 0:
         return StepTimes.constant(env.phase.step_time)

@@ -1,29 +1,24 @@
 """The training environment: batched physics behind rsl-rl's ``VecEnv`` contract."""
 
+import math
 from collections.abc import Callable
-from dataclasses import replace
-from functools import reduce
-from operator import or_
 from typing import Any
 
-import numpy as np
 import torch
 from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
-from slider.core.arrays import Array, everyone, namespace, put, rows, which, zeros
 from slider.env import terminations
-from slider.env.commands import CommandSampler, Curriculum
+from slider.env.commands import CommandSampler, Curriculum, Random
 from slider.env.declaration import Needs
 from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.phase import standing
+from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import about, at_rest
 from slider.env.state import RobotState
 from slider.env.task import Task
-from slider.env.tensors import from_torch, generator, to_torch
-from slider.env.underlying import build_physics
 from slider.robot.names import ACTUATED, NUM_JOINTS
 
 
@@ -34,8 +29,8 @@ class WalkingEnv(VecEnv):
     ``extras``: ``time_outs`` (N,) and ``log`` with the mean of every reward term.
     Commands, starts and phases follow from the training's seed.
 
-    All arrays are of the library of the physics' positions. Where these are tensors, all is
-    computed on their device, and nothing waits for it.
+    All is computed on the device, and in the precision, of the physics. On the processor tensors
+    and MuJoCo's arrays share their memory.
 
     Attributes:
         physics: the simulated robots.
@@ -44,7 +39,7 @@ class WalkingEnv(VecEnv):
     """
 
     def __init__(
-        self, task: Task, threads: int = 1, simulate: Callable[..., Any] = build_physics
+        self, task: Task, threads: int = 1, simulate: Callable[..., Any] = BatchedPhysics
     ) -> None:
         robot, config, train = task.robot, task.env, task.train
         terminations.check(config.termination.terms)
@@ -59,23 +54,20 @@ class WalkingEnv(VecEnv):
             self.num_envs,
             threads,
             disturbance=Disturbance(train.disturbance, (train.seed,)),
-            underlying=task.underlying,
             instruments=False,
         )
-        like = self._like = self.physics.qpos[:0]
+        like = self._like = torch.as_tensor(self.physics.qpos[:0])
         self.device = like.device
         self.episode_length_buf = torch.zeros(self.num_envs, dtype=torch.long, device=self.device)
-        self._diverged = zeros(1, like)
-        self._rng = generator(train.seed, like)
-        self._guide = None if task.guide is None else task.guide.beside(like)
-        self.agent = AgentInterface(
-            robot, config, self.num_envs, task.times, task.reference, task.underlying, like
-        )
+        self._diverged = like.new_zeros(1)
+        self._rng = Random(train.seed, like)
+        self._guide = None if task.guide is None else task.guide.on(like)
+        self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference, like)
         self._commands = CommandSampler(train.commands, config.control_period, like)
         self.curriculum = Curriculum(train.commands.curriculum, self.num_envs, like)
         self._reward = Reward(train.reward)
-        self._outputs = zeros((self.num_envs, 2, len(ACTUATED)), like) + np.inf
-        self._measured = self._reset(everyone(self.num_envs, like))
+        self._outputs = like.new_full((self.num_envs, 2, len(ACTUATED)), math.inf)
+        self._reset(torch.arange(self.num_envs, device=self.device))
         self._observe()
 
     @property
@@ -108,52 +100,50 @@ class WalkingEnv(VecEnv):
 
     def step(self, actions: torch.Tensor) -> tuple[TensorDict, torch.Tensor, torch.Tensor, dict]:
         """One control period for all robots."""
-        state = self._simulate(self.agent.act(from_torch(actions, self._like)))
+        self.physics.step(self.agent.act(actions.to(self.device)))
+        state = self._read()
         self.agent.advance(self._measured)
         fell = terminations.failed(state, self._config.termination.terms)
         view = self.agent.view(state)
         seen = RewardView(view, self._guide, self._outputs)
         reward, parts = self._reward(seen, fell)
-        if Needs.PAST in self._reward.needs:
-            self._outputs = namespace(reward).asarray(seen.outputs, copy=True)
+        if Needs.HISTORY in self._reward.needs:
+            self._outputs = seen.outputs.clone()
         speed_error = abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         self._diverged += state.diverged.sum()
         timed_out = self._end_episodes(fell)
-        self._change_commands()
+        self._change_velocities()
         self._observe()
         extras = {
-            "time_outs": to_torch(timed_out, torch.float32),
+            "time_outs": timed_out.float(),
             "log": self._log(parts, speed_error, fell, state.diverged),
         }
-        done = to_torch(fell | timed_out, torch.int64)
-        return self._observations, to_torch(reward, torch.float32), done, extras
+        return self._observations, reward.float(), (fell | timed_out).long(), extras
 
-    def _simulate(self, acted: Array) -> RobotState:
-        """The state after a control period, in which a simulation may have diverged at any tick."""
-        states = [self._tick(acted) for _ in range(self.agent.ticks)]
-        return replace(states[-1], diverged=reduce(or_, [state.diverged for state in states]))
-
-    def _tick(self, acted: Array) -> RobotState:
-        self.physics.step(self.agent.inputs(acted, self._measured))
+    def _read(self) -> RobotState:
+        """The true state; the measured one is kept."""
         state = self.physics.read()
-        self._measured = self.physics.measure(state)
-        return state
+        self._measured = self.physics.measure(state).tensors(self._like)
+        return state.tensors(self._like)
 
-    def _end_episodes(self, fell: Array) -> Array:
-        """Robots (N,) whose time is over and that did not fall; all that ended start anew."""
+    def _end_episodes(self, fell: torch.Tensor) -> torch.Tensor:
+        """Start robots that fell or whose time is over; return those (N,) that did not fall."""
         self.episode_length_buf += 1
-        old = self.episode_length_buf >= self.max_episode_length
-        timed_out = from_torch(old, self._like) & ~fell
+        timed_out = (self.episode_length_buf >= self.max_episode_length) & ~fell
         ended = fell | timed_out
-        index = which(ended)
-        if len(index):  # with tensors always, so that nobody has to look
-            self.curriculum.note(ended, fell)
-            self._measured = self._reset(index)
-            self.episode_length_buf.masked_fill_(to_torch(ended, torch.bool), 0)
+        self.curriculum.note(ended, fell)
+        index = ended.nonzero().flatten()
+        if len(index):
+            self._reset(index)
+            self.episode_length_buf[index] = 0
         return timed_out
 
     def _log(
-        self, parts: dict[str, Array], speed_error: Array, fell: Array, diverged: Array
+        self,
+        parts: dict[str, torch.Tensor],
+        speed_error: torch.Tensor,
+        fell: torch.Tensor,
+        diverged: torch.Tensor,
     ) -> dict[str, Any]:
         log = {f"/reward/{name}": values.mean() for name, values in parts.items()}
         log["/episode/falls_per_second"] = (1.0 * fell).mean() / self._config.control_period
@@ -163,48 +153,39 @@ class WalkingEnv(VecEnv):
             log["/episode/command_share"] = self.curriculum.share.mean()
         return log
 
-    def _reset(self, index: Array) -> RobotState:
-        """Start robots ``index`` anew; what is measured of all robots afterwards."""
+    def _reset(self, index: torch.Tensor) -> None:
+        """Start robots ``index`` (n,)."""
         count, rng, agent = len(index), self._rng, self.agent
-        agent.set_velocity_command(index, self._draw_commands(count))
-        command = rows(agent.command, index)[:, :3]
-        phase = rng.uniform(size=count) if agent.clock is not None else zeros(count, command)
-        if agent.controller is not None:
-            phase = np.floor(2.0 * phase) / 2.0  # its walks begin with a step
-        on_gait = self._choose_reference_starts(count)
+        agent.set_velocity_command(index, self._draw_velocities(count))
+        command = agent.command[index, :3]
+        phase = rng.uniform(size=count) if agent.clock is not None else command.new_zeros(count)
+        fraction = 0.0 if self._guide is None else self._train.reset.reference_fraction
+        on_gait = rng.uniform(size=count) < fraction
         qpos, qvel = at_rest(self._robot, self._config.start, rng, count, command)
-        velocity, course = zeros((count, 2), command), zeros(count, command)
-        some, xp = which(on_gait), namespace(command)
-        if self._guide is not None and len(some):
-            going, when = rows(command, some), rows(phase, some)
-            starts = about(self._guide.states(going, when), self._robot, self._config.start, rng)
-            put(qpos, some, starts[0])
-            put(qvel, some, starts[1])
-            put(course, some, self._guide.course(going, when))
-            put(velocity, some, going[:, :2])
+        velocity, heading = command.new_zeros(count, 2), qpos.new_full((count,), math.nan)
+        if self._guide is not None:
+            gait, when = command[on_gait], phase[on_gait]
+            starts = about(self._guide.states(gait, when), self._robot, self._config.start, rng)
+            qpos[on_gait], qvel[on_gait] = starts
+            heading[on_gait] = self._guide.course(gait, when)
+            velocity[on_gait] = gait[:, :2]
         if agent.clock is not None and agent.clock.halts:
-            resting = standing(command) & ~on_gait
-            phase = xp.where(resting, 0.0, phase)  # they stand from the start
-        put(self._outputs, index, np.inf)
+            phase[standing(command) & ~on_gait] = 0.0  # they stand from the start
+        self._outputs[index] = math.inf
         self.physics.reset(index, qpos, qvel)
-        state = self.physics.measure(self.physics.read())
-        heading = xp.where(on_gait, course, rows(state.yaw, index))
-        agent.reset(index, state, phase, velocity, heading, on_gait)
-        agent.refresh_heading(state)
-        return state
+        self._read()
+        heading = heading.where(on_gait, self._measured.yaw[index])
+        agent.reset(index, self._measured, phase, velocity, heading)
+        agent.refresh_heading(self._measured)
 
-    def _choose_reference_starts(self, count: int) -> Array:
-        draw = self._rng.uniform(size=count)
-        return draw < (0.0 if self._guide is None else self._train.reset.reference_fraction)
-
-    def _change_commands(self) -> None:
+    def _change_velocities(self) -> None:
         index = self._commands.changing(self._rng, self.num_envs)
         if len(index):
-            self.agent.set_velocity_command(index, self._draw_commands(len(index)))
+            self.agent.set_velocity_command(index, self._draw_velocities(len(index)))
 
-    def _draw_commands(self, count: int) -> Array:
+    def _draw_velocities(self, count: int) -> torch.Tensor:
         return self._commands.sample(self._rng, count, self.curriculum.share)
 
     def _observe(self) -> None:
-        values = to_torch(self.agent.observe(self._measured), torch.float32)
+        values = self.agent.observe(self._measured)
         self._observations = TensorDict({"policy": values}, batch_size=[self.num_envs])

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from slider.core.arrays import Array, constant, namespace, zeros
+from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.library.mesh import Axes, aligned, corners, normalise
 from slider.library.reader import GaitLibrary
 from slider.robot.names import NUM_CHANNELS, NUM_JOINTS
@@ -114,7 +114,7 @@ def standing(times: StepTimes, table: Array) -> Array:
 
     The mean of the two changes of feet of the gait in place, which are reflections of each other.
     """
-    place, phase = zeros((2, 3), table), constant([0.0, 0.5], table)
+    place, phase = zeros((2, 3), table), asarray([0.0, 0.5], table)
     return at_phase(times, table, place, phase).mean(axis=0)
 
 
@@ -139,7 +139,7 @@ def _sample(phase: Array, samples: int) -> tuple[Array, Array]:
     """Index of the sample before a phase, and the fraction of the way to the next."""
     per_step = samples // 2
     xp = namespace(phase)
-    step = xp.astype(phase >= 0.5, xp.int64)
+    step = xp.asarray(phase >= 0.5, dtype=xp.int64)
     position = (2.0 * phase - step) * (per_step - 1)
-    node = xp.astype(position, xp.int64).clip(0, per_step - 2)
+    node = xp.asarray(position, dtype=xp.int64).clip(0, per_step - 2)
     return step * per_step + node, position - node

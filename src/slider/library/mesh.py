@@ -83,12 +83,12 @@ def cell(axis: Array, value: Array) -> tuple[Array, Array]:
     """Index (N,) of the grid value below and the fraction (N,) above it; clamped outside."""
     xp, last = namespace(value), len(axis) - 1
     if not last:
-        return xp.astype(xp.zeros_like(value), xp.int64), xp.zeros_like(value)
+        return xp.zeros_like(value, dtype=xp.int64), xp.zeros_like(value)
     inside = value.clip(axis[0], axis[-1])
     below = (xp.searchsorted(axis, inside, side="right") - 1).clip(0, last)
     slope = xp.concat([1.0 / (axis[1:] - axis[:-1]), xp.zeros_like(axis[:1])])
     position = slope[below] * (inside - axis[below]) + below
-    index = xp.astype(position, xp.int64).clip(None, last - 1)
+    index = xp.asarray(position, dtype=xp.int64).clip(None, last - 1)
     return index, position - index
 
 

@@ -1,7 +1,7 @@
 """Forward kinematics of the prismatic legs, vectorised over robots."""
 
 from slider.config.robot import Geometry
-from slider.core.arrays import Array, constant, namespace, zeros
+from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot.names import LEG_JOINTS
 
 _YAW, _ROLL, _PITCH, _SLIDE, _ANKLE, _UPPER_FOOT = (
@@ -65,8 +65,8 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
         foot = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _ANKLE])
         for end, x in enumerate((-geometry.heel, geometry.toe)):
             height = geometry.foot_radius - geometry.ankle_height
-            centre = foot @ constant([x, 0.0, height], joints)
-            ends[:, leg, end] = ankle + centre - constant([0.0, 0.0, geometry.foot_radius], joints)
+            centre = foot @ asarray([x, 0.0, height], joints)
+            ends[:, leg, end] = ankle + centre - asarray([0.0, 0.0, geometry.foot_radius], joints)
     return ends
 
 
@@ -87,7 +87,7 @@ def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
         upper = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _UPPER_FOOT])
         points[:, leg, 0], points[:, leg, 1], points[:, leg, 2] = hip, ankle, top
         for end, x in ((3, -geometry.heel), (4, geometry.toe)):
-            points[:, leg, end] = top + upper @ constant([x, 0.0, geometry.ankle_height], joints)
+            points[:, leg, end] = top + upper @ asarray([x, 0.0, geometry.ankle_height], joints)
     return points
 
 
@@ -97,14 +97,14 @@ def _leg(
     """Hip (N, 3) and ankle (N, 3) relative to the base origin, rotation of the tube (N, 3, 3)."""
     q = joints[:, leg * len(LEG_JOINTS) :]
     tube = rotation @ about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
-    hip = rotation @ constant([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0], joints)
+    hip = rotation @ asarray([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0], joints)
     return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
 
 
 def standing_height(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """Height of the base [m] (N,) at which the lowest foot point touches flat ground."""
     heights = foot_ends(geometry, rotation, joints)[..., 2]
-    return -namespace(heights).min(heights, axis=(1, 2))
+    return -namespace(heights).amin(heights, axis=(1, 2))
 
 
 def about_z(angle: Array) -> Array:

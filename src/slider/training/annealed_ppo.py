@@ -15,8 +15,6 @@ from rsl_rl.models import MLPModel
 from torch.nn import Module
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
-from slider.training.beside import compute_beside
-
 AVERAGE = "average_state_dict"
 
 
@@ -48,7 +46,6 @@ class AnnealedPPO(PPO):
     Args:
         actor_ema: share of the old average that an update leaves; at 0 the average is the actor.
         noise: bound of the noise over the updates.
-        threads: with more than one, actor and critic are computed side by side on the processor.
 
     Other arguments are those of rsl-rl's ``PPO``, with a ``log`` standard deviation. The learning
     itself does not see the average.
@@ -60,7 +57,6 @@ class AnnealedPPO(PPO):
         *arguments: Any,
         actor_ema: float,
         noise: NoiseBound,
-        threads: int = 1,
         **settings: Any,
     ) -> None:
         super().__init__(actor, *arguments, **settings)
@@ -68,8 +64,6 @@ class AnnealedPPO(PPO):
         self._average = AveragedModel(
             actor, multi_avg_fn=get_ema_multi_avg_fn(actor_ema), use_buffers=True
         )
-        if threads > 1 and self.device == "cpu":
-            compute_beside(self.actor, self.critic)
 
     @property
     def averaged_actor(self) -> Module:

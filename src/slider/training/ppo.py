@@ -2,12 +2,15 @@
 
 from typing import Any
 
+import torch
 from rsl_rl.utils.log_writer import LogWriter
+from tensordict import TensorDict
 
 from slider.config.train import NetworkConfig, PpoConfig, TrainConfig
 from slider.core.job import Tracker
+from slider.env.vec_env import WalkingEnv
+from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
 from slider.training.annealed_ppo import AnnealedPPO, NoiseBound
-from slider.training.symmetry import symmetry_config
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
 _NEVER = 10**9
@@ -18,12 +21,9 @@ ITERATION = "iteration"
 
 
 def runner_config(
-    train: TrainConfig, tracker: Tracker, curve: list[dict[str, float]], threads: int = 1
+    train: TrainConfig, tracker: Tracker, curve: list[dict[str, float]]
 ) -> dict[str, Any]:
-    """Configuration dictionary of ``OnPolicyRunner``; ``curve`` gets a row per iteration.
-
-    The networks have two ``threads`` if there is more than one; the results do not depend on it.
-    """
+    """Configuration dictionary of ``OnPolicyRunner``; ``curve`` gets a row per iteration."""
     return {
         "num_steps_per_env": train.steps_per_iteration,
         "save_interval": _NEVER,  # checkpoints are ours
@@ -31,7 +31,7 @@ def runner_config(
         "logger": {"class_name": _writer_factory(tracker, curve)},
         "actor": {**_model(train.network), "distribution_cfg": _distribution(train.network)},
         "critic": _model(train.network),
-        "algorithm": {**_algorithm(train), "threads": threads},
+        "algorithm": _algorithm(train),
     }
 
 
@@ -85,7 +85,7 @@ def _algorithm(train: TrainConfig) -> dict[str, Any]:
         "desired_kl": ppo.desired_kl,
         "max_grad_norm": ppo.max_grad_norm,
         "use_mixed_precision": _in_bfloat16(ppo),
-        "symmetry_cfg": symmetry_config(ppo),
+        "symmetry_cfg": _symmetry(ppo),
     }
 
 
@@ -127,3 +127,38 @@ class TrackerLogWriter(LogWriter):
             lasting = {k: v for k, v in self._metrics.items() if not k.startswith(_VOLATILE)}
             self._curve.append({ITERATION: self._step, **lasting})
         self._metrics = {}
+
+
+def _symmetry(ppo: PpoConfig) -> dict[str, Any] | None:
+    """Rsl-rl's ``symmetry_cfg`` of a configuration; none where it is off.
+
+    Rsl-rl either learns from the reflected samples as well or adds a loss on the difference between
+    the action of a reflected observation and the reflected action (Mittal et al., ICRA 2024).
+    """
+    if ppo.symmetry == "none":
+        return None
+    return {
+        "data_augmentation_func": with_reflections,
+        "use_data_augmentation": ppo.symmetry == "augmentation",
+        "use_mirror_loss": ppo.symmetry == "loss",
+        "mirror_loss_coeff": ppo.symmetry_weight,
+    }
+
+
+def with_reflections(
+    env: WalkingEnv, obs: TensorDict | None, actions: torch.Tensor | None
+) -> tuple[TensorDict | None, torch.Tensor | None]:
+    """Observations (B, size) and actions (B, 12), each followed by its reflection (2 B, ·)."""
+    if obs is not None:
+        observer = env.agent.observer
+        reflected = obs.clone()
+        reflected["policy"] = _reflect(obs["policy"], observer.permutation, observer.sign)
+        obs = TensorDict.cat([obs, reflected])
+    if actions is not None:
+        actions = torch.cat([actions, _reflect(actions, MIRROR_PERMUTATION, MIRROR_SIGN)])
+    return obs, actions
+
+
+def _reflect(values: torch.Tensor, permutation: Any, sign: Any) -> torch.Tensor:
+    index = torch.as_tensor(permutation, dtype=torch.long, device=values.device)
+    return values[:, index] * torch.as_tensor(sign, dtype=values.dtype, device=values.device)

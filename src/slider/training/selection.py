@@ -11,10 +11,10 @@ from slider.control.policy import PolicyController
 from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.metrics import gait_quality, tracking
+from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
 from slider.env.task import Task
-from slider.env.underlying import build_physics
 
 
 @dataclass(frozen=True)
@@ -49,10 +49,8 @@ class Selector:
         self._env, self._config = env, config
         count = len(config.commands) * config.robots
         disturbed = Disturbance(task.train.disturbance, (config.seed,))
-        self._physics = build_physics(
-            robot, env.physics, count, threads, disturbed, task.underlying
-        )
-        self._agent = AgentInterface(robot, env, count, task.times, task.reference, task.underlying)
+        self._physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbed)
+        self._agent = AgentInterface(robot, env, count, task.times, task.reference)
         self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng(config.seed), count)
         self._command = np.zeros((count, 3))
         self._command[:, 0] = np.repeat(config.commands, config.robots)

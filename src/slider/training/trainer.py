@@ -13,12 +13,11 @@ from rsl_rl.runners import OnPolicyRunner
 from slider.control import POLICY_FILE
 from slider.control.policy_file import UNVARIED, Policy, from_actor, save_policy
 from slider.core.job import Job
+from slider.env.physics import BatchedPhysics
 from slider.env.task import Task
-from slider.env.underlying import build_physics
 from slider.env.vec_env import WalkingEnv
 from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
-from slider.training.beside import set_up_thread
 from slider.training.distributed import device_of, rank, wait_for_all
 from slider.training.ppo import NORMALISER_EPSILON, runner_config
 from slider.training.results import CURVE, SELECTION
@@ -37,9 +36,9 @@ class Trainer:
         selector: scores policies.
     """
 
-    def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] = build_physics) -> None:
+    def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] = BatchedPhysics) -> None:
         train = task.train
-        set_up_thread()
+        set_up_torch()
         self._task, self._job = task, job
         job.work.mkdir(parents=True, exist_ok=True)
         self._checkpoint = checkpoint.read(job.work, job.progress)
@@ -51,7 +50,7 @@ class Trainer:
             torch.cuda.set_device(device)  # rsl-rl does so too, but after the first graphs
         self.env = WalkingEnv(own, job.threads, simulate)
         self._curve: list[dict[str, float]] = []
-        config = runner_config(train, job.tracker, self._curve, job.threads)
+        config = runner_config(train, job.tracker, self._curve)
         self._runner = OnPolicyRunner(self.env, config, log_dir=str(job.work), device=device)
         self.algorithm = cast(AnnealedPPO, self._runner.alg)
         self._shrink_first_actions()
@@ -177,6 +176,12 @@ class Trainer:
         _write_rows(self._curve, out / CURVE)
         self._job.tracker.log_file(out / POLICY_FILE)
         return facts
+
+
+def set_up_torch() -> None:
+    """Compute on one thread, on whose number sums depend, and without denormal numbers."""
+    torch.set_num_threads(1)
+    torch.set_flush_denormal(True)
 
 
 def _with_unit_scales(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:

@@ -8,23 +8,23 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-import torch
 
-from slider.core.arrays import NUMPY, asarray, beside, put, rows
+from slider.core.arrays import asarray
 from slider.env.disturbance.disturber import Disturber
 from slider.env.disturbance.draws import Disturbance, Draws
-from slider.env.disturbance.machines import drawn
+from slider.env.disturbance.models import drawn
+from slider.env.interface import FLOAT64
+from slider.env.starts import NUMPY
 from slider.robot import names
 from slider.robot.mjcf import Actuation
 from tests.env.synthetic import (
     config,
     disturbed_physics,
+    make_arrays,
     make_physics,
-    make_state,
     random_pose,
     stand,
 )
-from tests.env.test_libraries import LIKE, NoWaiting
 
 COUNT = 6
 EVERYTHING = (
@@ -74,17 +74,17 @@ class Gains:
 
     def draw(self, index: Any, uniform: Any) -> None:
         settings = config(f"evaluation.disturbance.{EVERYTHING[3]}").evaluation.disturbance
-        put(self.motor_gain, index, drawn(settings, rows(uniform, index)).gain)
+        self.motor_gain[index] = drawn(settings, uniform[index]).gain
 
 
 class Numbers(Draws):
     """Those of NumPy, as tensors."""
 
     def uniform(self, use: int, time: int, columns: int) -> Any:
-        return asarray(super().uniform(use, time, columns), LIKE)
+        return asarray(super().uniform(use, time, columns), FLOAT64)
 
     def normal(self, use: int, time: int, columns: int) -> Any:
-        return asarray(super().normal(use, time, columns), LIKE)
+        return asarray(super().normal(use, time, columns), FLOAT64)
 
 
 def disturb(disturber: Disturber, like: Any) -> dict[str, list[Any]]:
@@ -92,41 +92,32 @@ def disturb(disturber: Disturber, like: Any) -> dict[str, list[Any]]:
     rng, some = np.random.default_rng(2), np.arange(0, COUNT, 2)
     qpos, qvel = (asarray(values, like) for values in random_pose(rng, COUNT))
     control = asarray(rng.standard_normal((14, COUNT, 4, len(names.MOTORS))), like)
-    state = beside(make_state(COUNT), like)
+    state = make_arrays(COUNT)
+    state = state if like is NUMPY else state.tensors(like)
     disturber.restart()
-    found = defaultdict(list, begun=[_begin(disturber, np.arange(COUNT), qpos)])
+    found = defaultdict(list, begun=[disturber.begin(np.arange(COUNT), qpos)])
     for step in range(14):
         if step == 3:
-            found["begun"].append(_begin(disturber, some, qpos))
+            found["begun"].append(disturber.begin(some, qpos[some]))
         pushed = 1.0 * qvel
         disturber.push(pushed)
         found["pushed"].append(pushed)
         found["driven"].append(disturber.drive(control[step]))
-        seen = disturber.sense(state)
+        seen = disturber.measure(state)
         found["seen"] += [seen.qpos, seen.qvel]
     return found
 
 
-def _begin(disturber: Disturber, robots: np.ndarray, qpos: Any) -> Any:
-    """With numbers of robots, or with a mask."""
-    if isinstance(qpos, np.ndarray):
-        return disturber.begin(robots, qpos[robots])
-    mask = torch.from_numpy(np.isin(np.arange(COUNT), robots))
-    return disturber.begin(mask, qpos)[torch.from_numpy(robots)]
-
-
 @pytest.mark.parametrize("actuation", ["position", "torque"])
 def test_arrays_and_tensors_are_disturbed_alike_by_the_same_numbers(actuation: Actuation):
-    """Drives, pushes, delays and noise; with tensors nothing waits for their device."""
+    """Drives, pushes, delays and noise."""
     arrays, tensors = (
         make_disturber(COUNT, *EVERYTHING[:-1], actuation=actuation, robots=Gains(like), like=like)
-        for like in (NUMPY, LIKE)
+        for like in (NUMPY, FLOAT64)
     )
     tensors._draws = Numbers((1,), COUNT)
     expected = disturb(arrays, NUMPY)
-    disturb(tensors, LIKE)  # constants go to the device once
-    with NoWaiting():
-        found = disturb(tensors, LIKE)
+    found = disturb(tensors, FLOAT64)
     for name, values in expected.items():
         for one, other in zip(found[name], values, strict=True):
             np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12, err_msg=name)

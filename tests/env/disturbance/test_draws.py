@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from slider.core.arrays import NUMPY
 from slider.env.disturbance.draws import NOISE, PUSH, Draws
-from tests.env.test_libraries import NoWaiting
+from slider.env.starts import NUMPY
 
 TORCH: Any = torch.zeros(0)
 
@@ -17,8 +16,7 @@ TORCH: Any = torch.zeros(0)
 @pytest.mark.parametrize("like", [NUMPY, TORCH], ids=["numpy", "torch"])
 def test_a_block_of_robots_depends_on_its_own_seed_use_and_time_only(like, kind):
     def draw(seeds: tuple[int, ...], count: int, use: int = PUSH, time: int = 7) -> np.ndarray:
-        with NoWaiting():
-            values = getattr(Draws(seeds, count, like), kind)(use, time, 4)
+        values = getattr(Draws(seeds, count, like), kind)(use, time, 4)
         assert values.dtype == like.dtype
         return np.array(values)
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from slider.config.disturbance import SensingConfig
-from slider.env.disturbance import sensing
+from slider.env.disturbance.disturber import with_noise
 from slider.env.state import RobotState
 from slider.robot import names
-from tests.env.synthetic import disturbed_physics, make_state, stand
+from tests.env.synthetic import disturbed_physics, make_arrays, stand
 
 COUNT = 4000
 SILENT = {item.name: 0.0 for item in fields(SensingConfig)}
@@ -28,9 +28,9 @@ VALUES = {
 
 def measured(**noise: float) -> tuple[RobotState, RobotState]:
     """The true and the measured state of robots at rest."""
-    true = make_state(COUNT)
-    normal = np.random.default_rng(0).standard_normal((COUNT, sensing.COLUMNS))
-    return true, sensing.measure(true, SensingConfig(**{**SILENT, **noise}), normal)
+    true = make_arrays(COUNT)
+    normal = np.random.default_rng(0).standard_normal((COUNT, 34))
+    return true, with_noise(true, SensingConfig(**{**SILENT, **noise}), normal)
 
 
 @pytest.mark.parametrize("quantity", VALUES)
@@ -86,10 +86,10 @@ def rate_noise(physics) -> np.ndarray:
 def test_every_number_disturbs_one_quantity():
     """No two of them share their noise."""
     config = SensingConfig(**dict.fromkeys(SILENT, 0.02))
-    true = make_state(sensing.COLUMNS)
-    noisy = sensing.measure(true, config, np.eye(sensing.COLUMNS))
+    true = make_arrays(34)
+    noisy = with_noise(true, config, np.eye(34))
     changed = [
-        (np.abs(value(noisy) - value(true)) > 0.01).reshape(sensing.COLUMNS, -1).sum(axis=1)
+        (np.abs(value(noisy) - value(true)) > 0.01).reshape(34, -1).sum(axis=1)
         for value in VALUES.values()
     ]
     np.testing.assert_array_equal(np.sum(changed, axis=0), 1)

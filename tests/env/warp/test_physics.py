@@ -10,16 +10,14 @@ import torch
 
 from slider.core.errors import UserError
 from slider.env.disturbance.draws import Disturbance, Draws
-from slider.env.disturbance.machines import COLUMNS
+from slider.env.disturbance.models import COLUMNS
 from slider.env.physics import BatchedPhysics
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import config, make_physics, robot_config
-from tests.env.test_libraries import NoWaiting
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
-from slider.env.warp.machines import WarpMachines
-from slider.env.warp.physics import WarpPhysics
+from slider.env.warp.physics import WarpModels, WarpPhysics
 
 N = 6
 SINK = 5e-4  # [m]; a foot that just touches is a contact in one precision and not in the other
@@ -57,7 +55,7 @@ def made() -> WarpPhysics:
 def physics(made: WarpPhysics, monkeypatch) -> WarpPhysics:
     """All nominal, at rest and undisturbed."""
     settings = config("experiment=test").evaluation.disturbance
-    nominal = WarpMachines(made.simulation, made.model, settings)
+    nominal = WarpModels(made.simulation, made.model, settings)
     nominal.draw(everyone(), torch.full((N, COLUMNS), 0.5))
     monkeypatch.setattr(made, "_disturber", None)
     return clean(made)
@@ -71,9 +69,9 @@ def disturbed(made: WarpPhysics) -> WarpPhysics:
 
 
 def clean(physics: WarpPhysics) -> WarpPhysics:
-    """None retired, no overflow."""
+    """In stance, no overflow."""
     place(physics, *stance())
-    physics.simulation.forgive(everyone())
+    physics.simulation.clear_errors(torch.ones(N, dtype=torch.bool))
     return physics
 
 
@@ -82,7 +80,7 @@ def tensor(values: np.ndarray) -> torch.Tensor:
 
 
 def everyone() -> torch.Tensor:
-    return torch.ones(N, dtype=torch.bool)
+    return torch.arange(N)
 
 
 def place(physics: WarpPhysics, qpos: np.ndarray, qvel: np.ndarray) -> None:
@@ -161,7 +159,8 @@ def test_a_reset_of_some_leaves_the_others_untouched(disturbed):
         disturbed.step(targets)
         before = disturbed._disturber.masses.clone()
         if reset:
-            disturbed.reset(some, 1.1 * disturbed.qpos, 1.0 + disturbed.qvel)
+            qpos, qvel = 1.1 * disturbed.qpos[some], 1.0 + disturbed.qvel[some]
+            disturbed.reset(some.nonzero().flatten(), qpos, qvel)
             assert torch.equal(disturbed._disturber.masses != before, some)
             assert (disturbed.read().foot_forces[some] == 0.0).all()
             assert (disturbed.read().foot_forces[~some] > 5.0).all()
@@ -232,21 +231,6 @@ def test_a_blow_up_is_found_and_stays_alone(physics):
     physics.check()
 
 
-def test_retired_robots_stay_until_they_are_placed(physics):
-    targets = torch.full((N, NUM_JOINTS), 0.03)
-    physics.step(targets)
-    idle = torch.tensor([True, False] * 3)
-    physics.retire(idle)
-    before, forces = physics.qpos.clone(), physics.read().foot_forces
-    physics.step(targets)
-    assert torch.equal(physics.qpos[idle], before[idle])
-    assert torch.equal(physics.read().foot_forces[idle], forces[idle])
-    assert (physics.qpos[~idle] != before[~idle]).any(dim=1).all()
-    place(physics, *stance())
-    physics.step(-targets)
-    assert (physics.qpos[idle] != before[idle]).any(dim=1).all()
-
-
 def test_an_overflow_is_an_error_that_names_the_robots():
     small = WarpPhysics(robot_config(), config("experiment=test").env.physics, N, rows=12)
     qpos, qvel = stance()
@@ -256,25 +240,3 @@ def test_an_overflow_is_an_error_that_names_the_robots():
     with pytest.raises(UserError, match=f"found NEFC of 2 of {N} robots: 1, 4$"):
         small.check()
     small.check()  # told once
-
-
-def test_a_control_step_waits_for_no_device(disturbed):
-    some, targets = torch.arange(N) % 2 == 0, torch.zeros((N, NUM_JOINTS))
-    qpos, qvel = map(tensor, stance())
-
-    def step() -> None:
-        disturbed.step(targets)
-        disturbed.measure(disturbed.read())
-        disturbed.reset(some, qpos, qvel)
-
-    disturbed.retire(some)
-    step()  # constants go to the device once
-    with NoWaiting():
-        step()
-    with pytest.raises(AssertionError, match="_local_scalar_dense"), NoWaiting():
-        float(targets.sum())
-
-
-def test_an_unknown_device_is_one_line():
-    with pytest.raises(UserError, match=r"expected one that Warp finds .cpu.*, found cuda:9$"):
-        WarpPhysics(robot_config(), config("experiment=test").env.physics, 1, "cuda:9")

@@ -3,24 +3,29 @@
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 from typing import Any, Protocol
 
 import mujoco
 import numpy as np
 
+from slider.config.disturbance import SensingConfig
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
-from slider.core.arrays import NUMPY, Array, beside, namespace, put, rows, which, zeros
-from slider.env.disturbance import machines, sensing, terrain
-from slider.env.disturbance.delay import DelayLine
+from slider.core.arrays import Array, asarray, namespace, zeros
+from slider.env.disturbance import models, terrain
 from slider.env.disturbance.draws import GROUND, NOISE, PUSH, ROBOT, Disturbance, Draws
 from slider.env.ground import FLAT, Ground, random_tile
+from slider.env.starts import NUMPY, multiply_quaternions
 from slider.env.state import RobotState
+from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
+from slider.robot.names import JOINTS, NUM_JOINTS
 from slider.robot.transmission import Transmission
 
-_PLACE = 2  # columns of the place on the ground, then one of the delay, then the machine's
+_PLACE = 2  # columns of the place on the ground, then one of the delay, then the model's
+_NOISE = 2 * NUM_JOINTS + 10  # standard normal numbers of sensor noise per robot
+_SLIDES = np.array([name.endswith("slide") for name in JOINTS])
 
 
 def build_plant(
@@ -39,8 +44,8 @@ def _tile(disturbance: Disturbance) -> np.ndarray:
     return random_tile(disturbance.config.ground, generator)
 
 
-class Robots(Protocol):
-    """Robots that differ, drawn anew per robot and episode; of arrays or of tensors.
+class Models(Protocol):
+    """Models of robots that differ, drawn again per robot and episode; of arrays or of tensors.
 
     Attributes:
         motor_gain: (N, 10) by which demanded torques are scaled [-].
@@ -53,14 +58,13 @@ class Robots(Protocol):
         """Of the robots (N,) [kg]."""
 
     def draw(self, index: Any, uniform: Any, /) -> None:
-        """Make robots ``index`` anew from numbers (N, ``machines.COLUMNS``) in [0, 1)."""
+        """Draw robots ``index`` again by numbers (N, ``models.COLUMNS``) in [0, 1)."""
 
 
 class Disturber:
     """Late drives, pushes, uneven ground and noisy sensors of N robots, which may differ.
 
-    All arrays are beside ``like``; an index and its rows are those of ``core.arrays``. With tensors
-    nothing waits for their device, and the ground is flat.
+    All arrays are those of ``like``: NumPy's, or tensors on a device, where the ground is flat.
     """
 
     def __init__(
@@ -70,7 +74,7 @@ class Disturber:
         model: mujoco.MjModel,
         actuation: Actuation,
         count: int,
-        robots: Robots | None = None,
+        robots: Models | None = None,
         like: Any = NUMPY,
     ) -> None:
         """Disturb ``count`` robots with the drives of ``model``.
@@ -96,26 +100,26 @@ class Disturber:
         self._delay: DelayLine | None = None
         if config.delay != Interval(0.0, 0.0):
             self._delay = DelayLine(config.delay, self._timestep, count, model.nu, like)
-        self._motors = beside(Transmission.of(robot), like)
+        self._to_motors = asarray(Transmission.of(robot).matrix.T, like)
         self.restart()
 
     def restart(self) -> None:
         """Begin again: the same draws follow."""
         self._steps, self._episodes = 0, 0
-        self._age = zeros(self._count, self._like, namespace(self._like).int64)
+        self._age = zeros(self._count, self._like)
 
     def begin(self, index: Array, qpos: Array) -> Array:
         """Draw robots ``index`` anew; return where positions (n, 19) put them in the simulation."""
-        uniform = self._draws.uniform(ROBOT, self._episodes, _PLACE + 1 + machines.COLUMNS)
+        uniform = self._draws.uniform(ROBOT, self._episodes, _PLACE + 1 + models.COLUMNS)
         self._episodes += 1
-        put(self._age, index, 0)
+        self._age[index] = 0.0
         if self._robots is not None:
             self._robots.draw(index, uniform[:, _PLACE + 1 :])
         if self._delay is not None:
-            self._delay.draw(index, uniform[:, _PLACE])
-            held = self._motors.angles(qpos[:, 7:])
+            self._delay.draw(index, uniform[index, _PLACE])
             # Until the first input arrives the motors hold the pose, or are without torque.
-            self._delay.fill(index, namespace(held).zeros_like(held) if self._torque else held)
+            held = qpos[:, 7:] @ self._to_motors
+            self._delay.fill(index, 0.0 * held if self._torque else held)
         if self._terrain is None:
             return qpos
         return self._terrain.place(index, qpos, uniform[:, :_PLACE])
@@ -125,13 +129,12 @@ class Disturber:
         push, age = self._config.push, self._age
         if push.speed == 0:
             return
-        due = which((age > 0) & (age % round(push.interval / self._timestep) == 0))
-        if not len(due):  # a mask has all robots
+        due = (age > 0) & (age % round(push.interval / self._timestep) == 0)
+        if not due.any():
             return
-        xp, base = namespace(qvel), qvel[:, :2]
-        angle = 2 * np.pi * rows(self._draws.uniform(PUSH, self._steps, 1), due)[:, 0]
-        change = push.speed * xp.stack([xp.cos(angle), xp.sin(angle)], axis=1)
-        put(base, due, rows(base, due) + change)
+        xp = namespace(qvel)
+        angle = 2 * np.pi * self._draws.uniform(PUSH, self._steps, 1)[due, 0]
+        qvel[due, :2] += push.speed * xp.stack([xp.cos(angle), xp.sin(angle)], axis=1)
 
     def drive(self, control: Array) -> Array:
         """What reaches the drives (N, S, 10) in S simulation steps, of inputs of this shape."""
@@ -143,12 +146,13 @@ class Disturber:
             control = control * self._robots.motor_gain[:, None]
         return control
 
-    def sense(self, state: RobotState) -> RobotState:
+    def measure(self, state: RobotState) -> RobotState:
         """The state with sensor noise."""
-        if not sensing.noisy(self._config.sensing):
+        if not any(astuple(self._config.sensing)):
             return state
-        normal = self._draws.normal(NOISE, self._steps, sensing.COLUMNS)
-        return sensing.measure(state, self._config.sensing, normal)
+        return with_noise(
+            state, self._config.sensing, self._draws.normal(NOISE, self._steps, _NOISE)
+        )
 
     def wrap(self, qpos: np.ndarray) -> None:
         """Keep the robots on the height field, in place in positions (N, 19)."""
@@ -180,3 +184,82 @@ class Disturber:
         base[:, :2] += self._terrain.offset
         feet[:, :, :2] += self.sensor_offset[:, None]
         return replace(state, base_position=base, foot_positions=feet, ground=self.ground)
+
+
+class DelayLine:
+    """Inputs of N robots, each later by its own whole number of simulation steps.
+
+    Arrays are those of ``like``.
+
+    Attributes:
+        steps: delays (N,) in simulation steps.
+    """
+
+    def __init__(
+        self, delay: Interval, timestep: float, count: int, width: int, like: Array = NUMPY
+    ) -> None:
+        self._lower, self._upper = round(delay.lower / timestep), round(delay.upper / timestep)
+        self._integer = namespace(like).int64
+        self.steps = namespace(like).asarray(zeros(count, like), dtype=self._integer) + self._lower
+        self._past = zeros((count, self._upper, width), like)
+
+    def draw(self, index: Array, uniform: Array) -> None:
+        """New delays of robots ``index`` by numbers (n,) in [0, 1)."""
+        later = (self._upper - self._lower + 1) * uniform
+        self.steps[index] = self._lower + namespace(later).asarray(later, dtype=self._integer)
+
+    def fill(self, index: Array, inputs: Array) -> None:
+        """Set what the drives of robots ``index`` do until their first input (n, width)."""
+        self._past[index] = inputs[:, None]
+
+    def pass_on(self, control: Array) -> Array:
+        """Delayed inputs (N, S, width) of inputs (N, S, width), one per simulation step."""
+        xp, count = namespace(control), control.shape[1]
+        line = xp.concat([self._past, control], axis=1)
+        self._past[...] = line[:, count:]
+        now = xp.arange(count, device=control.device)
+        robot = xp.arange(len(control), device=control.device)
+        return line[robot[:, None], self._upper - self.steps[:, None] + now]
+
+
+def with_noise(state: RobotState, config: SensingConfig, normal: Array) -> RobotState:
+    """The state with noise of standard normal numbers (N, 34).
+
+    Terminations and metrics use the true state. So do rewards, but for the low-passed velocity and
+    the heading error, which are the agent's own.
+
+    The orientation is turned about the base's axes, and everything that follows from it as well.
+    The horizontal place of the base, feet and contacts are as they are.
+    """
+    xp, base = namespace(normal), normal[:, 2 * NUM_JOINTS :]
+    positions, velocities = normal[:, :NUM_JOINTS], normal[:, NUM_JOINTS : 2 * NUM_JOINTS]
+    quaternion = _turned(state.quaternion, config.orientation * base[:, :3])
+    rotation = rotation_from_quaternion(quaternion)
+    yaw = yaw_of(rotation)
+    linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]
+    position = 1.0 * state.base_position
+    position[:, 2] += config.base_height * base[:, 9]
+    spread = np.where(_SLIDES, config.slide_position, config.joint_position)
+    rate = np.where(_SLIDES, config.slide_velocity, config.joint_velocity)
+    spread, rate = asarray(spread, normal), asarray(rate, normal)
+    return replace(
+        state,
+        base_position=position,
+        quaternion=quaternion,
+        rotation=rotation,
+        yaw=yaw,
+        linear_velocity=linear,
+        angular_velocity=state.angular_velocity + config.angular_velocity * base[:, 6:9],
+        heading_velocity=turn_to_heading(xp.einsum("nij,nj->ni", rotation, linear), yaw),
+        gravity=-rotation[:, 2, :],
+        joint_positions=state.joint_positions + spread * positions,
+        joint_velocities=state.joint_velocities + rate * velocities,
+    )
+
+
+def _turned(quaternion: Array, angles: Array) -> Array:
+    """Orientations (N, 4) turned by small angles (N, 3) [rad] about the body's own axes."""
+    xp = namespace(angles)
+    small = xp.concat([xp.ones_like(angles[:, :1]), 0.5 * angles], axis=1)
+    small /= xp.linalg.vector_norm(small, axis=1, keepdims=True)
+    return multiply_quaternions(quaternion, small)

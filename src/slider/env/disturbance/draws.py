@@ -10,7 +10,8 @@ from functools import partial
 import numpy as np
 
 from slider.config.disturbance import DisturbanceConfig
-from slider.core.arrays import NUMPY, Array, namespace
+from slider.core.arrays import Array, namespace
+from slider.env.starts import NUMPY
 
 # Uses of random numbers.
 ROBOT, NOISE, PUSH, GROUND = range(4)
@@ -33,7 +34,7 @@ class Disturbance:
 class Draws:
     """Random numbers for ``count`` robots in blocks, each with its own seed.
 
-    They are made beside ``like``; each library has numbers of its own.
+    They are arrays of NumPy, or tensors on the device of ``like``: each library has its own.
     """
 
     def __init__(self, seeds: tuple[int, ...], count: int, like: Array = NUMPY) -> None:

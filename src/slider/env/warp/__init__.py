@@ -1,1 +1,1 @@
-"""Physics on MuJoCo Warp: torch tensors on a device, for training; needs the extra ``gpu``."""
+"""Training on MuJoCo Warp, on a GPU or on Warp's processor device."""

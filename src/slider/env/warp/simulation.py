@@ -93,8 +93,8 @@ class Simulation:
         assert self._derive is not None, "nothing is varied"
         self._launch(self._derive)
 
-    def forgive(self, robots: torch.Tensor) -> None:
-        """Count no overflow of ``robots`` (N,), which blew up."""
+    def clear_errors(self, robots: torch.Tensor) -> None:
+        """Forget the overflows of ``robots`` (N,), which blew up."""
         self._overflow.masked_fill_(robots, 0)
 
     def check(self) -> None:

@@ -63,8 +63,8 @@ def vary(config: DisturbanceConfig) -> bool:
     return not fixed or config.centre_of_mass > 0 or config.friction is not None
 
 
-class Machines:
-    """Models of ``count`` robots, drawn anew per robot and episode.
+class RandomizedModels:
+    """Models of ``count`` robots, drawn again per robot and episode.
 
     Attributes:
         models: of each robot.
@@ -82,7 +82,7 @@ class Machines:
         self._feet = feet(nominal)
 
     def draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
-        """Make robots ``index`` anew from numbers (N, COLUMNS) in [0, 1)."""
+        """Draw robots ``index`` (n,) again by numbers (N, COLUMNS) in [0, 1)."""
         new = drawn(self._config, uniform)
         for i in index:
             model = self.models[i]

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import torch
@@ -39,7 +40,7 @@ class WalkingEnv(VecEnv):
     """
 
     def __init__(
-        self, task: Task, threads: int = 1, simulate: Callable[..., Any] = BatchedPhysics
+        self, task: Task, threads: int = 1, simulate: Callable[..., Any] | None = None
     ) -> None:
         robot, config, train = task.robot, task.env, task.train
         terminations.check(config.termination.terms)
@@ -48,13 +49,12 @@ class WalkingEnv(VecEnv):
         self.max_episode_length = round(train.episode_length / config.control_period)
         self.cfg: dict | object = config
         self._robot, self._config, self._train = robot, config, train
+        simulate = simulate or partial(BatchedPhysics, threads=threads, instruments=False)
         self.physics = simulate(
             robot,
             config.physics,
             self.num_envs,
-            threads,
             disturbance=Disturbance(train.disturbance, (train.seed,)),
-            instruments=False,
         )
         like = self._like = torch.as_tensor(self.physics.qpos[:0])
         self.device = like.device

@@ -47,16 +47,14 @@ def _train(task: Task, start: Path | None, out: Path, job: Job) -> tuple[Summary
     return trainer.export(out) if rank() == 0 else {}, job.volatile
 
 
-def simulator(train: TrainConfig) -> Callable[..., Any]:
-    """Constructor of the physics that a training asks for: MuJoCo, or MuJoCo Warp (extra ``gpu``).
+def simulator(train: TrainConfig) -> Callable[..., Any] | None:
+    """Constructor of MuJoCo Warp's physics (extra ``gpu``), where a training asks for it.
 
     Raises:
         UserError: MuJoCo Warp is not installed.
     """
     if train.simulator == "mujoco":
-        from slider.env.physics import BatchedPhysics
-
-        return BatchedPhysics
+        return None
     from slider.env.warp.physics import WarpPhysics
 
     return partial(WarpPhysics, device=device_of(train.device))

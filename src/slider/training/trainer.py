@@ -13,7 +13,6 @@ from rsl_rl.runners import OnPolicyRunner
 from slider.control import POLICY_FILE
 from slider.control.policy_file import UNVARIED, Policy, from_actor, save_policy
 from slider.core.job import Job
-from slider.env.physics import BatchedPhysics
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
 from slider.training import checkpoint
@@ -36,7 +35,7 @@ class Trainer:
         selector: scores policies.
     """
 
-    def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] = BatchedPhysics) -> None:
+    def __init__(self, task: Task, job: Job, simulate: Callable[..., Any] | None = None) -> None:
         train = task.train
         set_up_torch()
         self._task, self._job = task, job

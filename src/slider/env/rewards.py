@@ -377,12 +377,10 @@ class Reward:
         """Reward (N,) and the weighted terms by name, each (N,)."""
         config = self._config
         parts = {n: t.weight * TERMS[n].function(r, **t.params) for n, t in config.active.items()}
-        total = (
-            sum(parts.values(), start=r.state.yaw.new_zeros(r.state.num_robots)).clip(
-                min=config.floor
-            )
-            * config.scale
-        )
+        total = r.state.yaw.new_zeros(r.state.num_robots)
+        for part in parts.values():
+            total = total + part
+        total = total.clip(min=config.floor) * config.scale
         return total + config.on_fall * fell, parts
 
 

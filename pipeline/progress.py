@@ -173,8 +173,8 @@ def table(labels: Mapping[str, str], summaries: Sequence[Mapping[str, Any]]) -> 
 
     Errors are those of robots that survive, ∞ where none does.
     """
-    cells = {(summary["controller"], summary["command"]): summary for summary in summaries}
-    speeds = sorted({summary["command"] for summary in summaries})
+    cells = {(summary["controller"], summary["speed"]): summary for summary in summaries}
+    speeds = sorted({summary["speed"] for summary in summaries})
     lines = [("command [m/s]", "", [str(float(speed)) for speed in speeds])]
     for name in dict.fromkeys(summary["controller"] for summary in summaries):
         row = [cells.get((name, speed), {}) for speed in speeds]

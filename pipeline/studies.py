@@ -151,7 +151,7 @@ def _jobs(
         )
         walking = {"walking": targets["walking"]}
         for spec in evaluations_of(plant, plant.evaluation, walking, note):
-            yield "evaluations", [variant.name, "", spec.section["command"]], spec
+            yield "evaluations", [variant.name, "", spec.section["speed"]], spec
         return
     library = library_job(changed)
     for seed in study.training.seeds:
@@ -160,7 +160,7 @@ def _jobs(
         walking = training_jobs(trained, library, note)["walking"]
         yield "walking", [variant.name, seed, _batch(trained.train.walking)], walking
         for spec in evaluations_of(trained, trained.evaluation, {"walking": walking}, note):
-            yield "evaluations", [variant.name, seed, spec.section["command"]], spec
+            yield "evaluations", [variant.name, seed, spec.section["speed"]], spec
 
 
 def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:
@@ -179,7 +179,7 @@ def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Key
 def gait_start(shared: dict[str, Any], starts: StartsConfig, speed: float, index: int) -> JobSpec:
     """One gait from a random start alone, whatever the number of starts."""
     start = {"seed": starts.seed, "index": index, "spread": to_dict(starts.spread)}
-    section = shared | {"command": [speed, 0.0, 0.0], "start": start}
+    section = shared | {"velocity": [speed, 0.0, 0.0], "start": start}
     return job("gait_start", f"gait {speed:.2f} m/s from start {index}", section, tracked=False)
 
 
@@ -188,7 +188,7 @@ def _evaluated(config: Config, study: StudyConfig, rollouts: RolloutsConfig) -> 
     evaluation = replace(
         config.evaluation,
         controllers=[POLICY],
-        commands=study.speeds,
+        speeds=study.speeds,
         profile=None,
         **to_dict(rollouts),
     )

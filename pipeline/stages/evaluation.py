@@ -38,15 +38,15 @@ def _evaluations(
     note: str,
 ) -> Iterator[JobSpec]:
     """One controller at each command, or in each case. Their sections share all other values."""
-    settings = without(protocol_section(protocol), "controllers", "commands")
+    settings = without(protocol_section(protocol), "controllers", "speeds")
     section = {"evaluation": settings, **controlled(config, controller, None)}
     inputs = made_of(config, controller, made)
     stage = "evaluation" if controller == POLICY else "baseline"
     name = f"evaluation of {controller}"
     if protocol.profile is None:
-        for command in protocol.commands:
-            label = f"{name} at {command:.1f} m/s{note}"
-            yield job(stage, label, {**section, "command": command}, inputs)
+        for speed in protocol.speeds:
+            label = f"{name} at {speed:.1f} m/s{note}"
+            yield job(stage, label, {**section, "speed": speed}, inputs)
         return
     settings["profile"] = without(to_dict(protocol.profile), "rows", "cases")
     for case in protocol.profile.cases:
@@ -59,9 +59,9 @@ def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
     return {name: value for name, value in to_dict(protocol).items() if value is not None}
 
 
-def controlled(config: Config, controller: str, command: float | None) -> dict[str, Any]:
+def controlled(config: Config, controller: str, speed: float | None) -> dict[str, Any]:
     """Robot, plant and controller; the policy comes as an input."""
-    section = {"controller": controller, "command": command}
+    section = {"controller": controller, "speed": speed}
     if controller == POLICY:
         return section | simulation(config)
     control = config.control[controller]
@@ -110,7 +110,7 @@ def made_of(
 def gait_walks(config: Config, made: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
     """Every gait from its own first sample, with the first controller that walks by gaits."""
     for name in walkers(config):
-        section = without(controlled(config, name, None), "controller", "command")
+        section = without(controlled(config, name, None), "controller", "speed")
         section |= {"steps": config.hzd.steps}
         inputs = made_of(config, name, made)
         return {"gait_walks": job("gait_walks", "walks of all gaits", section, inputs)}
@@ -158,10 +158,10 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
 
 def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
     """Velocity over time at some of Table 1's commands."""
-    asked = config.report.tracking_commands
-    shown = [one for one in table1.inputs["evaluations"] if one.section["command"] in asked]
+    asked = config.report.tracking_speeds
+    shown = [one for one in table1.inputs["evaluations"] if one.section["speed"] in asked]
     section = {
-        "commands": asked,
+        "speeds": asked,
         "control_period": config.env.control_period,
         "labels": labels(config, config.evaluation.controllers),
     }

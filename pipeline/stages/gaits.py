@@ -1,4 +1,4 @@
-"""Gaits, one per command of the grid, and their library."""
+"""Gaits, one per velocity of the grid, and their library."""
 
 from dataclasses import fields
 from itertools import product
@@ -13,17 +13,17 @@ from slider.config.robot import Mechanism
 from slider.config.schema import Config
 from slider.core.machine import kernels
 
-Command = tuple[float, float, float]
+Velocity = tuple[float, float, float]
 
 
 def library_job(config: Config) -> JobSpec:
     """The gait library, and with it all gaits."""
     shared = gait_section(config)
-    gaits = [gait(shared, command) for command in commands(config.gait.grid)]
+    gaits = [gait(shared, velocity) for velocity in velocities(config.gait.grid)]
     return gait_library(config, gaits)
 
 
-def commands(grid: GridConfig) -> list[Command]:
+def velocities(grid: GridConfig) -> list[Velocity]:
     """Commands (vx [m/s], vy [m/s], yaw rate [rad/s]) of a grid, each once, sorted."""
     blocks = [map(_values, block.axes) for block in (grid, *grid.extra)]
     return sorted({(vx, vy, yaw_rate) for axes in blocks for vx, vy, yaw_rate in product(*axes)})
@@ -52,12 +52,12 @@ def gait_section(config: Config) -> dict[str, Any]:
     }
 
 
-def gait(shared: dict[str, Any], command: Command) -> JobSpec:
-    """One gait; it does not know of the other commands."""
-    vx, vy, yaw_rate = command
+def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
+    """One gait; it does not know of the other velocities."""
+    vx, vy, yaw_rate = velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
     label = f"gait {vx:.2f} {vy:+.2f} m/s{turn}"
-    return job("gait", label, shared | {"command": list(command)})
+    return job("gait", label, shared | {"velocity": list(velocity)})
 
 
 def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
@@ -73,5 +73,5 @@ def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
 
 def chunks(library: JobSpec, size: int) -> list[list[list[float]]]:
     """Commands of a library's gaits, so many at a time."""
-    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
-    return [commands[start : start + size] for start in range(0, len(commands), size)]
+    velocities = [gait.section["velocity"] for gait in library.inputs["gaits"]]
+    return [velocities[start : start + size] for start in range(0, len(velocities), size)]

@@ -68,19 +68,19 @@ def _videos(config: Config, made: Mapping[str, JobSpec]) -> list[JobSpec]:
     if config.report.video.renderer == "none":
         return []
     return [
-        video(config, controller, command, made)
+        video(config, controller, speed, made)
         for controller in config.evaluation.controllers
-        for command in config.report.video.commands
+        for speed in config.report.video.speeds
     ]
 
 
-def video(config: Config, controller: str, command: float, made: Mapping[str, JobSpec]) -> JobSpec:
-    """A short film of one controller at one command."""
-    section = controlled(config, controller, command) | {
+def video(config: Config, controller: str, speed: float, made: Mapping[str, JobSpec]) -> JobSpec:
+    """A short film of one controller at one speed."""
+    section = controlled(config, controller, speed) | {
         "label": labels(config, [controller])[controller],
         "start": to_dict(config.evaluation.start),
         "disturbance": to_dict(config.evaluation.disturbance),
-        "video": without(to_dict(config.report.video), "commands"),
+        "video": without(to_dict(config.report.video), "speeds"),
     }
-    label = f"video of {controller} at {command:.1f} m/s"
+    label = f"video of {controller} at {speed:.1f} m/s"
     return job("video", label, section, made_of(config, controller, made), tracked=False)

@@ -19,8 +19,8 @@ def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     maps = [_maps(impacts, gait) for gait in gaits]
     table = job("stability", "stability", {}, {"gaits": maps})
     drawn = {"library": [library], "stability": [table]}
-    commands = [gait.section["command"] for gait in library.inputs["gaits"]]
-    wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if [*gait, 0.0] in commands]
+    velocities = [gait.section["velocity"] for gait in library.inputs["gaits"]]
+    wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if [*gait, 0.0] in velocities]
     if wanted:
         drawn["basins"] = [_basin(config, shared, [*gait, 0.0], library) for gait in wanted]
     return {
@@ -32,10 +32,10 @@ def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     }
 
 
-def _gaits(shared: dict, commands: list[list[float]], library: JobSpec) -> JobSpec:
+def _gaits(shared: dict, velocities: list[list[float]], library: JobSpec) -> JobSpec:
     """Limit cycles and foot placement of some gaits."""
-    section = shared | {"commands": commands}
-    label = f"foot placement of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
+    section = shared | {"velocities": velocities}
+    label = f"foot placement of {len(velocities)} gaits from {velocities[0][0]:.2f} m/s"
     return job("stability_gaits", label, section, {"library": [library]}, tracked=False)
 
 
@@ -49,6 +49,6 @@ def _maps(impacts: dict, gaits: JobSpec) -> JobSpec:
 def _basin(config: Config, shared: dict, gait: list[float], library: JobSpec) -> JobSpec:
     """Basin of attraction of one gait."""
     basin = without(to_dict(config.hzd.basin), "gaits")
-    section = shared | {"basin": basin, "command": gait}
+    section = shared | {"basin": basin, "velocity": gait}
     label = f"basin of {gait[0]:.2f} {gait[1]:+.2f} m/s"
     return job("basin", label, section, {"library": [library]}, tracked=False)

@@ -31,14 +31,16 @@ def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     return {"verification": found, "verification_maps": maps}
 
 
-def verification_of_gaits(config: Config, commands: list[list[float]], library: JobSpec) -> JobSpec:
+def verification_of_gaits(
+    config: Config, velocities: list[list[float]], library: JobSpec
+) -> JobSpec:
     """The checks of some gaits."""
     section = {
         "robot": robot(config),
         "posture": to_dict(config.gait.posture),
         "verification": without(to_dict(config.verification), "chunk", *_COLLECTED),
-        "commands": commands,
+        "velocities": velocities,
         "numerics": kernels(),
     }
-    label = f"verification of {len(commands)} gaits from {commands[0][0]:.2f} m/s"
+    label = f"verification of {len(velocities)} gaits from {velocities[0][0]:.2f} m/s"
     return job("verification_gaits", label, section, {"library": [library]}, tracked=False)

@@ -35,7 +35,7 @@ def test_the_first_screen_shows_the_robot_and_the_plot(opened):
 def test_shows_the_numbers_of_table_1(opened, finished):
     page = opened().page
     rows = csv.DictReader(finished.table.read_text().splitlines())
-    ours = {row["command_velocity"]: row for row in rows if row["controller"] == "policy"}
+    ours = {row["speed"]: row for row in rows if row["controller"] == "policy"}
     lines = page.locator("#table1 table").first.locator("tbody tr").all_inner_texts()
     shown = dict(line.split("\t")[:2] for line in lines)
     for speed, row in ours.items():

@@ -15,7 +15,7 @@ DOCS = sorted((ROOT / "docs").rglob("*.md"))
 GUIDES = [ROOT / "README.md", *(page for page in DOCS if page.parent.name != "notebook")]
 NOTEBOOK = sorted((ROOT / "docs" / "notebook").glob("2*.md"))
 TABLE = """\
-controller,label,source,command_velocity,success_rate,success_low,success_high,mse,mse_steady,tracking_rate
+controller,label,source,speed,success_rate,success_low,success_high,mse,mse_steady,tracking_rate
 policy,policy (ours),measured,0.2,0.996,0.99,0.998,0.0314,0.00271,0.9
 policy,policy (ours),measured,3,0,0,0.004,inf,inf,0
 guided_drl,guided RL (paper),paper,0.2,1,,,0.0317,,
@@ -126,7 +126,7 @@ def test_without_the_report_a_block_stays_and_one_line_names_the_command(capsys)
 
 
 def test_a_report_of_another_version_is_one_line(capsys):
-    Path("reports/table1.csv").write_text("controller,label,command_velocity\npolicy,p,0.2\n")
+    Path("reports/table1.csv").write_text("controller,label,speed\npolicy,p,0.2\n")
     filled("table1", status=1)
     error = capsys.readouterr().err
     assert error.count("\n") == 1

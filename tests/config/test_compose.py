@@ -81,7 +81,7 @@ def test_every_option_composes(option):
         ("gait.nodes=many", "gait.nodes: expected an integer in [5, 201], an odd number"),
         ("gait.nodes=21.5", "gait.nodes: expected an integer in [5, 201], an odd number"),
         ("tracking.enabled=3", "tracking.enabled: expected true or false, found 3"),
-        ("evaluation.commands=0.2", "evaluation.commands: expected a list of numbers in [-100,"),
+        ("evaluation.speeds=0.2", "evaluation.speeds: expected a list of numbers in [-100,"),
         ("robot.joints.slide.upper=wide", "slide.upper: expected a number in [-100, 100] m,"),
         ("robot.joints.slide.upper=-0.5", "robot.joints.slide: expected lower < upper"),
         ("robot.joints.ankle.damping=-1", "ankle.damping: expected a number in [0, 1e9] N m"),
@@ -101,9 +101,9 @@ def test_every_option_composes(option):
         ("gait.grid.vx=[]", "grid.vx: expected a list of one or more numbers in [-100, 100] m/s,"),
         ("gait.grid.vx=[fast]", 'grid.vx[0]: expected a number in [-100, 100] m/s, found "fast"'),
         (
-            "train.walking.commands.vx=[0.3]",
-            "train.walking.commands.vx: expected values of train.walking.commands.vx.lower, "
-            "train.walking.commands.vx.upper, found [0.3]",
+            "train.walking.velocities.vx=[0.3]",
+            "train.walking.velocities.vx: expected values of train.walking.velocities.vx.lower, "
+            "train.walking.velocities.vx.upper, found [0.3]",
         ),
         ("env.physics.timestep=-0.005", "physics.timestep: expected a number in (0, 100000] s,"),
         (
@@ -122,7 +122,7 @@ def test_every_option_composes(option):
         ("train.walking.network.activation=gelu", "network.activation: expected one of elu, relu"),
         ("train.walking.network.hidden=[256,0]", "network.hidden[1]: expected an integer in [1, "),
         ("train.standing.network.initial_std=0", "network.initial_std: expected a number in (0, "),
-        ("train.walking.selection.commands=[]", "selection.commands: expected a list of one or"),
+        ("train.walking.selection.speeds=[]", "selection.speeds: expected a list of one or"),
         ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
         ("train.walking.selection.fall_weight=0", "selection.fall_weight: expected a number in"),
         ("train.walking.selection.flight_weight=-1", "selection.flight_weight: expected a number"),
@@ -135,8 +135,11 @@ def test_every_option_composes(option):
         ("env.observation.height_scan.points_x=-1", "height_scan.points_x: expected an integer"),
         ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
         ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
-        ("train.walking.commands.standing_fraction=3", "commands.standing_fraction: expected"),
-        ("train.walking.commands.period=-5", "commands.period: expected a number in [0, 100000] "),
+        ("train.walking.velocities.standing_fraction=3", "commands.standing_fraction: expected"),
+        (
+            "train.walking.velocities.period=-5",
+            "commands.period: expected a number in [0, 100000] ",
+        ),
         ("train.walking.seed=-1", "walking.seed: expected an integer in [0, 9223372036854775807]"),
         ("train.walking.seed=9223372036854775808", "train.walking.seed: expected an integer in"),
         ("train.walking.ppo.epochs=0", "ppo.epochs: expected an integer in [1, 1000], found 0"),
@@ -146,9 +149,9 @@ def test_every_option_composes(option):
         ("study.ablation.training.seeds=[1,-2]", "training.seeds[1]: expected an integer in [0,"),
         ("evaluation.seed=-5", "evaluation.seed: expected an integer in [0, 9223372036854775807]"),
         ("evaluation.warm_up=9.999", "evaluation.warm_up: expected a time in [0, 9.98] s"),
-        ("evaluation.commands=[0.2,0.2]", "evaluation.commands: expected each once"),
+        ("evaluation.speeds=[0.2,0.2]", "evaluation.speeds: expected each once"),
         ("evaluation.controllers=[policy,policy]", "evaluation.controllers: expected each once"),
-        ("evaluation.commands=[]", "evaluation.commands: expected at least one command"),
+        ("evaluation.speeds=[]", "evaluation.speeds: expected at least one command"),
         (
             "control.mpc_wbc_tuned.substeps=2",
             "control.mpc_wbc_tuned.substeps: expected a control rate of at least",
@@ -201,8 +204,8 @@ def test_every_option_composes(option):
         ("evaluation/disturbance=rough", "unknown option evaluation/disturbance=rough"),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
         ("evaluation=joystick", "evaluation.profile: expected none (the commands of Table 1"),
-        ("protocols.sweep.commands=[]", "protocols.sweep.commands: expected at least one command"),
-        ("protocols.joystick.commands=[1.0]", "protocols.joystick.commands: expected none with a"),
+        ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one command"),
+        ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
         ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
         ("protocols.joystick.profile.cases=[]", "profile.cases: expected a list of one or more"),
         (
@@ -254,15 +257,15 @@ def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
 
 
 def test_a_fine_tuning_wants_what_the_walking_training_wanted():
-    overrides = ["train.walking.seed=3", "train.walking.commands.vx.upper=1.2"]
+    overrides = ["train.walking.seed=3", "train.walking.velocities.vx.upper=1.2"]
     config = compose(["experiment=turning", "finetuning=robust", *overrides], CONF)
     walking, tuning = config.train.walking, config.finetuning
     assert tuning is not None
-    assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.commands, walking.reward)
+    assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.velocities, walking.reward)
     assert tuning.episode_length == walking.episode_length == 10.0
     assert tuning.commands.yaw_rate.upper > 0
-    assert tuning.selection.commands == walking.selection.commands
-    assert 0.0 in tuning.selection.commands
+    assert tuning.selection.speeds == walking.selection.speeds
+    assert 0.0 in tuning.selection.speeds
     paper = compose(["experiment=paper", "finetuning=robust"], CONF)
     assert paper.finetuning is not None
     assert paper.finetuning.guide == paper.train.walking.guide

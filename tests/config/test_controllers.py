@@ -52,7 +52,7 @@ def test_a_file_is_enough_for_table_1(conf):
     config = compose(overrides, conf)
     evaluations = table1_jobs(config)["table1"].inputs["evaluations"]
     higher = [job for job in evaluations if job.section["controller"] == "higher"]
-    assert len(higher) == len(config.evaluation.commands)
+    assert len(higher) == len(config.evaluation.speeds)
     assert {job.stage for job in higher} == {"baseline"}
     expected = to_dict(config.control["mpc_wbc_tuned"])
     expected["step"] |= {"apex": 0.1, "width": 0.22}

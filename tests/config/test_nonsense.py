@@ -198,7 +198,7 @@ def test_every_exception_has_a_leaf(plain):
         ("robot.links.base.mass", 1e7),
         ("robot.geometry.leg_length", 1e5),
         ("evaluation.duration", 1e9),
-        ("evaluation.commands", [0.2, 0.2000000001]),
+        ("evaluation.speeds", [0.2, 0.2000000001]),
         ("study.ablation.training.seeds", [1, 1]),
     ],
 )

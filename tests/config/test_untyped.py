@@ -27,7 +27,7 @@ def by_hydra(overrides: list[str]) -> object:
         ["+train.walking.reward.terms.alive={weight: 1.0, params: {}}", "train/walking=paper"],
         ["~train.walking.reward.terms.heading", "++gait.nodes=31", "finetuning=robust"],
         ["speeds.top=2.0", "evaluation/disturbance=robust", "control.hzd.label='a, b'"],
-        ["train.walking.commands={period: 3.0, vx: {upper: 1.0}}"],
+        ["train.walking.velocities={period: 3.0, vx: {upper: 1.0}}"],
         ["train/walking/reward=unguided", "robot.joints.slide.upper=0.3"],
     ],
 )

@@ -19,7 +19,7 @@ from tests.control.policies import write_policy
 from tests.env.synthetic import config, turning_library
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "run_policy.py"
-COMMAND = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
+VELOCITY = np.array([0.3, 0.05, 0.4])  # turning, between the gaits of the library
 COMPUTED = {  # by the program; a robot's own terms are left out of the policies here
     "base_linear_velocity",
     "target_linear_velocity",
@@ -84,8 +84,8 @@ def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, tu
     outside = example.Policy(tmp_path)
     actions, halted = [], []
     for step in range(STEPS):
-        command = COMMAND if STARTED <= step < STOPPED else np.zeros(3)
-        controller.command(command[None])
+        command = VELOCITY if STARTED <= step < STOPPED else np.zeros(3)
+        controller.set_velocity(command[None])
         expected = controller.control(physics.read())
         targets = outside.targets(example.observe(data), command)
         np.testing.assert_allclose(targets, expected[0], atol=1e-4, err_msg=f"step {step}")
@@ -123,10 +123,10 @@ def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
     _, data = example.start(tmp_path)
     outside, state = example.Policy(tmp_path), example.observe(data)
     outside.heading_target = 0.0
-    assert outside.terms(state, COMMAND).keys() >= COMPUTED
+    assert outside.terms(state, VELOCITY).keys() >= COMPUTED
     outside.layout["observation"]["terms"][3] |= {"name": "smell", "meaning": "how it smells"}
     with pytest.raises(SystemExit, match="expected a value of smell here: how it smells"):
-        outside.targets(state, COMMAND)
+        outside.targets(state, VELOCITY)
 
 
 def test_it_runs_as_a_program_without_the_package(tmp_path):

@@ -195,7 +195,7 @@ def test_a_new_command_counts_from_the_next_observation_on():
     controller, state = PolicyController(network, agent), make_state(1)
     controller.reset(state, np.array([[0.4, 0.0, 0.5]]))
     controller.control(state)
-    controller.command(np.array([[0.2, 0.1, 0.0]]))
+    controller.set_velocity(np.array([[0.2, 0.1, 0.0]]))
     for _ in range(2):
         controller.control(state)
     np.testing.assert_allclose([command[0, 0] for command in seen], [0.4, 0.2, 0.2])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from slider.config.train import CommandConfig, CurriculumConfig, Interval
-from slider.env.commands import CommandSampler, Curriculum, Random
+from slider.config.train import CurriculumConfig, Interval, VelocitiesConfig
+from slider.env.commands import Curriculum, Random, VelocitySampler
 from slider.env.interface import FLOAT64
 
 COUNT = 20000
@@ -16,11 +16,11 @@ def rng() -> Random:
     return Random(0, FLOAT64)
 
 
-def sampler(period: float = 5.0, standing: float = 0.25) -> CommandSampler:
+def sampler(period: float = 5.0, standing: float = 0.25) -> VelocitySampler:
     ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
     curriculum = CurriculumConfig(1.0, 0.1, 0.9)
-    config = CommandConfig(*ranges, period, standing, curriculum)
-    return CommandSampler(config, control_period=0.02, like=FLOAT64)
+    config = VelocitiesConfig(*ranges, period, standing, curriculum)
+    return VelocitySampler(config, control_period=0.02, like=FLOAT64)
 
 
 def test_uniform_within_the_ranges(rng):

@@ -35,7 +35,7 @@ class Stiff:
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         self.velocity = velocity
 
-    def command(self, velocity: np.ndarray) -> None:
+    def set_velocity(self, velocity: np.ndarray) -> None:
         self.commanded.append((len(self.seen), velocity))
 
     def control(self, state: RobotState) -> np.ndarray:

@@ -238,7 +238,7 @@ def test_on_the_gait_robots_head_along_its_course_and_at_rest_where_they_look(sh
 
 def test_robots_at_rest_with_a_zero_command_are_halted_and_those_on_the_gait_step_on():
     halt = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
-    stand = "train.walking.commands.standing_fraction=1.0"
+    stand = "train.walking.velocities.standing_fraction=1.0"
     for share, expected in ((0.0, True), (1.0, False)):
         start = f"train.walking.reset.reference_fraction={share}"
         clock = build(settings("experiment=test", *halt, stand, start)).agent.clock
@@ -262,16 +262,16 @@ def test_same_seed_same_episodes():
 def test_commands_are_seen_and_change():
     whole = settings(
         "experiment=test",
-        "train.walking.commands.period=0.2",
-        "train.walking.commands.vx.lower=0.1",
-        "train.walking.commands.standing_fraction=0.0",
+        "train.walking.velocities.period=0.2",
+        "train.walking.velocities.vx.lower=0.1",
+        "train.walking.velocities.standing_fraction=0.0",
     )
     env = build(whole)
     before = env.agent.command[:, :3].numpy().copy()
     for _ in range(40):
         env.step(torch.zeros(NUM_ENVS, 12))
     after = env.agent.command[:, :3].numpy()
-    limits = whole.train.walking.commands.vx
+    limits = whole.train.walking.velocities.vx
     assert (before != after).any(axis=1).mean() > 0.5
     assert ((after[:, 0] >= limits.lower) & (after[:, 0] <= limits.upper)).all()
 
@@ -362,7 +362,7 @@ def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     whole = settings(
         "experiment=test",
         "train.walking.reset.reference_fraction=1.0",
-        "train.walking.commands.yaw_rate={lower: -0.5, upper: 0.5}",
+        "train.walking.velocities.yaw_rate={lower: -0.5, upper: 0.5}",
         "env.start.tilt=0",
     )
     guide = Guide(library, table)
@@ -377,7 +377,7 @@ def test_robots_that_start_on_a_turning_gait_are_on_their_course():
 
 
 def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
-    env = build(settings("experiment=test", "train.walking.commands.period=0.0"))
+    env = build(settings("experiment=test", "train.walking.velocities.period=0.0"))
     for _ in range(5):
         _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
         assert not done.any()

@@ -64,7 +64,7 @@ def test_both_settings_are_jobs_of_their_own_that_need_no_training():
     found = jobs()
     names = {controller for controller, _ in found}
     assert names == {"policy", "hzd", "mpc_wbc_literal", "mpc_wbc_tuned"}
-    assert len(found) == 4 * len(config().evaluation.commands)
+    assert len(found) == 4 * len(config().evaluation.speeds)
     for (controller, _), job in found.items():
         assert (job.stage == "baseline") == (controller in config().control)
         assert bool(job.inputs) == (controller in ("policy", "hzd"))

@@ -86,7 +86,7 @@ def test_save_then_load(tmp_path, written):
     back.save(again)
     for path in again.iterdir():
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
-    about = json.loads((tmp_path / "command.json").read_text())
+    about = json.loads((tmp_path / "metadata.json").read_text())
     assert ("case" in about) == bool(written.case)
 
 

@@ -75,8 +75,8 @@ def run(walking, out, seconds: float = 0.6, command: float = 0.2, **changes):
 def test_files_and_columns(walking, tmp_path):
     summary, table = run(walking, tmp_path / "out")
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    assert names == {"robots.csv", "velocity.npy", "command.json"}
-    about = json.loads((tmp_path / "out" / "command.json").read_text())
+    assert names == {"robots.csv", "velocity.npy", "metadata.json"}
+    about = json.loads((tmp_path / "out" / "metadata.json").read_text())
     assert about == {"controller": "policy", "command": 0.2}
     assert tuple(table) == results.COLUMNS
     assert {len(column) for column in table.values()} == {TRIALS * ROBOTS}
@@ -179,7 +179,7 @@ def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
     values = section() | {"evaluation": to_dict(whole), "command": None, "case": to_dict(case)}
     summary = stage.run(values, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
     names = {path.name for path in (tmp_path / "out").iterdir()}
-    expected = {"robots.csv", "velocity.npy", "command.json", "segments.csv", "traces.npy"}
+    expected = {"robots.csv", "velocity.npy", "metadata.json", "segments.csv", "traces.npy"}
     assert names == expected
     assert summary["command"] is None
     found = Evaluation.load(tmp_path / "out")

@@ -17,7 +17,7 @@ from slider.robot.knee_map import prismatic_joints, with_upper_feet
 from slider.robot.transmission import Transmission
 from tests.gait.gaits import config, form, nodes, problem, solved
 
-COMMAND = (0.4, 0.0)
+VELOCITY = (0.4, 0.0)
 
 
 @cache
@@ -42,10 +42,10 @@ def motors(variables: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def test_collocation_costs_less_than_polynomials():
     """The polynomials are a subset of all motions, up to the collocation's own error."""
     solver = solve_with(formulated(transcription="collocation"))
-    free = solver.solve(*COMMAND)
+    free = solver.solve(*VELOCITY)
     assert free.success, free.status
     assert free.max_violation <= 1e-6
-    assert 0.2 < free.cost / solved(*COMMAND).cost < 0.4
+    assert 0.2 < free.cost / solved(*VELOCITY).cost < 0.4
     fitted, error = coefficients(solver.problem, free.variables)
     assert fitted.shape == (2, 10, config().gait.degree + 1)
     assert 0.01 < error < 0.1
@@ -57,9 +57,9 @@ def test_collocation_costs_less_than_polynomials():
 
 def test_each_cost_is_least_for_its_own_optimum():
     found = {
-        name: solve_with(formulated(cost=name)).solve(*COMMAND) for name in ("torque", "transport")
+        name: solve_with(formulated(cost=name)).solve(*VELOCITY) for name in ("torque", "transport")
     }
-    found["paper"] = solved(*COMMAND)
+    found["paper"] = solved(*VELOCITY)
     for name, own in found.items():
         assert own.success, name
         value = _cost(name, own.variables)
@@ -85,10 +85,10 @@ def _cost(name: str, variables: np.ndarray) -> float:
 
 
 def test_the_ramp_arrives_where_the_cold_start_does():
-    ramp = solve_with(formulated(), guesses=("ramp",)).solve(*COMMAND)
+    ramp = solve_with(formulated(), guesses=("ramp",)).solve(*VELOCITY)
     assert [attempt.name for attempt in ramp.attempts] == ["ramp"]
     assert ramp.success
-    assert ramp.cost == pytest.approx(solved(*COMMAND).cost, rel=1e-6)
+    assert ramp.cost == pytest.approx(solved(*VELOCITY).cost, rel=1e-6)
 
 
 ENDS = {"cold": (3.0, True), "fast": (1.0, False), "crouched": (2.0, True)}
@@ -106,7 +106,7 @@ class Scripted(GaitSolver):
 @pytest.mark.parametrize(("keep", "cost", "tried"), [("first", 3.0, 1), ("best", 2.0, 3)])
 def test_the_best_of_several_starts_is_kept(keep, cost, tried):
     settings = replace(config().gait.solver, guesses=list(ENDS), keep=keep)
-    solve = Scripted(problem(), settings, config().gait.step_time).solve(*COMMAND)
+    solve = Scripted(problem(), settings, config().gait.step_time).solve(*VELOCITY)
     assert (solve.cost, solve.success, len(solve.attempts)) == (cost, True, tried)
     assert (solve.variables == cost).all()
 
@@ -121,7 +121,7 @@ def test_fast_gaits_converge_from_the_first_guess(vx: float):
 def test_the_next_guess_is_tried_after_a_failure():
     gait = config().gait
     settings = replace(gait.solver, guesses=["cold", "crouched"], max_iterations=2)
-    solve = GaitSolver(problem(), settings, gait.step_time).solve(*COMMAND)
+    solve = GaitSolver(problem(), settings, gait.step_time).solve(*VELOCITY)
     assert [attempt.name for attempt in solve.attempts] == ["cold", "crouched"]
     assert not solve.success
     assert all(attempt.iterations == 2 for attempt in solve.attempts)
@@ -138,7 +138,7 @@ def test_step_time_laws(law, expected):
 def test_a_fixed_step_time_is_kept():
     law = StepTime(0.25, 0.42, "fixed", 0.36, 0.0)
     solver = solve_with(formulated(), step_time=law)
-    solve = solver.solve(*COMMAND)
+    solve = solver.solve(*VELOCITY)
     assert solve.success
     layout = solver.problem.layout
     assert [solve.variables[layout.time_index(step)] for step in range(2)] == [0.36, 0.36]
@@ -149,17 +149,17 @@ def test_the_capstan_bounds_both_motors():
     robot, limit = config().robot, 2.7
     drive = replace(robot.drives["capstan"], torque=limit)
     weak = formulate(replace(robot, drives=robot.drives | {"capstan": drive}), config().gait)
-    solve = solve_with(weak).solve(*COMMAND)
+    solve = solve_with(weak).solve(*VELOCITY)
     assert solve.success, solve.status
     capstan = [3, 4, 8, 9]
-    before, after = (np.abs(motors(s.variables)[0][:, capstan]) for s in (solved(*COMMAND), solve))
+    before, after = (np.abs(motors(s.variables)[0][:, capstan]) for s in (solved(*VELOCITY), solve))
     assert before.max() > 1.02 * limit
     assert after.max() == pytest.approx(limit, abs=1e-4)
 
 
 def test_the_share_of_the_bus_bounds_all_motors_at_the_nodes():
     share = 0.25
-    solve = solve_with(formulated(voltage=share)).solve(*COMMAND)
+    solve = solve_with(formulated(voltage=share)).solve(*VELOCITY)
     assert solve.success, solve.status
     transmission = Transmission.of(config().robot)
 
@@ -167,12 +167,12 @@ def test_the_share_of_the_bus_bounds_all_motors_at_the_nodes():
         torques, speeds = motors(variables)
         return np.abs(torques / transmission.stall + speeds / transmission.speed).max()
 
-    assert voltage(solved(*COMMAND).variables) > 1.1 * share
+    assert voltage(solved(*VELOCITY).variables) > 1.1 * share
     assert voltage(solve.variables) == pytest.approx(share, abs=1e-4)
 
 
 def test_between_nodes_the_constraints_nearly_hold():
-    violations = dense_violations(problem(), solved(*COMMAND).variables)
+    violations = dense_violations(problem(), solved(*VELOCITY).variables)
     assert violations["clearance"] < 4e-4  # the nodes leave a margin below; nothing above
     assert violations["motor_torque"] == violations["motor_voltage"] == 0.0
     assert 0.1 < violations["foot_line_moment"] < 1.0
@@ -180,5 +180,5 @@ def test_between_nodes_the_constraints_nearly_hold():
 
 
 def test_dense_phases_pass_through_the_nodes():
-    dense = dense_nodes(problem(), solved(*COMMAND).variables).reshape(2, -1, 34)[:, ::DENSE]
-    np.testing.assert_allclose(dense.reshape(-1, 34), nodes(*COMMAND), atol=1e-9)
+    dense = dense_nodes(problem(), solved(*VELOCITY).variables).reshape(2, -1, 34)[:, ::DENSE]
+    np.testing.assert_allclose(dense.reshape(-1, 34), nodes(*VELOCITY), atol=1e-9)

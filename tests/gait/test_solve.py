@@ -48,7 +48,7 @@ def test_a_walk_in_place_is_symmetric():
     np.testing.assert_allclose(steps[0], steps[1], atol=1e-5)
 
 
-COMMAND = (0.6, 0.0)
+VELOCITY = (0.6, 0.0)
 SHARE = 0.97
 
 
@@ -65,15 +65,15 @@ def least(found: GaitSolver, solve: Solve) -> float:
 
 
 def test_a_bound_that_bites_is_kept_and_so_are_the_others():
-    found = solver(SHARE, COMMAND[0])
-    solve = found.solve(*COMMAND)
+    found = solver(SHARE, VELOCITY[0])
+    solve = found.solve(*VELOCITY)
     assert solve.success, solve.status
-    assert set(solve.residuals) == set(solved(*COMMAND).residuals) | {"hip_rate"}
+    assert set(solve.residuals) == set(solved(*VELOCITY).residuals) | {"hip_rate"}
     assert solve.max_violation <= config().library.max_violation
-    free = knee_trajectory(problem(), solved(*COMMAND).variables).base_velocity[:, 0].min()
-    assert free < 0.95 * COMMAND[0]
-    assert least(found, solve) == pytest.approx(SHARE * COMMAND[0], abs=1e-6)
-    assert solve.cost > solved(*COMMAND).cost
+    free = knee_trajectory(problem(), solved(*VELOCITY).variables).base_velocity[:, 0].min()
+    assert free < 0.95 * VELOCITY[0]
+    assert least(found, solve) == pytest.approx(SHARE * VELOCITY[0], abs=1e-6)
+    assert solve.cost > solved(*VELOCITY).cost
     assert dense_violations(found.problem, solve.variables)["hip_rate"] < 5e-3
 
 

@@ -21,7 +21,7 @@ from slider.hzd.poincare import limit_cycles
 from slider.hzd.stability import RECORDS, run, run_basin, run_maps
 from slider.hzd.stage import collect_placement, run_gaits
 from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 from tests.gait.gaits import config
 from tests.hzd.sample import CLOCK, COMMANDS, HIP, folder, library, steps
 
@@ -67,7 +67,7 @@ def maps(chunk, tmp_path_factory) -> Path:
 
 def test_records_hold_every_quantity(maps):
     record, _ = json.loads((maps / RECORDS).read_text())
-    assert {*QUANTITIES, *COMMAND} == record.keys()
+    assert {*QUANTITIES, *VELOCITY} == record.keys()
     assert (record["vx"], record["vy"], record["phase"]) == (0.6, 0.1, "hip")
     assert record["closed_spectral_radius"] < 0.6 < 2.0 < record["spectral_radius"]
     np.testing.assert_allclose(record["spectral_radius"], record["eigenvalues"][0], rtol=1e-3)
@@ -78,7 +78,7 @@ def test_records_hold_every_quantity(maps):
 def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
     collect_placement({}, {"library": [folder()], "gaits": [chunk]}, tmp_path, Job(tmp_path))
     found = FootPlacement.load(tmp_path)
-    np.testing.assert_array_equal(found.commands, library().commands)
+    np.testing.assert_array_equal(found.velocities, library().commands)
     assert found.clock.tolist() == [True, False]
     assert found.gains.shape == (2, 2, 2, 21, 2, 4)
     by_time, by_hip = 0, 1
@@ -109,7 +109,7 @@ def test_compiled_functions_give_the_same_bytes_and_are_found_again(chunk, tmp_p
 def test_the_table_has_a_line_per_gait(maps, tmp_path):
     assert run({}, {"gaits": [maps]}, tmp_path, Job(tmp_path)) == {"gaits": 2, "stable": 2}
     rows = list(csv.DictReader((tmp_path / CSV).read_text().splitlines()))
-    assert [tuple(float(row[name]) for name in COMMAND) for row in rows] == COMMANDS
+    assert [tuple(float(row[name]) for name in VELOCITY) for row in rows] == COMMANDS
     assert [len(row["eigenvalues"].split()) for row in rows] == [4, 3]
     assert rows[0]["hip_share"] == ""
     assert "| `spectral_radius` | 1/step |" in (tmp_path / MARKDOWN).read_text()

@@ -31,9 +31,9 @@ SHORT = (
     "train.walking.robots=64",
     "train.walking.ppo.precision=float32",
     "train.walking.network.hidden=[64,64]",
-    f"train.walking.commands.vx={{lower: {SPEED}, upper: {SPEED}}}",
-    "train.walking.commands.vy={lower: 0.0, upper: 0.0}",
-    "train.walking.commands.standing_fraction=0.0",
+    f"train.walking.velocities.vx={{lower: {SPEED}, upper: {SPEED}}}",
+    "train.walking.velocities.vy={lower: 0.0, upper: 0.0}",
+    "train.walking.velocities.standing_fraction=0.0",
     f"train.walking.selection={{interval: 50, commands: [{SPEED}], robots: 20, duration: 3.0}}",
 )
 

@@ -83,7 +83,7 @@ def test_it_is_continuous_over_the_grid_its_border_and_its_hole(made_up):
 
 def test_outside_it_is_the_border_and_says_so(made_up):
     gait = blend(made_up, 9.0, 0.0)
-    assert gait.command.tolist() == [2.0, 0.0, 0.0]
+    assert gait.velocity.tolist() == [2.0, 0.0, 0.0]
     np.testing.assert_array_equal(gait.samples(), blend(made_up, 2.0, 0.0).samples())
 
 

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from slider.library.mesh import CommandMesh
+from slider.library.mesh import VelocityMesh
 
 VX, VY = (0.0, 0.05, 0.1, 0.15), (-0.1, 0.0, 0.1)
 GRID = np.array([*product(VX, VY, (0.0,))])
@@ -20,7 +20,7 @@ MESHES = pytest.mark.parametrize(
 
 
 def weights(commands: np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0) -> np.ndarray:
-    return CommandMesh.of(commands).weights(np.array([[vx, vy, yaw_rate]]))[0]
+    return VelocityMesh.of(commands).weights(np.array([[vx, vy, yaw_rate]]))[0]
 
 
 def linear(commands: np.ndarray) -> np.ndarray:
@@ -38,7 +38,7 @@ def test_a_gait_s_own_velocity_takes_that_gait_alone(commands):
 def test_weights_are_shares(commands):
     rng = np.random.default_rng(0)
     asked = rng.uniform((-0.2, -0.3, -0.5), (0.6, 0.3, 0.5), (300, 3))
-    found = CommandMesh.of(commands).weights(asked)
+    found = VelocityMesh.of(commands).weights(asked)
     assert (found >= 0).all()
     np.testing.assert_allclose(found.sum(axis=1), 1.0, atol=1e-12)
 
@@ -65,7 +65,7 @@ def test_a_complete_cell_with_a_yaw_rate_is_trilinear():
     """A product of three linear functions is reproduced, and it is that of the eight corners."""
     rng = np.random.default_rng(2)
     asked = rng.uniform((0.0, -0.1, -0.3), (0.05, 0.0, 0.0), (50, 3))
-    mesh = CommandMesh.of(TURNING)
+    mesh = VelocityMesh.of(TURNING)
     for function in (linear, lambda c: (1 + c[:, 0]) * (2 - c[:, 1]) * (3 + c[:, 2])):
         found = mesh.weights(asked) @ function(TURNING)
         np.testing.assert_allclose(found, function(asked), atol=1e-12)
@@ -103,6 +103,6 @@ def test_weights_are_continuous(commands):
     rng = np.random.default_rng(1)
     start = rng.uniform((-0.1, -0.2, -0.5), (0.5, 0.2, 0.5), (2000, 3))
     step = 1e-4 * rng.uniform(-1, 1, start.shape)
-    mesh = CommandMesh.of(commands)
+    mesh = VelocityMesh.of(commands)
     change = mesh.weights(start + step) - mesh.weights(start)
     assert np.abs(change).sum(axis=1).max() < 2.1 * 1e-4 * (1 / 0.05 + 1 / 0.1 + 1 / 0.3)

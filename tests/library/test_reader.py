@@ -83,8 +83,8 @@ def test_all_arrays_are_there_by_name(store):
         assert len(library.arrays[name]) == len(library) == len(GAITS)
     np.testing.assert_array_equal(library.base, library.arrays["base"])
     np.testing.assert_array_equal(library.step_time[0], [0.42, 0.42])
-    np.testing.assert_array_equal(library.velocities, GAITS)
-    np.testing.assert_array_equal(library.commands, [(*v, 0.0) for v in GAITS])
+    np.testing.assert_array_equal(library.planar_velocities, GAITS)
+    np.testing.assert_array_equal(library.velocities, [(*v, 0.0) for v in GAITS])
 
 
 def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(store):
@@ -108,7 +108,7 @@ def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
         library.find(0.5, 0.0, 0.4)
     with pytest.raises(UserError, match=r"\(0\.6, 0\) m/s, 0\.3 rad/s did not converge"):
         library.find(0.6, 0.0, 0.3)
-    np.testing.assert_array_equal(library.straight.commands, [commands[1], commands[3]])
+    np.testing.assert_array_equal(library.straight.velocities, [commands[1], commands[3]])
     assert library.straight.holes == ()
     assert library.straight.straight is library.straight
 

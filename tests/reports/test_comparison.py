@@ -19,7 +19,7 @@ def row(controller, command, source="measured", **values):
         "controller": controller,
         "label": f"{controller} of {source}",
         "source": source,
-        "command_velocity": command,
+        "speed": command,
     }
     return cells | values
 

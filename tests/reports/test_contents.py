@@ -18,7 +18,7 @@ from slider.reports.page import content
 from slider.reports.sections import SECTIONS
 from slider.reports.table import Table, Text, inline
 from slider.reports.table1 import paper_rows
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 from slider.training.results import Training
 from slider.verification.quantities import QUANTITIES
 from slider.verification.summary import failures, worst, write_csv
@@ -35,7 +35,7 @@ def verified(folder, bound: float):
     first = dict.fromkeys(QUANTITIES, 0.5)
     second = dict.fromkeys(QUANTITIES, 0.25) | {"periodicity": 0.9, "return_map": 20.0}
     second.pop("roll_end")
-    velocities = [dict(zip(COMMAND, v, strict=True)) for v in ((0.0, 0.0, 0.0), (0.5, 0.1, 0.3))]
+    velocities = [dict(zip(VELOCITY, v, strict=True)) for v in ((0.0, 0.0, 0.0), (0.5, 0.1, 0.3))]
     rows = pd.DataFrame([velocities[0] | first, velocities[1] | second])
     bounds: dict[str, float | None] = dict.fromkeys(QUANTITIES) | {"periodicity": bound}
     failed = failures(rows, bounds)
@@ -78,7 +78,7 @@ def test_speeds_without_an_evaluation_are_named(monkeypatch):
 
 def row(speed: float, success: float, error: float) -> dict:
     about = {"controller": "policy", "label": "policy (ours)", "source": "measured"}
-    return about | {"command_velocity": speed, "success_rate": success, "mse_steady": error}
+    return about | {"speed": speed, "success_rate": success, "mse_steady": error}
 
 
 def test_the_finding_has_the_worst_numbers_and_the_papers():
@@ -111,7 +111,7 @@ def test_the_page_is_one_file_without_script_or_network(tmp_path):
     section = {
         "report": {
             "sections": ["overview", "table1"],
-            "tracking_commands": [],
+            "tracking_speeds": [],
             "video": vars(VIDEO),
         },
         "configuration": {

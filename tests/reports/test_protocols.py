@@ -215,7 +215,7 @@ def test_speeds(tmp_path):
     summary, out = write_speeds(tmp_path, "one")
     assert {path.name for path in out.iterdir()} == {f"sweep.{x}" for x in ("csv", "md", "svg")}
     rows = list(csv.DictReader((out / "sweep.csv").read_text().splitlines()))
-    assert [row["command_velocity"] for row in rows] == ["0.2", "3"]
+    assert [row["speed"] for row in rows] == ["0.2", "3"]
     assert [row["success_rate"] for row in rows] == ["1", "0"]
     velocity = np.array([1.5, 1.25, 1.125, 2.0])  # errors + 1
     assert float(rows[0]["mean_velocity"]) == pytest.approx(velocity.mean(), rel=1e-5)
@@ -228,9 +228,8 @@ def test_speeds(tmp_path):
 def test_the_highest_tracked_speed():
     shares = {0.2: 1.0, 2.2: 0.9, 3.0: 0.89}
     rows = [
-        {"controller": "policy", "command_velocity": v, "tracking_rate": share}
-        for v, share in shares.items()
-    ] + [{"controller": "other", "command_velocity": 1.0, "tracking_rate": 0.0}]
+        {"controller": "policy", "speed": v, "tracking_rate": share} for v, share in shares.items()
+    ] + [{"controller": "other", "speed": 1.0, "tracking_rate": 0.0}]
     assert protocols.highest_tracked(rows) == {"policy": 2.2, "other": None}
 
 
@@ -268,13 +267,13 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
 
 
 def test_tracking_needs_an_evaluated_speed(tmp_path):
-    message = r"^report\.tracking_commands: expected at least one of evaluation\.commands, found "
+    message = r"^report\.tracking_speeds: expected at least one of evaluation\.commands, found "
     with pytest.raises(UserError, match=message + r"\[0\.4, 3\.0\]$"):
         write_tracking(tmp_path)
 
 
 def test_the_job_waits_for_the_speeds_that_it_shows_alone():
-    composed = compose(["experiment=test", "report.tracking_commands=[0.4,7.0]"], CONF)
+    composed = compose(["experiment=test", "report.tracking_speeds=[0.4,7.0]"], CONF)
     table1 = table1_jobs(composed)["table1"]
     inputs = velocity_tracking(composed, table1).inputs["evaluations"]
     assert [one for one in table1.inputs["evaluations"] if one in inputs] == list(inputs)

@@ -12,9 +12,9 @@ PLAIN, SHARE, CENTI = Quantity("a", "m"), Quantity("b", "% of time", 100), Quant
 OURS = {"controller": "policy", "label": "policy (ours)"}
 TUNED = {"controller": "mpc_wbc_tuned", "label": "MPC + WBC, tuned"}
 ROWS = [
-    OURS | {"command_velocity": 0.2, "flight": 0.0244, "clearance": 0.09, "new": 1},
-    OURS | {"command_velocity": 1.2, "flight": 1e-5, "clearance": NAN, "new": 2},
-    TUNED | {"command_velocity": 0.2, "flight": 0, "clearance": 1, "new": 3},
+    OURS | {"speed": 0.2, "flight": 0.0244, "clearance": 0.09, "new": 1},
+    OURS | {"speed": 1.2, "flight": 1e-5, "clearance": NAN, "new": 2},
+    TUNED | {"speed": 0.2, "flight": 0, "clearance": 1, "new": 3},
 ]
 
 

@@ -21,7 +21,7 @@ COLUMNS = [
     "controller",
     "label",
     "source",
-    "command_velocity",
+    "speed",
     "success_rate",
     "success_rate_std",
     "success_low",
@@ -35,7 +35,7 @@ SECTION = {"labels": {"policy": "policy (ours)"}}
 def test_a_row_has_the_numbers_of_its_evaluation():
     found = make_robots([[1, 1, 0, 1], [1, 0, 0, 1]], [[1, 2, 9, 3], [4, 9, 9, 8]])
     row = table_row(Evaluation("policy", 0.6, found))
-    assert (row["controller"], row["source"], row["command_velocity"]) == (
+    assert (row["controller"], row["source"], row["speed"]) == (
         "policy",
         "measured",
         0.6,
@@ -54,13 +54,13 @@ def test_the_papers_rows_are_the_papers():
     for row, printed in zip(rows, expected, strict=True):
         assert row["source"] == "paper"
         assert row["controller"] == printed["controller"]
-        for name in ("command_velocity", "success_rate", "mse"):
+        for name in ("speed", "success_rate", "mse"):
             assert row[name] == float(printed[name])
         assert np.isnan([row[name] for name in COLUMNS[5:] if name != "mse"]).all()
 
 
 def test_some_of_the_papers_numbers():
-    rows = {(r["controller"], r["command_velocity"]): r for r in table1.paper_rows()}
+    rows = {(r["controller"], r["speed"]): r for r in table1.paper_rows()}
     assert rows["guided_drl", 3.0]["success_rate"] == 0.731
     assert rows["guided_drl", 3.0]["mse"] == 1.6
     assert rows["mpc_wbc", 0.6]["mse"] == 0.0593
@@ -83,14 +83,14 @@ def test_the_stage(tmp_path):
     rows = list(csv.DictReader((out / "table1.csv").read_text().splitlines()))
     assert list(rows[0]) == COLUMNS
     ours = [row for row in rows if row["source"] == "measured"]
-    assert [(row["command_velocity"], row["mse"]) for row in ours] == [
+    assert [(row["speed"], row["mse"]) for row in ours] == [
         ("0.2", "0.291667"),
         ("3", "inf"),
     ]
     assert len(rows) == 2 + 14
     assert {row["source"] for row in rows} == {"measured", "paper"}
     quality = list(csv.DictReader((out / "gait_quality.csv").read_text().splitlines()))
-    assert [row["command_velocity"] for row in quality] == ["0.2", "3"]
+    assert [row["speed"] for row in quality] == ["0.2", "3"]
     assert float(quality[0]["mean_velocity"]) == pytest.approx(1 + 0.875 / 3, rel=1e-5)
     assert float(quality[0]["double_support"]) == pytest.approx(0.875 / 3, rel=1e-5)
     assert {quality[1][name] for name in QUALITY} == {""}

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 from slider.verification.quantities import QUANTITIES
 from slider.verification.stage import check_gait
 from slider.verification.summary import failures
@@ -27,7 +27,7 @@ def failed(gait, names=OWN, dynamics="prismatic", experiment="default") -> set[s
     bounds, values = config(f"experiment={experiment}").verification.bounds, {}
     for name in names:
         values |= table(dynamics)[name](gait)
-    row = pd.DataFrame([dict.fromkeys([*COMMAND, *QUANTITIES]) | values]).astype(float)
+    row = pd.DataFrame([dict.fromkeys([*VELOCITY, *QUANTITIES]) | values]).astype(float)
     return {failure.quantity for failure in failures(row, bounds)}
 
 

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from slider.core.errors import UserError
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 from slider.verification import summary
 from slider.verification.quantities import QUANTITIES
 from tests.verification.sample import config
@@ -16,8 +16,8 @@ NONE: summary.Bounds = dict.fromkeys(QUANTITIES)
 
 def table(*rows: tuple[float, dict[str, float]]) -> pd.DataFrame:
     """Gaits of some speeds [m/s] and their values."""
-    records = [dict(zip(COMMAND, (speed, 0.0, 0.0), strict=True)) | row for speed, row in rows]
-    return pd.DataFrame(records).reindex(columns=[*COMMAND, *QUANTITIES])
+    records = [dict(zip(VELOCITY, (speed, 0.0, 0.0), strict=True)) | row for speed, row in rows]
+    return pd.DataFrame(records).reindex(columns=[*VELOCITY, *QUANTITIES])
 
 
 ROWS = table(

@@ -86,7 +86,7 @@ def test_no_table_is_made_of_a_changed_digit(workspace, once):
     path.chmod(0o644)
     path.write_text(text.replace("0.", "7.", 1))
     os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
-    further = "evaluation.commands=[0.2,0.4,0.3]"
+    further = "evaluation.speeds=[0.2,0.4,0.3]"
     assert workspace.computed(further) == ["evaluation", "evaluation", "table1"]
     assert workspace.computed() == []
     assert workspace.table.read_bytes() == once.table.read_bytes()

@@ -57,7 +57,7 @@ def test_ends_with_a_table_and_a_page_of_our_controller(real):
     """The folder has a space, quotes, a letter beyond ASCII and a command in its name."""
     assert [job for job in real.stages() if job not in ("report", "video")] == EVERYTHING
     rows = list(csv.DictReader(real.table.read_text().splitlines()))
-    assert {"controller", "source", "command_velocity"} <= set(rows[0])
+    assert {"controller", "source", "speed"} <= set(rows[0])
     assert (real.folder / PAGE).is_file()
     assert real.folder.name == HOSTILE
     assert not list(real.folder.parent.rglob("pwned"))
@@ -132,7 +132,7 @@ def blank(tmp_path) -> Workspace:
         ("gait.nodes=31", EVERYTHING),
         ("gait.grid.vx.stop=0.6", [*EVERYTHING[:3], *EVERYTHING[4:]]),
         (LONGER, AFTER_STANDING),
-        ("evaluation.commands=[0.2,0.4,0.3]", ["evaluation", "table1"]),
+        ("evaluation.speeds=[0.2,0.4,0.3]", ["evaluation", "table1"]),
         ("resources.threads=1", []),
     ],
 )

@@ -50,7 +50,7 @@ def recipes(*overrides: str) -> dict[str, set[str]]:
         ("train.walking.iterations=4", {"walking", "evaluation", "table1"}),
         ("train.walking.seed=3", {"walking", "evaluation", "table1"}),
         ("evaluation.trials=3", {"evaluation", "table1"}),
-        ("evaluation.commands=[0.4,0.2]", {"table1"}),
+        ("evaluation.speeds=[0.4,0.2]", {"table1"}),
         ("protocols.sweep.trials=3", set()),
         ("protocols.joystick.profile.ramp=0.1", set()),
         ("resources.threads=1", set()),
@@ -85,7 +85,7 @@ def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table
     ("override", "changed"),
     [
         ("protocols.sweep.trials=3", {"sweep"}),
-        ("protocols.sweep.commands=[0.4]", {"sweep"}),
+        ("protocols.sweep.speeds=[0.4]", {"sweep"}),
         ("protocols.joystick.profile.warm_up=0.1", {"joystick"}),
         ("protocols.heldout.duration=1.4", {"heldout"}),
         ("evaluation.trials=3", set()),
@@ -140,8 +140,8 @@ def test_held_out_commands_are_those_that_no_checkpoint_is_chosen_by():
     cases = [case.segments for case in profile.cases]
     alone = [segments[0] for segments in cases if len(segments) == 1]
     walked = {segment.vx for segment in alone if segment.vy == 0.0}
-    known = set(config.train.walking.selection.commands) | {0.0}
-    assert known | set(config.evaluation.commands) <= walked
+    known = set(config.train.walking.selection.speeds) | {0.0}
+    assert known | set(config.evaluation.speeds) <= walked
     between = sorted(walked - known)
     assert len(between) >= 4
     assert all(min(known) < speed < max(known) for speed in between)
@@ -149,7 +149,7 @@ def test_held_out_commands_are_those_that_no_checkpoint_is_chosen_by():
     assert {vy for _, vy in sideways} == {-0.1, 0.1}
     assert len(sideways) >= 4
     stops = [segments for segments in cases if len(segments) == 2]
-    assert [start.vx for start, _ in stops] == config.evaluation.commands
+    assert [start.vx for start, _ in stops] == config.evaluation.speeds
     for _, stop in stops:
         assert (stop.vx, stop.vy, stop.yaw_rate) == (0.0, 0.0, 0.0)
         assert config.protocols["heldout"].duration - stop.time >= 60.0

@@ -30,7 +30,7 @@ _TRAINING = ("train.robots", "train.steps_per_iteration", "train.iterations")
 _EVALUATION = ("evaluation.trials", "evaluation.robots", "evaluation.duration")
 _FACTORS = {
     **dict.fromkeys(("gait", "gait_start"), ("formulation.nodes",)),
-    **dict.fromkeys(("stability_gaits", "return_maps", "verification_gaits"), ("commands",)),
+    **dict.fromkeys(("stability_gaits", "return_maps", "verification_gaits"), ("velocities",)),
     **dict.fromkeys(("standing", "walking"), _TRAINING),
     **dict.fromkeys(("evaluation", "baseline"), _EVALUATION),
     "gait_walks": ("steps",),

@@ -55,7 +55,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _default_picture(library: GaitLibrary, gait: int) -> Path:
-    vx, vy, yaw_rate = library.commands[gait]
+    vx, vy, yaw_rate = library.velocities[gait]
     turn = f"_{yaw_rate:+.2f}" if yaw_rate else ""
     return Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}{turn}.png"
 

@@ -55,8 +55,8 @@ def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:
     known: dict[tuple[float, ...], float] = {}
     for gait in job.inputs["gaits"]:
         facts = store.facts(gait.stage, gait.recipe)
-        known[tuple(gait.section["command"])] = facts.get("solve_cpu", np.nan)
-    times = np.array([known[tuple(command)] for command in library.commands.tolist()])
+        known[tuple(gait.section["velocity"])] = facts.get("solve_cpu", np.nan)
+    times = np.array([known[tuple(velocity)] for velocity in library.velocities.tolist()])
     if not np.isfinite(times).any():
         raise UserError(f"expected solve times beside the gaits in {store.root}, found none")
     return library, times

@@ -21,7 +21,7 @@ from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 from slider.reports.provenance import in_order, stage_title
-from slider.reports.quantities import PAPER, QUANTITIES, speed
+from slider.reports.quantities import PAPER, QUANTITIES, speed_text
 from slider.reports.rows import NAN, Row, by, distinct, read
 from slider.reports.table import grid
 
@@ -96,15 +96,15 @@ def origin(command: str, facts: dict[str, Any]) -> str:
 def across(names: Sequence[str], controllers: Sequence[str], report: Path) -> str:
     """Quantities and controllers down, speeds across; with intervals where the report has them."""
     rows = [row for row in read(report) if not controllers or row["controller"] in controllers]
-    speeds, body = distinct(rows, "command_velocity"), []
+    speeds, body = distinct(rows, "speed"), []
     for name in names:
         for (_, label), mine in by(rows, "controller", "label").items():
-            cells = {row["command_velocity"]: _text(row, name) for row in mine}
+            cells = {row["speed"]: _text(row, name) for row in mine}
             if any(row[name] == row[name] for row in mine):
                 heading = QUANTITIES[name].heading
                 title = "" if body and heading in {line[0] for line in body} else heading
                 body.append([title, label, *(cells.get(value, "–") for value in speeds)])
-    return grid(["command [m/s]", "", *map(speed, speeds)], body).markdown
+    return grid(["command [m/s]", "", *map(speed_text, speeds)], body).markdown
 
 
 def _text(row: Row, name: str) -> str:
@@ -121,9 +121,7 @@ def summary(report: Path) -> str:
         for mine in (groups[controller] for controller in shown):
             printed = mine[0]["source"] == PAPER and name == "mse_steady"
             columns[f"{short}, {mine[0]['label']}"] = {
-                speed(row["command_velocity"]): QUANTITIES[name].text(
-                    row["mse" if printed else name]
-                )
+                speed_text(row["speed"]): QUANTITIES[name].text(row["mse" if printed else name])
                 for row in mine
             }
     frame = pd.DataFrame(columns).reindex([*next(iter(columns.values()))]).fillna("–")

@@ -77,9 +77,9 @@ class ProfileConfig:
 class EvaluationConfig:
     """A protocol: every controller, command, trial and robot; see ``docs/explanation/method.md``.
 
-    ``controllers`` and ``commands`` say which evaluations there are; they are not in the section
+    ``controllers`` and ``speeds`` say which evaluations there are; they are not in the section
     of a single one, which would otherwise be redone with every new command. A protocol has either
-    ``commands``, constant forward velocities, or a ``profile``.
+    ``speeds``, constant forward velocities, or a ``profile``.
     """
 
     trials: Annotated[Count, Field(le=100_000)]
@@ -100,7 +100,7 @@ class EvaluationConfig:
     disturbance: DisturbanceConfig
     controllers: Distinct[Some[Name]] = field(default_factory=list)
     """rows of the table"""
-    commands: Distinct[list[MetresPerSecond]] = field(default_factory=list)
+    speeds: Distinct[list[MetresPerSecond]] = field(default_factory=list)
     """constant forward velocities; none with a profile"""
     profile: ProfileConfig | None = None
     """commands that change; null: constant ones"""

@@ -25,7 +25,7 @@ Pixels = Annotated[Even[int], Field(ge=32, le=1920)]
 
 @dataclass(frozen=True, config=STRICT)
 class VideoConfig:
-    """Which videos are made, and how; ``commands`` is not in the section of a single one."""
+    """Which videos are made, and how; ``speeds`` is not in the section of a single one."""
 
     renderer: Literal["auto", "egl", "osmesa", "none"]
     """none: a page without videos; auto: the first that works"""
@@ -43,7 +43,7 @@ class VideoConfig:
     """constant rate factor of H.264, 0 (lossless, large) to 51"""
     seed: Seed
     """of the start's noise"""
-    commands: Distinct[list[MetresPerSecond]] = field(default_factory=list)
+    speeds: Distinct[list[MetresPerSecond]] = field(default_factory=list)
     """one video per controller and command"""
 
     @property
@@ -58,6 +58,6 @@ class ReportConfig:
 
     sections: Distinct[Some[Name]]
     """of the page, in order"""
-    tracking_commands: Distinct[list[MetresPerSecond]]
+    tracking_speeds: Distinct[list[MetresPerSecond]]
     """velocity tracking is drawn for these, where evaluated"""
     video: VideoConfig

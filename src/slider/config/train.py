@@ -38,7 +38,7 @@ class CurriculumConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
-class CommandConfig:
+class VelocitiesConfig:
     """Ranges of the commanded velocities, drawn uniformly, and how often they change."""
 
     vx: Interval[MetresPerSecond]
@@ -164,7 +164,7 @@ class SelectionConfig:
 
     interval: Count
     """iterations between checks; a checkpoint is written at the same time"""
-    commands: Distinct[Some[MetresPerSecond]]
+    speeds: Distinct[Some[MetresPerSecond]]
     """forward velocities of the checks"""
     robots: Count
     """per command"""
@@ -199,7 +199,7 @@ class TrainConfig:
     """after which a robot starts anew"""
     seed: Seed
     """of networks, environments and noise"""
-    commands: CommandConfig
+    velocities: VelocitiesConfig
     guide: GuideConfig
     reward: RewardConfig
     reset: ResetConfig

@@ -301,11 +301,11 @@ def _protocol(
 
 def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> None:
     """Either constant ones or a profile."""
-    commands, profile = protocol.commands, protocol.profile
+    speeds, profile = protocol.speeds, protocol.profile
     if profile is None:
-        require(len(commands) > 0, f"{key}.commands", "at least one command", "none")
+        require(len(speeds) > 0, f"{key}.speeds", "at least one speed", "none")
         return
-    require(not commands, f"{key}.commands", "none with a profile", commands)
+    require(not speeds, f"{key}.speeds", "none with a profile", speeds)
     _profile(profile, protocol.duration, control_period, f"{key}.profile")
 
 

@@ -17,12 +17,12 @@ from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import (
     ACTUATED,
     CHANNEL_UNITS,
-    COMMAND,
     JOINTS,
     MIRROR_PERMUTATION,
     MIRROR_SIGN,
     MOTORS,
     SIDES,
+    VELOCITY,
     leg_joint,
 )
 from slider.robot.transmission import Transmission, by_motor
@@ -144,7 +144,7 @@ def _reference(policy: Policy) -> dict[str, Any]:
     table = reference_table(policy)
     return {
         "file": REFERENCE,
-        "axes": [*COMMAND, "sample", "joint"],
+        "axes": [*VELOCITY, "sample", "joint"],
         "acceleration": policy.env.reference.acceleration,
         "shape": list(table.positions.shape),
         **_axes(table.times),
@@ -162,7 +162,7 @@ def _reference(policy: Policy) -> dict[str, Any]:
 
 
 def _axes(times: StepTimes) -> dict[str, list[float]]:
-    return {name: axis.tolist() for name, axis in zip(COMMAND, times, strict=True)}
+    return {name: axis.tolist() for name, axis in zip(VELOCITY, times, strict=True)}
 
 
 def _joint(policy: Policy, agent: AgentInterface, index: int) -> dict[str, Any]:

@@ -36,14 +36,14 @@ class PolicyController:
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start with clocks at zero (left stance), commanded to ``velocity`` (N, 3)."""
-        self.command(velocity)
+        self.set_velocity(velocity)
         state = state.tensors(FLOAT64)
         self.agent.set_velocity_command(_ALL, torch.tensor(velocity))
         self.agent.reset(_ALL, state)
         self.agent.refresh_heading(state)
         self._started = False
 
-    def command(self, velocity: np.ndarray) -> None:
+    def set_velocity(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from the next observation on, as in training."""
         self._velocity = velocity
 

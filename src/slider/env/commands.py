@@ -4,7 +4,7 @@ from typing import Any
 
 import torch
 
-from slider.config.train import CommandConfig, CurriculumConfig
+from slider.config.train import CurriculumConfig, VelocitiesConfig
 
 
 class Random:
@@ -24,10 +24,10 @@ class Random:
         return torch.randn(size, generator=self._generator, **self._options)
 
 
-class CommandSampler:
+class VelocitySampler:
     """Draws velocities: vx, vy [m/s] and yaw rate [rad/s], on the device of ``like``."""
 
-    def __init__(self, config: CommandConfig, control_period: float, like: torch.Tensor) -> None:
+    def __init__(self, config: VelocitiesConfig, control_period: float, like: torch.Tensor) -> None:
         self._standing_fraction = config.standing_fraction
         ranges = (config.vx, config.vy, config.yaw_rate)
         self._lower = like.new_tensor([r.lower for r in ranges])

@@ -52,9 +52,9 @@ class Episode:
         self._controller.reset(self._physics.measure(self._state), velocity)
         return self._frame()
 
-    def command(self, velocity: np.ndarray) -> None:
+    def set_velocity(self, velocity: np.ndarray) -> None:
         """Command ``velocity`` (1, 3) from the next step on."""
-        self._controller.command(velocity)
+        self._controller.set_velocity(velocity)
 
     def step(self) -> Frame:
         """Simulate one control period."""

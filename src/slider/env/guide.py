@@ -40,7 +40,7 @@ class Guide:
         self._table = tensors(table, like)
         self._samples = torch.asarray(library.samples, dtype=torch.float32, device=like.device)
         self._active = torch.asarray(np.flatnonzero(~_PASSIVE), device=like.device)
-        self._velocities = torch.asarray(library.commands, dtype=like.dtype, device=like.device)
+        self._velocities = torch.asarray(library.velocities, dtype=like.dtype, device=like.device)
         self._norms = {
             False: (self._samples**2).sum(dim=2),
             True: (self._samples[:, :, self._active] ** 2).sum(dim=2),
@@ -57,7 +57,7 @@ class Guide:
 
         Where the clock is halted: standing on both feet, at rest.
         """
-        command = view.reference_command
+        command = view.gait_velocity
         if self._nearest:
             command = self._velocities[self._nearest_gait(command)]
         reference = self._table.at(command, view.phase)
@@ -75,7 +75,7 @@ class Guide:
         stance foot stays while the base turns over it, so that the stance hip's yaw goes from
         +ψ̇ T/2 to −ψ̇ T/2 in a step of duration T; the swing leg goes back for the next step.
         """
-        command, times = view.reference_command, self._table.times
+        command, times = view.gait_velocity, self._table.times
         progress = (2.0 * view.phase) % 1.0
         missing = command[:, 2] - times.inside(command)[:, 2]
         stance = missing * times.at(command) * (0.5 - progress)
@@ -118,7 +118,7 @@ class Guide:
 
     def _samples_for(self, view: View, masked: bool) -> tuple[Array, Array]:
         """Samples (N, S, 26) of the robots' gaits and their squared norms (N, S)."""
-        command = view.reference_command
+        command = view.gait_velocity
         if self._nearest:
             gait = self._nearest_gait(command)
             return self._samples[gait], self._norms[masked][gait]

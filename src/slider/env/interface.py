@@ -13,7 +13,7 @@ from slider.config.robot import RobotConfig
 from slider.core.arrays import tensors
 from slider.core.errors import UserError
 from slider.env.observations import Observer, reflect
-from slider.env.phase import Clock, gait_command
+from slider.env.phase import Clock, gait_velocity_of
 from slider.env.starts import joint_range
 from slider.env.state import RobotState, View
 from slider.library.lookup import JointTable, StepTimes
@@ -122,7 +122,7 @@ class AgentInterface:
         """Joint positions of a zero action: (12,), or (N, 12) on gaits or standing."""
         if self._reference is None or self.clock is None:
             return self.nominal
-        velocity = gait_command(self.reference_velocity, self.command)
+        velocity = gait_velocity_of(self.reference_velocity, self.command)
         origin, halted = self._reference.at(velocity, self.clock.phase), self.clock.halted
         return self._reference.standing.where(halted[:, None], origin)
 

@@ -62,7 +62,7 @@ class Clock:
             reference: velocities (N, 2) [m/s]; the yaw rate is the commanded one.
             mean_speed, speed: of the base, low-passed and now (N,) [m/s].
         """
-        step_time = self._times.at(gait_command(reference, command))
+        step_time = self._times.at(gait_velocity_of(reference, command))
         phase = self.phase + self._period / (2.0 * step_time)
         if self.halts:
             change = (2.0 * self.phase).ceil() / 2.0
@@ -82,7 +82,7 @@ class Clock:
         return self.phase < 0.5
 
 
-def gait_command(reference: Array, command: Array) -> Array:
+def gait_velocity_of(reference: Array, command: Array) -> Array:
     """Command (N, 3) of the gait in use: reference velocity (N, 2), commanded yaw rate."""
     parts = [reference, command[:, 2:3]]
     return namespace(parts[0]).concat(parts, axis=1)

@@ -27,7 +27,7 @@ class Controller(Protocol):
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start anew for N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
 
-    def command(self, velocity: np.ndarray) -> None:
+    def set_velocity(self, velocity: np.ndarray) -> None:
         """From the next call of ``control`` on, go with ``velocity`` (N, 3)."""
 
     def control(self, state: RobotState) -> np.ndarray:
@@ -127,7 +127,7 @@ def roll_out(
     contacts: list[Contacts] = []
     for step in range(steps):
         if step and (commands[step] != commands[step - 1]).any():
-            controller.command(commands[step])
+            controller.set_velocity(commands[step])
         state, record = run_ticks(controller, physics, state, ticks)
         diverged |= record.diverged
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from slider.core.arrays import Array, namespace, tensors
 from slider.env.ground import FLAT, Ground
-from slider.env.phase import gait_command
+from slider.env.phase import gait_velocity_of
 
 if TYPE_CHECKING:
     import torch
@@ -126,6 +126,6 @@ class View:
     scan_spacing: float
 
     @property
-    def reference_command(self) -> Array:
+    def gait_velocity(self) -> Array:
         """Command (N, 3) of the gait in use: reference velocity, commanded yaw rate."""
-        return gait_command(self.reference_velocity, self.command)
+        return gait_velocity_of(self.reference_velocity, self.command)

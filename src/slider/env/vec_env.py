@@ -10,7 +10,7 @@ from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
 from slider.env import terminations
-from slider.env.commands import CommandSampler, Curriculum, Random
+from slider.env.commands import Curriculum, Random, VelocitySampler
 from slider.env.declaration import Needs
 from slider.env.disturbance.draws import Disturbance
 from slider.env.interface import AgentInterface
@@ -63,8 +63,8 @@ class WalkingEnv(VecEnv):
         self._rng = Random(train.seed, like)
         self._guide = None if task.guide is None else task.guide.on(like)
         self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference, like)
-        self._commands = CommandSampler(train.commands, config.control_period, like)
-        self.curriculum = Curriculum(train.commands.curriculum, self.num_envs, like)
+        self._commands = VelocitySampler(train.velocities, config.control_period, like)
+        self.curriculum = Curriculum(train.velocities.curriculum, self.num_envs, like)
         self._reward = Reward(train.reward)
         self._outputs = like.new_full((self.num_envs, 2, len(ACTUATED)), math.inf)
         self._reset(torch.arange(self.num_envs, device=self.device))

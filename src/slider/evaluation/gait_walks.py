@@ -22,7 +22,7 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.env import terminations
 from slider.env.physics import BatchedPhysics
 from slider.library.reader import STORE, GaitLibrary
-from slider.robot.names import COMMAND, NUM_JOINTS
+from slider.robot.names import NUM_JOINTS, VELOCITY
 
 CSV, MARKDOWN = "gait_walks.csv", "gait_walks.md"
 _IN_PLACE = 1e-9  # forward [m/s]; a robot stands at zero velocity
@@ -35,12 +35,12 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(HzdControlConfig, section["control"])
     library = GaitLibrary.load(inputs["library"][0] / STORE)
-    config = replace(config, fastest=float(library.commands[:, 0].max()))  # each at its own speed
+    config = replace(config, fastest=float(library.velocities[:, 0].max()))  # each at its own speed
     gaits = EnforcedGaits.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
     physics = build_plant(robot, plant.physics, config, len(library), threads=job.threads)
     controller = hzd_controller(robot, config, gaits, physics.period)
     walks = walk(controller, physics, plant, library, section["steps"], job)
-    columns = dict(zip(COMMAND, library.commands.T, strict=True)) | walks
+    columns = dict(zip(VELOCITY, library.velocities.T, strict=True)) | walks
     rows = [{name: float(v[k]) for name, v in columns.items()} for k in range(len(library))]
     _write(rows, section["steps"], out)
     job.tracker.log_file(out / CSV)
@@ -58,7 +58,7 @@ def walk(
     """Completed steps (G,), and mean speed along each robot's heading up to the last [m/s] (G,)."""
     physics.reset(np.arange(len(library)), *first_samples(library))
     state = physics.read()
-    velocities = library.commands.copy()
+    velocities = library.velocities.copy()
     velocities[(velocities == 0.0).all(axis=1), 0] = _IN_PLACE
     turn = velocities[:, 2] * library.step_time[:, 0]
     controller.start_on_gait(state, velocities, -turn / 2)

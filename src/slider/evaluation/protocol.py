@@ -27,14 +27,14 @@ class Protocol:
 
     Attributes:
         controller: name of the controller, a row of the table.
-        command: forward velocity [m/s]; None in a case.
+        speed: commanded forward velocity [m/s]; None in a case.
         case: its changing commands; None at a constant one.
         robot: the plant's robot.
         config: trials, starts and what is measured.
     """
 
     controller: str
-    command: float | None
+    speed: float | None
     case: CaseConfig | None
     robot: RobotConfig
     config: EvaluationConfig
@@ -66,10 +66,10 @@ def read_protocol(section: Section) -> Protocol:
     Raises:
         UserError: a value is missing or has another type.
     """
-    command, case = section["command"], section.get("case")
+    speed, case = section["speed"], section.get("case")
     return Protocol(
         controller=section["controller"],
-        command=None if command is None else float(command),
+        speed=None if speed is None else float(speed),
         case=None if case is None else from_dict(CaseConfig, case),
         robot=from_dict(RobotConfig, section["robot"]),
         config=from_dict(EvaluationConfig, section["evaluation"]),
@@ -88,7 +88,7 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
     )
     quality = gait_quality(recording, config.warm_up)
     robots = results.robots(config.trials, config.robots, tracked, quality, recording.diverged)
-    evaluation = Evaluation(protocol.controller, protocol.command, robots, _traces(recording))
+    evaluation = Evaluation(protocol.controller, protocol.speed, robots, _traces(recording))
     if protocol.case is not None:
         evaluation = replace(
             evaluation,
@@ -116,10 +116,10 @@ def _velocities(protocol: Protocol, period: float) -> np.ndarray:
     """Commanded velocities (N, 3), or (S, N, 3) in a case."""
     if protocol.case is not None:
         ramp = profile_of(protocol.config).ramp
-        values = segments.commands(protocol.case, ramp, protocol.config.duration, period)
+        values = segments.velocities(protocol.case, ramp, protocol.config.duration, period)
         return np.repeat(values[:, None], protocol.count, axis=1)
     velocities = np.zeros((protocol.count, 3))
-    velocities[:, 0] = protocol.command
+    velocities[:, 0] = protocol.speed
     return velocities
 
 
@@ -145,7 +145,7 @@ def _summary(evaluation: Evaluation) -> dict[str, Any]:
     case = {"case": evaluation.case} if evaluation.case else {}
     return {
         "controller": evaluation.controller,
-        "command": evaluation.command,
+        "speed": evaluation.speed,
         **case,
         "success_rate": robots.success.value,
         "mse_steady": robots.mse_steady.value if robots.survived.any() else None,

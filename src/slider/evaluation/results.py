@@ -12,7 +12,7 @@ from slider.core import columns
 from slider.core.columns import Columns
 from slider.env.metrics import GaitQuality, Tracking
 
-ABOUT, ROBOTS, VELOCITY = "command.json", "robots.csv", "velocity.npy"
+METADATA, ROBOTS, TRACES = "metadata.json", "robots.csv", "velocity.npy"
 SEGMENTS, TRACES = "segments.csv", "traces.npy"
 QUALITY = tuple(item.name for item in fields(GaitQuality))
 COLUMNS = ("trial", "robot", *(item.name for item in fields(Tracking)), *QUALITY, "diverged")
@@ -98,7 +98,7 @@ class Evaluation:
 
     Attributes:
         controller: its name.
-        command: forward velocity [m/s]; None in a case.
+        speed: commanded forward velocity [m/s]; None in a case.
         robots: columns ``COLUMNS``.
         velocity: (S, 2) mean and standard deviation over survivors of the forward velocity [m/s].
         case: name of the case.
@@ -109,7 +109,7 @@ class Evaluation:
     """
 
     controller: str
-    command: float | None
+    speed: float | None
     robots: Robots
     velocity: np.ndarray = field(default_factory=lambda: np.empty((0, 2), dtype=np.float32))
     case: str = ""
@@ -119,12 +119,12 @@ class Evaluation:
 
     def save(self, folder: Path) -> None:
         """Write the files of a folder."""
-        metadata = {"controller": self.controller, "command": self.command}
+        metadata = {"controller": self.controller, "speed": self.speed}
         if self.case:
             metadata["case"] = self.case
-        (folder / ABOUT).write_text(json.dumps(metadata) + "\n")
+        (folder / METADATA).write_text(json.dumps(metadata) + "\n")
         columns.write(self.robots.columns, folder / ROBOTS)
-        np.save(folder / VELOCITY, self.velocity)
+        np.save(folder / TRACES, self.velocity)
         if self.segments:
             parts = [segment.columns for segment in self.segments]
             joined = {n: np.concatenate([part[n] for part in parts]) for n in SEGMENT_COLUMNS}
@@ -139,13 +139,13 @@ class Evaluation:
         Raises:
             UserError: a table has other columns.
         """
-        metadata = json.loads((folder / ABOUT).read_text())
+        metadata = json.loads((folder / METADATA).read_text())
         flags = ("survived", "tracked", "diverged")
         return cls(
             metadata["controller"],
-            metadata["command"],
+            metadata["speed"],
             Robots(columns.read(folder / ROBOTS, COLUMNS, flags)),
-            np.load(folder / VELOCITY),
+            np.load(folder / TRACES),
             metadata.get("case", ""),
             _read_segments(folder / SEGMENTS),
             np.load(folder / TRACES) if (folder / TRACES).is_file() else None,

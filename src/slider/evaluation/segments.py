@@ -12,14 +12,14 @@ from slider.evaluation.results import AXES, MEASURES, Robots
 SMOOTHING = 1.0  # means over this time, more than a stride in place, leave its sway out [s]
 
 
-def commands(case: CaseConfig, ramp: float, duration: float, period: float) -> np.ndarray:
+def velocities(case: CaseConfig, ramp: float, duration: float, period: float) -> np.ndarray:
     """Velocities (S, 3): vx, vy [m/s], yaw rate [rad/s] of each control ``period`` [s].
 
     Constant in each segment but for its first ``ramp`` seconds, which lead linearly from the
     velocity of the segment before.
     """
     times = period * np.arange(round(duration / period))
-    values = np.array([command(segment) for segment in case.segments])
+    values = np.array([velocity_of(segment) for segment in case.segments])
     starts = np.array([segment.time for segment in case.segments])
     current = np.searchsorted(starts, times + period / 2, side="right") - 1
     previous = values[np.maximum(current - 1, 0)]
@@ -38,7 +38,7 @@ def windows(case: CaseConfig, warm_up: float, duration: float, period: float) ->
     ]
 
 
-def command(segment: Segment) -> tuple[float, float, float]:
+def velocity_of(segment: Segment) -> tuple[float, float, float]:
     """vx, vy [m/s] and yaw rate [rad/s] of a segment."""
     return segment.vx, segment.vy, segment.yaw_rate
 

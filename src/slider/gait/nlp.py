@@ -6,7 +6,7 @@ import casadi as ca
 
 from slider.gait.problem import GaitProblem
 from slider.gait.transcription import NODE
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def assemble(problem: GaitProblem) -> Nlp:
 
 def _symbols(problem: GaitProblem) -> _Symbols:
     layout, count = problem.layout, 2 * problem.nodes
-    x, p = ca.MX.sym("x", layout.size), ca.MX.sym("p", len(COMMAND))
+    x, p = ca.MX.sym("x", layout.size), ca.MX.sym("p", len(VELOCITY))
     select, select_ends = layout.select_nodes, layout.select_ends
     nodes = ca.reshape(select @ x, NODE, count)
     weights, turns = ca.DM(layout.weights).T, ca.DM(layout.turns)

@@ -26,7 +26,7 @@ from slider.gait.formulation import Formulation
 from slider.gait.motion import Node, StepEnd
 from slider.gait.transcription import END, NODE, ROLL_STATES, STEP, Layout
 from slider.gait.tree import NUM_JOINTS
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 
 Bounds = tuple[np.ndarray, np.ndarray]
 
@@ -157,7 +157,7 @@ def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:
     x, turn = ca.SX.sym("x", NODE), ca.SX.sym("turn", 2)
     node = Node.of(form, x, turn)
     node_constraints = of_node(node)
-    y, velocity = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", len(COMMAND))
+    y, velocity = ca.SX.sym("y", 2 * STEP), ca.SX.sym("p", len(VELOCITY))
     end_constraints = _of_step_ends(form, y, velocity)
 
     def derive() -> Functions:

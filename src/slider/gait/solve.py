@@ -12,7 +12,7 @@ from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.nlp import Nlp, assemble
 from slider.gait.problem import GaitProblem, excess
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 
 GIVEN = "given"  # name of a start that is no guess of the configuration
 RAMP = (0.25, 0.5, 0.75, 1.0)  # shares of the velocity on the way to it
@@ -96,7 +96,7 @@ class GaitSolver:
 
     def _build(self, changes: dict[str, object]) -> ca.Function:
         config = self._config
-        x, p = ca.MX.sym("x", self.problem.layout.size), ca.MX.sym("p", len(COMMAND))
+        x, p = ca.MX.sym("x", self.problem.layout.size), ca.MX.sym("p", len(VELOCITY))
         objective, rows = self._nlp.objective_and_rows(x, p)
         ipopt = {
             "max_iter": config.max_iterations,
@@ -190,7 +190,7 @@ class GaitSolver:
 
     def _ramp(self, velocity: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
         """Walk in place first, then ever faster, each start with primal and dual values."""
-        _, result = self._solve_from("cold", np.zeros(len(COMMAND)))
+        _, result = self._solve_from("cold", np.zeros(len(VELOCITY)))
         for share in RAMP:
             start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
             result = self._call(self._warm, share * velocity, **start)

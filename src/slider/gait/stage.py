@@ -27,7 +27,7 @@ from slider.gait.solution import (
 from slider.gait.solve import GaitSolver, Solve
 from slider.gait.transcription import ROLL_STATES
 from slider.robot.knee_map import prismatic_joints, reflected, with_upper_feet
-from slider.robot.names import ACTUATED, COMMAND, command_text
+from slider.robot.names import ACTUATED, VELOCITY, velocity_text
 
 WORTH = 50
 """Gaits that pay for a compilation twice: it takes 15 s and saves each 0.6 s."""
@@ -52,7 +52,7 @@ def prepare(section: Section, job: Job) -> tuple[GaitSolver, tuple[float, float,
     hip_rate = least_hip_rate(formulation, velocity[0])
     form = formulate(robot, formulation, velocity[2] != 0.0, hip_rate)
     problem = build(form, Compiled(job, "gaits", WORTH))
-    job.progress(f"gait {command_text(velocity)}: built")
+    job.progress(f"gait {velocity_text(velocity)}: built")
     return GaitSolver(problem, config.solver, config.step_time), velocity
 
 
@@ -66,12 +66,12 @@ def write_report(
     missed = shortfall(arrays[DECOUPLING], section["solve"]["decoupling_min"])
     report = _report(problem, solve, velocity, missed)
     (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
-    names = (*COMMAND, "status", "converged", "cost", "max_violation")
+    names = (*VELOCITY, "status", "converged", "cost", "max_violation")
     return arrays, {name: report[name] for name in names}
 
 
 def _velocity(section: Section) -> tuple[float, float, float]:
-    vx, vy, yaw_rate = (float(value) for value in section["command"])
+    vx, vy, yaw_rate = (float(value) for value in section["velocity"])
     return vx, vy, yaw_rate
 
 
@@ -122,7 +122,7 @@ def _report(
 ) -> dict[str, Any]:
     forward = knee_trajectory(problem, solve.variables).base_velocity[:, 0]
     return {
-        **dict(zip(COMMAND, velocity, strict=True)),
+        **dict(zip(VELOCITY, velocity, strict=True)),
         "status": solve.status,
         "converged": solve.success,
         "iterations": solve.iterations,

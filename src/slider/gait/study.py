@@ -69,13 +69,13 @@ class MeshGait:
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Solve one gait from start ``index`` of a seed; write its report."""
-    solver, command = prepare(section, job)
+    solver, velocity = prepare(section, job)
     start = section["start"]
-    duration = duration_bounds(from_dict(StepTime, section["solve"]["step_time"]), *command[:2])
+    duration = duration_bounds(from_dict(StepTime, section["solve"]["step_time"]), *velocity[:2])
     spread = from_dict(StartSpread, start["spread"])
     generator = np.random.default_rng([start["seed"], start["index"]])
-    guess = random_start(solver.problem, command[0], duration, spread, generator)
-    solve = solver.solve(*command, start=guess)
+    guess = random_start(solver.problem, velocity[0], duration, spread, generator)
+    solve = solver.solve(*velocity, start=guess)
     return write_report(section, solver.problem, solve, out, job)[1]
 
 

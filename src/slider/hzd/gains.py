@@ -17,7 +17,7 @@ class FootPlacement:
     stance sole: x along its line, reflected in right stance.
 
     Attributes:
-        commands: of the gaits (G, 3) [m/s], [m/s], [rad/s].
+        velocities: of the gaits (G, 3) [m/s], [m/s], [rad/s].
         clock: whether the phase is time (G,), else where the hip is.
         phases: (S,) in [0, 1].
         gains: K(s) (G, 2, 2, S, 2, 4) of steps by time and by the hip: forward and leftward
@@ -30,7 +30,7 @@ class FootPlacement:
             the phase (G, 2, N, 3) at N even phases [m].
     """
 
-    commands: np.ndarray
+    velocities: np.ndarray
     clock: np.ndarray
     phases: np.ndarray
     gains: np.ndarray

@@ -14,7 +14,7 @@ from slider.hzd.model import RootedModel
 from slider.hzd.polynomials import NodeTable
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
-from slider.robot.names import command_text
+from slider.robot.names import velocity_text
 
 _NODES = 41
 
@@ -86,7 +86,7 @@ def plans(
     for plan in (first, second):
         for gait in gaits[~plan.clock & (plan.hip_share <= 0.0)]:
             expected = "expected a hip that moves forward at every phase (gait.phase=hip)"
-            velocity = command_text(library.commands[gait])
+            velocity = velocity_text(library.velocities[gait])
             raise UserError(f"{expected}, found one that turns back in the gait {velocity}")
     return first, second
 
@@ -101,7 +101,7 @@ def _plan(
     n, duration = len(gaits), library.step_time[gaits, step]
     per_phase = duration[:, None] ** np.arange(3)
     rolls = library.arrays["roll"][gaits, step] * per_phase[:, None]
-    clock = library.velocities[gaits, 0] < config.slowest_hip
+    clock = library.planar_velocities[gaits, 0] < config.slowest_hip
     empty = NodeTable(*np.zeros((2, n, 2, 1)))
     plan = StepPlan(
         library.arrays["coefficients"][gaits, step],

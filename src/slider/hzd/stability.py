@@ -31,7 +31,7 @@ from slider.hzd.step import ClosedLoop
 from slider.hzd.summary import CSV, MARKDOWN, per_step, write_csv, write_markdown
 from slider.hzd.walk import find_cycles
 from slider.library.reader import GaitLibrary
-from slider.robot.names import COMMAND, command_text
+from slider.robot.names import VELOCITY, velocity_text
 
 RECORDS = "gaits.json"
 _OF_WALK = (
@@ -45,7 +45,7 @@ def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Return map and invariance of the gaits of a job of ``stability_gaits``."""
     config = from_dict(StabilityConfig, section["hzd"])
     library = load_library(inputs)
-    gaits = indices(library, section["commands"])
+    gaits = indices(library, section["velocities"])
     loop = closed_loop(library, config, job)
     steps = plans(library, gaits, loop.model, config)
     points = np.load(inputs["gaits"][0] / POINTS).swapaxes(0, 1)
@@ -72,7 +72,7 @@ def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> d
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Table of all gaits as CSV, and for people."""
     rows = [row for folder in inputs["gaits"] for row in json.loads((folder / RECORDS).read_text())]
-    rows.sort(key=lambda row: [row[name] for name in COMMAND])
+    rows.sort(key=lambda row: [row[name] for name in VELOCITY])
     write_csv(out / CSV, rows)
     write_markdown(out / MARKDOWN, rows)
     job.tracker.log_file(out / CSV)
@@ -89,12 +89,12 @@ def run_basin(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     config = from_dict(StabilityConfig, section["hzd"])
     basin = from_dict(BasinConfig, section["basin"])
     library = load_library(inputs)
-    gait = np.array([library.find(*section["command"])])
+    gait = np.array([library.find(*section["velocity"])])
     loop = closed_loop(library, config, job)
     steps = plans(library, gait, loop.model, config)
-    cycle = _walk(loop, steps, command_text(section["command"]))
+    cycle = _walk(loop, steps, velocity_text(section["velocity"]))
     arrays = {name: np.array(values) for name, values in vars(axes(basin)).items()}
-    arrays["command"] = library.commands[gait[0]]
+    arrays["velocity"] = library.velocities[gait[0]]
     push = ImpactGrid([0.0], [_PUSH * basin.roll_rate.upper])
     start = perturbed(loop, cycle.points[:1], push)[1][0]
     cases = {"without": None, "with": Placement(cycle, config.feedback.reach)}
@@ -130,7 +130,7 @@ def _record(
     share = [p.hip_share[place] for p in steps]
     values = library.arrays["decoupling"][gait]
     record = {
-        **dict(zip(COMMAND, map(float, library.commands[gait]), strict=True)),
+        **dict(zip(VELOCITY, map(float, library.velocities[gait]), strict=True)),
         "phase": "time" if steps[0].clock[place] else "hip",
         "hip_share": None if steps[0].clock[place] else float(min(share)),
         "decoupling": float(values[:, 0].min()),

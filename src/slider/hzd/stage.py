@@ -22,7 +22,7 @@ from slider.hzd.plans import StepPlan, plans
 from slider.hzd.step import PHASES, ClosedLoop
 from slider.hzd.walk import COORDINATES, STATE, find_cycles, linearise
 from slider.library.reader import STORE, GaitLibrary
-from slider.robot.names import command_text
+from slider.robot.names import velocity_text
 
 POINTS = "points.npy"
 """x* (G, 2, 22) of the gaits' limit cycles at the sections; not numbers where there is none."""
@@ -46,15 +46,15 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """
     config = from_dict(StabilityConfig, section["hzd"])
     library = load_library(inputs)
-    gaits = indices(library, section["commands"])
+    gaits = indices(library, section["velocities"])
     loop = closed_loop(library, config, job)
     steps = plans(library, gaits, loop.model, config)
     clock = steps[0].clock
-    slow = clock | (library.velocities[gaits, 0] <= config.fastest_clock)
+    slow = clock | (library.planar_velocities[gaits, 0] <= config.fastest_clock)
     timed = [replace(plan, clock=np.ones_like(clock)) for plan in steps]
 
     def refuse(kind: str, gait: int, error: Exception) -> None:
-        name = command_text(library.commands[gaits[gait]])
+        name = velocity_text(library.velocities[gaits[gait]])
         job.progress(f"gait {name}: no foot placement by {kind}: {error}")
 
     by_hip = _placed(loop, steps, np.flatnonzero(~clock), partial(refuse, "the hip"))
@@ -100,7 +100,7 @@ def collect_placement(section: Section, inputs: Inputs, out: Path, job: Job) -> 
         for field in fields(FootPlacement)
         if field.name != "phases"
     }
-    order = indices(FootPlacement(phases=PHASES, **tables), library.commands.tolist())
+    order = indices(FootPlacement(phases=PHASES, **tables), library.velocities.tolist())
     ordered = {name: values[order] for name, values in tables.items()}
     FootPlacement(phases=PHASES, **ordered).save(out)
     return {"gaits": len(order)}
@@ -128,7 +128,7 @@ def indices(
     gaits: GaitLibrary | FootPlacement, velocities: Sequence[Sequence[float]]
 ) -> np.ndarray:
     """Places of the velocities that there are."""
-    places = {tuple(v): k for k, v in enumerate(gaits.commands.tolist())}
+    places = {tuple(v): k for k, v in enumerate(gaits.velocities.tolist())}
     return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)
 
 
@@ -150,7 +150,7 @@ def _tables(
             gains[k, kind], orbit[k] = gait.gains, gait.orbit
     gains[:, BY_HIP, ..., COORDINATES.index("com_x")] = 0.0
     return FootPlacement(
-        library.commands[gaits],
+        library.velocities[gaits],
         steps[0].clock,
         PHASES,
         gains,

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 
 Values = Mapping[str, Any]
 CSV, MARKDOWN = "stability.csv", "stability.md"
@@ -69,9 +69,9 @@ def write_csv(path: Path, rows: Sequence[Values]) -> None:
     """One line per gait; several values of one column are separated by blanks."""
     with path.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*COMMAND, *QUANTITIES])
+        writer.writerow([*VELOCITY, *QUANTITIES])
         for row in rows:
-            writer.writerow([_text(row.get(name), 6) for name in (*COMMAND, *QUANTITIES)])
+            writer.writerow([_text(row.get(name), 6) for name in (*VELOCITY, *QUANTITIES)])
 
 
 def write_markdown(path: Path, rows: Sequence[Values]) -> None:

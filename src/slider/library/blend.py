@@ -17,7 +17,7 @@ from slider.gait import bezier
 from slider.library.mesh import aligned, normalise
 from slider.library.reader import GaitLibrary
 from slider.robot import knee_map
-from slider.robot.names import JOINTS, command_text
+from slider.robot.names import JOINTS, velocity_text
 
 _BLENDED = ("step_time", "coefficients", "roll")
 _OUTSIDE = 1e-6  # [m/s]
@@ -28,7 +28,7 @@ class Gait:
     """A walk of two steps, left stance first.
 
     Attributes:
-        command: (3,) vx, vy [m/s], yaw rate [rad/s], within the library's range.
+        velocity: (3,) vx, vy [m/s], yaw rate [rad/s], within the library's range.
         weights: (G,) share of each gait of the library.
         step_time: (2,) duration of the steps [s].
         coefficients: (2, 10, degree + 1) Bézier coefficients [rad], as in the library.
@@ -37,7 +37,7 @@ class Gait:
         forward, leftward: (2 · nodes,) speed of the base in its heading frame [m/s].
     """
 
-    command: np.ndarray
+    velocity: np.ndarray
     weights: np.ndarray
     step_time: np.ndarray
     coefficients: np.ndarray
@@ -85,14 +85,14 @@ def blend(library: GaitLibrary, vx: float, vy: float, yaw_rate: float = 0.0) -> 
     """
     velocity = np.array([vx, vy, yaw_rate])
     if not np.isfinite(velocity).all():
-        raise ValueError(f"expected a finite velocity, found {command_text(velocity)}")
+        raise ValueError(f"expected a finite velocity, found {velocity_text(velocity)}")
     mesh, arrays = library.mesh, library.arrays
     weights = mesh.weights(velocity[None])[0]
     blended = {name: np.tensordot(weights, arrays[name], axes=1) for name in _BLENDED}
     base = normalise(np.tensordot(weights, aligned(arrays["base"]), axes=1))
     speeds = np.tensordot(weights, arrays["samples"][..., 2 * len(JOINTS) :], axes=1)
     return Gait(
-        command=mesh.inside(velocity),
+        velocity=mesh.inside(velocity),
         weights=weights,
         base=base,
         forward=speeds[:, 0],

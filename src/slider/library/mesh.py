@@ -48,7 +48,7 @@ class Axes:
 
 
 @dataclass(frozen=True)
-class CommandMesh(Axes):
+class VelocityMesh(Axes):
     """Every vx of a library times every vy and yaw rate, with the gaits that make up each node.
 
     Attributes:
@@ -58,7 +58,7 @@ class CommandMesh(Axes):
     node_weights: np.ndarray
 
     @classmethod
-    def of(cls, velocities: np.ndarray) -> "CommandMesh":
+    def of(cls, velocities: np.ndarray) -> "VelocityMesh":
         """Mesh of gaits with velocities (G, 3)."""
         values, places = zip(
             *(np.unique(column, return_inverse=True) for column in velocities.T), strict=True

@@ -6,7 +6,7 @@ import numpy as np
 
 from slider.library import measures
 from slider.library.reader import GaitLibrary, Hole
-from slider.robot.names import CHANNELS, MOTORS, command_text
+from slider.robot.names import CHANNELS, MOTORS, velocity_text
 from slider.robot.transmission import Transmission
 
 _WORST = 5  # constraints that are shown by name
@@ -18,7 +18,7 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
     first, second = arrays["step_time"][gait]
     swing = arrays["swing_foot"][gait, :, 0]  # forward of the stance foot [m]
     lines = [
-        f"gait {command_text(library.commands[gait])}: {arrays['status'][gait]}, "
+        f"gait {velocity_text(library.velocities[gait])}: {arrays['status'][gait]}, "
         f"{arrays['iterations'][gait]} iterations",
         f"  step time    {first:.3f} s left stance, {second:.3f} s right stance",
         f"  step length  {swing[len(swing) // 2 - 1]:.3f} m, {swing[-1]:.3f} m forward",
@@ -91,7 +91,7 @@ def _run(values: np.ndarray) -> str:
 
 
 def _hole(hole: Hole) -> str:
-    return f"{command_text(hole.command)}: {hole.status}, {hole.violations}"
+    return f"{velocity_text(hole.velocity)}: {hole.status}, {hole.violations}"
 
 
 def _ranges(library: GaitLibrary) -> list[str]:
@@ -116,16 +116,16 @@ def _spread(values: Sequence[float] | np.ndarray) -> str:
 def _worst_residual(library: GaitLibrary) -> str:
     residuals = library.arrays["residuals"]
     gait, constraint = np.unravel_index(residuals.argmax(), residuals.shape)
-    name, velocity = library.constraints[constraint], command_text(library.commands[gait])
+    name, velocity = library.constraints[constraint], velocity_text(library.velocities[gait])
     return f"  worst residual: {name} {residuals.max():.1e} at {velocity}"
 
 
 def _smoothness(library: GaitLibrary) -> str:
-    measured = measures.smoothness(library.commands, library.arrays["samples"])
+    measured = measures.smoothness(library.velocities, library.arrays["samples"])
     if not len(measured.pairs):
         return "  smoothness: no neighbouring gaits"
     first, second, channel = measured.worst
-    ends = [command_text(library.commands[index]) for index in (first, second)]
+    ends = [velocity_text(library.velocities[index]) for index in (first, second)]
     return (
         f"  smoothness: greatest jump {100 * measured.largest:.1f} % of the range of "
         f"{CHANNELS[channel]}, between {ends[0]} and {ends[1]}"

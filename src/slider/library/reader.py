@@ -16,8 +16,8 @@ from scipy.spatial import KDTree
 from slider.config.convert import from_dict
 from slider.config.robot import Mechanism
 from slider.core.errors import UserError
-from slider.library.mesh import CommandMesh, distances
-from slider.robot.names import CHANNELS, COMMAND, JOINTS, KNEE_JOINTS, SIDES, command_text
+from slider.library.mesh import VelocityMesh, distances
+from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES, VELOCITY, velocity_text
 
 STORE = "library.zarr"
 SCHEMA = "slider-gait-library"
@@ -37,7 +37,7 @@ class Array(NamedTuple):
 
 
 ARRAYS: dict[str, Array] = {
-    "commands": Array("m/s, m/s, rad/s", ("component",)),
+    "velocities": Array("m/s, m/s, rad/s", ("component",)),
     "samples": Array("see channel_units", ("sample", "channel")),
     "time": Array("s", ("sample",)),
     "step_time": Array("s", ("step",)),
@@ -69,7 +69,7 @@ COORDINATES: dict[str, Array] = {
 # The names of the constraints are the formulation's and come with the gaits.
 CONSTRAINT = "constraint"
 LABELS: dict[str, tuple[str, ...]] = {
-    "component": COMMAND,
+    "component": VELOCITY,
     "channel": CHANNELS,
     "joint": JOINTS,
     "knee_joint": KNEE_JOINTS,
@@ -110,7 +110,7 @@ class Hole:
     residuals: Mapping[str, float]
 
     @property
-    def command(self) -> tuple[float, float, float]:
+    def velocity(self) -> tuple[float, float, float]:
         """vx, vy [m/s], yaw rate [rad/s]."""
         return self.vx, self.vy, self.yaw_rate
 
@@ -159,17 +159,17 @@ class GaitLibrary:
 
     def __len__(self) -> int:
         """Number of gaits."""
-        return len(self.commands)
-
-    @property
-    def commands(self) -> np.ndarray:
-        """Commands (G, 3): vx, vy [m/s], yaw rate [rad/s]."""
-        return self.arrays["commands"]
+        return len(self.velocities)
 
     @property
     def velocities(self) -> np.ndarray:
+        """Commands (G, 3): vx, vy [m/s], yaw rate [rad/s]."""
+        return self.arrays["velocities"]
+
+    @property
+    def planar_velocities(self) -> np.ndarray:
         """Commanded vx, vy (G, 2) [m/s] alone."""
-        return self.commands[:, :2]
+        return self.velocities[:, :2]
 
     @property
     def samples(self) -> np.ndarray:
@@ -221,9 +221,9 @@ class GaitLibrary:
         return self.attributes["cost_unit"]
 
     @cached_property
-    def mesh(self) -> CommandMesh:
+    def mesh(self) -> VelocityMesh:
         """Weights of the gaits at any velocity."""
-        return CommandMesh.of(self.commands)
+        return VelocityMesh.of(self.velocities)
 
     @cached_property
     def straight(self) -> "GaitLibrary":
@@ -232,7 +232,7 @@ class GaitLibrary:
         if len(rates) == 1:
             return self
         rate = rates[np.abs(rates).argmin()]
-        gaits = self.commands[:, 2] == rate
+        gaits = self.velocities[:, 2] == rate
         arrays = {name: self.arrays[name][gaits] for name in (*ARRAYS, *COORDINATES)}
         holes = [hole for hole in self.attributes["holes"] if hole["yaw_rate"] == rate]
         arrays[CONSTRAINT] = self.arrays[CONSTRAINT]
@@ -244,7 +244,7 @@ class GaitLibrary:
 
     @cached_property
     def _tree(self) -> KDTree:
-        return KDTree(self.commands)
+        return KDTree(self.velocities)
 
     def find(self, vx: float, vy: float, yaw_rate: float = 0.0) -> int:
         """Index of the gait of a velocity [m/s, rad/s].
@@ -253,13 +253,13 @@ class GaitLibrary:
             UserError: names the nearest velocity, or what was violated if it is a hole.
         """
         velocity = (vx, vy, yaw_rate)
-        distance, text = distances(self.commands, velocity), command_text(velocity)
+        distance, text = distances(self.velocities, velocity), velocity_text(velocity)
         index = int(distance.argmin())
         if distance[index] <= _SAME:
             return index
-        nearest = f"the nearest gait is at {command_text(self.commands[index])}"
+        nearest = f"the nearest gait is at {velocity_text(self.velocities[index])}"
         for hole in self.holes:
-            if distances(np.array([hole.command]), velocity)[0] <= _SAME:
+            if distances(np.array([hole.velocity]), velocity)[0] <= _SAME:
                 why = f"{hole.status}, {hole.violations}"
                 raise UserError(f"the gait {text} did not converge: {why}; {nearest}")
         raise UserError(f"expected a velocity of the library, found {text}; {nearest}")

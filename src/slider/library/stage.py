@@ -23,7 +23,7 @@ from slider.library.reader import (
     STORE,
     VERSION,
 )
-from slider.robot.names import CHANNEL_UNITS, CHANNELS, COMMAND, command_text
+from slider.robot.names import CHANNEL_UNITS, CHANNELS, VELOCITY, velocity_text
 
 _TEXT = np.dtypes.StringDType()
 _SCALARS = ("cost", "max_violation", "iterations")
@@ -88,7 +88,7 @@ def _arrays(
     """Name, values, axes and unit of each array of the store."""
     constraints = list(reports[0]["residuals"])
     from_reports = {name: _column(reports, name) for name in _SCALARS}
-    from_reports["commands"] = np.array([_velocity(report) for report in reports])
+    from_reports["velocities"] = np.array([_velocity(report) for report in reports])
     residuals = [[report["residuals"][name] for name in constraints] for report in reports]
     from_reports["residuals"] = np.array(residuals)
     for name, array in ARRAYS.items():
@@ -103,7 +103,7 @@ def _arrays(
 
 
 def _velocity(report: Report) -> list[float]:
-    return [report[name] for name in COMMAND]
+    return [report[name] for name in VELOCITY]
 
 
 def _column(reports: Sequence[Report], name: str) -> np.ndarray:
@@ -113,7 +113,7 @@ def _column(reports: Sequence[Report], name: str) -> np.ndarray:
 
 def _hole(report: Report, config: LibraryConfig) -> dict[str, Any]:
     """Attributes of a gait that did not converge, with the constraints that it violates."""
-    names = (*COMMAND, "status", "iterations", "max_violation")
+    names = (*VELOCITY, "status", "iterations", "max_violation")
     violated = {k: v for k, v in report["residuals"].items() if v > config.max_violation}
     worst_first = dict(sorted(violated.items(), key=lambda item: -item[1]))
     return {name: report[name] for name in names} | {"residuals": worst_first}
@@ -129,7 +129,7 @@ def _describe(holes: Sequence[Report], good: int) -> str:
     texts = []
     for report in holes:
         name, value = max(report["residuals"].items(), key=lambda item: item[1])
-        velocity = command_text(_velocity(report))
+        velocity = velocity_text(_velocity(report))
         texts.append(f"{velocity} {report['status']}, {name} {value:.1e}")
     list_ = "; ".join(texts)
     if not good:
@@ -142,7 +142,7 @@ def _describe(holes: Sequence[Report], good: int) -> str:
 
 
 def _log(reports: Sequence[Report], job: Job) -> None:
-    columns = (*COMMAND, "status", "iterations", "cost", "max_violation")
+    columns = (*VELOCITY, "status", "iterations", "cost", "max_violation")
     table: dict[str, list[Any]] = {name: [r[name] for r in reports] for name in columns}
     volatile = job.input_volatile.get("gaits", [{}] * len(reports))
     table["solve_cpu"] = [facts.get("solve_cpu") for facts in volatile]

@@ -64,7 +64,7 @@ class Simulation:
 
     def step(self, velocity: np.ndarray) -> Frame:
         """Simulate one control period."""
-        self._episode.command(velocity[None].copy())
+        self._episode.set_velocity(velocity[None].copy())
         return self._episode.step()
 
     def push(self, velocity: np.ndarray) -> None:
@@ -78,7 +78,7 @@ class Replay:
     def __init__(self, library: GaitLibrary, command: Sequence[float], period: float) -> None:
         index = int(library.nearest(np.array([command]))[0])
         self.period = period
-        self.command = library.commands[index]
+        self.command = library.velocities[index]
         self.velocity = self.command[:2]
         durations = library.step_time[index]
         self._duration = float(durations.sum())

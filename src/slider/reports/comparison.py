@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from slider.reports.quantities import PAPER, QUANTITIES, decimals, speed
+from slider.reports.quantities import PAPER, QUANTITIES, decimals, speed_text
 from slider.reports.rows import Row
 from slider.reports.table import Cell, Table
 
@@ -26,13 +26,13 @@ def compare(rows: Sequence[Row], name: str) -> Table:
 
     The best of a line are marked, and all that look the same when printed.
     """
-    cells = {(row["source"], row["controller"], row["command_velocity"]): row for row in rows}
+    cells = {(row["source"], row["controller"], row["speed"]): row for row in rows}
     controllers = list(dict.fromkeys((source, controller) for source, controller, _ in cells))
     if not METRICS[name]:
         controllers = [item for item in controllers if item[0] != PAPER]
     commands = sorted({command for source, _, command in cells if source != PAPER})
     body = [
-        [Cell(speed(v), v), *_marked([cells.get((*one, v)) for one in controllers], name)]
+        [Cell(speed_text(v), v), *_marked([cells.get((*one, v)) for one in controllers], name)]
         for v in commands
     ]
     names = {(row["source"], row["controller"]): row["label"] for row in rows}

@@ -24,7 +24,7 @@ from slider.reports.figures import checks, maps, walking
 from slider.reports.figures import gaits as gait_figures
 from slider.reports.figures.style import write_pictures
 from slider.reports.provenance import Made
-from slider.reports.quantities import PAPER, QUANTITIES, speed
+from slider.reports.quantities import PAPER, QUANTITIES, speed_text
 from slider.reports.rows import Row, by, evaluations
 from slider.reports.table import Cell, Heading, Picture, Table, Text, Written
 from slider.reports.video import ABOUT, FILM, POSTER
@@ -125,9 +125,7 @@ def overview(sources: Sources) -> Blocks:
     """The robot walking, success and error over the speed, and one sentence."""
     rows = table1_report.table_rows(sources.evaluations("table1"))
     films = [(about, film) for about, film in _films(sources) if about["fell_at"] is None]
-    films.sort(
-        key=lambda item: (item[0]["controller"] != rows[0]["controller"], -item[0]["command"])
-    )
+    films.sort(key=lambda item: (item[0]["controller"] != rows[0]["controller"], -item[0]["speed"]))
     svg = sources.draw("overview", partial(walking.draw_overview, rows))
     caption = (
         "Success rate, and velocity MSE after the warm-up of the robots that survive. Dotted: the "
@@ -140,17 +138,17 @@ def overview(sources: Sources) -> Blocks:
 def finding(rows: Sequence[Row]) -> str:
     """Success and error of the first controller beside the paper's, in one sentence."""
     mine = [row for row in rows if row["controller"] == rows[0]["controller"]]
-    top = max(row["command_velocity"] for row in mine)
-    paper = [r for r in rows if r["source"] == PAPER and r["command_velocity"] == top]
+    top = max(row["speed"] for row in mine)
+    paper = [r for r in rows if r["source"] == PAPER and r["speed"] == top]
     success, mse = QUANTITIES["success_rate"], QUANTITIES["mse_steady"]
     printed = ""
     if paper:
         rate = success.text(paper[0]["success_rate"])
-        printed = f" ({paper[0]['label']}: {rate} % at {speed(top)} m/s)"
+        printed = f" ({paper[0]['label']}: {rate} % at {speed_text(top)} m/s)"
     return (
         f"With the controller {mine[0]['label']} at least "
         f"**{success.text(min(row['success_rate'] for row in mine))} %** of the robots survive at "
-        f"every commanded speed up to {speed(top)} m/s{printed}; the velocity MSE after the "
+        f"every commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
         f"warm-up is at most **{mse.text(max(row['mse_steady'] for row in mine))} m²/s²**."
     )
 
@@ -164,8 +162,8 @@ def table1(sources: Sources) -> Blocks:
 
 def tracking(sources: Sources) -> Blocks:
     """Forward velocity over time, as in the paper's figure."""
-    asked, found = sources.report.tracking_commands, sources.evaluations("table1")
-    shown = [one for one in found if one.command in asked]
+    asked, found = sources.report.tracking_speeds, sources.evaluations("table1")
+    shown = [one for one in found if one.speed in asked]
     if shown:
         period = sources.configuration["env"]["control_period"]
         svg = sources.draw(protocols.TRACKING, partial(walking.draw_tracking, shown, period))
@@ -179,8 +177,8 @@ def videos(sources: Sources) -> Blocks:
         yield Text("No videos: `report.video.renderer` is `none`.", "note")
         return
     rows: dict[str, list[Film]] = {}
-    for about, film in sorted(_films(sources), key=lambda item: item[0]["command"]):
-        rows.setdefault(f"{speed(about['command'])} m/s", []).append(film)
+    for about, film in sorted(_films(sources), key=lambda item: item[0]["speed"]):
+        rows.setdefault(f"{speed_text(about['command'])} m/s", []).append(film)
     if not rows:
         yield Text(_NO_RENDERER, "note")
         return

@@ -14,7 +14,7 @@ from slider.config.report import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports import contents
 from slider.reports.contents import Sources
-from slider.reports.quantities import speed
+from slider.reports.quantities import speed_text
 from slider.reports.sections import SECTIONS
 from slider.reports.table import inline
 
@@ -91,7 +91,7 @@ def _facts(sources: Sources) -> dict[str, str]:
     samples = sum(map(_samples, trainings))
     return {
         "controllers": " · ".join(sources.labels[name] for name in evaluation["controllers"]),
-        "commands": ", ".join(map(speed, evaluation["commands"])) + " m/s",
+        "commands": ", ".join(map(speed_text, evaluation["speeds"])) + " m/s",
         "robots per command": f"{evaluation['trials']} trials × {evaluation['robots']}",
         "training": f"{samples / 1e6:.1f} million control steps",
     }

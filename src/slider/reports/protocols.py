@@ -16,12 +16,12 @@ from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
-from slider.evaluation.segments import SMOOTHING, command, profile_of
+from slider.evaluation.segments import SMOOTHING, profile_of, velocity_of
 from slider.reports import rows as tables
 from slider.reports.comparison import comparisons
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import QUANTITIES, Quantity, speed
+from slider.reports.quantities import QUANTITIES, Quantity, speed_text
 from slider.reports.rows import NAN, Row, by, distinct
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
 
@@ -83,11 +83,11 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     Raises:
         UserError: none of the speeds is evaluated.
     """
-    asked, period = section["commands"], section["control_period"]
+    asked, period = section["speeds"], section["control_period"]
     evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
     if not evaluations:
-        expected = "at least one of evaluation.commands"
-        raise UserError(f"report.tracking_commands: expected {expected}, found {asked}")
+        expected = "at least one of evaluation.speeds"
+        raise UserError(f"report.tracking_speeds: expected {expected}, found {asked}")
     rows = [row for one in evaluations for row in tracking_rows(one, period)]
     shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
     draw = partial(walking.draw_tracking, evaluations, period)
@@ -98,7 +98,7 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
 
 def tracking_rows(one: Evaluation, period: float) -> list[Row]:
     """A row per control step: the time of its end [s], mean and spread over survivors [m/s]."""
-    about = tables.named(one) | {"command_velocity": one.command}
+    about = tables.named(one) | {"speed": one.speed}
     values = np.full_like(one.velocity, NAN) if _all_fell(one) else one.velocity
     return [
         about | {"time": period * step, "mean_velocity": mean, "mean_velocity_spread": spread}
@@ -108,14 +108,14 @@ def tracking_rows(one: Evaluation, period: float) -> list[Row]:
 
 def undrawn(evaluations: Sequence[Evaluation], asked: Sequence[float]) -> Iterator[Written]:
     """Curves that are not drawn, and why."""
-    evaluated = {one.command for one in evaluations}
-    missing = ", ".join(speed(value) for value in asked if value not in evaluated)
+    evaluated = {one.speed for one in evaluations}
+    missing = ", ".join(speed_text(value) for value in asked if value not in evaluated)
     if missing:
         yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
     fallen = [
-        f"{one.label} at {speed(one.command)} m/s"
+        f"{one.label} at {speed_text(one.speed)} m/s"
         for one in evaluations
-        if one.command is not None and one.command in asked and _all_fell(one)
+        if one.speed is not None and one.speed in asked and _all_fell(one)
     ]
     if fallen:
         yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")
@@ -211,7 +211,7 @@ def _speed_row(evaluation: Evaluation) -> Row:
 def highest_tracked(rows: Sequence[Row]) -> dict[str, float | None]:
     """Highest commanded speed [m/s] that each controller tracks; None where it tracks none."""
     return {
-        controller: max((row["command_velocity"] for row in mine if _tracked(row)), default=None)
+        controller: max((row["speed"] for row in mine if _tracked(row)), default=None)
         for controller, mine in by(rows, "controller").items()
     }
 
@@ -225,20 +225,20 @@ def highest_table(rows: Sequence[Row]) -> Table:
     highest, body = highest_tracked(rows), []
     for mine in by(rows, "controller").values():
         top = highest[mine[0]["controller"]]
-        lost = [row["command_velocity"] for row in mine if not _tracked(row)]
-        lower = ", ".join(speed(value) for value in lost if value < (top or 0.0)) or "none"
-        body.append([mine[0]["label"], "none" if top is None else speed(top), lower])
+        lost = [row["speed"] for row in mine if not _tracked(row)]
+        lower = ", ".join(speed_text(value) for value in lost if value < (top or 0.0)) or "none"
+        body.append([mine[0]["label"], "none" if top is None else speed_text(top), lower])
     heads = ["controller", "highest tracked speed [m/s]", "lower speeds that it does not track"]
     return Table(heads, [[Cell(text) for text in line] for line in body])
 
 
 def _mean_speeds(rows: Sequence[Row]) -> Table:
     """Mean speed and its spread between robots: speeds down, controllers across."""
-    cells = {(row["label"], row["command_velocity"]): _mean_speed(row) for row in rows}
+    cells = {(row["label"], row["speed"]): _mean_speed(row) for row in rows}
     labels = list(by(rows, "label"))
     body = [
-        [Cell(speed(value), value), *(cells[name, value] for name in labels)]
-        for value in distinct(rows, "command_velocity")
+        [Cell(speed_text(value), value), *(cells[name, value] for name in labels)]
+        for value in distinct(rows, "speed")
     ]
     return Table(["command [m/s]", *labels], body, "Mean speed [m/s]")
 
@@ -254,7 +254,7 @@ def _segment_rows(one: Evaluation, case: CaseConfig) -> Iterator[Row]:
     """A row per segment: means over the robots that are up at its end."""
     for segment, robots in zip(case.segments, one.segments, strict=True):
         row = tables.named(one) | {"segment": segment.name, "time": segment.time}
-        velocity = zip(AXES, command(segment), strict=True)
+        velocity = zip(AXES, velocity_of(segment), strict=True)
         row |= {f"{axis}_command": value for axis, value in velocity}
         yield row | tables.success(robots) | {name: robots.mean(name) for name in MEASURES}
 
@@ -278,7 +278,7 @@ def _case_row(evaluation: Evaluation, case: CaseConfig, seconds: float) -> Row:
 
     ``vx_before`` is the command before the last one [m/s], if there was another.
     """
-    last, velocity = evaluation.segments[-1], command(case.segments[-1])
+    last, velocity = evaluation.segments[-1], velocity_of(case.segments[-1])
     before = case.segments[-2].vx if len(case.segments) > 1 else NAN
     row = tables.named(evaluation) | {"case": case.name, "seconds": seconds}
     row |= {"vx_before": before}

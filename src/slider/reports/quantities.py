@@ -137,9 +137,9 @@ OURS, PAPER = "measured", "paper"  # the column ``source`` of Table 1
 PALETTE = ("#2a6fc9", "#e8932c", "#2a9d74", "#b565b5", "#8b8f96", "#c4a000", "#d1495b")
 
 
-def speed(command: float) -> str:
-    """Commanded velocity as people write it, such as ``1.0`` or ``0.25`` [m/s]."""
-    return f"{command:.1f}" if round(command, 1) == command else f"{command:g}"
+def speed_text(speed: float) -> str:
+    """Commanded speed as people write it, such as ``1.0`` or ``0.25`` [m/s]."""
+    return f"{speed:.1f}" if round(speed, 1) == speed else f"{speed:g}"
 
 
 def colour(index: int) -> str:

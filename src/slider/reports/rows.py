@@ -56,7 +56,7 @@ def table_row(evaluation: Evaluation) -> Row:
     """Success, tracking and errors; spreads are standard deviations over trials."""
     robots = evaluation.robots
     row = named(evaluation) | {"source": OURS}
-    row |= {"command_velocity": evaluation.command} | success(robots)
+    row |= {"speed": evaluation.speed} | success(robots)
     for name in ("tracking_rate", "mse", "mse_steady"):
         estimate: Estimate = getattr(robots, name)
         row |= {name: estimate.value, f"{name}_std": estimate.spread}
@@ -84,7 +84,7 @@ def quality_row(evaluation: Evaluation) -> Row:
     largest errors, ``heading_worst`` the largest of all. ``robots_touch`` and ``robots_cross`` are
     the shares of robots whose legs ever touch or cross.
     """
-    row = named(evaluation) | {"command_velocity": evaluation.command}
+    row = named(evaluation) | {"speed": evaluation.speed}
     for name in ("mean_velocity", *QUALITY):
         values = evaluation.robots.survivors(name)
         for column, number in _COLUMNS.get(name, {name: np.mean}).items():
@@ -110,7 +110,7 @@ _COLUMNS: Mapping[str, Mapping[str, Callable[[np.ndarray], float]]] = {
 
 def with_reference(quality: Row, reference: Reference) -> Row:
     """The gait's own numbers beside the controller's, as ``reference_NAME``; NaN without one."""
-    gait = reference(quality["command_velocity"])
+    gait = reference(quality["speed"])
     row: Row = {}
     for name, value in quality.items():
         row[name] = value
@@ -122,6 +122,6 @@ def with_reference(quality: Row, reference: Reference) -> Row:
 def reference_gaits(folders: Sequence[Path]) -> Reference:
     """Forward velocity → numbers of the gait of the library in the only folder, if there is one."""
     if not folders:
-        return lambda command: None
+        return lambda speed: None
     library = GaitLibrary.load(folders[0] / STORE)
-    return lambda command: gait_numbers(library, command)
+    return lambda speed: gait_numbers(library, speed)

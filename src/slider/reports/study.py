@@ -21,8 +21,7 @@ from slider.library.stage import acceptable
 from slider.reports import rows
 from slider.reports.figures import study as figure
 from slider.reports.figures.style import write_pictures
-from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity
-from slider.reports.quantities import speed as speed_text
+from slider.reports.quantities import NONE, QUANTITIES, Quantity, quantity, speed_text
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
 from slider.training.results import Training
 
@@ -97,7 +96,7 @@ def _policies(section: Section, inputs: Inputs) -> pd.DataFrame:
         evaluation = Evaluation.load(folder)
         row = rows.table_row(evaluation)
         row |= rows.with_reference(rows.quality_row(evaluation), reference)
-        for name in (*rows.NAMED, "source", "command_velocity"):
+        for name in (*rows.NAMED, "source", "speed"):
             del row[name]
         table.append(dict(zip(KEYS, key, strict=True)) | row)
     return pd.DataFrame(table, columns=None if table else KEYS)

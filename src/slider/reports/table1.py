@@ -12,7 +12,7 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import Evaluation
 from slider.reports import rows as tables
 from slider.reports.comparison import METRICS, comparisons
-from slider.reports.quantities import PAPER, quantity, speed
+from slider.reports.quantities import PAPER, quantity, speed_text
 from slider.reports.rows import NAN, Row
 from slider.reports.table import Cell, Heading, Table, Text, Written, document, escape
 
@@ -20,7 +20,7 @@ COLUMNS = (
     "controller",
     "label",
     "source",
-    "command_velocity",
+    "speed",
     "success_rate",
     "success_rate_std",
     "success_low",
@@ -97,9 +97,7 @@ def _measured(
 def _metrics(rows: list[Row]) -> dict[str, float]:
     """The whole table as metrics of one run, such as ``success_rate/policy/1.2``."""
     metrics = {
-        f"{name}/{row['controller']}/{row['command_velocity']}": row[name]
-        for row in rows
-        for name in METRICS
+        f"{name}/{row['controller']}/{row['speed']}": row[name] for row in rows for name in METRICS
     }
     return {name: value for name, value in metrics.items() if np.isfinite(value)}
 
@@ -114,10 +112,10 @@ def paper_rows() -> list[Row]:
 def quality_tables(rows: list[Row]) -> Iterator[Table]:
     """A table per controller, quantities down, commands across."""
     for label, mine in tables.by(rows, "label").items():
-        heads = ["at a command of [m/s]", *(speed(row["command_velocity"]) for row in mine)]
+        heads = ["at a command of [m/s]", *(speed_text(row["speed"]) for row in mine)]
         body = [
             [Cell(quantity(name).heading), *(Cell.of(quantity(name), row[name]) for row in mine)]
             for name in mine[0]
-            if name not in (*tables.NAMED, "command_velocity")
+            if name not in (*tables.NAMED, "speed")
         ]
         yield Table(heads, body, label)

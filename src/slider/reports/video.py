@@ -44,7 +44,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     one = simulate(section, inputs, 1, disturbance)
     episode = Episode(one.controller, one.physics, one.env)
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
-    frames = [episode.start(*start, np.array([[section["command"], 0.0, 0.0]]))]
+    frames = [episode.start(*start, np.array([[section["speed"], 0.0, 0.0]]))]
     frames += [episode.step() for _ in range(round(video.duration / one.env.control_period))]
     _film(section, robot, video, frames, out)
     summary = _summary(section, frames)
@@ -93,7 +93,7 @@ def _summary(section: Section, frames) -> Summary:
     return {
         "controller": section["controller"],
         "label": section["label"],
-        "command": section["command"],
+        "speed": section["speed"],
         "fell_at": falls[0] if falls else None,
         "mean_velocity": float(np.mean(half)),
     }

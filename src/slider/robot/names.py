@@ -28,7 +28,7 @@ LEG_MIRROR_SIGN = (-1.0, -1.0, 1.0, 1.0, 1.0, 1.0)
 MIRROR_SIGN = LEG_MIRROR_SIGN * len(SIDES)
 
 # What a robot is commanded to: velocity of the base in its heading frame [m/s], yaw rate [rad/s].
-COMMAND = ("vx", "vy", "yaw_rate")
+VELOCITY = ("vx", "vy", "yaw_rate")
 
 GRAVITY = 9.81  # [m/s²], as in MuJoCo
 
@@ -37,9 +37,9 @@ FLOOR = "floor"
 IMU = "imu"
 
 
-def command_text(command: Iterable[float]) -> str:
-    """A command (vx, vy, yaw rate) in words; a yaw rate of zero is left out."""
-    vx, vy, yaw_rate = command
+def velocity_text(velocity: Iterable[float]) -> str:
+    """A commanded velocity (vx, vy, yaw rate) in words; a yaw rate of zero is left out."""
+    vx, vy, yaw_rate = velocity
     return f"({vx:g}, {vy:g}) m/s" + (f", {yaw_rate:g} rad/s" if yaw_rate else "")
 
 

@@ -47,13 +47,13 @@ class Selector:
     def __init__(self, task: Task, threads: int) -> None:
         robot, env, config = task.robot, task.env, task.train.selection
         self._env, self._config = env, config
-        count = len(config.commands) * config.robots
+        count = len(config.speeds) * config.robots
         disturbed = Disturbance(task.train.disturbance, (config.seed,))
         self._physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbed)
         self._agent = AgentInterface(robot, env, count, task.times, task.reference)
         self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng(config.seed), count)
         self._command = np.zeros((count, 3))
-        self._command[:, 0] = np.repeat(config.commands, config.robots)
+        self._command[:, 0] = np.repeat(config.speeds, config.robots)
 
     def score(self, network: Callable[[torch.Tensor], torch.Tensor]) -> Score:
         """Score of a deterministic policy."""

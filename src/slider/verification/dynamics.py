@@ -96,7 +96,7 @@ def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, F
 
 
 def mean_velocity(gait: StoredGait) -> dict[str, float]:
-    """Displacement of the base over the walk, and the feet's, against the command [m/s].
+    """Displacement of the base over the walk, and the feet's, against the velocity [m/s].
 
     The last sample is the first one of the next walk, but for its velocities. Of a turning walk it
     is the base's in each step, along that step's stance foot: the mean course.
@@ -104,11 +104,11 @@ def mean_velocity(gait: StoredGait) -> dict[str, float]:
     walk = gait.step_time.sum()
     travelled = [gait.base[-1, :2] - gait.base[0, :2]]
     travelled.append(gait.swing_foot[gait.half - 1, :2] + gait.swing_foot[-1, :2])
-    if gait.commands[2]:
+    if gait.velocities[2]:
         starts, ends = gait.base[[0, gait.half], :3], gait.base[[gait.half - 1, -1], :3]
         ways = zip((0, 1), ends - starts, strict=True)
         travelled = [sum(_about_z(-gait.heading(step)).apply(way)[:2] for step, way in ways)]
-    errors = [np.abs(way / walk - gait.commands[:2]).max() for way in travelled]
+    errors = [np.abs(way / walk - gait.velocities[:2]).max() for way in travelled]
     return {"mean_velocity": float(max(errors))}
 
 
@@ -127,7 +127,7 @@ def periodicity(gait: StoredGait) -> dict[str, float]:
     joints = gait.knee_positions[ends] - gait.knee_positions[starts]
     height = gait.base[ends, 2] - gait.base[starts, 2]
     after, middle = _rotations(gait, starts), gait.base[ends[0], :2] - gait.base[starts[0], :2]
-    if gait.commands[2]:
+    if gait.velocities[2]:
         first, whole = _about_z(gait.heading(1)), _about_z(gait.heading(2))
         after = Rotation.concatenate([after[0], whole * after[1]])
         feet = gait.origin(1) + first.apply(gait.swing_foot[-1])

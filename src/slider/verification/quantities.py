@@ -28,7 +28,7 @@ QUANTITIES: dict[str, Quantity] = {
     "dynamics_line_moment": Quantity(1, "N m", "stored moment about the foot line"),
     "impact_velocity": Quantity(2, "rad/s, m/s", "velocities after a plastic impact"),
     "impact_impulse": Quantity(2, "N m s", "impulsive torques that the stored velocities need"),
-    "mean_velocity": Quantity(3, "m/s", "displacement over the walk against the command"),
+    "mean_velocity": Quantity(3, "m/s", "displacement over the walk against the velocity"),
     "periodicity": Quantity(3, "rad, m", "jump of joints and base at the touchdowns"),
     "roll_end": Quantity(4, "rad", "collocated roll against DOP853 at the end of a step"),
     "roll_rate_end": Quantity(4, "rad/s", "the same for the roll rate"),

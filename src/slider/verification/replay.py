@@ -86,7 +86,7 @@ class Simulation:
 
 def regulated(gait: StoredGait, simulation: Simulation, plant: Plant) -> dict[str, float]:
     """Completed steps of the replay; without any there is no error of the mean velocity [m/s]."""
-    config, speed = simulation.config, float(gait.commands[0])
+    config, speed = simulation.config, float(gait.velocities[0])
     references = tabulate(gait, plant, config.points)
     regulator = Regulator(simulation.robot.geometry, config.regulator, speed)
     simulation.start(gait, references[0].at(0.0))

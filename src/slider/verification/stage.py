@@ -19,7 +19,7 @@ from slider.config.verification import CheckConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.reader import STORE, GaitLibrary
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 from slider.verification import summary
 from slider.verification.quantities import QUANTITIES
 from slider.verification.stored import StoredGait, gaits_of
@@ -95,12 +95,12 @@ def run_gaits(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         library.dynamics,
         from_dict(CheckConfig, section["verification"]),
     )
-    gaits = {tuple(gait.commands): gait for gait in gaits_of(library)}
-    velocities = [velocity for velocity in map(tuple, section["commands"]) if velocity in gaits]
+    gaits = {tuple(gait.velocities): gait for gait in gaits_of(library)}
+    velocities = [velocity for velocity in map(tuple, section["velocities"]) if velocity in gaits]
     records, times = [], []
     for velocity in velocities:
         values, seconds = check_gait(gaits[velocity], table)
-        records.append(dict(zip(COMMAND, velocity, strict=True)) | values)
+        records.append(dict(zip(VELOCITY, velocity, strict=True)) | values)
         times.append(seconds)
         job.progress(f"{len(records)} of {len(velocities)} gaits")
     if times:
@@ -143,9 +143,9 @@ def _table(folders: Sequence[Path], library: GaitLibrary) -> pd.DataFrame:
     """One row per gait in the library's order; NaN where a quantity does not apply."""
     texts = [(folder / RECORDS).read_text(encoding="utf-8") for folder in folders]
     table = pd.DataFrame([record for text in texts for record in json.loads(text)])
-    table = table.reindex(columns=[*COMMAND, *QUANTITIES]).set_index(list(COMMAND))
-    order = pd.MultiIndex.from_tuples([tuple(v) for v in library.commands.tolist()])
-    return table.loc[order].rename_axis(list(COMMAND)).reset_index()
+    table = table.reindex(columns=[*VELOCITY, *QUANTITIES]).set_index(list(VELOCITY))
+    order = pd.MultiIndex.from_tuples([tuple(v) for v in library.velocities.tolist()])
+    return table.loc[order].rename_axis(list(VELOCITY)).reset_index()
 
 
 def _describe(failures: Sequence[summary.Failure]) -> str:

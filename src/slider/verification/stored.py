@@ -15,7 +15,7 @@ from slider.robot.names import SIDES
 class StoredGait:
     """One gait of the library; shapes, units and frames: ``docs/reference/gait-library.md``."""
 
-    commands: np.ndarray
+    velocities: np.ndarray
     samples: np.ndarray
     time: np.ndarray
     step_time: np.ndarray
@@ -32,7 +32,7 @@ class StoredGait:
     @property
     def turns(self) -> np.ndarray:
         """Yaw (2,) [rad] of each step's landing foot from its stance foot, as commanded."""
-        return self.commands[2] * self.step_time
+        return self.velocities[2] * self.step_time
 
     @property
     def half(self) -> int:

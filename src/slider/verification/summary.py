@@ -16,7 +16,7 @@ from typing import Any
 import pandas as pd
 
 from slider.core.errors import UserError
-from slider.robot.names import COMMAND, command_text
+from slider.robot.names import VELOCITY, velocity_text
 from slider.verification.quantities import QUANTITIES, Quantity
 
 Bounds = Mapping[str, float | None]
@@ -35,7 +35,7 @@ class Failure:
     def __str__(self) -> str:
         about = QUANTITIES[self.quantity]
         return (
-            f"gait {command_text(self.velocity)}, {self.quantity}: expected "
+            f"gait {velocity_text(self.velocity)}, {self.quantity}: expected "
             f"{_limit(about, self.bound)} {about.unit}, found {self.value:.3g}"
         )
 
@@ -68,7 +68,7 @@ def failures(table: pd.DataFrame, bounds: Bounds) -> list[Failure]:
             continue
         beyond = table[name] < bound if about.at_least else table[name] > bound
         for _, row in table[beyond].iterrows():
-            velocity = tuple(float(row[axis]) for axis in COMMAND)
+            velocity = tuple(float(row[axis]) for axis in VELOCITY)
             result.append(Failure(velocity, name, float(row[name]), bound))
     return result
 
@@ -86,7 +86,7 @@ def worst(table: pd.DataFrame, bounds: Bounds) -> dict[str, dict[str, Any]]:
             "check": about.check,
             "unit": about.unit,
             "worst": _number(float(values[row])),
-            **{axis: float(table[axis][row]) for axis in COMMAND},
+            **{axis: float(table[axis][row]) for axis in VELOCITY},
             "median": _number(float(values.median())),
             "bound": bounds[name],
             "passed": None if bounds[name] is None else name not in failed,
@@ -104,7 +104,7 @@ def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> Non
     names: dict[tuple[float, ...], list[str]] = {}
     for failure in failed:
         names.setdefault(failure.velocity, []).append(failure.quantity)
-    velocities = table[list(COMMAND)].itertuples(index=False, name=None)
+    velocities = table[list(VELOCITY)].itertuples(index=False, name=None)
     table = table.assign(failed=[" ".join(names.get(velocity, [])) for velocity in velocities])
     table.to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")
 
@@ -121,9 +121,9 @@ def write_markdown(path: Path, table: pd.DataFrame, quantities: Mapping[str, Any
     """Worst values by quantity, and some over the forward velocity straight ahead."""
     head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
     lines = _grid(head, [_cells(name, row) for name, row in quantities.items()])
-    straight = table[(table[list(COMMAND[1:])] == 0).all(axis=1)]
+    straight = table[(table[list(VELOCITY[1:])] == 0).all(axis=1)]
     if len(straight):
-        head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[COMMAND[0]])]
+        head = ["vx [m/s]", *(f"{speed:g}" for speed in straight[VELOCITY[0]])]
         rows = [[f"`{name}`", *map(_short, straight[name])] for name in _OVER_SPEED]
         lines += ["", "Straight ahead:", "", *_grid(head, rows)]
     path.write_text(f"{len(table)} gaits.\n\n" + "\n".join(lines) + "\n", encoding="utf-8")

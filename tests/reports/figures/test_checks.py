@@ -21,7 +21,7 @@ from slider.reports.figures.checks import (
     run_stability,
     run_verification,
 )
-from slider.robot.names import COMMAND
+from slider.robot.names import VELOCITY
 from slider.verification.quantities import QUANTITIES as CHECKS
 from tests.library.gaits import write_store
 
@@ -33,8 +33,8 @@ def inputs(tmp_path_factory) -> dict[str, list[Path]]:
     folder = tmp_path_factory.mktemp("stability")
     store = write_store(folder / "library", GAITS, []).parent
     values = dict.fromkeys(QUANTITIES, 1.5)
-    rows = [dict(zip(COMMAND, gait, strict=True)) | values for gait in GAITS[:2]]
-    rows.append(dict(zip(COMMAND, GAITS[2], strict=True)))  # without a limit cycle
+    rows = [dict(zip(VELOCITY, gait, strict=True)) | values for gait in GAITS[:2]]
+    rows.append(dict(zip(VELOCITY, GAITS[2], strict=True)))  # without a limit cycle
     write_csv(folder / CSV, rows)
     basin = folder / "basin"
     basin.mkdir()
@@ -108,7 +108,7 @@ def test_values_belong_to_their_gaits(store, tmp_path):
     place = list(CHECKS).index("return_map") + 1
     expected = {gait: 100 * k + place for k, gait in enumerate(CHECKED[::-1])}
     np.testing.assert_array_equal(
-        found, [expected[tuple(command)] for command in library.commands.tolist()]
+        found, [expected[tuple(command)] for command in library.velocities.tolist()]
     )
     assert set(MAPS) <= CHECKS.keys()
 

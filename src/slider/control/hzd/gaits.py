@@ -17,7 +17,7 @@ from slider.control.hzd.motion import side_of
 from slider.core.errors import UserError
 from slider.hzd.gains import FootPlacement
 from slider.hzd.polynomials import NodeTable
-from slider.library.mesh import CommandMesh
+from slider.library.mesh import VelocityMesh
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import SIDES
 
@@ -56,13 +56,13 @@ class GaitTables:
     """All gaits of a library with their foot placement.
 
     Attributes:
-        arrays: ``commands`` (G, 3), ``step_time`` (G, 2), and the fields of :class:`GaitSteps`
+        arrays: ``velocities`` (G, 3), ``step_time`` (G, 2), and the fields of :class:`GaitSteps`
             for each of the two steps (G, 2, …).
     """
 
     def __init__(self, arrays: Mapping[str, np.ndarray]) -> None:
         self.arrays = arrays
-        self._mesh = CommandMesh.of(arrays["commands"])
+        self._mesh = VelocityMesh.of(arrays["velocities"])
         parts = [arrays["step_time"], *(arrays[name] for name in _PARTS)]
         self._shapes = [part.shape[2:] for part in parts]
         flat = [part.reshape(len(part), _STEPS, -1) for part in parts]
@@ -76,10 +76,10 @@ class GaitTables:
         Raises:
             UserError: the two have different gaits.
         """
-        if not np.array_equal(library.commands, feedback.commands):
+        if not np.array_equal(library.velocities, feedback.velocities):
             raise UserError(
                 f"expected the foot placement of {len(library)} gaits, "
-                f"found one of {len(feedback.commands)} others"
+                f"found one of {len(feedback.velocities)} others"
             )
         time = library.step_time[:, :, None, None]
         arrays = {name: getattr(feedback, name) for name in ("hip", "gains", "orbit", "placement")}
@@ -87,7 +87,7 @@ class GaitTables:
         arrays["coefficients"] = library.arrays["coefficients"]
         orders = [time**k for k in range(3)]
         arrays["roll"] = library.arrays["roll"] * np.concatenate(orders, axis=3)
-        return cls({"commands": library.commands, "step_time": library.step_time, **arrays})
+        return cls({"velocities": library.velocities, "step_time": library.step_time, **arrays})
 
     def at(self, velocities: np.ndarray, stance: np.ndarray) -> GaitSteps:
         """Steps on the feet ``stance`` (n,) at velocities (n, 3); each as if it were alone."""
@@ -128,7 +128,7 @@ class EnforcedGaits:
         """
         gaits, feedback = GaitLibrary.load(library / STORE), FootPlacement.load(placement)
         constraints = from_dict(VirtualConstraintsConfig, section["constraints"])
-        slow = gaits.commands[:, 0] < constraints.slowest_hip
+        slow = gaits.velocities[:, 0] < constraints.slowest_hip
         if not np.array_equal(feedback.clock, slow | (constraints.phase == "time")):
             expected = f"hzd.phase={constraints.phase}, hzd.slowest_hip={constraints.slowest_hip:g}"
             raise UserError(f"expected foot placement for {expected}, found that of other phases")

@@ -82,7 +82,7 @@ class HzdSteps:
         """Forget the steps of ``count`` robots."""
         self._walk = self._new(np.zeros((count, 3)), np.zeros(count, dtype=int))
 
-    def command(self, memory: Memory, velocity: np.ndarray) -> None:
+    def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on; the yaw rate of a walk grows to it."""
         reference, target, rate = velocity.copy(), velocity[:, 2], memory.velocity[:, 2]
         walks = (memory.mode == WALK) & ~standing(velocity)

@@ -49,7 +49,7 @@ class MpcSteps:
     def reset(self, count: int) -> None:
         """Nothing: all state is in the memory."""
 
-    def command(self, memory: Memory, velocity: np.ndarray) -> None:
+    def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
         self._velocity.change(memory, velocity)
 

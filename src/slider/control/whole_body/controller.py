@@ -86,9 +86,9 @@ class WalkingController:
         """Switch the drives of ``robots`` (N,) off."""
         self.memory.mode[robots] = OFF
 
-    def command(self, velocity: np.ndarray) -> None:
+    def set_velocity(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
-        self._stepping.command(self.memory, velocity)
+        self._stepping.set_velocity(self.memory, velocity)
 
     def control(self, state: RobotState) -> np.ndarray:
         """Torques (N, 12) [N m or N]; the upper feet have no drive."""

@@ -32,7 +32,7 @@ class Stepping(Protocol):
     def reset(self, count: int) -> None:
         """Forget the steps of ``count`` robots."""
 
-    def command(self, memory: Memory, velocity: np.ndarray) -> None:
+    def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
 
     def begin(

@@ -112,9 +112,9 @@ class ObservingController:
         self._observer.give_up(robots)
         self._controller.give_up(robots)
 
-    def command(self, velocity: np.ndarray) -> None:
+    def set_velocity(self, velocity: np.ndarray) -> None:
         """Go with ``velocity`` (N, 3) from now on."""
-        self._controller.command(velocity)
+        self._controller.set_velocity(velocity)
 
     def control(self, state: RobotState) -> np.ndarray:
         """Torques (N, 12) [N m or N] from measured states."""

@@ -16,7 +16,7 @@ from slider.reports import rows
 from slider.reports.figures import STABILITY
 from slider.reports.figures.maps import VelocityMap, draw_maps
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure, write_figure
-from slider.robot.names import COMMAND, command_text
+from slider.robot.names import VELOCITY, velocity_text
 from slider.verification.quantities import QUANTITIES
 
 TABLE = "verification.csv"
@@ -68,7 +68,7 @@ def unit(name: str) -> str:
 
 def rows_by_command(path: Path) -> dict[tuple[float, ...], rows.Row]:
     """Rows by command; NaN where a quantity does not apply."""
-    return {tuple(row[name] for name in COMMAND): row for row in rows.read(path)}
+    return {tuple(row[name] for name in VELOCITY): row for row in rows.read(path)}
 
 
 def gait_values(
@@ -79,10 +79,10 @@ def gait_values(
     Raises:
         UserError: the table lacks a gait.
     """
-    for command in library.commands.tolist():
+    for command in library.velocities.tolist():
         if tuple(command) not in table:
-            raise UserError(f"expected a row of the gait {command_text(command)}, found none")
-    return np.array([table[tuple(command)][name] for command in library.commands.tolist()], float)
+            raise UserError(f"expected a row of the gait {velocity_text(command)}, found none")
+    return np.array([table[tuple(command)][name] for command in library.velocities.tolist()], float)
 
 
 _SHOWN = {
@@ -133,7 +133,7 @@ class Basin:
     def load(cls, folder: Path) -> "Basin":
         """What the stage wrote."""
         found = {path.stem: np.load(path) for path in folder.glob("*.npy")}
-        vx, vy, _ = found["command"]
+        vx, vy, _ = found["velocity"]
         return cls(
             f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
             found["roll"],

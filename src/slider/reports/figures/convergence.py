@@ -93,7 +93,7 @@ def _outcomes(axes: Axes, library: GaitLibrary) -> None:
 
 
 def _converged(library: GaitLibrary):
-    return zip(library.velocities, library.arrays["status"], strict=True)
+    return zip(library.planar_velocities, library.arrays["status"], strict=True)
 
 
 def _residuals(axes: Axes, library: GaitLibrary) -> None:

@@ -24,7 +24,7 @@ from slider.robot.names import (
     MOTORS,
     NUM_JOINTS,
     SIDES,
-    command_text,
+    velocity_text,
 )
 from slider.robot.transmission import by_motor
 
@@ -46,14 +46,14 @@ Pieces = list[tuple[np.ndarray, np.ndarray]]
 def draw_cycles(library: GaitLibrary) -> Figure:
     """Five driven joints and the roll of the stance foot."""
     chosen = forward_gaits(library, _CYCLES)
-    speeds = library.velocities[chosen, 0]
+    speeds = library.planar_velocities[chosen, 0]
     scale = Normalize(0.0, max(float(speeds.max()) * 1.1, 0.1))  # not up to the lightest yellow
     colours = ScalarMappable(scale, COLOURS)
     figure = new_figure(4.6)
     panels = figure.subplots(2, 3)
     for index in chosen:
-        gait = blend(library, *library.commands[index])
-        colour = colormaps[COLOURS](scale(float(gait.command[0])))
+        gait = blend(library, *library.velocities[index])
+        colour = colormaps[COLOURS](scale(float(gait.velocity[0])))
         for axes, joint in zip(panels.flat, _SHOWN, strict=False):
             _closed_curve(axes, _joint(gait, joint), colour)
         _closed_curve(panels.flat[-1], _roll(gait), colour)
@@ -71,7 +71,7 @@ def forward_gaits(library: GaitLibrary, count: int) -> np.ndarray:
 
     Straight ahead is the leftward velocity nearest to zero that the library has.
     """
-    vx, vy = library.velocities.T
+    vx, vy = library.planar_velocities.T
     straight = np.flatnonzero(np.abs(vy) == np.abs(vy).min())
     # One row: where −0.05 and 0.05 are equally near, the first of them.
     straight = straight[vy[straight] == vy[straight[0]]]
@@ -142,7 +142,7 @@ def draw_walks(library: GaitLibrary) -> Figure:
     panels = figure.subplots(len(chosen), len(columns), squeeze=False)
     for row, index in zip(panels, chosen, strict=True):
         draw_tiles(row, library, int(index))
-        row[0].set_ylabel(f"{library.velocities[index, 0]:.2f} m/s")
+        row[0].set_ylabel(f"{library.planar_velocities[index, 0]:.2f} m/s")
     return figure
 
 
@@ -232,7 +232,7 @@ def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
     figure = new_figure(sum(_HEIGHTS) + 1.4)
     heights = (_HEIGHTS[0], sum(_HEIGHTS[1:]) + 0.6)
     tiles, plots = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
-    figure.suptitle(f"gait at {command_text(library.commands[gait])}", fontsize=9)
+    figure.suptitle(f"gait at {velocity_text(library.velocities[gait])}", fontsize=9)
     draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
     panels = plots.subplots(3, 5, sharex=True)
     positions = library.arrays["samples"][gait][:, :NUM_JOINTS]

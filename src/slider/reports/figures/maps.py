@@ -15,7 +15,7 @@ from slider.library import measures
 from slider.library.measures import smoothness
 from slider.library.reader import GaitLibrary
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, MIDDLE, new_figure
-from slider.robot.names import CHANNELS, command_text
+from slider.robot.names import CHANNELS, velocity_text
 
 MAPS_CAPTION = """\
 One cell per gait; a red cross marks a velocity whose gait did not converge, and white is outside
@@ -97,7 +97,7 @@ def frame(axes: Axes, library: GaitLibrary) -> None:
     mesh = library.mesh
     margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
     holes = np.array([[hole.vx, hole.vy] for hole in library.holes]).reshape(-1, 2)
-    places = np.concatenate([library.velocities, holes])
+    places = np.concatenate([library.planar_velocities, holes])
     axes.set_xlim(places[:, 0].min() - margin_x, places[:, 0].max() + margin_x)
     axes.set_ylim(places[:, 1].min() - margin_y, places[:, 1].max() + margin_y)
     axes.set(xlabel="commanded forward velocity [m/s]", ylabel="leftward\n[m/s]")
@@ -106,7 +106,7 @@ def frame(axes: Axes, library: GaitLibrary) -> None:
 
 def _cells(library: GaitLibrary) -> list[tuple[tuple[float, float], float, float]]:
     """Lower left corner, width and height [m/s] of each gait's cell."""
-    vx, vy = library.velocities.T
+    vx, vy = library.planar_velocities.T
     low_x, high_x = _borders(library.mesh.vx)
     low_y, high_y = _borders(library.mesh.vy)
     i, j = np.searchsorted(library.mesh.vx, vx), np.searchsorted(library.mesh.vy, vy)
@@ -140,7 +140,7 @@ def _norm(item: VelocityMap) -> Normalize:
 
 def draw_smoothness(library: GaitLibrary) -> Figure:
     """Map of each gait's greatest jump, and the greatest jump of each channel."""
-    measured = smoothness(library.commands, library.arrays["samples"])
+    measured = smoothness(library.velocities, library.arrays["samples"])
     jumps = 100 * measured.per_gait(len(library))
     figure = new_figure(4.9)
     top, bottom = figure.subplots(2, 1, height_ratios=(1, 2.4))
@@ -158,7 +158,7 @@ def draw_smoothness(library: GaitLibrary) -> Figure:
 
 def smoothness_caption(library: GaitLibrary) -> str:
     """The scale of a jump, and where the greatest one is."""
-    measured = smoothness(library.commands, library.arrays["samples"])
+    measured = smoothness(library.velocities, library.arrays["samples"])
     text = (
         "Difference between gaits that follow one another in vx or in vy, at the same sample, as a "
         "share of the channel's range over the whole library (all gaits and samples). "
@@ -166,7 +166,7 @@ def smoothness_caption(library: GaitLibrary) -> str:
     if not len(measured.pairs):
         return text + "This library has no neighbouring gaits.\n"
     first, second, channel = measured.worst
-    places = [command_text(command) for command in library.commands[[first, second]]]
+    places = [velocity_text(command) for command in library.velocities[[first, second]]]
     return text + (
         f"The greatest is {100 * measured.largest:.1f} % of {CHANNELS[channel]}, between "
         f"{places[0]} and {places[1]}.\n"

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
 from slider.reports.figures.style import LIGHT, new_figure
-from slider.reports.quantities import Quantity, colour, quantity, speed
+from slider.reports.quantities import Quantity, colour, quantity, speed_text
 
 PANELS = 5
 CURVES = {"success": "robots that survive a check [%]", "speed_error": "speed error [m/s]"}
@@ -57,7 +57,7 @@ def draw(summary: pd.DataFrame, curves: pd.DataFrame) -> Figure:
         range(len(labels)), [fill(text, 30, break_long_words=False) for text in labels.values()]
     )
     panels[0].set_ylim(len(labels) - 0.5, -0.5)
-    handles = [_marker(index, label=f"{speed(v)} m/s") for index, v in enumerate(speeds)]
+    handles = [_marker(index, label=f"{speed_text(v)} m/s") for index, v in enumerate(speeds)]
     lower.legend(handles=handles, loc="outside lower center", ncols=7)
     return figure
 

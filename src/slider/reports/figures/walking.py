@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from slider.config.evaluation import CaseConfig
 from slider.evaluation.results import Evaluation
 from slider.reports.figures.style import DARK, new_figure
-from slider.reports.quantities import PAPER, colour, speed
+from slider.reports.quantities import PAPER, colour, speed_text
 from slider.reports.rows import Row, by
 from slider.training.results import Training
 
@@ -39,7 +39,7 @@ def draw_overview(rows: Sequence[Row]) -> Figure:
     figure = new_figure(3.3)
     success, errors = figure.subplots(1, 2)
     for index, (label, mine) in enumerate(by(rows, "label").items()):
-        mine = sorted(mine, key=lambda row: row["command_velocity"])
+        mine = sorted(mine, key=lambda row: row["speed"])
         printed = mine[0]["source"] == PAPER
         look = {
             "color": DARK if printed else colour(index),
@@ -47,7 +47,7 @@ def draw_overview(rows: Sequence[Row]) -> Figure:
             "marker": _MARKERS[index % len(_MARKERS)],
             "markersize": 4,
         }
-        speeds = _column(mine, "command_velocity")
+        speeds = _column(mine, "speed")
         success.plot(speeds, 100 * _column(mine, "success_rate"), label=label, **look)
         error = _column(mine, "mse" if printed else "mse_steady")
         errors.plot(speeds, np.where(np.isfinite(error), error, np.nan), **look)
@@ -64,11 +64,11 @@ def draw_speeds(rows: Sequence[Row]) -> Figure:
     """Three panels over a common axis; ``rows`` are those of the protocol's table."""
     figure = new_figure(6.2)
     speeds, rates, errors = figure.subplots(3, 1, sharex=True, height_ratios=(1.9, 1.0, 1.0))
-    commands = _column(rows, "command_velocity")
+    commands = _column(rows, "speed")
     ends = [commands.min(), commands.max()]
     speeds.plot(ends, ends, color=DARK, linewidth=0.8, linestyle=(0, (1, 2)), label="command")
     for index, (label, mine) in enumerate(by(rows, "label").items()):
-        mine.sort(key=lambda row: row["command_velocity"])
+        mine.sort(key=lambda row: row["speed"])
         _speed_curves((speeds, rates, errors), mine, index, label)
     speeds.set(ylabel="mean speed [m/s]")
     speeds.legend(loc="upper left")
@@ -85,7 +85,7 @@ def _speed_curves(
     panels: tuple[Axes, Axes, Axes], rows: Sequence[Row], index: int, name: str
 ) -> None:
     speeds, rates, errors = panels
-    command, tint = _column(rows, "command_velocity"), colour(index)
+    command, tint = _column(rows, "speed"), colour(index)
     dashes = _DASHES[index % len(_DASHES)]
     mean, spread = _column(rows, "mean_velocity"), _column(rows, "mean_velocity_spread")
     speeds.fill_between(command, mean - spread, mean + spread, color=tint, alpha=0.2, linewidth=0)
@@ -206,17 +206,17 @@ _PANEL_HEIGHT = 2.1  # height [inch]
 
 def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
     """Mean (line) and standard deviation (band) over survivors; ``period`` of control in s."""
-    commands = sorted({one.command for one in evaluations if one.command is not None})
+    commands = sorted({one.speed for one in evaluations if one.speed is not None})
     labels = list(dict.fromkeys(one.label for one in evaluations))
     lines = (len(commands) + 1) // 2
     figure = new_figure(_PANEL_HEIGHT * lines + 0.4)
     panels = figure.subplots(lines, 2, sharex=True, squeeze=False)
     for axes, command in zip(panels.flat, commands, strict=False):
         for one in evaluations:
-            if one.command == command and one.robots.survived.any():
+            if one.speed == command and one.robots.survived.any():
                 _curve(axes, one.velocity, period, labels.index(one.label))
         axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)))
-        axes.set_title(f"{speed(command)} m/s")
+        axes.set_title(f"{speed_text(command)} m/s")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
         axes.margins(x=0.0)
         axes.set_xlim(left=0.0)

@@ -66,7 +66,7 @@ def draw(library: GaitLibrary) -> Figure:
 
 def caption(library: GaitLibrary) -> str:
     """What the surfaces are, and of which gait."""
-    vx, vy, _ = _shown(library).command
+    vx, vy, _ = _shown(library).velocity
     return (
         f"The gait at ({vx:g}, {vy:g}) m/s. Axes are the roll of the stance foot, which no motor "
         "drives, and position and velocity of the swing leg's virtual knee (left) or slide "
@@ -133,7 +133,7 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 def _shown(library: GaitLibrary) -> Gait:
     """The gait straight ahead in the middle of the library's speeds."""
     chosen = forward_gaits(library, 3)
-    return blend(library, *library.commands[chosen[len(chosen) // 2]])
+    return blend(library, *library.velocities[chosen[len(chosen) // 2]])
 
 
 def _joint(

@@ -14,8 +14,8 @@ from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import (
     config,
     disturbed_physics,
+    make_arrays,
     make_physics,
-    make_state,
     motor_angles,
     random_pose,
     robot_config,
@@ -132,7 +132,7 @@ def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
 
     def read() -> RobotState:
         height = next(heights)
-        return make_state(2, base_position=[[0, 0, 0.7], [0, 0, height]])
+        return make_arrays(2, base_position=[[0, 0, 0.7], [0, 0, height]])
 
     monkeypatch.setattr(physics, "read", read)
     start = np.tile(nominal_qpos(robot_config()), (2, 1)), np.zeros((2, 18))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import mujoco
 import numpy as np
 import pytest
+import torch
 
 from slider.config.env import StartNoise
 from slider.env.starts import about, at_rest, joint_range, multiply_quaternions, perturb
@@ -57,7 +58,8 @@ def on_gaits(count: int) -> tuple[np.ndarray, np.ndarray]:
     draw = np.random.default_rng(3)
     vx, phase = draw.uniform(0.0, 0.4, count), draw.uniform(size=count)
     command = np.stack([vx, 0.0 * vx, 0.0 * vx], axis=1)
-    qpos, qvel = make_guide().states(command, phase)
+    states = make_guide().states(torch.from_numpy(command), torch.from_numpy(phase))
+    qpos, qvel = (values.numpy() for values in states)
     qpos[:, 2] -= lowest(qpos)
     return qpos, qvel
 

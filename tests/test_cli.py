@@ -40,7 +40,7 @@ def test_an_unknown_command_names_those_of_people(capsys):
         ("play --command 1.2 0", "play: argument --command: expected 3 arguments"),
         ("gait show --vx abc", "gait show: argument --vx: invalid float value: 'abc'"),
         ("store", "store: the following arguments are required: action"),
-        ("results NOPAGE.md", "expected a page at NOPAGE.md, found none"),
+        ("results NOPAGE.md", "expected a page at NOPAGE.md: No such file or directory"),
     ],
 )
 def test_a_wrong_argument_is_one_line(arguments, line, capsys):

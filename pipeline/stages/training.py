@@ -5,9 +5,10 @@ from dataclasses import replace
 from pipeline.stages.entries import job
 from pipeline.stages.sections import origin, simulation
 from slider.artefacts.plan import JobSpec
+from slider.artefacts.recipe import code_of
 from slider.config.convert import to_dict
 from slider.config.schema import Config
-from slider.config.train import TrainConfig
+from slider.config.train import WARP, TrainConfig
 from slider.core.machine import device, precision
 from slider.env.observations import TERMS
 from slider.env.terms import check_clock, uses_library
@@ -53,6 +54,9 @@ def _job(
     check_clock(config.env, train, label)
     train = _resolved(train)
     section = simulation(config) | {"train": to_dict(train)}
+    if train.simulator == "mujoco_warp":
+        warp = code_of(WARP)
+        section["simulator"] = {"source": warp.source, "versions": warp.versions}
     inputs = {"library": [library]} if uses_library(config.env, train) else {}
     if start is not None:
         inputs["start"] = [start]

@@ -58,7 +58,7 @@ class World:
         """Jobs of a configuration; ``versions`` are other ones of the packages of a gait."""
         values = DEFAULT | changes
         shared = {"robot": values["robot"]}
-        gaits = [self._job("gait", shared | {"command": [vx, 0.0, 0.0]}) for vx in values["grid"]]
+        gaits = [self._job("gait", shared | {"speed": [vx, 0.0, 0.0]}) for vx in values["grid"]]
         if versions:
             gaits = [replace(gait, code=replace(gait.code, versions=versions)) for gait in gaits]
         library = self._job("library", {}, gaits=gaits)

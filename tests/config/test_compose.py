@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from pipeline.entry import open_pipeline
-from pipeline.stages.gaits import commands
+from pipeline.stages.gaits import velocities
 from slider.cli import main
 from slider.config.compose import compose
 from slider.config.convert import to_dict
@@ -135,10 +135,10 @@ def test_every_option_composes(option):
         ("env.observation.height_scan.points_x=-1", "height_scan.points_x: expected an integer"),
         ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
         ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
-        ("train.walking.velocities.standing_fraction=3", "commands.standing_fraction: expected"),
+        ("train.walking.velocities.standing_fraction=3", "velocities.standing_fraction: expected"),
         (
             "train.walking.velocities.period=-5",
-            "commands.period: expected a number in [0, 100000] ",
+            "velocities.period: expected a number in [0, 100000] ",
         ),
         ("train.walking.seed=-1", "walking.seed: expected an integer in [0, 9223372036854775807]"),
         ("train.walking.seed=9223372036854775808", "train.walking.seed: expected an integer in"),
@@ -151,7 +151,7 @@ def test_every_option_composes(option):
         ("evaluation.warm_up=9.999", "evaluation.warm_up: expected a time in [0, 9.98] s"),
         ("evaluation.speeds=[0.2,0.2]", "evaluation.speeds: expected each once"),
         ("evaluation.controllers=[policy,policy]", "evaluation.controllers: expected each once"),
-        ("evaluation.speeds=[]", "evaluation.speeds: expected at least one command"),
+        ("evaluation.speeds=[]", "evaluation.speeds: expected at least one speed"),
         (
             "control.mpc_wbc_tuned.substeps=2",
             "control.mpc_wbc_tuned.substeps: expected a control rate of at least",
@@ -204,7 +204,7 @@ def test_every_option_composes(option):
         ("evaluation/disturbance=rough", "unknown option evaluation/disturbance=rough"),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
         ("evaluation=joystick", "evaluation.profile: expected none (the commands of Table 1"),
-        ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one command"),
+        ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),
         ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
         ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
         ("protocols.joystick.profile.cases=[]", "profile.cases: expected a list of one or more"),
@@ -261,9 +261,13 @@ def test_a_fine_tuning_wants_what_the_walking_training_wanted():
     config = compose(["experiment=turning", "finetuning=robust", *overrides], CONF)
     walking, tuning = config.train.walking, config.finetuning
     assert tuning is not None
-    assert (tuning.seed, tuning.commands, tuning.reward) == (3, walking.velocities, walking.reward)
+    assert (tuning.seed, tuning.velocities, tuning.reward) == (
+        3,
+        walking.velocities,
+        walking.reward,
+    )
     assert tuning.episode_length == walking.episode_length == 10.0
-    assert tuning.commands.yaw_rate.upper > 0
+    assert tuning.velocities.yaw_rate.upper > 0
     assert tuning.selection.speeds == walking.selection.speeds
     assert 0.0 in tuning.selection.speeds
     paper = compose(["experiment=paper", "finetuning=robust"], CONF)
@@ -283,7 +287,7 @@ def test_a_list_of_velocities_takes_the_place_of_an_axis():
     overrides = ["gait.grid.vx.stop=0.5", "gait.grid.vx=[0.2]", "gait.grid.vx=[0.4,0.33]"]
     last = compose(["experiment=test", *overrides, "gait.grid.vy=[0.0]"], CONF).gait.grid
     assert (last.vx, last.vy) == ([0.4, 0.33], [0.0])
-    assert commands(last) == [(0.33, 0.0, 0.0), (0.4, 0.0, 0.0)]
+    assert velocities(last) == [(0.33, 0.0, 0.0), (0.4, 0.0, 0.0)]
 
 
 @pytest.mark.parametrize(
@@ -351,7 +355,7 @@ def test_without_the_library_the_other_rewards_stay():
 
 @pytest.mark.parametrize(("top", "count"), [("2.0", 21), ("2.47", 25), ("1.3", 14)])
 def test_the_sweep_ends_at_or_below_the_top_speed(top, count):
-    commands = compose([f"speeds.top={top}"], CONF).protocols["sweep"].commands
+    commands = compose([f"speeds.top={top}"], CONF).protocols["sweep"].speeds
     assert len(commands) == count
     assert commands == [round(0.1 * index, 9) for index in range(count)]
     assert commands[-1] <= float(top)

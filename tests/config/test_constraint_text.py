@@ -58,7 +58,7 @@ def test_units(path, unit):
 
 
 def test_items_of_a_list_and_of_a_vector():
-    speed = kind_at(Config, ("evaluation", "commands", 3))
+    speed = kind_at(Config, ("evaluation", "speeds", 3))
     assert str(speed) == "a number in [-100, 100] m/s"
     assert kind_at(Config, ("gait", "grid", "vx", 0)).unit == "m/s"
     assert kind_at(Config, ("robot", "links", "base", "com", 2)).unit == "m"

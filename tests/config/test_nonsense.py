@@ -34,7 +34,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.yaw_rate.lower",
             "*.yaw_rate",
             "*.yaw_rate[[]*",
-            "*commands[[]*",
+            "*speeds[[]*",
         ),  # backward, right
         *("*.speeds[[]*", "speeds.table1[[]*"),  # as above
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
@@ -43,7 +43,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("hzd.impacts.*", "hzd.basin.*"),  # perturbations to both sides
     ),
     0: (
-        *("*.vx*", "*.vy*", "*.yaw_rate*", "*commands[[]*", "speeds.table1[[]*"),  # to stand still
+        *("*.vx*", "*.vy*", "*.yaw_rate*", "*speeds[[]*", "speeds.table1[[]*"),  # to stand still
         "*.speeds[[]*",
         *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
         *("*.start.*", "*.sensing.*", "*.delay.*", "*.centre_of_mass", "*.push.speed"),  # nominal
@@ -83,7 +83,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     "[]": (
         *("*.extra", "*.overrides", "study.*.parameters"),  # nothing beside the rest; all
-        *("report.*commands", "protocols.*.commands"),  # nothing drawn; a profile instead
+        *("report.*speeds", "protocols.*.speeds"),  # nothing drawn; a profile instead
     ),
     None: (
         *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's

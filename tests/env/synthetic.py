@@ -89,7 +89,7 @@ def make_library(
     grid = np.array([(*velocity, rate) for velocity in velocities for rate in yaw_rates])
     gaits = [_gait(*command) for command in grid]
     arrays = {
-        "commands": grid,
+        "velocities": grid,
         "samples": np.stack([samples for samples, _ in gaits]),
         "base": np.stack([base for _, base in gaits]),
         "step_time": np.stack([np.full(2, step_time(vx)) for vx in grid[:, 0]]),

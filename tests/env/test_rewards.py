@@ -405,7 +405,7 @@ def test_guide_nearest_of_an_interpolated_gait(masked):
 
 def test_the_nearest_gait_guides_at_its_own_velocity():
     commands = np.array([[0.22, 0.01, 0, 0], [0.04, 0.0, 0, 0]])
-    near = library().commands[library().nearest(commands[:, :3])]
+    near = library().velocities[library().nearest(commands[:, :3])]
     phase = np.array([0.2, 0.7])
     found = make_guide("nearest").at_phase(make_view(make_state(2), command=commands, phase=phase))
     np.testing.assert_array_equal(found, gait_table().at(near, phase))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from slider.config.constraint_text import kind_at
 from slider.core.errors import UserError
 from slider.env import terminations
 from slider.robot.kinematics import quaternion_from_tilt, rotation_from_quaternion
@@ -69,4 +70,4 @@ def test_an_unknown_term_is_one_line():
 )
 def test_an_impossible_parameter_is_one_line(terms, message):
     with pytest.raises(UserError, match=message):
-        terminations.check(terms)
+        terminations.check(terms, kind_at)

@@ -24,7 +24,7 @@ def section(controller: str = "mpc_wbc_tuned", **changes) -> dict:
         "control": to_dict(whole.control[controller]),
         "evaluation": to_dict(replace(whole.evaluation, **changes)),
         "controller": controller,
-        "command": 0.2,
+        "speed": 0.2,
     }
 
 
@@ -57,7 +57,7 @@ def test_walks_and_its_records_are_those_of_the_policy(tmp_path, controller, spe
 
 def jobs(*overrides: str) -> dict:
     found = table1_jobs(config(*overrides))["table1"].inputs["evaluations"]
-    return {(job.section["controller"], job.section["command"]): job for job in found}
+    return {(job.section["controller"], job.section["speed"]): job for job in found}
 
 
 def test_both_settings_are_jobs_of_their_own_that_need_no_training():

@@ -60,7 +60,7 @@ def changing() -> Evaluation:
 
 
 @pytest.mark.parametrize(
-    "written", [replace(changing(), command=0.2, case="", segments=(), traces=None), changing()]
+    "written", [replace(changing(), speed=0.2, case="", segments=(), traces=None), changing()]
 )
 def test_save_then_load(tmp_path, written):
     written.save(tmp_path)
@@ -75,7 +75,7 @@ def test_save_then_load(tmp_path, written):
             )
     for name in ("survived", "tracked", "diverged"):
         assert back.robots.columns[name].dtype == bool
-    assert (back.controller, back.command, back.case) == ("policy", written.command, written.case)
+    assert (back.controller, back.speed, back.case) == ("policy", written.speed, written.case)
     np.testing.assert_array_equal(back.velocity, written.velocity)
     if written.traces is None:
         assert back.traces is None

@@ -9,7 +9,7 @@ from slider.config.evaluation import CaseConfig, EvaluationConfig, ProfileConfig
 from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.results import SEGMENT_COLUMNS
-from slider.evaluation.segments import commands, windows
+from slider.evaluation.segments import velocities, windows
 from tests.env.synthetic import config, make_contacts
 
 PERIOD, STEPS, COUNT = 0.02, 150, 4
@@ -25,14 +25,14 @@ def case() -> CaseConfig:
 
 
 def test_steps_change_at_their_times():
-    values = commands(case(), 0.0, 3.0, PERIOD)
+    values = velocities(case(), 0.0, 3.0, PERIOD)
     assert values.shape == (150, 3)
     expected = np.repeat([[0, 0, 0], [0.4, 0, 0.3], [0, -0.1, 0]], 50, axis=0)
     np.testing.assert_array_equal(values, expected)
 
 
 def test_ramps_lead_from_one_command_to_the_next():
-    values = commands(case(), 0.4, 3.0, PERIOD)
+    values = velocities(case(), 0.4, 3.0, PERIOD)
     np.testing.assert_allclose(values[50:71, 0], 0.4 * np.arange(21) / 20, atol=1e-12)
     np.testing.assert_allclose(values[110], [0.2, -0.05, 0.15], atol=1e-12)
     np.testing.assert_array_equal(values[71:100], np.tile([0.4, 0.0, 0.3], (29, 1)))
@@ -49,7 +49,7 @@ def test_a_segment_begins_at_the_nearest_control_step(time, step):
     """Command and window alike."""
     stand, go = Segment("stand", 0.0, 0.0, 0.0, 0.0), Segment("go", time, 0.4, 0.0, 0.0)
     short = CaseConfig("short", [stand, go])
-    values = commands(short, 0.0, 1.0, PERIOD)[:, 0]
+    values = velocities(short, 0.0, 1.0, PERIOD)[:, 0]
     np.testing.assert_array_equal(values, np.where(np.arange(50) < step, 0.0, 0.4))
     assert windows(short, 0.0, 1.0, PERIOD) == [slice(0, step), slice(step, 50)]
 
@@ -57,12 +57,12 @@ def test_a_segment_begins_at_the_nearest_control_step(time, step):
 def protocol() -> EvaluationConfig:
     whole = config("experiment=test").evaluation
     profile = ProfileConfig(0.0, 0.5, 0.8, cases=[case()])
-    return replace(whole, profile=profile, duration=3.0, trials=2, robots=2, commands=[])
+    return replace(whole, profile=profile, duration=3.0, trials=2, robots=2, speeds=[])
 
 
 def recording() -> Recording:
     """Robot 0 tracks exactly; 1 is 0.1 m/s and 0.1 rad/s off; 2 falls at 1.9 s; 3 stands still."""
-    commanded = commands(case(), 0.0, 3.0, PERIOD)
+    commanded = velocities(case(), 0.0, 3.0, PERIOD)
     command = np.repeat(commanded[:, None], COUNT, axis=1)
     velocity, rate = command[:, :, :2].copy(), command[:, :, 2].copy()
     velocity[:, 1] += 0.1
@@ -115,7 +115,7 @@ def test_measures_by_hand():
 def test_traces_are_smooth_means_of_those_that_are_up():
     traces = segments.traces(recording(), protocol())
     assert traces.shape == (STEPS, 10)
-    np.testing.assert_allclose(traces[:, :3], commands(case(), 0.0, 3.0, PERIOD), atol=1e-7)
+    np.testing.assert_allclose(traces[:, :3], velocities(case(), 0.0, 3.0, PERIOD), atol=1e-7)
     # Half a second into the second segment, far from its ends: 0.4, 0.5, 0.4 and 0 m/s.
     np.testing.assert_allclose(traces[75, 3], np.mean([0.4, 0.5, 0.4, 0.0]), atol=1e-6)
     np.testing.assert_allclose(traces[75, 6], np.std([0.4, 0.5, 0.4, 0.0]), atol=1e-6)

@@ -25,14 +25,14 @@ WHOLE = ("experiment=test", "evaluation.duration=0.6")
 TRIALS, ROBOTS, STEPS = 2, 3, 30
 
 
-def section(command: float = 0.2, **changes) -> dict:
+def section(speed: float = 0.2, **changes) -> dict:
     whole = config(*WHOLE)
     return {
         "robot": to_dict(whole.robot),
         "env": to_dict(whole.env),
         "evaluation": to_dict(replace(whole.evaluation, **changes)),
         "controller": "policy",
-        "command": command,
+        "speed": speed,
     }
 
 
@@ -63,11 +63,11 @@ def walking(tmp_path):
     return folder
 
 
-def run(walking, out, seconds: float = 0.6, command: float = 0.2, **changes):
+def run(walking, out, seconds: float = 0.6, speed: float = 0.2, **changes):
     out.mkdir()
     job = Job(out.parent / "work", threads=1)
     summary = stage.run(
-        section(command, duration=seconds, **changes), {"walking": [walking]}, out, job
+        section(speed, duration=seconds, **changes), {"walking": [walking]}, out, job
     )
     return summary, Evaluation.load(out).robots.columns
 
@@ -77,7 +77,7 @@ def test_files_and_columns(walking, tmp_path):
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert names == {"robots.csv", "velocity.npy", "metadata.json"}
     about = json.loads((tmp_path / "out" / "metadata.json").read_text())
-    assert about == {"controller": "policy", "command": 0.2}
+    assert about == {"controller": "policy", "speed": 0.2}
     assert tuple(table) == results.COLUMNS
     assert {len(column) for column in table.values()} == {TRIALS * ROBOTS}
     np.testing.assert_array_equal(table["trial"], [0, 0, 0, 1, 1, 1])
@@ -119,9 +119,9 @@ def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, monk
         return real(controller, physics, env, start, command, *rest)
 
     monkeypatch.setattr(protocol, "roll_out", spying)
-    run(walking, tmp_path / "slow", command=0.2)
-    run(walking, tmp_path / "fast", command=3.0)
-    run(walking, tmp_path / "later", command=0.2, seed=config(*WHOLE).evaluation.seed + 1)
+    run(walking, tmp_path / "slow", speed=0.2)
+    run(walking, tmp_path / "fast", speed=3.0)
+    run(walking, tmp_path / "later", speed=0.2, seed=config(*WHOLE).evaluation.seed + 1)
     (slow, v_slow), (fast, v_fast), (later, _) = seen
     np.testing.assert_array_equal(slow[0], fast[0])
     np.testing.assert_array_equal(v_slow, np.tile([0.2, 0.0, 0.0], (6, 1)))
@@ -176,12 +176,12 @@ def test_a_changing_command_also_gives_segments_and_traces(walking, tmp_path):
     (tmp_path / "out").mkdir()
     assert whole.profile is not None
     (case,) = whole.profile.cases
-    values = section() | {"evaluation": to_dict(whole), "command": None, "case": to_dict(case)}
+    values = section() | {"evaluation": to_dict(whole), "speed": None, "case": to_dict(case)}
     summary = stage.run(values, {"walking": [walking]}, tmp_path / "out", Job(tmp_path))
     names = {path.name for path in (tmp_path / "out").iterdir()}
     expected = {"robots.csv", "velocity.npy", "metadata.json", "segments.csv", "traces.npy"}
     assert names == expected
-    assert summary["command"] is None
+    assert summary["speed"] is None
     found = Evaluation.load(tmp_path / "out")
     assert found.case == case.name
     assert [len(s.survived) for s in found.segments] == 2 * [whole.trials * whole.robots]
@@ -261,7 +261,7 @@ def test_narrower_joints_of_the_plant_do_not_narrow_the_targets(walking):
     """The stops of the plant hold the joint; the targets are those of the policy's own robot."""
     robot = config("experiment=test").robot
     narrow = scaled(robot, "joints.hip_pitch.upper", 0.01)
-    actions = np.full((TRIALS * ROBOTS, 12), 5.0)
+    actions = torch.full((TRIALS * ROBOTS, 12), 5.0)
     targets = [on(one, walking).controller.agent.act(actions) for one in (robot, narrow)]
     np.testing.assert_array_equal(*targets)
 

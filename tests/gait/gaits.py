@@ -58,4 +58,4 @@ def section(vx: float, vy: float, yaw_rate: float = 0.0, **solver_settings: Any)
     """What the stage ``gait`` gets."""
     shared = gait_section(config())
     solve = shared["solve"] | {"solver": shared["solve"]["solver"] | solver_settings}
-    return shared | {"solve": solve, "command": [vx, vy, yaw_rate]}
+    return shared | {"solve": solve, "velocity": [vx, vy, yaw_rate]}

@@ -25,11 +25,11 @@ CLOCK, HIP = range(2)
 
 
 @shared.shared
-def folder(commands: tuple[tuple[float, float, float], ...] = tuple(COMMANDS)) -> Path:
+def folder(velocities: tuple[tuple[float, float, float], ...] = tuple(COMMANDS)) -> Path:
     """Object folder of a library."""
     root = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     gaits = []
-    for vx, vy, yaw_rate in commands:
+    for vx, vy, yaw_rate in velocities:
         gaits.append(root / f"gait {vx} {vy}")
         gaits[-1].mkdir()
         gait_stage.run(section(vx, vy, yaw_rate), {}, gaits[-1], Job(root))
@@ -97,6 +97,6 @@ def placement_folder() -> Path:
 
     out = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     (spec, *_) = stability_jobs(config(), library_job(config()))["foot_placement"].inputs["gaits"]
-    commands = {"commands": [list(command) for command in COMMANDS]}
-    stage.run_gaits(spec.section | commands, {"library": [folder()]}, out, Job(out))
+    velocities = {"velocities": [list(velocity) for velocity in COMMANDS]}
+    stage.run_gaits(spec.section | velocities, {"library": [folder()]}, out, Job(out))
     return out

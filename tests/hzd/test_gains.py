@@ -19,5 +19,5 @@ def test_what_is_saved_is_loaded(tmp_path):
 
 
 def test_a_missing_table_is_one_line(tmp_path):
-    with pytest.raises(UserError, match=r"expected commands.npy of the foot placement"):
+    with pytest.raises(UserError, match=r"expected velocities.npy of the foot placement"):
         FootPlacement.load(tmp_path)

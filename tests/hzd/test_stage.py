@@ -30,16 +30,16 @@ HOLE = (0.9, 0.0, 0.0)
 
 def jobs() -> dict[str, JobSpec]:
     code = Code("", "", {})
-    solves = [JobSpec("gait", "", code, {"command": list(v)}) for v in [*COMMANDS, HOLE]]
+    solves = [JobSpec("gait", "", code, {"velocity": list(v)}) for v in [*COMMANDS, HOLE]]
     return stability_jobs(config(), JobSpec("library", "", code, {}, {"gaits": solves}))
 
 
 def placed(
-    out: Path, *commands: tuple[float, float, float], cache: Path | None = None, **changes
+    out: Path, *velocities: tuple[float, float, float], cache: Path | None = None, **changes
 ) -> list[str]:
     """What a job of foot placement says."""
     (spec,) = jobs()["foot_placement"].inputs["gaits"]
-    section = {**spec.section, "commands": [list(v) for v in commands]}
+    section = {**spec.section, "velocities": [list(v) for v in velocities]}
     section["hzd"] = spec.section["hzd"] | changes
     said = []
     run_gaits(section, {"library": [folder()]}, out, Job(out, progress=said.append, cache=cache))
@@ -59,9 +59,9 @@ def maps(chunk, tmp_path_factory) -> Path:
     """Return maps of the same gaits."""
     (spec,) = jobs()["stability"].inputs["gaits"]
     out = tmp_path_factory.mktemp("maps")
-    commands = [list(v) for v in [*COMMANDS[::-1], HOLE]]
+    velocities = [list(v) for v in [*COMMANDS[::-1], HOLE]]
     inputs = {"library": [folder()], "gaits": [chunk]}
-    run_maps({**spec.section, "commands": commands}, inputs, out, Job(out))
+    run_maps({**spec.section, "velocities": velocities}, inputs, out, Job(out))
     return out
 
 
@@ -78,7 +78,7 @@ def test_records_hold_every_quantity(maps):
 def test_tables_are_in_the_order_of_the_library(chunk, tmp_path):
     collect_placement({}, {"library": [folder()], "gaits": [chunk]}, tmp_path, Job(tmp_path))
     found = FootPlacement.load(tmp_path)
-    np.testing.assert_array_equal(found.velocities, library().commands)
+    np.testing.assert_array_equal(found.velocities, library().velocities)
     assert found.clock.tolist() == [True, False]
     assert found.gains.shape == (2, 2, 2, 21, 2, 4)
     by_time, by_hip = 0, 1
@@ -117,13 +117,13 @@ def test_the_table_has_a_line_per_gait(maps, tmp_path):
 
 def test_a_job_of_holes_has_tables_of_no_gaits(chunk, tmp_path):
     assert placed(tmp_path, HOLE) == []
-    assert len(FootPlacement.load(tmp_path).commands) == 0
+    assert len(FootPlacement.load(tmp_path).velocities) == 0
     out = tmp_path / "whole"
     out.mkdir()
     inputs = {"library": [folder()], "gaits": [tmp_path, chunk]}
     assert collect_placement({}, inputs, out, Job(out)) == {"gaits": 2}
     (spec,) = jobs()["stability"].inputs["gaits"]
-    section = {**spec.section, "commands": [list(HOLE)]}
+    section = {**spec.section, "velocities": [list(HOLE)]}
     found = run_maps(section, {"library": [folder()], "gaits": [tmp_path]}, out, Job(out))
     assert found == {"gaits": 0, "limit_cycles": 0}
     assert json.loads((out / RECORDS).read_text()) == []
@@ -143,7 +143,7 @@ def test_a_basin_and_its_walks(tmp_path):
     (spec,) = jobs()["foot_placement"].inputs["gaits"]
     basin = {"roll": {"lower": -0.02, "upper": 0.02}, "roll_rate": {"lower": -0.2, "upper": 0.2}}
     basin |= {"points": 2, "steps": 2, "returned": [0.02, 0.1]}
-    section = {"hzd": spec.section["hzd"], "basin": basin, "command": list(COMMANDS[HIP])}
+    section = {"hzd": spec.section["hzd"], "basin": basin, "velocity": list(COMMANDS[HIP])}
     found = run_basin(section, {"library": [folder()]}, tmp_path, Job(tmp_path))
     assert found["with"] > found["without"] == 0
     assert np.load(tmp_path / "with.npy").shape == (2, 2)

@@ -14,7 +14,7 @@ from slider.library.reader import ARRAYS, GaitLibrary
 from slider.library.stage import run
 
 SAMPLES, HALF = 42, 21
-SCALARS = ("commands", "cost", "max_violation", "iterations", "residuals")
+SCALARS = ("velocities", "cost", "max_violation", "iterations", "residuals")
 CONF = Path(__file__).parents[2] / "conf"
 MECHANISM = ("geometry", "links", "virtual_knee", "joints", "drives", "capstan")
 ROBOT = {name: to_dict(compose([], CONF).robot)[name] for name in MECHANISM}
@@ -38,7 +38,7 @@ SHAPES = {
 
 
 def value(name: str, vx: float, vy: float, yaw_rate: float = 0.0) -> np.ndarray:
-    """Linear in the command, so that linear interpolation is exact."""
+    """Linear in the velocity, so that linear interpolation is exact."""
     shape = SHAPES[name]
     ramp = np.linspace(0.0, 1.0, int(np.prod(shape))).reshape(shape)
     if name == "step_time":
@@ -79,9 +79,9 @@ def section(allow_holes: bool = False) -> dict[str, Any]:
     }
 
 
-def write_store(folder: Path, commands: Commands, holes: Commands = ()) -> Path:
+def write_store(folder: Path, velocities: Commands, holes: Commands = ()) -> Path:
     """A library of made-up gaits, with holes; the path of its ``library.zarr``."""
-    gaits = [write_gait(folder / f"gait{i}", *v) for i, v in enumerate(commands)]
+    gaits = [write_gait(folder / f"gait{i}", *v) for i, v in enumerate(velocities)]
     failed = {"converged": False, "status": "Infeasible_Problem_Detected", "max_violation": 0.3}
     failed |= {"residuals": {"impact": 1e-3, "torso": 0.3}}
     gaits += [write_gait(folder / f"hole{i}", *v, **failed) for i, v in enumerate(holes)]
@@ -90,5 +90,5 @@ def write_store(folder: Path, commands: Commands, holes: Commands = ()) -> Path:
     return out / "library.zarr"
 
 
-def library(folder: Path, commands: Commands, holes: Commands = ()) -> GaitLibrary:
-    return GaitLibrary.load(write_store(folder, commands, holes))
+def library(folder: Path, velocities: Commands, holes: Commands = ()) -> GaitLibrary:
+    return GaitLibrary.load(write_store(folder, velocities, holes))

@@ -87,12 +87,12 @@ def test_outside_it_is_the_border_and_says_so(made_up):
     np.testing.assert_array_equal(gait.samples(), blend(made_up, 2.0, 0.0).samples())
 
 
-@pytest.mark.parametrize("command", [(np.nan, 0.0), (0.0, np.inf)])
-def test_what_is_no_command_is_refused(made_up, command: tuple[float, float]):
+@pytest.mark.parametrize("velocity", [(np.nan, 0.0), (0.0, np.inf)])
+def test_what_is_no_command_is_refused(made_up, velocity: tuple[float, float]):
     with pytest.raises(
         ValueError, match=r"^expected a finite velocity, found \(.*(nan|inf).*\) m/s$"
     ):
-        blend(made_up, *command)
+        blend(made_up, *velocity)
 
 
 @pytest.fixture(scope="module")

@@ -43,7 +43,7 @@ def test_npz_has_every_array_and_the_names_of_its_columns(library, tmp_path: Pat
             np.testing.assert_array_equal(found[name], library.arrays[name][1])
         assert found["channel_names"].tolist() == list(CHANNELS)
         assert found["constraint_names"].tolist() == ["impact", "torso"]
-        assert found["commands"].tolist() == [0.5, 0.1, 0.0]
+        assert found["velocities"].tolist() == [0.5, 0.1, 0.0]
         assert str(found["status"]) == "Solve_Succeeded"
 
 

@@ -70,28 +70,30 @@ def test_quaternions_are_unit_and_do_not_cancel(library):
     flipped[::2, :, 3:7] *= -1  # q and −q are the same attitude
     other = replace(library, arrays={**library.arrays, "base": flipped})
     rng = np.random.default_rng(0)
-    commands = rng.uniform((0, -0.1, -0.3), (2, 0.1, 0.3), (100, 3))
-    found = GaitTable.from_library(other).at(commands, rng.uniform(0, 1, 100))[:, 29:33]
+    velocities = rng.uniform((0, -0.1, -0.3), (2, 0.1, 0.3), (100, 3))
+    found = GaitTable.from_library(other).at(velocities, rng.uniform(0, 1, 100))[:, 29:33]
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), 1, atol=1e-12)
     assert (np.abs(found[:, 0]) > 0.99).all()
 
 
 def test_a_line_of_velocities_and_a_single_gait_make_tables(library):
     line = [i for i, v in enumerate(VELOCITIES) if v[1] == 0.0]
-    for chosen, command in ((line, 0.73), (line[:1], 0.0)):
-        names = ("commands", "samples", "base", "step_time")
+    for chosen, velocity in ((line, 0.73), (line[:1], 0.0)):
+        names = ("velocities", "samples", "base", "step_time")
         part = GaitLibrary({name: library.arrays[name][chosen] for name in names}, {})
-        found = look_up(GaitTable.from_library(part), command, 0.0, 0.0)
-        np.testing.assert_allclose(found[:26], value("samples", command, 0.0)[0], atol=1e-9)
+        found = look_up(GaitTable.from_library(part), velocity, 0.0, 0.0)
+        np.testing.assert_allclose(found[:26], value("samples", velocity, 0.0)[0], atol=1e-9)
 
 
 def test_joints_and_channels_are_parts_of_the_reference(table):
-    command = np.array([(0.0, 0.05, 0.0), (0.73, 0.04, 0.2), (1.5, 0.0, -0.1)])
+    velocity = np.array([(0.0, 0.05, 0.0), (0.73, 0.04, 0.2), (1.5, 0.0, -0.1)])
     phase = np.array([0.13, 0.49, 0.87])
-    np.testing.assert_array_equal(table.joints.at(command, phase), table.at(command, phase)[:, :12])
-    channels = table.channels(command)
+    np.testing.assert_array_equal(
+        table.joints.at(velocity, phase), table.at(velocity, phase)[:, :12]
+    )
+    channels = table.channels(velocity)
     assert channels.shape == (3, 42, 26)
-    starts = table.at(command, np.zeros(3))[:, :26]
+    starts = table.at(velocity, np.zeros(3))[:, :26]
     np.testing.assert_allclose(channels[:, 0], starts, atol=1e-12)
     np.testing.assert_allclose(channels[0], value("samples", 0.0, 0.05), atol=1e-9)
 

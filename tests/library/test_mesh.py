@@ -1,4 +1,4 @@
-"""The weights of gaits over the command."""
+"""The weights of gaits over the velocity."""
 
 from itertools import product
 
@@ -15,30 +15,30 @@ TURNING = np.array([*product(VX, VY, YAW)])
 # A block with other velocities in vy, as the extended grid has, and a corner that is missing.
 BLOCKS = np.array([*product(VX, VY, (0.0,)), (0.25, -0.1, 0.0), (0.25, 0.1, 0.0), (0.35, 0.1, 0.0)])
 MESHES = pytest.mark.parametrize(
-    "commands", [GRID, WITHOUT_ONE, BLOCKS, GRID[:1], GRID[1::3], TURNING, TURNING[::2]]
+    "velocities", [GRID, WITHOUT_ONE, BLOCKS, GRID[:1], GRID[1::3], TURNING, TURNING[::2]]
 )
 
 
-def weights(commands: np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0) -> np.ndarray:
-    return VelocityMesh.of(commands).weights(np.array([[vx, vy, yaw_rate]]))[0]
+def weights(velocities: np.ndarray, vx: float, vy: float, yaw_rate: float = 0.0) -> np.ndarray:
+    return VelocityMesh.of(velocities).weights(np.array([[vx, vy, yaw_rate]]))[0]
 
 
-def linear(commands: np.ndarray) -> np.ndarray:
-    return 3.0 + commands @ [-2.0, 5.0, 1.5]
-
-
-@MESHES
-def test_a_gait_s_own_velocity_takes_that_gait_alone(commands):
-    for index, command in enumerate(commands):
-        expected = np.eye(len(commands))[index]
-        np.testing.assert_allclose(weights(commands, *command), expected, atol=1e-12)
+def linear(velocities: np.ndarray) -> np.ndarray:
+    return 3.0 + velocities @ [-2.0, 5.0, 1.5]
 
 
 @MESHES
-def test_weights_are_shares(commands):
+def test_a_gait_s_own_velocity_takes_that_gait_alone(velocities):
+    for index, velocity in enumerate(velocities):
+        expected = np.eye(len(velocities))[index]
+        np.testing.assert_allclose(weights(velocities, *velocity), expected, atol=1e-12)
+
+
+@MESHES
+def test_weights_are_shares(velocities):
     rng = np.random.default_rng(0)
     asked = rng.uniform((-0.2, -0.3, -0.5), (0.6, 0.3, 0.5), (300, 3))
-    found = VelocityMesh.of(commands).weights(asked)
+    found = VelocityMesh.of(velocities).weights(asked)
     assert (found >= 0).all()
     np.testing.assert_allclose(found.sum(axis=1), 1.0, atol=1e-12)
 
@@ -80,9 +80,9 @@ def test_a_hole_is_filled_along_the_yaw_rate_too():
 
 
 def test_the_nearer_pair_counts_more():
-    commands = np.zeros((5, 3))
-    commands[:, :2] = [(0.0, 0.0), (1.0, 0.1), (1.0, -0.1), (3.0, 0.0), (2.0, 0.1)]
-    found = weights(commands, 1.0, 0.0)  # (0, 0) and (3, 0) are 3 places apart, the others 2
+    velocities = np.zeros((5, 3))
+    velocities[:, :2] = [(0.0, 0.0), (1.0, 0.1), (1.0, -0.1), (3.0, 0.0), (2.0, 0.1)]
+    found = weights(velocities, 1.0, 0.0)  # (0, 0) and (3, 0) are 3 places apart, the others 2
     np.testing.assert_allclose(found, [0.4 * 2 / 3, 0.3, 0.3, 0.4 / 3, 0.0])
 
 
@@ -97,12 +97,12 @@ def test_commands_outside_take_the_border():
     np.testing.assert_array_equal(weights(GRID, 0.07, -9.0), weights(GRID, 0.07, -0.1))
 
 
-@pytest.mark.parametrize("commands", [GRID, WITHOUT_ONE, BLOCKS, TURNING])
-def test_weights_are_continuous(commands):
+@pytest.mark.parametrize("velocities", [GRID, WITHOUT_ONE, BLOCKS, TURNING])
+def test_weights_are_continuous(velocities):
     """No weight changes faster than trilinear weights can: one cell per jump of one."""
     rng = np.random.default_rng(1)
     start = rng.uniform((-0.1, -0.2, -0.5), (0.5, 0.2, 0.5), (2000, 3))
     step = 1e-4 * rng.uniform(-1, 1, start.shape)
-    mesh = VelocityMesh.of(commands)
+    mesh = VelocityMesh.of(velocities)
     change = mesh.weights(start + step) - mesh.weights(start)
     assert np.abs(change).sum(axis=1).max() < 2.1 * 1e-4 * (1 / 0.05 + 1 / 0.1 + 1 / 0.3)

@@ -99,8 +99,8 @@ def test_find_names_the_nearest_velocity_and_why_a_hole_is_one(store):
 
 
 def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
-    commands = [(0.5, 0.0, rate) for rate in (-0.3, 0.0, 0.3)] + [(0.6, 0.0, 0.0)]
-    library = GaitLibrary.load(write_store(tmp_path, commands, [(0.6, 0.0, 0.3)]))
+    velocities = [(0.5, 0.0, rate) for rate in (-0.3, 0.0, 0.3)] + [(0.6, 0.0, 0.0)]
+    library = GaitLibrary.load(write_store(tmp_path, velocities, [(0.6, 0.0, 0.3)]))
     assert library.find(0.5, 0.0, 0.3) == 2
     assert library.find(0.5, 0.0) == 1
     nearest = r"the nearest gait is at \(0\.5, 0\) m/s, 0\.3 rad/s"
@@ -108,7 +108,7 @@ def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
         library.find(0.5, 0.0, 0.4)
     with pytest.raises(UserError, match=r"\(0\.6, 0\) m/s, 0\.3 rad/s did not converge"):
         library.find(0.6, 0.0, 0.3)
-    np.testing.assert_array_equal(library.straight.velocities, [commands[1], commands[3]])
+    np.testing.assert_array_equal(library.straight.velocities, [velocities[1], velocities[3]])
     assert library.straight.holes == ()
     assert library.straight.straight is library.straight
 
@@ -116,6 +116,6 @@ def test_a_library_that_turns_is_searched_by_yaw_rate(tmp_path):
 def test_nearest_gait():
     velocities = np.random.default_rng(1).uniform(-0.5, 2.5, (30, 3))
     others = np.random.default_rng(0).uniform(-1.0, 3.0, (200, 3))
-    nearest = GaitLibrary({"commands": velocities}, {}).nearest(others)
+    nearest = GaitLibrary({"velocities": velocities}, {}).nearest(others)
     distance = np.linalg.norm(velocities - others[:, None], axis=2)
     np.testing.assert_array_equal(nearest, distance.argmin(axis=1))

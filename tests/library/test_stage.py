@@ -96,7 +96,7 @@ def test_an_allowed_hole_is_left_out(with_a_hole, tmp_path: Path):
     summary = run(section(True), {"gaits": with_a_hole}, tmp_path / "out", Job(tmp_path))
     group = zarr.open_group(tmp_path / "out" / "library.zarr", mode="r")
     assert summary["holes"] == [[0.5, 0.1, 0.0]]
-    np.testing.assert_array_equal(group["commands"][:, :2], [VELOCITIES[0], VELOCITIES[2]])
+    np.testing.assert_array_equal(group["velocities"][:, :2], [VELOCITIES[0], VELOCITIES[2]])
     np.testing.assert_array_equal(group["samples"][1], value("samples", 1.0, -0.1))
 
 

@@ -81,14 +81,14 @@ def test_node_hessian(turning):
 @both
 def test_impact_and_step_ends(turning):
     rng = np.random.default_rng(1)
-    y, command = flat(problem().layout.select_ends @ near_a_gait()), np.array([0.5, 0.05, 0.3])
+    y, velocity = flat(problem().layout.select_ends @ near_a_gait()), np.array([0.5, 0.05, 0.3])
     piece = problem(turning).ends
     assert y.shape == (2 * STEP,)
-    jacobian = dense(piece.jacobian(y, command)[1])
-    assert_close(jacobian, differences(lambda z: flat(piece.value(z, command)), y))
+    jacobian = dense(piece.jacobian(y, velocity)[1])
+    assert_close(jacobian, differences(lambda z: flat(piece.value(z, velocity)), y))
     multipliers = rng.normal(size=len(jacobian))
-    expected = differences(lambda z: dense(piece.jacobian(z, command)[1]).T @ multipliers, y)
-    assert_close(dense(piece.hessian(y, command, multipliers)), expected)
+    expected = differences(lambda z: dense(piece.jacobian(z, velocity)[1]).T @ multipliers, y)
+    assert_close(dense(piece.hessian(y, velocity, multipliers)), expected)
 
 
 def test_collocation():
@@ -106,7 +106,7 @@ def test_collocation():
 def test_assembled_programme_along_random_directions(seed, turning):
     rng = np.random.default_rng(seed)
     nlp = assemble(problem(turning))
-    x, command = near_a_gait(), np.array([0.5, -0.05, 0.3])
+    x, velocity = near_a_gait(), np.array([0.5, -0.05, 0.3])
     direction = rng.normal(size=x.size)
     direction /= np.linalg.norm(direction)
     multipliers, factor = rng.normal(size=nlp.objective_and_rows.size1_out(1)), 0.4
@@ -116,14 +116,14 @@ def test_assembled_programme_along_random_directions(seed, turning):
         return (above - below) / (2 * STEP_SIZE)
 
     def lagrangian_gradient(z: np.ndarray) -> np.ndarray:
-        slope = factor * flat(nlp.gradient(z, command)[1])
-        return slope + flat(nlp.jacobian(z, command)[1].T @ ca.DM(multipliers))
+        slope = factor * flat(nlp.gradient(z, velocity)[1])
+        return slope + flat(nlp.jacobian(z, velocity)[1].T @ ca.DM(multipliers))
 
-    cost = along(lambda z: float(nlp.objective_and_rows(z, command)[0]))
-    assert flat(nlp.gradient(x, command)[1]) @ direction == pytest.approx(cost, rel=1e-6, abs=1e-8)
-    rows = along(lambda z: flat(nlp.objective_and_rows(z, command)[1]))
-    assert_close(flat(nlp.jacobian(x, command)[1] @ ca.DM(direction)), rows)
-    upper = dense(nlp.hessian(x, command, factor, multipliers))
+    cost = along(lambda z: float(nlp.objective_and_rows(z, velocity)[0]))
+    assert flat(nlp.gradient(x, velocity)[1]) @ direction == pytest.approx(cost, rel=1e-6, abs=1e-8)
+    rows = along(lambda z: flat(nlp.objective_and_rows(z, velocity)[1]))
+    assert_close(flat(nlp.jacobian(x, velocity)[1] @ ca.DM(direction)), rows)
+    upper = dense(nlp.hessian(x, velocity, factor, multipliers))
     hessian = upper + np.triu(upper, 1).T
     assert_close(hessian @ direction, along(lagrangian_gradient))
 

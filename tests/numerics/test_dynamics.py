@@ -84,15 +84,15 @@ def test_rotors_and_friction_are_part_of_the_prismatic_legs_only():
     np.testing.assert_allclose(np.delete(added, 5), 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_all_nodes_of_a_gait(command):
-    for x in nodes(*command):
+@pytest.mark.parametrize("velocity", COMMANDS)
+def test_all_nodes_of_a_gait(velocity):
+    for x in nodes(*velocity):
         compare(x, "prismatic")
 
 
-def floating(command: tuple[float, float], sample: int) -> FloatingState:
+def floating(velocity: tuple[float, float], sample: int) -> FloatingState:
     """A sample of the walk as it is in the world, from the gait's own base motion."""
-    t = trajectory(*command)
+    t = trajectory(*velocity)
     pose = pin.SE3(t.base_rotation[sample], t.base_position[sample])
     joints, rates, _ = robot().coordinates.motion(t.q[sample], t.v[sample], np.zeros(10))
     q = np.concatenate([pin.SE3ToXYZQUAT(pose), joints])
@@ -101,23 +101,23 @@ def floating(command: tuple[float, float], sample: int) -> FloatingState:
     return FloatingState(q, v, np.zeros(16))
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("velocity", COMMANDS)
 @pytest.mark.parametrize("step", [0, 1])
-def test_impact(command, step):
+def test_impact(velocity, step):
     half = problem().nodes
-    before = floating(command, (step + 1) * half - 1)
-    after = floating(command, ((step + 1) * half) % (2 * half))
+    before = floating(velocity, (step + 1) * half - 1)
+    after = floating(velocity, ((step + 1) * half) % (2 * half))
     side = SIDES[1 - step]
     velocity = robot().impact(before.q, before.v, side)
     np.testing.assert_allclose(velocity[3:], after.v[3:], atol=1e-6)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("velocity", COMMANDS)
 @pytest.mark.parametrize("step", [0, 1])
-def test_impact_keeps_the_angular_momentum_about_the_new_foot_line(command, step):
+def test_impact_keeps_the_angular_momentum_about_the_new_foot_line(velocity, step):
     half = problem().nodes
-    before = floating(command, (step + 1) * half - 1)
-    after = floating(command, ((step + 1) * half) % (2 * half))
+    before = floating(velocity, (step + 1) * half - 1)
+    after = floating(velocity, ((step + 1) * half) % (2 * half))
     robot().jacobian(before.q, SIDES[1 - step])
     sole = robot().data.oMf[robot().sole(SIDES[1 - step])].translation.copy()
     lost = robot().momentum_about(before.q, before.v, sole)[0]

@@ -102,11 +102,11 @@ def test_a_straight_walk_does_not_know_of_a_yaw_rate():
 
 def test_without_a_yaw_rate_the_rows_of_a_turning_walk_are_those_of_a_straight_one():
     """To the last bit; the mean velocity is the base's then, and the feet's here."""
-    x, command = solved(0.5, 0.1).variables, [0.5, 0.1, 0.0]
+    x, velocity = solved(0.5, 0.1).variables, [0.5, 0.1, 0.0]
     for away in (0.0, 0.05):
         y = x + away * np.random.default_rng(0).normal(size=x.size)
         straight, turning = (
-            flat(assemble(problem(turning)).objective_and_rows(y, command)[1])
+            flat(assemble(problem(turning)).objective_and_rows(y, velocity)[1])
             for turning in (False, True)
         )
         mean = next(b.rows for b in problem().blocks if b.name == "mean_velocity")

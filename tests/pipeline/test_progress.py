@@ -17,7 +17,7 @@ CODE = Code("a:run", "", {})
 
 def evaluation(stage: str, controller: str, command: float) -> JobSpec:
     protocol = {"trials": 10, "robots": 200, "duration": 10.0}
-    section = {"controller": controller, "command": command, "evaluation": protocol}
+    section = {"controller": controller, "speed": command, "evaluation": protocol}
     return JobSpec(stage, f"evaluation of {controller} at {command}", CODE, section)
 
 
@@ -44,7 +44,7 @@ def finish(run, job: JobSpec, seconds: float, computed: bool = True, ago: float 
     store = shown.store
     with store.temporary("made") as folder:
         (folder / "result.txt").write_text(job.label)
-        summary = {name: job.section[name] for name in ("controller", "command")}
+        summary = {name: job.section[name] for name in ("controller", "speed")}
         result = store.publish(folder, summary | {"success_rate": 1.0, "mse_steady": 0.25})
     store.write_manifest(Manifest(job.stage, job.recipe, {}, result))
     ended = datetime.fromtimestamp(now[0] - ago, UTC).isoformat()
@@ -128,9 +128,9 @@ def test_times_are_told_as_people_tell_them(seconds, text):
 def test_a_table_has_a_column_per_speed_and_errors_of_survivors():
     policy = {"controller": "policy", "success_rate": 0.995}
     summaries = [
-        policy | {"command": 0.2, "mse_steady": 0.00123},
-        policy | {"command": 0.4, "mse_steady": 1.5},
-        {"controller": "hzd", "command": 0.2, "success_rate": 0.0, "mse_steady": None},
+        policy | {"speed": 0.2, "mse_steady": 0.00123},
+        policy | {"speed": 0.4, "mse_steady": 1.5},
+        {"controller": "hzd", "speed": 0.2, "success_rate": 0.0, "mse_steady": None},
     ]
     lines = [line.split() for line in table({"policy": "ours"}, summaries).splitlines()]
     assert lines[0] == ["command", "[m/s]", "0.2", "0.4"]

@@ -70,7 +70,7 @@ def test_each_seed_of_a_variant_has_a_training_and_an_evaluation_per_speed():
     assert [key[:2] for key in walking] == runs
     assert [*evaluations] == [(*run, speed) for run in runs for speed in (0.2, 0.4)]
     for (variant, seed, speed), made in evaluations.items():
-        assert made.section["command"] == speed
+        assert made.section["speed"] == speed
         assert made.section["evaluation"]["robots"] == 3
         assert made.inputs["walking"] == [walking[variant, seed, 128]]
         assert made.inputs["walking"][0].section["train"]["seed"] == seed

@@ -56,5 +56,5 @@ def test_another_protocol_is_a_target_with_files_of_its_own():
 
 
 def test_a_bound_is_of_something_that_is_verified():
-    with pytest.raises(UserError, match=r"^verification\.bounds: expected one of kinematics_posit"):
+    with pytest.raises(UserError, match=r"^verification\.bounds: expected one of dynamics_torque"):
         targets("+verification.bounds.zzz=1")

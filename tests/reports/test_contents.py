@@ -107,7 +107,7 @@ def test_a_training_is_drawn_with_gaps_where_nobody_survived(tmp_path):
 
 def test_the_page_is_one_file_without_script_or_network(tmp_path):
     evaluation = write_evaluation(tmp_path / "a", 0.2, make_robots([[1, 1]], [[1, 2]]))
-    settings = {"trials": 1, "robots": 2, "duration": 10.0, "seed": 5, "commands": [0.2]}
+    settings = {"trials": 1, "robots": 2, "duration": 10.0, "seed": 5, "speeds": [0.2]}
     section = {
         "report": {
             "sections": ["overview", "table1"],

@@ -18,7 +18,7 @@ from slider.env.metrics import tracking
 from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.results import AXES, MEASURES, Evaluation, wilson
-from slider.evaluation.segments import commands
+from slider.evaluation.segments import velocities
 from slider.reports import protocols, rows
 from slider.reports.page import content
 from slider.reports.table import Picture, Table
@@ -38,12 +38,12 @@ SIDE = CaseConfig("0.4 m/s leftward", [Segment("walk", 0.0, 0.4, 0.1)])
 def cases_protocol() -> EvaluationConfig:
     whole = config("experiment=test").evaluation
     profile = ProfileConfig(0.0, 3.0, 0.8, "cases", [STOP, SIDE])
-    return replace(whole, profile=profile, duration=SECONDS, trials=2, robots=2, commands=[])
+    return replace(whole, profile=profile, duration=SECONDS, trials=2, robots=2, speeds=[])
 
 
 def case_recording(case: CaseConfig, alive: np.ndarray) -> Recording:
     """Robot 0 tracks exactly; 1 goes on with 0.05 and 2 with 0.2 m/s after 4 s; 3: 0.02 m/s off."""
-    command = np.repeat(commands(case, 0.0, SECONDS, PERIOD)[:, None], COUNT, axis=1)
+    command = np.repeat(velocities(case, 0.0, SECONDS, PERIOD)[:, None], COUNT, axis=1)
     velocity = command[:, :, :2].copy()
     late = round(4.0 / PERIOD)
     velocity[late:, 1, 1] += 0.05
@@ -247,7 +247,7 @@ def write_tracking(folder: Path, *controllers: str) -> Path:
         Evaluation(controller, 0.4, robots, TRACE).save(inputs[-1])
     out = folder / "out"
     out.mkdir(parents=True)
-    section = {"commands": [0.4, 3.0], "control_period": 0.02, "labels": LABELS}
+    section = {"speeds": [0.4, 3.0], "control_period": 0.02, "labels": LABELS}
     protocols.run_tracking(section, {"evaluations": inputs}, out, Job(folder))
     return out
 
@@ -267,7 +267,7 @@ def test_tracking_has_a_row_per_controller_speed_and_control_step(tmp_path):
 
 
 def test_tracking_needs_an_evaluated_speed(tmp_path):
-    message = r"^report\.tracking_speeds: expected at least one of evaluation\.commands, found "
+    message = r"^report\.tracking_speeds: expected at least one of evaluation\.speeds, found "
     with pytest.raises(UserError, match=message + r"\[0\.4, 3\.0\]$"):
         write_tracking(tmp_path)
 
@@ -277,7 +277,7 @@ def test_the_job_waits_for_the_speeds_that_it_shows_alone():
     table1 = table1_jobs(composed)["table1"]
     inputs = velocity_tracking(composed, table1).inputs["evaluations"]
     assert [one for one in table1.inputs["evaluations"] if one in inputs] == list(inputs)
-    assert [one.section["command"] for one in inputs] == [0.4]
+    assert [one.section["speed"] for one in inputs] == [0.4]
 
 
 @pytest.mark.parametrize(

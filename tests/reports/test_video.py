@@ -54,7 +54,7 @@ def film(folder: Path, renderer: str):
         "video": video,
         "controller": "policy",
         "label": "policy (ours)",
-        "command": 0.2,
+        "speed": 0.2,
     }
     (folder / "section.json").write_text(json.dumps(section))
     (folder / "out").mkdir()
@@ -92,6 +92,6 @@ def test_films_what_the_configuration_asks_for(tmp_path):
     assert np.abs(left - right).max() > 60  # the side and the front
     assert _width(right) > 1.2 * _width(left), "hips are wider than long"
     about = json.loads((out / "about.json").read_text())
-    assert (about["controller"], about["command"]) == ("policy", 0.2)
+    assert (about["controller"], about["speed"]) == ("policy", 0.2)
     for name in ("video.mp4", "about.json", "poster.jpg"):
         assert (out / name).read_bytes() == (folders[1] / "out" / name).read_bytes()

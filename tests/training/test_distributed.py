@@ -38,7 +38,7 @@ def train(folder: Path) -> dict[str, Any]:
     trainer = Trainer(task(iterations=2), made, SIMULATE)
     first = trainer.env.agent.command.clone()
     trainer.run()
-    here = {"actor": actor(trainer), "commands": first, "checks": len(trainer._history)}
+    here = {"actor": actor(trainer), "speeds": first, "checks": len(trainer._history)}
     everyone: list[Any] = [None, None]
     torch.distributed.all_gather_object(everyone, here)
     return {"all": everyone, "summary": trainer.export(folder) if rank() == 0 else None}
@@ -51,7 +51,7 @@ def test_processes_share_a_policy_but_no_robots(tmp_path):
     alone = Trainer(task(iterations=2), Job(tmp_path / "alone"), SIMULATE)
     alone.run()
     assert not same(one["actor"], actor(alone))
-    assert not (one["commands"] == other["commands"]).all()
+    assert not (one["speeds"] == other["speeds"]).all()
     assert (one["checks"], other["checks"]) == (2, 0)  # the first judges and writes for all
     assert found["summary"]["iteration"] in (1, 2)
     assert len((tmp_path / SELECTION).read_text().splitlines()) == 3

@@ -17,7 +17,7 @@ from tests.env.synthetic import config, gait_table, make_contacts, stand
 
 SETTINGS = SelectionConfig(
     interval=1,
-    commands=[0.2, 2.0],
+    speeds=[0.2, 2.0],
     robots=2,
     seed=1900,
     duration=1.0,
@@ -92,11 +92,11 @@ def test_staying_up_at_the_wrong_speed_beats_falling(monkeypatch):
 
 
 def test_the_same_network_has_the_same_score():
-    selector = make_selector(replace(SETTINGS, commands=[0.0], duration=0.5, robots=4))
+    selector = make_selector(replace(SETTINGS, speeds=[0.0], duration=0.5, robots=4))
     first, second = selector.score(nothing), selector.score(nothing)
     assert first == second
     assert first.success == 1.0, "no robot falls within half a second"
-    moved = replace(SETTINGS, commands=[0.0], duration=0.5, robots=4, seed=1901)
+    moved = replace(SETTINGS, speeds=[0.0], duration=0.5, robots=4, seed=1901)
     other = make_selector(moved)
     assert other.score(nothing).value != first.value
 
@@ -110,7 +110,7 @@ def test_disturbed_robots_are_judged_disturbed_and_not_those_that_were_trained_o
         return recording
 
     monkeypatch.setattr(selection, "roll_out", spying)
-    settings = replace(SETTINGS, commands=[0.0], duration=0.3, robots=4)
+    settings = replace(SETTINGS, speeds=[0.0], duration=0.3, robots=4)
     calm = make_selector(settings)
     rough = make_selector(settings, disturbance="robust")
     assert rough.score(nothing).value != calm.score(nothing).value

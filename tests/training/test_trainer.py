@@ -404,7 +404,7 @@ def test_a_resumed_training_keeps_the_share_of_its_commands(tmp_path):
     changes = {
         "iterations": 2,
         "episode_length": 0.04,
-        "commands": replace(commands, curriculum=curriculum),
+        "speeds": replace(commands, curriculum=curriculum),
     }
     share = trained(tmp_path, **changes).trainer.env.curriculum.share
     assert share > 0.4

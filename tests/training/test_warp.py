@@ -64,7 +64,7 @@ def test_a_policy_of_warp_is_resumed_and_evaluated_as_any_other(tmp_path, monkey
     whole, store = config(*TINY, *WARP, "train.walking.iterations=2"), inputs["library"][0] / STORE
     task = task_of(whole.robot, whole.env, whole.train.walking, store)
     assert Selector(task, 1).score(policy).value == facts["value"]
-    own = settings(2) | {"controller": "policy", "command": 0.2}
+    own = settings(2) | {"controller": "policy", "speed": 0.2}
     own["evaluation"] = to_dict(config(*TINY, "evaluation.duration=0.4").evaluation)
     (tmp_path / "evaluated").mkdir()
     found = evaluation.run(own, {"walking": [out]}, tmp_path / "evaluated", Job(tmp_path))

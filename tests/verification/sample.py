@@ -40,16 +40,16 @@ def library() -> Path:
 
 
 @shared.shared
-def collected(dynamics: str, *commands: tuple[float, ...]) -> Path:
+def collected(dynamics: str, *velocities: tuple[float, ...]) -> Path:
     folder = Path(mkdtemp(prefix="verification-", dir=shared.folder()))
     settings = config(f"gait.dynamics={dynamics}")
     problem = gait_section(settings)
     gaits = []
-    for command in commands:
-        gaits.append(folder / f"gait {command}")
+    for velocity in velocities:
+        gaits.append(folder / f"gait {velocity}")
         gaits[-1].mkdir()
-        full = [*command, 0.0][:3]
-        gait_stage.run(problem | {"command": full}, {}, gaits[-1], Job(folder))
+        full = [*velocity, 0.0][:3]
+        gait_stage.run(problem | {"velocity": full}, {}, gaits[-1], Job(folder))
     out = folder / "library"
     out.mkdir()
     section = gait_library(settings, []).section
@@ -94,7 +94,7 @@ def table(dynamics: str = "prismatic") -> dict[str, Check]:
 def jobs() -> tuple[list[JobSpec], JobSpec]:
     """The jobs of the small library: those of some gaits each, and the one that collects."""
     code = Code("", "", {})
-    solves = [JobSpec("gait", "", code, {"command": [*velocity, 0.0]}) for velocity in VELOCITIES]
+    solves = [JobSpec("gait", "", code, {"velocity": [*velocity, 0.0]}) for velocity in VELOCITIES]
     source = JobSpec("library", "", code, {}, {"gaits": solves})
     collect = verification_jobs(config(), source)["verification"]
     return list(collect.inputs["gaits"]), collect

@@ -44,9 +44,9 @@ def test_gaits_that_turn_pass(index):
 @pytest.mark.parametrize(
     ("array", "change", "caught"),
     [
-        ("commands", lambda command: add(2, 1e-3)(command), {"impact_velocity", "periodicity"}),
-        ("commands", lambda command: add(0, 0.01)(command), {"mean_velocity"}),
-        ("commands", lambda command: flip(2)(command), {"impact_velocity", "plant_impact"}),
+        ("velocities", lambda velocity: add(2, 1e-3)(velocity), {"impact_velocity", "periodicity"}),
+        ("velocities", lambda velocity: add(0, 0.01)(velocity), {"mean_velocity"}),
+        ("velocities", lambda velocity: flip(2)(velocity), {"impact_velocity", "plant_impact"}),
         ("base", lambda base: add((41, 1), 1e-4)(base), {"periodicity"}),
         ("swing_foot", lambda foot: add((41, 1), 1e-4)(foot), {"periodicity"}),
     ],
@@ -97,7 +97,7 @@ def flip(index):
         ("ground_wrench", add((30, 2), 1e-5), {"dynamics_base", "plant_force"}),
         ("ground_wrench", add((7, 3), 1e-5), {"dynamics_line_moment", "plant_moment"}),
         ("roll", add((0, 9, 2), 1e-5), {"dynamics_base", "plant_force", "plant_efforts"}),
-        ("commands", add(0, 0.01), {"mean_velocity"}),
+        ("velocities", add(0, 0.01), {"mean_velocity"}),
         ("swing_foot", add((20, 0), 1e-4), {"mean_velocity"}),
         ("step_time", add(1, 1e-4), {"mean_velocity"}),
         ("base", add((41, 2), 1e-4), {"periodicity"}),
@@ -115,8 +115,8 @@ def test_spoiled_gaits_are_caught(array, change, caught):
 def test_a_wrong_torque_or_command_is_no_business_of_the_other_checks():
     torque = spoiled(gaits()[1], "knee_torques", add((5, 2), 1e-3))
     assert failed(torque) == {"dynamics_torque"}
-    command = spoiled(gaits()[1], "commands", add(1, 0.01))
-    assert failed(command) == {"mean_velocity"}
+    velocity = spoiled(gaits()[1], "velocities", add(1, 0.01))
+    assert failed(velocity) == {"mean_velocity"}
 
 
 def test_an_unphysical_roll_is_caught_by_the_other_integrator():

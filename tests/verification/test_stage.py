@@ -42,9 +42,9 @@ def collect(checked, out: Path, **settings) -> Job:
 
 
 def test_every_gait_is_in_one_chunk():
-    chunks = [job.section["commands"] for job in jobs()[0]]
+    chunks = [job.section["velocities"] for job in jobs()[0]]
     assert [len(chunk) for chunk in chunks] == [2, 1]
-    assert [tuple(command) for chunk in chunks for command in chunk] == [
+    assert [tuple(velocity) for chunk in chunks for velocity in chunk] == [
         (*v, 0.0) for v in VELOCITIES
     ]
 
@@ -89,7 +89,7 @@ def test_or_is_written_down(checked, tmp_path):
 
 
 def test_holes_of_the_library_are_left_out(tmp_path):
-    section = dict(jobs()[0][0].section) | {"commands": [[2.0, 0.0, 0.0]]}
+    section = dict(jobs()[0][0].section) | {"velocities": [[2.0, 0.0, 0.0]]}
     job = Job(tmp_path)
     assert stage.run_gaits(section, {"library": [library()]}, tmp_path, job) == {"gaits": 0}
     assert json.loads((tmp_path / stage.RECORDS).read_text()) == []

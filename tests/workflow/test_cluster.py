@@ -100,7 +100,7 @@ def left_behind(workspace: Workspace, cluster: Cluster) -> None:
 
 def test_a_submission_takes_several_gaits_and_says_which_failed(cluster, tmp_path):
     workspace = with_dummies(copy_repository(tmp_path))
-    failing = "    1 / (section['command'][0] - 0.4)\n    (out"
+    failing = "    1 / (section['velocity'][0] - 0.4)\n    (out"
     workspace.edit("src/slider/gait/stage.py", "    (out", failing)
     head = submit(workspace, cluster, "gait_library")
     _, text = head.communicate(timeout=120)

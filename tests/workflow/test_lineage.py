@@ -29,7 +29,7 @@ def test_why_is_what_snakemake_then_computes(session_folder, tmp_path):
     assert workspace.computed(LONGER) == AFTER_STANDING
     assert why(LONGER) == ["table1: nothing to compute"]
     workspace.edit(
-        "src/slider/gait/tiny.py", "sum(section['command'])", "sum(section['command']) + 0.5"
+        "src/slider/gait/tiny.py", "sum(section['velocity'])", "sum(section['velocity']) + 0.5"
     )
     assert why(LONGER)[:2] == [
         f"table1: {len(EVERYTHING)} to compute",

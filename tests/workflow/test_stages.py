@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.stages import all_jobs, entries, table1_jobs
 from pipeline.stages.evaluation import protocol_jobs
-from pipeline.stages.gaits import commands
+from pipeline.stages.gaits import velocities
 from pipeline.stages.page import report
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec, build_plan
@@ -109,9 +109,9 @@ def test_a_protocol_has_one_job_per_controller_and_command():
     evaluations = {name: job.inputs["evaluations"] for name, job in jobs.items()}
     assert len(evaluations["sweep"]) == 4 * 31
     assert len(evaluations["joystick"]) == 4
-    commands = [job.section["command"] for job in evaluations["sweep"][:31]]
+    commands = [job.section["speed"] for job in evaluations["sweep"][:31]]
     assert commands == [round(0.1 * k, 10) for k in range(31)]
-    assert {job.section["command"] for job in evaluations["joystick"]} == {None}
+    assert {job.section["speed"] for job in evaluations["joystick"]} == {None}
 
 
 def test_a_case_is_a_job_that_does_not_know_of_the_others():
@@ -168,16 +168,16 @@ def test_a_wider_grid_keeps_its_gaits(before):
 
 
 def test_grids_share_their_commands():
-    paper = commands(compose(["gait/grid=paper"], CONF).gait.grid)
-    extended = commands(compose(["gait/grid=extended"], CONF).gait.grid)
+    paper = velocities(compose(["gait/grid=paper"], CONF).gait.grid)
+    extended = velocities(compose(["gait/grid=extended"], CONF).gait.grid)
     assert len(paper) == len(set(paper)) == 125
     assert paper == sorted(paper)
     assert set(paper) < set(extended)
     assert (0.15, -0.05, 0.0) in paper  # exactly, not 0.15000000000000002
     assert not any(str(value) == "-0.0" for command in paper for value in command)
-    turning = commands(compose(["gait.grid.yaw_rate=[0.3,-0.3,0.0]"], CONF).gait.grid)
+    turning = velocities(compose(["gait.grid.yaw_rate=[0.3,-0.3,0.0]"], CONF).gait.grid)
     assert len(turning) == 3 * 125 + 54
-    omni = commands(compose(["gait/grid=omni"], CONF).gait.grid)
+    omni = velocities(compose(["gait/grid=omni"], CONF).gait.grid)
     assert len(omni) == 210
     assert {(-0.6, 0.3, -0.3), (1.2, -0.3, 0.3), (0.0, 0.0, 0.0)} < set(omni)
 

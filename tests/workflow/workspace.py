@@ -62,7 +62,7 @@ BODIES = {
 """,
     "evaluation": """
     policy = (inputs["walking"][0] / "policy.txt").read_text()
-    (out / "records.txt").write_text(f"{section['command']} {policy}")
+    (out / "records.txt").write_text(f"{section['speed']} {policy}")
     return {}
 """,
     "table1": """
@@ -269,7 +269,7 @@ def with_dummies(workspace: Workspace) -> Workspace:
     for path, text in modules.items():
         path.write_text(text)
     (source / "slider" / "gait" / "tiny.py").write_text(
-        "def speed(section):\n    return sum(section['command'])\n"
+        "def speed(section):\n    return sum(section['velocity'])\n"
     )
     return workspace
 

@@ -13,6 +13,8 @@ from slider.core.errors import UserError
 
 T = TypeVar("T")
 Place = list[str | int]
+Describe = Callable[[Any, Place], Any]
+"""Words what a type accepts at a place below it."""
 
 
 def to_dict(config: Any) -> dict[str, Any]:
@@ -20,16 +22,14 @@ def to_dict(config: Any) -> dict[str, Any]:
     return asdict(config)
 
 
-def from_dict(
-    cls: type[T], values: Any, key: str = "", describe: Callable[[Any, Place], Any] | None = None
-) -> T:
+def from_dict(cls: type[T], values: Any, key: str = "", describe: Describe | None = None) -> T:
     """A configuration object from plain nested values.
 
     Args:
         cls: type of the object.
         values: of its fields.
         key: what people call the whole.
-        describe: words what a type accepts at a place below it; else pydantic does.
+        describe: words what was expected; else pydantic does.
 
     Raises:
         UserError: names the key, what was expected and what was found.
@@ -51,7 +51,7 @@ def _mistake(
     error: ValidationError,
     values: Any,
     key: str,
-    describe: Callable[[Any, Place], Any] | None,
+    describe: Describe | None,
 ) -> str:
     """One line about the first mistake: key, what was expected and what was found."""
     place, first = _first([(_place(item["loc"], values), item) for item in error.errors()])

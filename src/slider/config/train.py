@@ -24,6 +24,9 @@ from slider.config.types import (
     Some,
 )
 
+WARP = "slider.env.warp.physics"
+"""Module of MuJoCo Warp's physics; its code is in the section of the trainings that use it."""
+
 
 @dataclass(frozen=True, config=STRICT)
 class CurriculumConfig:

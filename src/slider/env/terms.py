@@ -1,6 +1,6 @@
 """The terms of a configuration together: whether they exist and fit, and what they need."""
 
-from slider.config.constraint_text import Kind, kind
+from slider.config.constraint_text import Kind, kind, kind_at
 from slider.config.env import EnvConfig
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
@@ -15,10 +15,10 @@ def checked(config: Config) -> Config:
     Raises:
         UserError: names the key, what was expected and what was found.
     """
-    terminations.check(config.env.termination.terms)
+    terminations.check(config.env.termination.terms, kind_at)
     observations.Observer(config.env.observation)
     for key, train in config.trainings.items():
-        rewards.check(train.reward.terms, f"{key}.reward.terms")
+        rewards.check(train.reward.terms, f"{key}.reward.terms", kind_at)
     return config
 
 

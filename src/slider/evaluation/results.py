@@ -12,7 +12,7 @@ from slider.core import columns
 from slider.core.columns import Columns
 from slider.env.metrics import GaitQuality, Tracking
 
-METADATA, ROBOTS, TRACES = "metadata.json", "robots.csv", "velocity.npy"
+METADATA, ROBOTS, VELOCITY = "metadata.json", "robots.csv", "velocity.npy"
 SEGMENTS, TRACES = "segments.csv", "traces.npy"
 QUALITY = tuple(item.name for item in fields(GaitQuality))
 COLUMNS = ("trial", "robot", *(item.name for item in fields(Tracking)), *QUALITY, "diverged")
@@ -124,7 +124,7 @@ class Evaluation:
             metadata["case"] = self.case
         (folder / METADATA).write_text(json.dumps(metadata) + "\n")
         columns.write(self.robots.columns, folder / ROBOTS)
-        np.save(folder / TRACES, self.velocity)
+        np.save(folder / VELOCITY, self.velocity)
         if self.segments:
             parts = [segment.columns for segment in self.segments]
             joined = {n: np.concatenate([part[n] for part in parts]) for n in SEGMENT_COLUMNS}
@@ -145,7 +145,7 @@ class Evaluation:
             metadata["controller"],
             metadata["speed"],
             Robots(columns.read(folder / ROBOTS, COLUMNS, flags)),
-            np.load(folder / TRACES),
+            np.load(folder / VELOCITY),
             metadata.get("case", ""),
             _read_segments(folder / SEGMENTS),
             np.load(folder / TRACES) if (folder / TRACES).is_file() else None,

@@ -80,7 +80,7 @@ def _film(section: Section, robot: RobotConfig, video: VideoConfig, frames, out:
 def _overlay(section: Section, frame, fallen: bool) -> tuple[str, list[str]]:
     title = section["label"] + (", fallen" if fallen else "")
     lines = [
-        f"command {section['command']:.2f} m/s",
+        f"command {section['speed']:.2f} m/s",
         f"actual {frame.velocity[0]:.2f} m/s",
         f"t = {frame.time:.1f} s",
     ]

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from slider.config.convert import from_dict
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
-from slider.config.train import TrainConfig
+from slider.config.train import WARP, TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.task import Task, task_of
 from slider.library.reader import STORE
@@ -55,9 +56,8 @@ def simulator(train: TrainConfig) -> Callable[..., Any] | None:
     """
     if train.simulator == "mujoco":
         return None
-    from slider.env.warp.physics import WarpPhysics
-
-    return partial(WarpPhysics, device=device_of(train.device))
+    warp = import_module(WARP)  # Table 1 does not depend on it
+    return partial(warp.WarpPhysics, device=device_of(train.device))
 
 
 def _task(section: Section, inputs: Inputs, guided: bool) -> Task:

@@ -115,7 +115,7 @@ def test_tables_are_linear_between_their_phases_and_hold_at_the_ends():
 def test_foot_placement_of_other_gaits_is_refused():
     feedback = FootPlacement.load(placement_folder())
     with pytest.raises(UserError, match="expected the foot placement of 2 gaits"):
-        GaitTables.of(library(), replace(feedback, commands=feedback.velocities + 0.1))
+        GaitTables.of(library(), replace(feedback, velocities=feedback.velocities + 0.1))
 
 
 def test_a_step_depends_on_no_other_robot():

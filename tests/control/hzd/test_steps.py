@@ -153,7 +153,7 @@ def test_the_hip_is_measured_along_the_line_of_the_foot():
 @pytest.mark.parametrize(("side", "sign"), [(LEFT, 1.0), (RIGHT, -1.0)])
 def test_a_straight_gait_turns_with_the_commanded_yaw_rate(side, sign):
     """Reflected in right stance."""
-    assert not library().commands[:, 2].any()
+    assert not library().velocities[:, 2].any()
     steps = gaits().gaits.at(np.array([[0.4, 0.0, 0.2]]), np.array([side]))
     np.testing.assert_allclose(steps.turn, sign * 0.2 * steps.duration)
 

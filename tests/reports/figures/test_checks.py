@@ -40,7 +40,7 @@ def inputs(tmp_path_factory) -> dict[str, list[Path]]:
     basin.mkdir()
     angle = np.linspace(0, 2 * np.pi, 42)
     arrays = {
-        "command": np.array([0.5, 0.1, 0.0]),
+        "velocity": np.array([0.5, 0.1, 0.0]),
         "roll": np.array([-0.1, 0.0, 0.1]),
         "roll_rate": np.array([-1.0, 1.0]),
         "without": np.full((3, 2), -1),

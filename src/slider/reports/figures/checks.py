@@ -24,13 +24,11 @@ NAME = "verification_maps"
 MAPS = (  # what a gait is like, rather than whether its numbers are right
     "return_map",
     "regulated_steps",
-    "replay_steps",
     "plant_force",
     "roll_end",
     "dense_torque",
     "dense_cop",
     "dense_friction",
-    "jump_samples",
 )
 VERIFICATION_CAPTION = """\
 One cell per gait. An eigenvalue above 1 means that the gait, left alone in time, drifts away from

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import torch
 
 from slider.config.train import RewardConfig, RewardTerm
 from slider.core.errors import UserError
@@ -197,7 +198,7 @@ def test_a_commanded_turn_moves_the_hip_yaws_of_the_guide():
     view = make_view(make_state(4), command=command, phase=phase)
     half = 0.5 * rate * table.times.at(command[:, :3])[0]
     yaws = [JOINTS.index("left_hip_yaw"), JOINTS.index("right_hip_yaw")]
-    turn = make_guide().turn(view)
+    turn = make_guide().turn(view).numpy()
     np.testing.assert_allclose(
         turn[:, yaws], half * np.array([[1, -1], [-1, 1], [-1, 1], [1, -1]]), atol=1e-6
     )
@@ -257,7 +258,7 @@ def test_the_guide_of_a_halted_robot_is_standing():
 
 def test_guide_phase_is_one_on_the_gait_and_counts_a_metre_of_slide_more():
     view = moving_view()
-    reference = gait_table().at(view.command[:, :3], view.phase)[:, :12]
+    reference = gait_table().at(view.command[:, :3].numpy(), view.phase.numpy())[:, :12]
 
     def off(name: str, error: float) -> np.ndarray:
         state = make_state(40, joint_positions=reference + joint(name, error))
@@ -291,7 +292,7 @@ def seen(view: View, before: View | None = None) -> RewardView:
     """As the environment has it, after the control step ``before``."""
     guide = make_guide()
     if before is None:
-        return RewardView(view, guide)
+        return RewardView(view, guide, torch.full_like(RewardView(view, guide).outputs, np.inf))
     return RewardView(view, guide, RewardView(before, guide).outputs)
 
 
@@ -349,10 +350,10 @@ def test_clf_rewards_are_bounded():
 
 def brute_force(view: View, keep: np.ndarray) -> np.ndarray:
     """Distance to the nearest of the 42 samples of the nearest gait, one robot at a time."""
-    gaits, observed = library(), observed_channels(view)
+    gaits, observed = library(), observed_channels(view).numpy()
     result = []
-    for command, seen in zip(view.command, observed, strict=True):
-        gait = np.argmin([np.hypot(*(v - command[:2])) for v in gaits.velocities])
+    for command, seen in zip(view.command.numpy(), observed, strict=True):
+        gait = np.argmin([np.hypot(*(v - command[:2])) for v in gaits.planar_velocities])
         errors = [np.linalg.norm((seen - sample)[keep]) for sample in gaits.samples[gait]]
         assert len(errors) == 42
         result.append(min(errors))
@@ -390,17 +391,19 @@ def test_guide_nearest_against_brute_force(masked):
 def test_guide_nearest_of_an_interpolated_gait(masked):
     """Half way between two gaits the samples are their means; the nearest of these counts."""
     view = moving_view()
-    view.command[:, :2] = [0.2, 0.0]
+    view.command[:, :2] = torch.tensor([0.2, 0.0])
     keep = np.array([not (masked and "upper_foot" in name) for name in CHANNELS])
     at_rest, slow = (
         library().samples[library().nearest(np.array([[v, 0.0, 0.0]]))[0]] for v in (0.0, 0.4)
     )
     middle = (at_rest + slow) / 2
-    errors = (observed_channels(view)[:, None] - middle)[:, :, keep]
+    errors = (observed_channels(view).numpy()[:, None] - middle)[:, :, keep]
     expected = -np.linalg.norm(errors, axis=2).min(axis=1)
-    found = value("guide_nearest", view, masked=masked)
+    found = value("guide_nearest", view, masked=masked).numpy()
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-5)
-    assert np.abs(found - value("guide_nearest", view, "nearest", masked=masked)).max() > 1e-3
+    assert (
+        np.abs(found - value("guide_nearest", view, "nearest", masked=masked).numpy()).max() > 1e-3
+    )
 
 
 def test_the_nearest_gait_guides_at_its_own_velocity():
@@ -445,19 +448,19 @@ def test_the_printed_reward():
     reward, parts = Reward(train.reward)(guided, np.zeros(40, dtype=bool))
     state = view.state
 
-    def size(values: np.ndarray) -> np.ndarray:
-        return np.linalg.norm(values, axis=1)
+    def size(values: torch.Tensor) -> np.ndarray:
+        return values.norm(dim=1).numpy()
 
-    zero = np.zeros(40)
-    v_des = np.column_stack([view.command[:, 0], view.command[:, 1], zero])
-    w_des = np.column_stack([zero, zero, view.command[:, 2]])
+    zero = torch.zeros(40, dtype=torch.float64)
+    v_des = torch.stack([view.command[:, 0], view.command[:, 1], zero], dim=1)
+    w_des = torch.stack([zero, zero, view.command[:, 2]], dim=1)
     expected = (
         -brute_force(view, np.ones(26, dtype=bool))
         - 0.5 * np.tanh(size(state.motor_torques))
         - 3.0 * np.tanh(size(state.angular_velocity))
         - 1.0 * np.tanh(size(state.linear_velocity - v_des))
         - 1.0 * np.tanh(size(state.angular_velocity - w_des))
-        + 2.0 * np.tanh(state.base_position[:, 2])
+        + 2.0 * np.tanh(state.base_position[:, 2].numpy())
         - 1.0 * np.tanh(size(0.3 * (view.action - view.previous_action)))  # position commands
     )
     np.testing.assert_allclose(reward, expected, rtol=1e-5, atol=1e-4)
@@ -508,19 +511,19 @@ def test_floor_then_scale_then_fall():
         ),
         (
             {"heading": RewardTerm(1.0, {"width": 0.0})},
-            r"width: expected a number in \(0, 10000\] rad²",
+            "width: expected greater than 0, found 0.0",
         ),
         (
             {"feet_close": RewardTerm(1.0, {"least": -0.1})},
-            r"least: expected .* in \(0, 1000\] m",
+            "least: expected greater than 0, found -0.1",
         ),
         (
             {"airborne": RewardTerm(1.0, {"unloaded": -1.0})},
-            r"unloaded: expected a number in \[0, 1e6\] N",
+            "unloaded: expected greater than or equal to 0, found -1.0",
         ),
         (
             {"guide_nearest": RewardTerm(1.0, {"masked": 2.0})},
-            r"masked: expected a number in \[0, 1\], found 2",
+            "masked: expected less than or equal to 1, found 2.0",
         ),
     ],
 )

@@ -101,7 +101,7 @@ class Workspace:
     def snakemake(self, *arguments: str, hydra: str = "", **environment: str):
         """Run Snakemake with overrides; never raises."""
         config = ["--config", f"hydra={'experiment=test ' + hydra}"]
-        return self.set_velocity(["-m", "snakemake", "-j2", *arguments, *config], **environment)
+        return self.command(["-m", "snakemake", "-j2", *arguments, *config], **environment)
 
     def start(
         self,
@@ -150,7 +150,7 @@ class Workspace:
 
     def slider(self, *arguments: str):
         """Run the command ``slider``."""
-        return self.set_velocity(["-m", "slider.cli", *arguments])
+        return self.command(["-m", "slider.cli", *arguments])
 
     def computed(self, hydra: str = "", target: str = TABLE, **environment: str) -> list[str]:
         """Run the pipeline, expect success, and list the stages that were really computed."""

@@ -178,7 +178,7 @@ def videos(sources: Sources) -> Blocks:
         return
     rows: dict[str, list[Film]] = {}
     for about, film in sorted(_films(sources), key=lambda item: item[0]["speed"]):
-        rows.setdefault(f"{speed_text(about['command'])} m/s", []).append(film)
+        rows.setdefault(f"{speed_text(about['speed'])} m/s", []).append(film)
     if not rows:
         yield Text(_NO_RENDERER, "note")
         return

@@ -162,7 +162,7 @@ def test_the_yaw_rate_of_a_walk_grows_to_another_command():
     steps, memory, _ = walking((0.0, 0.0, 0.3))
     most, dynamics = control().yaw_acceleration * TICK, standing()
     velocities = np.array([(0.0, 0.0, -0.3), (0.0, 0.0, 0.0)])
-    steps.command(memory, velocities)
+    steps.set_velocity(memory, velocities)
     np.testing.assert_allclose(memory.velocity[:, 2], [0.3, 0.0])  # to stand: at once
     rates = []
     for _ in range(round(0.6 / most) + 5):

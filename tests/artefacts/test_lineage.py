@@ -26,7 +26,7 @@ from PACKAGE.solve import cost
 
 
 def run(section, inputs, out, job):
-    (out / "gait.txt").write_text(f"{cost(section['robot']['mass'])} {section['command']}")
+    (out / "gait.txt").write_text(f"{cost(section['robot']['mass'])} {section['velocity']}")
     (out / "bits.txt").write_text(os.environ.get("TEST_BITS", ""))
     return {}
 """,
@@ -58,7 +58,7 @@ class World:
         """Jobs of a configuration; ``versions`` are other ones of the packages of a gait."""
         values = DEFAULT | changes
         shared = {"robot": values["robot"]}
-        gaits = [self._job("gait", shared | {"speed": [vx, 0.0, 0.0]}) for vx in values["grid"]]
+        gaits = [self._job("gait", shared | {"velocity": [vx, 0.0, 0.0]}) for vx in values["grid"]]
         if versions:
             gaits = [replace(gait, code=replace(gait.code, versions=versions)) for gait in gaits]
         library = self._job("library", {}, gaits=gaits)
@@ -70,7 +70,7 @@ class World:
 
     def _job(self, stage: str, section: Mapping[str, Any], **inputs: Sequence[JobSpec]) -> JobSpec:
         code = code_of(f"{self.package}.{stage}:run", self.root)
-        label = f"gait {section['command'][0]:.2f} m/s" if stage == "gait" else f"the {stage}"
+        label = f"gait {section['velocity'][0]:.2f} m/s" if stage == "gait" else f"the {stage}"
         return JobSpec(stage, label, code, section, inputs)
 
     def lay_out(self, plan: Plan, store: Store | None = None) -> Plan:

@@ -30,7 +30,7 @@ def library(tmp_path_factory) -> Path:
 def plan(monkeypatch, tmp_path: Path) -> tuple[Store, dict[str, JobSpec]]:
     """An empty store with a plan, in the working directory."""
     monkeypatch.chdir(tmp_path)
-    gaits = [JobSpec("gait", "gait", CODE, {"command": [*v, 0.0]}) for v in [*GAITS, *HOLES]]
+    gaits = [JobSpec("gait", "gait", CODE, {"velocity": [*v, 0.0]}) for v in [*GAITS, *HOLES]]
     job = JobSpec("library", "library", CODE, {}, {"gaits": gaits})
     store = Store(Path("artefacts"))
     write_plan(build_plan({"library": job}), store.root / "plans")
@@ -82,7 +82,7 @@ def test_export_writes_the_gait(library, capsys, tmp_path: Path, form):
     assert main(["gait", "export", "--format", form, *arguments]) == 0
     assert str(out) in capsys.readouterr().out
     if form == "npz":
-        assert np.load(out)["commands"].tolist() == [0.6, 0.1, 0.0]
+        assert np.load(out)["velocities"].tolist() == [0.6, 0.1, 0.0]
     else:
         assert len(out.read_text().splitlines()) == 43
 

@@ -16,7 +16,7 @@ FAULTS = {
     "forward_velocity_filtered": {"filtered_velocity": [[0.6, 0.0]]},
     "lateral_velocity_filtered": {"filtered_velocity": [[SPEED, 0.2]]},
     "yaw_rate": {"angular_velocity": [[0.0, 0.0, 0.6]]},
-    "heading": {"speed": [[SPEED, 0.0, 0.0, 0.3]]},
+    "heading": {"command": [[SPEED, 0.0, 0.0, 0.3]]},
     "guide_phase": {"joint_positions": 0.2},
     "contact_schedule": {"foot_forces": [[0.0, STANCE]]},
     "upright": {"gravity": [[np.sin(TILT), 0.0, -np.cos(TILT)]]},
@@ -39,7 +39,7 @@ def training(name: str) -> TrainConfig:
 def earned(train: TrainConfig, fell: bool = False, **changes) -> float:
     """Reward of a robot that does what it should, but for ``changes``."""
     view = {
-        "speed": [[SPEED, 0.0, 0.0, 0.0]],
+        "command": [[SPEED, 0.0, 0.0, 0.0]],
         "filtered_velocity": [[SPEED, 0.0]],
         "expected_velocity": [[SPEED, 0.0]],
         "reference_velocity": [[SPEED, 0.0]],

@@ -29,7 +29,7 @@ def library() -> GaitLibrary:
         samples[gait, :, 0] = time
         base[gait, :, :2] = time[:, None] * velocities[gait]
         base[gait, :, 2], base[gait, :, 3] = 0.7, 1.0
-    arrays = {"commands": commands, "samples": samples, "base": base, "step_time": step_time}
+    arrays = {"velocities": commands, "samples": samples, "base": base, "step_time": step_time}
     return GaitLibrary(arrays, {})
 
 
@@ -54,7 +54,9 @@ def test_a_turning_gait_goes_along_its_arc():
     base[0, :, 1] = speed / rate * (1 - np.cos(rate * time))
     base[0, :, 3], base[0, :, 6] = np.cos(rate * time / 2), np.sin(rate * time / 2)
     arrays = {name: straight.arrays[name][1:] for name in ("samples", "step_time")}
-    turning = GaitLibrary({**arrays, "base": base, "commands": np.array([[speed, 0.0, rate]])}, {})
+    turning = GaitLibrary(
+        {**arrays, "base": base, "velocities": np.array([[speed, 0.0, rate]])}, {}
+    )
     motion = Replay(turning, (0.5, 0.0, 0.2), period=0.02)
     frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(300)]
     angle = rate * np.array([frame.time for frame in frames])

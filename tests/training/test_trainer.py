@@ -399,12 +399,12 @@ def test_threads_change_no_weight(tmp_path):
 
 
 def test_a_resumed_training_keeps_the_share_of_its_commands(tmp_path):
-    commands = task().train.commands
+    commands = task().train.velocities
     curriculum = replace(commands.curriculum, start=0.4, growth=0.1, success=1e-6)
     changes = {
         "iterations": 2,
         "episode_length": 0.04,
-        "speeds": replace(commands, curriculum=curriculum),
+        "velocities": replace(commands, curriculum=curriculum),
     }
     share = trained(tmp_path, **changes).trainer.env.curriculum.share
     assert share > 0.4

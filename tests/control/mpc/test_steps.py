@@ -15,7 +15,7 @@ from slider.env.metrics import CONTACT_FORCE
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import at_rest
-from tests.env.synthetic import TORQUE_LIMITS, config, make_state, motor_torques, robot_config
+from tests.env.synthetic import TORQUE_LIMITS, config, make_arrays, motor_torques, robot_config
 
 COUNT, SECONDS = 2, 3.0
 SETTLED = 6.0  # the integral action needs some strides [s]
@@ -109,7 +109,7 @@ def test_a_robot_does_not_depend_on_the_others():
 def test_switches_off_where_it_has_fallen():
     control = config().control["mpc_wbc_tuned"]
     controller = mpc_controller(robot_config(), control, 0.005)
-    state = make_state(2, foot_forces=60.0)
+    state = make_arrays(2, foot_forces=60.0)
     controller.reset(state, np.zeros((2, 3)))
     lying = replace(state, gravity=np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]))
     torques = controller.control(lying)

@@ -34,7 +34,7 @@ SHORT = (
     f"train.walking.velocities.vx={{lower: {SPEED}, upper: {SPEED}}}",
     "train.walking.velocities.vy={lower: 0.0, upper: 0.0}",
     "train.walking.velocities.standing_fraction=0.0",
-    f"train.walking.selection={{interval: 50, commands: [{SPEED}], robots: 20, duration: 3.0}}",
+    f"train.walking.selection={{interval: 50, speeds: [{SPEED}], robots: 20, duration: 3.0}}",
 )
 
 

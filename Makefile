@@ -36,7 +36,7 @@ results: $(STAMP) # tables of README.md and docs/, from the finished runs in rep
 	$(RUN) slider.cli results
 
 animation: $(STAMP)
-	$(RUN) slider.cli play --film docs/images/walk.webp --command 1.2 0 0
+	$(RUN) slider.cli play --film docs/images/walk.webp --velocity 1.2 0 0
 
 docs: $(STAMP) # site/; a broken link is an error
 	$(RUN) pip install --quiet -c constraints.txt -e '.[docs]'

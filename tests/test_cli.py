@@ -37,7 +37,7 @@ def test_an_unknown_command_names_those_of_people(capsys):
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
-        ("play --command 1.2 0", "play: argument --command: expected 3 arguments"),
+        ("play --velocity 1.2 0", "play: argument --velocity: expected 3 arguments"),
         ("gait show --vx abc", "gait show: argument --vx: invalid float value: 'abc'"),
         ("store", "store: the following arguments are required: action"),
         ("results NOPAGE.md", "expected a page at NOPAGE.md: No such file or directory"),

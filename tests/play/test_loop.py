@@ -1,9 +1,10 @@
-"""Keys and what they do to the command."""
+"""Keys and what they do to the velocity; the loop around a motion."""
 
 import numpy as np
 import pytest
 
-from slider.play import window
+from slider.env.episode import Frame
+from slider.play import loop, window
 from slider.play.loop import PUSH, Control
 
 
@@ -11,20 +12,20 @@ from slider.play.loop import PUSH, Control
     ("key", "expected"),
     [(265, (0.5, 0, 0)), (264, (0.3, 0, 0)), (44, (0.4, 0.05, 0)), (263, (0.4, 0, 0.1))],
 )
-def test_keys_change_the_command(key, expected):
+def test_keys_change_the_velocity(key, expected):
     control = Control((0.4, 0.0, 0.0), 2.6)
     window.on_key(control, key)
     np.testing.assert_allclose(control.velocity, expected)
 
 
-def test_commands_stay_within_their_limits():
+def test_speeds_stay_within_their_limits():
     control = Control((0.0, 0.0, 0.0), 2.6)
     for _ in range(100):
         window.on_key(control, 265)
     assert control.velocity[0] == 2.6
 
 
-def test_wishes_are_granted_once():
+def test_requests_are_served_once():
     control = Control((0.4, 0.0, 0.0), 2.6)
     window.on_key(control, 257)
     window.on_key(control, 259)
@@ -49,3 +50,36 @@ def test_home_stands_and_space_pauses():
     window.on_key(control, 32)
     assert not control.velocity.any()
     assert control.paused
+
+
+class Counter:
+    period = 0.1
+
+    def __init__(self):
+        self.steps, self.pushes = 0, []
+
+    def start(self, velocity):
+        self.steps = 0
+        return self._frame()
+
+    def step(self, velocity):
+        self.steps += 1
+        return self._frame()
+
+    def push(self, velocity):
+        self.pushes.append(velocity)
+
+    def _frame(self):
+        return Frame(self.steps * self.period, np.zeros(19), np.zeros(2), False)
+
+
+def test_the_loop_ends_pauses_and_pushes():
+    motion, control = Counter(), Control((0.4, 0.0, 0.0), 3.0)
+    assert loop.run(motion, control, lambda frame: True, 1.0, real_time=False).time == 1.0
+    assert loop.run(motion, control, lambda frame: frame.time < 0.25, real_time=False).time < 0.35
+    control.paused = True
+    assert loop.run(motion, control, lambda frame: True, 1.0, real_time=False).time == 0.0
+    control.paused = False
+    control.push(0.0, 0.4)
+    loop.run(motion, control, lambda frame: True, 1.0, real_time=False)
+    assert len(motion.pushes) == 1

@@ -1,4 +1,4 @@
-"""What is played follows from the arguments and from the policy's own file."""
+"""Robot and environment of a scene, replays along their course, agents that can be steered."""
 
 import argparse
 import re
@@ -7,15 +7,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.cli import main
 from slider.commands.play import add_arguments, choose
 from slider.config.env import TerminationConfig
 from slider.core.errors import UserError
+from slider.library.reader import GaitLibrary
 from slider.play import scenes
+from slider.play.scenes import Replay
 from tests.control.policies import write_policy
 from tests.env.synthetic import CONF
 
+SAMPLES = 10
 
-def scene(*arguments: str):
+
+def scene(*arguments: str) -> scenes.Scene:
     parser = argparse.ArgumentParser()
     add_arguments(parser)
     return choose(parser.parse_args([*arguments, "--conf", str(CONF)]))
@@ -57,8 +62,98 @@ def test_a_policy_keeps_what_it_sees_and_does(tmp_path, override, message):
 def test_an_override_of_the_plant_leaves_the_policys_interface(tmp_path, monkeypatch):
     policy = write_policy(tmp_path / "policy.pt", "env.reference.acceleration=1.0")
     environments = []
-    monkeypatch.setattr(scenes, "simulate_policy", lambda *given: environments.append(given[2]))
+    monkeypatch.setattr(scenes, "Episode", lambda *parts: environments.append(parts[2]))
     override = "env.termination.terms.base_height=0.3"
     scene("--policy", str(tmp_path / "policy.pt"), "--set", override)
     terms = {**policy.env.termination.terms, "base_height": 0.3}
     assert environments == [replace(policy.env, termination=TerminationConfig(terms))]
+
+
+def library() -> GaitLibrary:
+    """Two gaits that move straight on: base x = vx t, joint 0 = t within the walk."""
+    velocities = np.array([[0.2, 0.0, 0.0], [0.6, 0.1, 0.0]])
+    step_time = np.array([[0.4, 0.4], [0.3, 0.5]])
+    samples, base = np.zeros((2, SAMPLES, 26)), np.zeros((2, SAMPLES, 13))
+    for gait, (first, second) in enumerate(step_time):
+        half = SAMPLES // 2
+        time = np.concatenate([np.linspace(0, first, half), first + np.linspace(0, second, half)])
+        samples[gait, :, 0] = time
+        base[gait, :, :2] = time[:, None] * velocities[gait, :2]
+        base[gait, :, 2], base[gait, :, 3] = 0.7, 1.0
+    arrays = {"velocities": velocities, "samples": samples, "base": base, "step_time": step_time}
+    return GaitLibrary(arrays, {})
+
+
+def test_replay_takes_the_nearest_gait_and_goes_on_for_ever():
+    motion = Replay(library(), (0.7, 0.05, 0.0), period=0.02)
+    frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(100)]
+    np.testing.assert_allclose(motion.velocity, [0.6, 0.1, 0.0])
+    last = frames[-1]
+    assert last.time == pytest.approx(2.0)
+    np.testing.assert_allclose(last.qpos[:3], [1.2, 0.2, 0.7], atol=1e-9)
+    assert last.qpos[7] == pytest.approx(2.0 - 2 * 0.8)  # two walks of 0.8 s are over
+
+
+def test_a_turning_gait_goes_along_its_arc():
+    """A constant speed and yaw rate: the base is on a circle, its heading tangential to it."""
+    straight, (speed, rate) = library(), (0.6, 0.3)
+    time = np.concatenate(
+        [np.linspace(0.0, 0.3, SAMPLES // 2), np.linspace(0.3, 0.8, SAMPLES // 2)]
+    )
+    base = straight.base[1:].copy()
+    base[0, :, 0] = speed / rate * np.sin(rate * time)
+    base[0, :, 1] = speed / rate * (1 - np.cos(rate * time))
+    base[0, :, 3], base[0, :, 6] = np.cos(rate * time / 2), np.sin(rate * time / 2)
+    arrays = {name: straight.arrays[name][1:] for name in ("samples", "step_time")}
+    turning = GaitLibrary(
+        {**arrays, "base": base, "velocities": np.array([[speed, 0.0, rate]])}, {}
+    )
+    motion = Replay(turning, (0.5, 0.0, 0.2), period=0.02)
+    frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(300)]
+    angle = rate * np.array([frame.time for frame in frames])
+    place = np.array([frame.qpos for frame in frames])
+    circle = speed / rate * np.stack([np.sin(angle), 1 - np.cos(angle)], axis=1)
+    np.testing.assert_allclose(place[:, :2], circle, atol=5e-4)  # linear between samples
+    np.testing.assert_allclose(place[:, 6], np.sin(angle / 2), atol=1e-5)
+
+
+def mean_velocity(motion: scenes.Motion, velocity, seconds: float) -> np.ndarray:
+    frames = [motion.step(np.array(velocity)) for _ in range(round(seconds / motion.period))]
+    assert not frames[-1].failed
+    return np.mean([frame.velocity for frame in frames[len(frames) // 2 :]], axis=0)
+
+
+def test_a_controller_follows_a_velocity_that_changes():
+    motion = scene("mpc_wbc_tuned").motion
+    motion.start(np.array([0.2, 0.0, 0.0]))
+    assert mean_velocity(motion, [0.2, 0.0, 0.0], 3.0)[0] == pytest.approx(0.2, abs=0.08)
+    assert mean_velocity(motion, [0.6, 0.0, 0.0], 4.0)[0] == pytest.approx(0.6, abs=0.08)
+
+
+@pytest.mark.parametrize("agent", ["zero", "mpc_wbc_tuned"])
+def test_a_push_changes_the_velocity_of_the_base(agent):
+    def velocity(push):
+        motion = scene(agent, "--seed", "3").motion
+        motion.start(np.zeros(3))
+        motion.push(np.array(push))
+        return motion.step(np.zeros(3)).velocity
+
+    assert velocity([0.0, 0.4])[1] - velocity([0.0, 0.0])[1] > 0.2
+
+
+@pytest.mark.parametrize("agent", ["zero", "random"])
+def test_smoke_agents_start_upright_and_repeat_themselves(agent):
+    def run():
+        motion = scene(agent, "--seed", "3").motion
+        frames = [motion.start(np.zeros(3))] + [motion.step(np.zeros(3)) for _ in range(5)]
+        return np.array([frame.qpos for frame in frames])
+
+    first = run()
+    assert 0.6 < first[0, 2] < 0.8
+    np.testing.assert_array_equal(first, run())
+
+
+@pytest.mark.parametrize("name", ["mpc_wbc_literal", "mpc_wbc_observer"])
+def test_controllers_of_the_configuration_stay_up(name, capsys):
+    assert main(["play", name, "--conf", str(CONF), "--headless", "--seconds", "1"]) == 0
+    assert f"controller {name}: up after 1.00 s" in capsys.readouterr().out

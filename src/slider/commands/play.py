@@ -3,6 +3,7 @@
 import argparse
 import math
 import os
+import socket
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -39,7 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="replay the nearest gait of the library, without physics: VX VY [YAW_RATE]",
     )
     parser.add_argument("--library", type=Path, help="gait library (default: of the current plan)")
-    parser.add_argument("--command", type=float, nargs=3, default=(0.4, 0.0, 0.0), metavar=VELOCITY)
+    parser.add_argument(
+        "--velocity", type=float, nargs=3, default=(0.4, 0.0, 0.0), metavar=VELOCITY
+    )
     parser.add_argument("--web", action="store_true", help="show it in a browser")
     parser.add_argument("--port", type=int, default=0, help="of --web (default: from 8080 on)")
     parser.add_argument(
@@ -48,7 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="address of --web (default: 127.0.0.1, this machine alone; :: is every address, and "
         "whoever reaches it can steer)",
     )
-    parser.add_argument("--headless", action="store_true", help="show nothing, say how it went")
+    parser.add_argument(
+        "--headless", action="store_true", help="without pictures: print the outcome"
+    )
     parser.add_argument("--film", type=Path, help="write an animated picture (.webp) instead")
     parser.add_argument("--seconds", type=float, help="stop after this time [s]")
     parser.add_argument("--seed", type=int, default=0, help="of the start and of the random agent")
@@ -73,8 +78,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     silence_mujoco()
     scene = choose(arguments)
-    _check_velocity(arguments.command, loop.velocity_limits(scene.top))
-    control = loop.Control(arguments.command, scene.top)
+    _check_velocity(arguments.velocity, loop.velocity_limits(scene.top))
+    control = loop.Control(arguments.velocity, scene.top)
     if arguments.headless:
         return loop.run_headless(scene, control, arguments.seconds)
     if arguments.film is not None:
@@ -93,21 +98,30 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def check(arguments: argparse.Namespace) -> None:
-    """Refuse numbers that nothing can be done with.
+    """Refuse impossible numbers.
 
     Raises:
         UserError: names the option.
     """
-    for name in ("gait", "command"):
+    for name in ("gait", "velocity"):
         values = getattr(arguments, name) or ()
         if not all(map(math.isfinite, values)):
-            raise UserError(f"--{name}: expected finite numbers, found {_joined(values)}")
+            text = " ".join(f"{value:g}" for value in values)
+            raise UserError(f"--{name}: expected finite numbers, found {text}")
     if arguments.gait is not None and len(arguments.gait) not in (2, 3):
-        found = f"found {len(arguments.gait)} values"
-        raise UserError(f"--gait: expected VX VY [YAW_RATE], {found}")
+        count = len(arguments.gait)
+        raise UserError(f"--gait: expected VX VY [YAW_RATE], found {count} values")
+    if arguments.seed < 0:
+        raise UserError(f"--seed: expected no negative number, found {arguments.seed}")
     seconds = arguments.seconds
     if seconds is not None and not 0 < seconds < math.inf:
         raise UserError(f"--seconds: expected a positive number, found {seconds:g}")
+    if arguments.web:
+        try:
+            socket.getaddrinfo(arguments.host, None, type=socket.SOCK_STREAM)
+        except OSError as error:
+            expected = f"expected an address of this machine, found {arguments.host}"
+            raise UserError(f"--host: {expected}: {error.strerror}") from None
     check_port(arguments.port, arguments.host if arguments.web else None)
 
 
@@ -115,11 +129,7 @@ def _check_velocity(velocity: Sequence[float], limits: Sequence[tuple[float, flo
     for name, value, (low, high) in zip(VELOCITY, velocity, limits, strict=True):
         if not low <= value <= high:
             expected = f"{name} between {low:g} and {high:g}"
-            raise UserError(f"--command: expected {expected}, found {value:g}")
-
-
-def _joined(values: Sequence[float]) -> str:
-    return " ".join(f"{value:g}" for value in values)
+            raise UserError(f"--velocity: expected {expected}, found {value:g}")
 
 
 def silence_mujoco() -> None:
@@ -130,7 +140,7 @@ def silence_mujoco() -> None:
 
 
 def choose(arguments: argparse.Namespace) -> "Scene":
-    """The scene that the arguments mean.
+    """Build the scene that the arguments select.
 
     Raises:
         UserError: there is no such agent, policy or library, or they contradict each other.

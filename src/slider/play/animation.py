@@ -11,7 +11,7 @@ from slider.play import loop
 from slider.play.scenes import Scene
 
 _WARM_UP = 4.0  # from rest to a periodic walk [s]
-_WALK = 1.0  # at least one walk of two steps, within which the end of the loop is looked for [s]
+_WALK = 1.0  # longer than a walk of two steps: the loop ends in the last of these [s]
 _SECONDS = 3.8
 _FRAME_RATE = 25  # [1/s]
 _SIZE = (480, 320)  # [pixel]
@@ -22,26 +22,33 @@ def run(scene: Scene, control: loop.Control, seconds: float | None, path: Path) 
     """Write the steady part of a motion, from the side, as an animated WebP.
 
     Raises:
-        UserError: the robot falls, nothing can be rendered on this machine, or the file is not
-            to be a WebP.
+        UserError: the robot falls, the motion is shorter than a walk, nothing can be rendered on
+            this machine, or the name is not that of a WebP.
     """
     if path.suffix.lower() != ".webp":
         raise UserError(f"--film: expected a name that ends with .webp, found {path}")
-    frames: list[Frame] = []
-
-    def record(frame: Frame) -> bool:
-        frames.append(frame)
-        return not frame.failed
-
     length = _SECONDS if seconds is None else seconds
-    last = loop.run(scene.motion, control, record, _WARM_UP + length, real_time=False)
-    if last.failed:
-        raise UserError(f"expected {scene.title} to stay up, it fell after {last.time:.2f} s")
+    if length < _WALK:
+        raise UserError(f"--film: expected --seconds of at least {_WALK:g}, found {length:g}")
+    frames = loop.record(scene.motion, control, _WARM_UP + length)
+    if frames[-1].failed:
+        fall = f"it fell after {frames[-1].time:.2f} s"
+        raise UserError(f"expected {scene.title} to stay up, {fall}")
     shown = frames[:: round(1.0 / (_FRAME_RATE * scene.motion.period))]
     first = round(_WARM_UP * _FRAME_RATE)
     end = first + repeats_at(shown[first:])
     # The camera follows with a lag: it moves as the robot does only after a while.
-    save(_pictures(scene, shown[first // 2 : end])[first - first // 2 :], path)
+    pictures = _pictures(scene, shown[first // 2 : end])[first - first // 2 :]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pictures[0].save(
+        path,
+        save_all=True,
+        append_images=pictures[1:],
+        duration=1000 // _FRAME_RATE,
+        loop=0,
+        quality=_QUALITY,
+        method=4,
+    )
     print(path)
 
 
@@ -66,17 +73,3 @@ def _pictures(scene: Scene, frames: list[Frame]) -> list[Image.Image]:
             f"expected to render without a display, found: {error}; MUJOCO_GL=osmesa may work"
         ) from None
     return [Image.fromarray(picture) for picture in pictures]
-
-
-def save(pictures: list[Image.Image], path: Path) -> None:
-    """Encode pictures as an endless animation."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pictures[0].save(
-        path,
-        save_all=True,
-        append_images=pictures[1:],
-        duration=1000 // _FRAME_RATE,
-        loop=0,
-        quality=_QUALITY,
-        method=4,
-    )

@@ -1,4 +1,4 @@
-"""Control of a motion by a person, the loop in real time, and the same without pictures."""
+"""A person's control of a motion, the loop in real time, and the same without pictures."""
 
 import math
 import time
@@ -7,12 +7,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from slider.env.episode import Frame
-from slider.play.motion import Motion
-from slider.play.scenes import Scene
+from slider.play.scenes import Motion, Scene
 from slider.robot.scene import CAMERAS
 
 BACKWARD, SIDEWAYS, TURNING = 1.0, 0.5, 1.0
-"""Highest backward and sideways velocity [m/s] and yaw rate [rad/s]."""
+"""Highest backward and sideways speed [m/s] and yaw rate [rad/s]."""
 PUSH = 0.4
 """Change of the base's velocity [m/s]."""
 _SECONDS = 10.0  # without pictures
@@ -31,7 +30,7 @@ class Control:
 
     Args:
         velocity: first commanded velocity.
-        top: highest forward velocity [m/s].
+        top: highest speed [m/s].
 
     Attributes:
         velocity: vx, vy [m/s], yaw rate [rad/s].
@@ -105,23 +104,29 @@ def run(
     elapsed = 0.0
     while show(frame) and elapsed < limit - 1e-9:
         began = time.monotonic()
-        frame = _advance(motion, control, frame)
+        if control.take_restart():
+            frame = motion.start(control.velocity)
+        elif not control.paused:
+            push = control.take_push()
+            if push is not None:
+                motion.push(push)
+            frame = motion.step(control.velocity)
         elapsed += motion.period
         if real_time:
             time.sleep(max(0.0, motion.period - (time.monotonic() - began)))
     return frame
 
 
-def _advance(motion: Motion, control: Control, frame: Frame) -> Frame:
-    """One control period, with the requests of the person."""
-    if control.take_restart():
-        return motion.start(control.velocity)
-    if control.paused:
-        return frame
-    push = control.take_push()
-    if push is not None:
-        motion.push(push)
-    return motion.step(control.velocity)
+def record(motion: Motion, control: Control, seconds: float) -> list[Frame]:
+    """Frames of a time [s], as fast as possible; a fall ends them."""
+    frames: list[Frame] = []
+
+    def keep(frame: Frame) -> bool:
+        frames.append(frame)
+        return not frame.failed
+
+    run(motion, control, keep, seconds, real_time=False)
+    return frames
 
 
 def status(frame: Frame, control: Control) -> str:
@@ -129,22 +134,16 @@ def status(frame: Frame, control: Control) -> str:
     vx, vy, yaw = control.velocity
     state = "fallen" if frame.failed else "paused" if control.paused else "walking"
     return (
-        f"{state}, t = {frame.time:5.1f} s, command {vx:+.2f} {vy:+.2f} m/s {yaw:+.2f} rad/s, "
+        f"{state}, t = {frame.time:5.1f} s, commanded {vx:+.2f} {vy:+.2f} m/s {yaw:+.2f} rad/s, "
         f"actual {frame.velocity[0]:+.2f} {frame.velocity[1]:+.2f} m/s"
     )
 
 
 def run_headless(scene: Scene, control: Control, seconds: float | None) -> int:
     """Move as fast as possible and print the outcome; status 1 if the robot fell."""
-    frames: list[Frame] = []
-
-    def show(frame: Frame) -> bool:
-        frames.append(frame)
-        return not frame.failed
-
-    duration = _SECONDS if seconds is None else seconds
-    last = run(scene.motion, control, show, duration, real_time=False)
+    frames = record(scene.motion, control, _SECONDS if seconds is None else seconds)
+    last = frames[-1]
     half = [frame.velocity[0] for frame in frames[len(frames) // 2 :]]
-    fate = f"fell after {last.time:.2f} s" if last.failed else f"up after {last.time:.2f} s"
+    fate = f"{'fell' if last.failed else 'up'} after {last.time:.2f} s"
     print(f"{scene.title}: {fate}, {np.mean(half):.3f} m/s forward in the second half")
     return int(last.failed)

@@ -1,9 +1,15 @@
-"""What ``slider play`` can show: a policy, another controller, a smoke agent or a gait."""
+"""What ``slider play`` can show: a policy, another controller, a smoke agent or a gait.
+
+Policies, controllers and agents move a simulated robot; a gait is replayed without physics.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Protocol, TypeVar
+
+import numpy as np
+import torch
 
 from slider.config.control import POLICY, SMOKE_AGENTS, HzdControlConfig
 from slider.config.env import EnvConfig, PlantConfig
@@ -11,17 +17,44 @@ from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.control.hzd.gaits import EnforcedGaits
+from slider.control.model_based import build_controller, build_plant
+from slider.control.policy import PolicyController, agent_of
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
+from slider.env.disturbance.draws import Disturbance
+from slider.env.episode import Episode, Frame
+from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
+from slider.env.starts import at_rest, multiply_quaternions
+from slider.library.lookup import StepTimes
 from slider.library.reader import GaitLibrary
-from slider.play.motion import Motion, Replay, simulate_agent, simulate_model_based, simulate_policy
+from slider.robot.kinematics import about_z
+from slider.robot.names import NUM_JOINTS
 
 Section = TypeVar("Section", EnvConfig, RobotConfig)
+_STEP_TIME = 0.4  # of the phase that smoke agents observe [s]
+
+
+class Motion(Protocol):
+    """Frames at a fixed period [s]."""
+
+    period: float
+
+    def start(self, velocity: np.ndarray) -> Frame:
+        """First frame, commanded to ``velocity`` (3,)."""
+        ...
+
+    def step(self, velocity: np.ndarray) -> Frame:
+        """Next frame, commanded to ``velocity`` (3,)."""
+        ...
+
+    def push(self, change: np.ndarray) -> None:
+        """Change the base's velocity by (2,) [m/s]; a replay has no physics to push."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A motion, the robot that moves, and the highest forward command [m/s]."""
+    """A motion, the robot that moves, and the highest commanded speed [m/s]."""
 
     title: str
     robot: RobotConfig
@@ -44,13 +77,15 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
     policy = load_policy(path)
     robot = _changed(policy.robot, config.robot, plain.robot)
     env = _changed(policy.env, config.env, plain.env)
-    test = config.evaluation
-    motion = simulate_policy(policy, robot, env, test.start, seed, test.disturbance)
+    controller = PolicyController(policy.network, agent_of(policy, robot, env, 1))
+    disturbance = Disturbance(config.evaluation.disturbance, (seed,))
+    physics = BatchedPhysics(robot, env.physics, 1, 1, disturbance=disturbance)
+    motion = Simulation(Episode(controller, physics, env), env.control_period, config, robot, seed)
     return Scene(f"policy {path}", robot, motion, config.speeds.top)
 
 
 def _changed(own: Section, asked: Section, plain: Section) -> Section:
-    """What a policy was trained with, but for the parts that the overrides change."""
+    """Configuration of a policy's training, but for the parts that the overrides change."""
     names = [item.name for item in fields(own)]
     parts = {name: getattr(asked, name) for name in names}
     return replace(own, **{n: part for n, part in parts.items() if part != getattr(plain, n)})
@@ -59,34 +94,140 @@ def _changed(own: Section, asked: Section, plain: Section) -> Section:
 def agent_scene(
     name: str, config: Config, gaits: Callable[[], tuple[Path, Path]], seed: int
 ) -> Scene:
-    """A controller of the configuration as in its evaluation, or a smoke agent.
+    """A controller of ``conf/control`` on torque drives, as in its evaluation, or a smoke agent.
 
-    ``gaits`` finds library and foot placement for those that walk by them.
+    ``gaits`` returns library and foot placement for controllers that walk by them.
 
     Raises:
         UserError: there is no agent of this name.
     """
-    test, env = config.evaluation, config.env
+    robot, env = config.robot, config.env
     if name in config.control:
         plant = PlantConfig(env.control_period, env.physics, env.termination)
-        control, disturbance = config.control[name], test.disturbance
-        enforced = None
+        control, enforced = config.control[name], None
         if isinstance(control, HzdControlConfig):
             enforced = EnforcedGaits.load(*gaits(), enforced_section(config.hzd))
-        motion = simulate_model_based(
-            config.robot, plant, control, enforced, test.start, seed, disturbance
-        )
-        return Scene(f"controller {name}", config.robot, motion, config.speeds.top)
-    if name in SMOKE_AGENTS:
-        motion = simulate_agent(config.robot, env, test.start, seed, random=name == "random")
-        return Scene(f"agent {name}", config.robot, motion, config.speeds.top)
-    known = ", ".join((POLICY, *config.control, *SMOKE_AGENTS))
-    raise UserError(f"agent: expected one of {known}, found {name}")
+        disturbance = Disturbance(config.evaluation.disturbance, (seed,))
+        physics = build_plant(robot, plant.physics, control, 1, disturbance)
+        controller = build_controller(robot, control, plant.physics, 1, enforced)
+        episode = Episode(controller, physics, plant)
+    elif name in SMOKE_AGENTS:
+        episode = _smoke_agent(robot, env, seed, random=name == "random")
+    else:
+        agents = ", ".join((POLICY, *config.control, *SMOKE_AGENTS))
+        raise UserError(f"agent: expected one of {agents}, found {name}")
+    motion = Simulation(episode, env.control_period, config, robot, seed)
+    kind = "controller" if name in config.control else "agent"
+    return Scene(f"{kind} {name}", robot, motion, config.speeds.top)
 
 
-def gait_scene(path: Path, command: Sequence[float], config: Config) -> Scene:
+def gait_scene(path: Path, velocity: Sequence[float], config: Config) -> Scene:
     """The gait of a library that is nearest to vx, vy [m/s], yaw rate [rad/s]; no physics."""
-    motion = Replay(GaitLibrary.load(path), command, config.env.control_period)
-    vx, vy, yaw_rate = motion.command
+    motion = Replay(GaitLibrary.load(path), velocity, config.env.control_period)
+    vx, vy, yaw_rate = motion.velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
     return Scene(f"gait {vx:.2f} {vy:+.2f} m/s{turn}", config.robot, motion, config.speeds.top)
+
+
+class Simulation:
+    """One simulated robot and its controller, which start at rest.
+
+    Args:
+        episode: of one robot.
+        period: between two frames [s].
+        config: ``evaluation.start`` is the noise of the starts.
+        robot: parameters of the robot that stands.
+        seed: of the starts.
+    """
+
+    def __init__(
+        self, episode: Episode, period: float, config: Config, robot: RobotConfig, seed: int
+    ) -> None:
+        self.period = period
+        self._episode, self._robot, self._noise = episode, robot, config.evaluation.start
+        self._generator = np.random.default_rng(seed)
+
+    def start(self, velocity: np.ndarray) -> Frame:
+        """Place the robot at rest, with new noise."""
+        place = at_rest(self._robot, self._noise, self._generator, 1)
+        return self._episode.start(*place, velocity[None].copy())
+
+    def step(self, velocity: np.ndarray) -> Frame:
+        """Simulate one control period."""
+        self._episode.set_velocity(velocity[None].copy())
+        return self._episode.step()
+
+    def push(self, change: np.ndarray) -> None:
+        """Give the base an impulse."""
+        self._episode.push(change)
+
+
+def _smoke_agent(robot: RobotConfig, env: EnvConfig, seed: int, random: bool) -> Episode:
+    """An agent that holds the nominal pose, or whose actions are uniform in ±1."""
+    env = replace(env, action=replace(env.action, offset="nominal"))
+    agent = AgentInterface(robot, env, 1, StepTimes.constant(_STEP_TIME))
+    generator = torch.Generator().manual_seed(seed)
+
+    def network(observations: torch.Tensor) -> torch.Tensor:
+        if not random:
+            return torch.zeros(1, NUM_JOINTS)
+        return 2.0 * torch.rand(1, NUM_JOINTS, generator=generator) - 1.0
+
+    physics = BatchedPhysics(robot, env.physics, 1, 1)
+    return Episode(PolicyController(network, agent), physics, env)
+
+
+class Replay:
+    """A gait of the library over and over, along its course.
+
+    Attributes:
+        velocity: of the gait nearest to the requested velocity (3,).
+    """
+
+    def __init__(self, library: GaitLibrary, velocity: Sequence[float], period: float) -> None:
+        index = int(library.nearest(np.array([velocity]))[0])
+        self.period = period
+        self.velocity = library.velocities[index]
+        durations = library.step_time[index]
+        self._duration = float(durations.sum())
+        first, second = (
+            np.linspace(0.0, duration, library.samples.shape[1] // 2) for duration in durations
+        )
+        self._times = np.concatenate([first, durations[0] + second])
+        joints = library.samples[index, :, :NUM_JOINTS]
+        self._qpos = np.concatenate([library.base[index, :, :7], joints], axis=1)
+        self._steps = 0
+
+    def start(self, velocity: np.ndarray) -> Frame:
+        """Begin with left stance; the gait keeps its own velocity."""
+        self._steps = 0
+        return self._frame()
+
+    def step(self, velocity: np.ndarray) -> Frame:
+        """Next frame."""
+        self._steps += 1
+        return self._frame()
+
+    def push(self, change: np.ndarray) -> None:
+        """Ignore the push."""
+
+    def _frame(self) -> Frame:
+        time = self._steps * self.period
+        walks, since = divmod(time, self._duration)
+        qpos = np.array([np.interp(since, self._times, column) for column in self._qpos.T])
+        qpos[3:7] /= np.linalg.norm(qpos[3:7])
+        if self.velocity[2]:
+            self._turn(qpos, int(walks))
+        else:
+            qpos[:2] += walks * self._duration * self.velocity[:2]
+        return Frame(time, qpos, self.velocity[:2], failed=False)
+
+    def _turn(self, qpos: np.ndarray, walks: int) -> None:
+        """Move a pose (19,) on by a number of turning walks, in place."""
+        angle = self.velocity[2] * self._duration
+        axes = about_z(np.array([angle]))[0, :2, :2]
+        walk = self._qpos[-1, :2] - axes @ self._qpos[0, :2]  # of the stance foot
+        for _ in range(walks):
+            qpos[:2] = walk + axes @ qpos[:2]
+        turn = np.array([[np.cos(walks * angle / 2), 0.0, 0.0, np.sin(walks * angle / 2)]])
+        qpos[3:7] = multiply_quaternions(turn, qpos[None, 3:7])[0]

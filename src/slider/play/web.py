@@ -1,4 +1,4 @@
-"""MuJoCo's web viewer with a panel for commands: for machines without a display."""
+"""MuJoCo's web viewer with a panel for the velocity, for machines without a display."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false

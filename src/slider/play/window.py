@@ -1,4 +1,4 @@
-"""A window with MuJoCo's viewer and keys for commands."""
+"""A window with MuJoCo's viewer and keys for the velocity."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
@@ -19,18 +19,17 @@ from slider.play.scenes import Scene
 from slider.robot import names
 from slider.robot.scene import aim, build_scene
 
-HELP = """keys: up, down     faster, slower            left, right   turn
+_HELP = """keys: up, down     faster, slower            left, right   turn
       , .          left, right (sideways)    Home          stand
       Enter        push                      Space         pause
       Backspace    start anew                End           next camera
       Esc          close the window"""
 
-DISTANCE = 2.5  # of the camera [m]
+_DISTANCE = 2.5  # of the camera [m]
 
 # GLFW's numbers of the keys.
 _SPACE, _COMMA, _PERIOD, _ENTER, _BACKSPACE, _HOME, _END = 32, 44, 46, 257, 259, 268, 269
 _RIGHT, _LEFT, _DOWN, _UP = 262, 263, 264, 265
-
 
 _CHANGES = {
     _UP: (0, 0.1),
@@ -68,7 +67,7 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
             warnings.simplefilter("ignore")  # GLFW's own text about the display
             if not glfw.init():
                 raise UserError("expected a display, found none: use --web or --headless")
-    print(f"{scene.title}\n{HELP}")
+    print(f"{scene.title}\n{_HELP}")
     model = build_scene(scene.robot)
     data = mujoco.MjData(model)
     data.qpos[:] = scene.motion.start(control.velocity).qpos
@@ -90,7 +89,7 @@ def run(scene: Scene, control: Control, seconds: float | None) -> None:
             camera = control.take_camera()
             with handle.lock():
                 if camera is not None:
-                    aim(handle.cam, camera, DISTANCE)
+                    aim(handle.cam, camera, _DISTANCE)
                 data.qpos[:] = frame.qpos
                 data.time = frame.time
                 mujoco.mj_forward(model, data)

@@ -12,7 +12,7 @@ from slider.gait.formulation import formulate
 from slider.gait.motion import NodeSymbols
 from slider.gait.transcription import NODE
 from slider.robot.names import SIDES
-from slider.verification.pin_robot import FloatingState, PinRobot, build_robot
+from slider.verification.pin_robot import FloatingState, PinRobot
 from tests.gait.gaits import config, nodes, problem, solved, trajectory
 
 COMMANDS = [(0.6, 0.1), (1.2, 0.0)]
@@ -27,7 +27,7 @@ def uneven():
 
 @cache
 def robot(dynamics: str = "prismatic", *, even: bool = True) -> PinRobot:
-    return build_robot(config().robot if even else uneven(), dynamics)
+    return PinRobot(config().robot if even else uneven(), dynamics)
 
 
 @cache
@@ -45,9 +45,9 @@ def compare(x: np.ndarray, dynamics: str, *, even: bool = True, atol: float = 1e
     found = [np.array(value).ravel() for value in rooted(dynamics, even=even)(x)]
     pinocchio, time = robot(dynamics, even=even), x[-1]
     q = x[3:13]
-    joints = pinocchio.coordinates.motion(q, x[13:23] / time, x[23:33] / time**2)
+    joints = pinocchio.joint_motion(q, x[13:23] / time, x[23:33] / time**2)
     forces, wrench = pinocchio.inverse_dynamics(pinocchio.standing(x[:3], *joints))
-    expected = [*pinocchio.coordinates.work(q, forces), wrench[:3], wrench[3:]]
+    expected = [*pinocchio.work(q, forces), wrench[:3], wrench[3:]]
     for value, right in zip(found, expected, strict=True):
         np.testing.assert_allclose(value, right, atol=atol)
 
@@ -94,7 +94,7 @@ def floating(velocity: tuple[float, float], sample: int) -> FloatingState:
     """A sample of the walk as it is in the world, from the gait's own base motion."""
     t = trajectory(*velocity)
     pose = pin.SE3(t.base_rotation[sample], t.base_position[sample])
-    joints, rates, _ = robot().coordinates.motion(t.q[sample], t.v[sample], np.zeros(10))
+    joints, rates, _ = robot().joint_motion(t.q[sample], t.v[sample], np.zeros(10))
     q = np.concatenate([pin.SE3ToXYZQUAT(pose), joints])
     linear = t.base_rotation[sample].T @ t.base_velocity[sample]
     v = np.concatenate([linear, t.base_angular[sample], rates])

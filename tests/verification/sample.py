@@ -18,7 +18,7 @@ from slider.core.job import Job
 from slider.gait import stage as gait_stage
 from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary
-from slider.verification.pin_robot import PinRobot, build_robot
+from slider.verification.pin_robot import PinRobot
 from slider.verification.plant import Plant
 from slider.verification.stage import Check, checks
 from slider.verification.stored import StoredGait, gaits_of
@@ -71,13 +71,13 @@ def knee_gait() -> StoredGait:
 @cache
 def turning_gaits() -> list[StoredGait]:
     """Two gaits that turn, reflections of each other."""
-    found = collected("prismatic", (0.5, 0.1, -0.3), (0.5, -0.1, 0.3))
-    return gaits_of(GaitLibrary.load(found / STORE))
+    folder = collected("prismatic", (0.5, 0.1, -0.3), (0.5, -0.1, 0.3))
+    return gaits_of(GaitLibrary.load(folder / STORE))
 
 
 @cache
 def pinocchio(dynamics: str = "prismatic") -> PinRobot:
-    return build_robot(config().robot, dynamics)
+    return PinRobot(config().robot, dynamics)
 
 
 @cache

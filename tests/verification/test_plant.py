@@ -1,4 +1,4 @@
-"""The plant's own word: MuJoCo's inverse dynamics, impacts and distances."""
+"""MuJoCo's inverse dynamics, impacts and distances."""
 
 import mujoco
 import numpy as np
@@ -19,7 +19,7 @@ def random_states(count: int):
             q, v, a = rng.normal(size=(3, 10)) * [[0.2], [2.0], [20.0]]
             q[[3, 8]] = rng.uniform(0.3, 1.5, 2)
             roll = rng.normal(size=3) * [0.1, 1.0, 5.0]
-            yield side, robot.standing(roll, *robot.coordinates.motion(q, v, a), side)
+            yield side, robot.standing(roll, *robot.joint_motion(q, v, a), side)
 
 
 def test_pinocchio_and_mujoco_agree_on_random_motions():
@@ -36,8 +36,8 @@ def test_pinocchio_and_mujoco_agree_on_random_motions():
 def test_and_on_impacts():
     for side, state in random_states(5):
         after = pinocchio().impact(state.q, state.v, side)
-        found = plant().impact(plant_state(state), side)
-        np.testing.assert_allclose(found[6:], after[6:], atol=1e-9)
+        other = plant().impact(plant_state(state), side)
+        np.testing.assert_allclose(other[6:], after[6:], atol=1e-9)
         jacobian = pinocchio().jacobian(state.q, side)
         np.testing.assert_allclose((jacobian @ after)[[0, 1, 2, 4, 5]], 0.0, atol=1e-9)
 

@@ -41,14 +41,6 @@ def collect(checked, out: Path, **settings) -> Job:
     return job
 
 
-def test_every_gait_is_in_one_chunk():
-    chunks = [job.section["velocities"] for job in jobs()[0]]
-    assert [len(chunk) for chunk in chunks] == [2, 1]
-    assert [tuple(velocity) for chunk in chunks for velocity in chunk] == [
-        (*v, 0.0) for v in VELOCITIES
-    ]
-
-
 def test_table_and_summary(checked, tmp_path):
     job = collect(checked, tmp_path)
     rows = list(csv.DictReader((tmp_path / stage.CSV).read_text().splitlines()))
@@ -101,13 +93,6 @@ def test_without_pinocchio_one_line_says_what_to_install(tmp_path, monkeypatch):
     section = dict(jobs()[0][0].section)
     with pytest.raises(UserError, match=message):
         stage.run_gaits(section, {"library": [library()]}, tmp_path, Job(tmp_path))
-
-
-def test_no_library(tmp_path):
-    with pytest.raises(UserError, match="expected a gait library"):
-        stage.run_gaits(
-            dict(jobs()[0][0].section), {"library": [tmp_path]}, tmp_path, Job(tmp_path)
-        )
 
 
 @pytest.mark.parametrize("stage", ["verification", "verification_gaits"])

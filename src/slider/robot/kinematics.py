@@ -96,7 +96,7 @@ def _leg(
 ) -> tuple[Array, Array, Array]:
     """Hip (N, 3) and ankle (N, 3) relative to the base origin, rotation of the tube (N, 3, 3)."""
     q = joints[:, leg * len(LEG_JOINTS) :]
-    tube = rotation @ about_z(q[:, _YAW]) @ _about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
+    tube = rotation @ about_z(q[:, _YAW]) @ about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
     hip = rotation @ asarray([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0], joints)
     return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
 
@@ -112,7 +112,8 @@ def about_z(angle: Array) -> Array:
     return _rotation(angle, 0, 1)
 
 
-def _about_x(angle: Array) -> Array:
+def about_x(angle: Array) -> Array:
+    """As :func:`about_z`, about x."""
     return _rotation(angle, 1, 2)
 
 

@@ -16,6 +16,9 @@ _LEG = len(KNEE_LEG_JOINTS)
 _MIRROR = np.array(LEG_MIRROR_SIGN[:_LEG])
 VARIANTS = ("exact", "paper")
 
+Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Positions and their first and second derivatives (..., 10) [rad, m]."""
+
 
 @dataclass(frozen=True)
 class SagittalLeg:
@@ -159,17 +162,15 @@ class KneeLengths:
         return cls(knee.thigh_length, knee.shank_length, robot.geometry.leg_length)
 
 
-def prismatic_motion(
-    q: np.ndarray, v: np.ndarray, a: np.ndarray, lengths: KneeLengths
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Driven prismatic joints (N, 10) of knee legs, with first and second derivatives: eq. 1.
+def prismatic_motion(q: np.ndarray, v: np.ndarray, a: np.ndarray, lengths: KneeLengths) -> Motion:
+    """Driven prismatic joints (..., 10) of knee legs, with first and second derivatives: eq. 1.
 
     q̇_p = J q̇_k and q̈_p = J q̈_k + J̇ q̇_k with the exact geometry; derivatives over time or over
     anything else.
     """
     l1, l2 = lengths.thigh, lengths.shank
     position, rate, turn = q.copy(), v.copy(), a.copy()
-    pitch, knee, ankle = (np.s_[:, k::_LEG] for k in (2, 3, 4))  # of both legs
+    pitch, knee, ankle = (np.s_[..., k::_LEG] for k in (2, 3, 4))  # of both legs
     triangle = _Triangle(q[knee], l1, l2)
     shifts, slopes, bends = triangle.shifts, triangle.rates, triangle.curvatures
     position[pitch], position[ankle] = q[pitch] - shifts[0], q[ankle] - shifts[1]

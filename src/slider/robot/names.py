@@ -43,6 +43,11 @@ def velocity_text(velocity: Iterable[float]) -> str:
     return f"({vx:g}, {vy:g}) m/s" + (f", {yaw_rate:g} rad/s" if yaw_rate else "")
 
 
+def other_side(side: str) -> str:
+    """``right`` of ``left``, and back."""
+    return SIDES[1 - SIDES.index(side)]
+
+
 def leg_joint(joint: str) -> str:
     """Name within the leg of a joint, such as ``hip_yaw`` of ``left_hip_yaw``."""
     return joint.split("_", 1)[1]

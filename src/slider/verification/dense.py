@@ -10,8 +10,8 @@ import numpy as np
 
 from slider.config.gait import Posture
 from slider.config.robot import Mechanism
-from slider.robot.knee_map import with_upper_feet
-from slider.robot.names import JOINTS, SIDES, leg_joint
+from slider.robot.knee_map import prismatic_motion, with_upper_feet
+from slider.robot.names import JOINTS, leg_joint, other_side
 from slider.robot.transmission import Transmission
 from slider.verification.pin_robot import PinRobot
 from slider.verification.plant import Plant, pressure_share
@@ -40,7 +40,6 @@ class DenseStep:
 def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
     """Evaluate a step at equally spaced times, its ends included."""
     phase = np.linspace(0.0, 1.0, points)
-    other = SIDES[1 - SIDES.index(motion.side)]
     rows = []
     for time in phase * motion.duration:
         roll = motion.roll_at(time)
@@ -48,10 +47,11 @@ def resample(motion: StepMotion, robot: PinRobot, points: int) -> DenseStep:
         moment, inertia = robot.line_moment_and_inertia(still, motion.side)
         state = robot.moving(motion, time, np.array([*roll[:2], -moment / inertia]))
         forces, wrench = robot.inverse_dynamics(state, motion.side)
-        _, efforts = robot.coordinates.work(motion.joints_at(time)[0], forces)
-        rows.append((efforts, wrench, robot.foot_ends(state.q, other)))
+        _, efforts = robot.work(motion.joints_at(time)[0], forces)
+        rows.append((efforts, wrench, robot.foot_ends(state.q, other_side(motion.side))))
     efforts, wrench, ends = (np.array(column) for column in zip(*rows, strict=True))
-    joints, speeds, _ = robot.coordinates.map.motion(*motion.joints_at(phase * motion.duration))
+    motions = motion.joints_at(phase * motion.duration)
+    joints, speeds, _ = prismatic_motion(*motions, robot.lengths)
     joints, speeds, efforts = (with_upper_feet(values) for values in (joints, speeds, efforts))
     return DenseStep(phase, joints, speeds, efforts, wrench, ends)
 

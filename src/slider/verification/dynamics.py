@@ -21,7 +21,7 @@ def stored_state(gait: StoredGait, robot: PinRobot, sample: int) -> FloatingStat
     rotation = rotation_from_quaternion(base[None, 3:7])[0]
     w, x, y, z = base[3:7]
     knee = gait.knee_positions[sample], gait.knee_velocities[sample]
-    joints, rates, _ = robot.coordinates.motion(*knee, np.zeros_like(knee[0]))
+    joints, rates, _ = robot.joint_motion(*knee, np.zeros_like(knee[0]))
     step = gait.step_of(sample)
     q = np.concatenate([base[:3] - gait.origin(step), [x, y, z, w], joints])
     v = np.concatenate([rotation.T @ base[7:10], base[10:13], rates])
@@ -57,7 +57,7 @@ def inverse_dynamics(gait: StoredGait, robot: PinRobot) -> dict[str, float]:
         jacobian = robot.jacobian(state.q, SIDES[gait.step_of(sample)])
         rest = robot.forces(state) - jacobian.T @ gait.ground_wrench[sample]
         base.append(_worst(rest[:_BASE]))
-        torques, efforts = robot.coordinates.work(gait.knee_positions[sample], rest[_BASE:])
+        torques, efforts = robot.work(gait.knee_positions[sample], rest[_BASE:])
         torque.append(_worst(torques - gait.knee_torques[sample]))
         effort.append(_worst(with_upper_feet(efforts) - gait.efforts[sample]))
     return {
@@ -87,12 +87,12 @@ def touchdowns(gait: StoredGait, robot: PinRobot) -> list[tuple[FloatingState, F
 
     Both are in the axes of that foot's line.
     """
-    found = []
+    states = []
     for step, turn in enumerate(gait.turns):
         before = seen_from(stored_state(gait, robot, (step + 1) * gait.half - 1), turn)
         after = stored_state(gait, robot, (step + 1) * gait.half % (2 * gait.half))
-        found.append((before, after, SIDES[1 - step]))
-    return found
+        states.append((before, after, SIDES[1 - step]))
+    return states
 
 
 def mean_velocity(gait: StoredGait) -> dict[str, float]:
@@ -128,10 +128,10 @@ def periodicity(gait: StoredGait) -> dict[str, float]:
     height = gait.base[ends, 2] - gait.base[starts, 2]
     after, middle = _rotations(gait, starts), gait.base[ends[0], :2] - gait.base[starts[0], :2]
     if gait.velocities[2]:
-        first, whole = _about_z(gait.heading(1)), _about_z(gait.heading(2))
-        after = Rotation.concatenate([after[0], whole * after[1]])
+        first, both = _about_z(gait.heading(1)), _about_z(gait.heading(2))
+        after = Rotation.concatenate([after[0], both * after[1]])
         feet = gait.origin(1) + first.apply(gait.swing_foot[-1])
-        again = feet + whole.apply(gait.base[0, :3])
+        again = feet + both.apply(gait.base[0, :3])
         middle = np.concatenate([middle, gait.base[-1, :2] - again[:2]])
     turn = _rotations(gait, ends) * after.inv()
     jumps = (joints, height, turn.magnitude(), middle)

@@ -1,32 +1,26 @@
-"""The robot as a floating-base pinocchio model: an independent dynamics."""
+"""The robot as a floating-base pinocchio model: an independent dynamics.
+
+Joints and inertias come from the parameter file, and nothing is shared with the models of the
+optimisation. The prismatic leg is the leg as it is built; the knee leg is the virtual knee that
+carries its mass.
+"""
 
 # pinocchio lies below cmeel.prefix, where pyright does not look.
 # pyright: reportMissingImports=false
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
-from slider.config.robot import Geometry, Mechanism
-from slider.robot.names import LEG_JOINTS, SIDES
-from slider.verification.coordinates import (
-    Coordinates,
-    KneeCoordinates,
-    SlideCoordinates,
-    SlideMap,
-)
-from slider.verification.links import LegJoint, inertia_of, knee_leg, prismatic_leg
+from slider.config.robot import Link, Mechanism
+from slider.robot.knee_map import KneeLengths, Motion, prismatic_motion, rates
+from slider.robot.names import KNEE_JOINTS, LEG_JOINTS, SIDES
 from slider.verification.stored import StepMotion
 
 WORLD = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 _BASE = 6
-_Leg = Callable[[Mechanism], list[LegJoint]]
-_DYNAMICS: dict[str, tuple[_Leg, type[SlideCoordinates] | type[KneeCoordinates]]] = {
-    "prismatic": (prismatic_leg, SlideCoordinates),
-    "knee": (knee_leg, KneeCoordinates),
-}
+_UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -38,27 +32,21 @@ class FloatingState:
     a: np.ndarray
 
 
-def build_robot(robot: Mechanism, dynamics: str) -> "PinRobot":
-    """The robot whose bodies move as ``gait.dynamics`` says: ``prismatic`` or ``knee``."""
-    leg, coordinates = _DYNAMICS[dynamics]
-    base = inertia_of(robot.links.base)
-    return PinRobot(base, leg(robot), robot.geometry, coordinates(SlideMap.of(robot)))
-
-
 class PinRobot:
-    """Frames ``left_sole`` and ``right_sole`` are the middles of the foot lines."""
+    """A robot whose bodies move as ``gait.dynamics`` says: ``prismatic`` or ``knee``.
 
-    def __init__(
-        self,
-        base: pin.Inertia,
-        leg: list[LegJoint],
-        geometry: Geometry,
-        coordinates: Coordinates,
-    ) -> None:
-        self.coordinates = coordinates
+    Frames ``left_sole`` and ``right_sole`` are the middles of the foot lines. Its joints are the
+    slide's or the virtual knee's, those in which its bodies move; gaits are polynomials in the
+    knee's. Eq. 1 (exact) gives the slide's: q̈_p = J q̈_k + J̇ q̇_k, and by virtual work τ_k = Jᵀ τ_p.
+    """
+
+    def __init__(self, robot: Mechanism, dynamics: str) -> None:
+        geometry, self._slides = robot.geometry, dynamics == "prismatic"
+        self.lengths = KneeLengths.of(robot)
+        leg = _prismatic_leg(robot) if self._slides else _knee_leg(robot)
         self.model = pin.Model()
         root = self.model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
-        self.model.appendBodyToJoint(root, base, pin.SE3.Identity())
+        self.model.appendBodyToJoint(root, _inertia_of(robot.links.base), pin.SE3.Identity())
         for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
             parent, lateral = root, sign * geometry.hip_offset
             for name, joint in zip(LEG_JOINTS, leg, strict=False):
@@ -75,11 +63,25 @@ class PinRobot:
         self.data = self.model.createData()
         self.mass_total = pin.computeTotalMass(self.model)
 
+    def joint_motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
+        """Motion (..., 10) of its own joints of a motion of the knee legs (..., 10)."""
+        return prismatic_motion(q, v, a, self.lengths) if self._slides else (q, v, a)
+
+    def work(self, q: np.ndarray, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Torques of the knee's joints, efforts of the slide's (10,) of forces at its own.
+
+        q (10,) are positions of the knee legs.
+        """
+        jacobian = slide_jacobian(q, self.lengths)
+        if self._slides:
+            return jacobian.T @ forces, forces
+        return forces, np.linalg.solve(jacobian.T, forces)
+
     def moving(
         self, motion: StepMotion, time: float, roll: np.ndarray | None = None
     ) -> FloatingState:
         """State at a time of a step; ``roll`` (3,) replaces the foot's stored one."""
-        joints = self.coordinates.motion(*motion.joints_at(time))
+        joints = self.joint_motion(*motion.joints_at(time))
         return self.standing(motion.roll_at(time) if roll is None else roll, *joints, motion.side)
 
     def sole(self, side: str) -> int:
@@ -178,3 +180,111 @@ class PinRobot:
         jacobian = self.jacobian(q, side)
         wrench = np.linalg.solve(jacobian[:, :6].T, jump[:6])
         return np.append(jump[6:] - jacobian[:, 6:].T @ wrench, wrench[3])
+
+
+def slide_jacobian(q: np.ndarray, lengths: KneeLengths) -> np.ndarray:
+    """Derivatives (10, 10) of the prismatic legs' joints by the knee legs' at q (10,): eq. 1."""
+    matrix = np.eye(len(q))
+    hip, ankle, slide = rates(q[_KNEES], lengths.thigh, lengths.shank)
+    for joint, slope in (("hip_pitch", -hip), ("knee", slide), ("ankle", -ankle)):
+        matrix[_places(joint), _KNEES] = slope
+    return matrix
+
+
+def _places(joint: str) -> np.ndarray:
+    return np.array([KNEE_JOINTS.index(f"{side}_{joint}") for side in SIDES])
+
+
+_KNEES = _places("knee")
+
+
+@dataclass(frozen=True)
+class _LegJoint:
+    """A joint and the body below it.
+
+    Attributes:
+        kind: of the pinocchio joint.
+        height: of the joint in the frame above [m].
+        body: inertia in the joint's frame.
+        rotor, damping: what acts about or along the joint beside the body [kg m², kg], [N m s/rad].
+    """
+
+    kind: pin.JointModel
+    height: float
+    body: pin.Inertia
+    rotor: float = 0.0
+    damping: float = 0.0
+
+
+def _inertia_of(link: Link, share: float = 1.0) -> pin.Inertia:
+    """A link in the frame of its joint, or a part of it cut across the leg's axis.
+
+    A part of a rod keeps the share s of mass, s³ of the inertia across and s of that along.
+    """
+    scale = np.array([share**3, share**3, share])
+    return pin.Inertia(share * link.mass, np.array(link.com), np.diag(scale * link.inertia))
+
+
+def _raised(body: pin.Inertia, height: float) -> pin.Inertia:
+    """A body whose frame lies at a height [m] of another one."""
+    return pin.SE3(np.eye(3), height * _UP).act(body)
+
+
+def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
+    """Hip, slide and ankle; the upper foot is held by the tube, the rotors turn with their joints.
+
+    A rotor of inertia I in both capstan motors at angles s/r ± β/n has the energy of 2I/r² at the
+    slide and of 2I/n² at the ankle.
+    """
+    links, geometry, capstan = robot.links, robot.geometry, robot.capstan
+    pair = 2.0 * robot.drives["capstan"].inertia
+    rotors = {name: drive.inertia for name, drive in robot.drives.items()}
+    rotors |= {"slide": pair / capstan.drum_radius**2, "ankle": pair / capstan.foot_ratio**2}
+    upper = _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
+    down = pin.JointModelPrismaticUnaligned(-_UP)
+    chain = {
+        "hip_yaw": (pin.JointModelRZ(), 0.0, _inertia_of(links.yaw)),
+        "hip_roll": (pin.JointModelRX(), 0.0, _inertia_of(links.roll)),
+        "hip_pitch": (pin.JointModelRY(), 0.0, _inertia_of(links.pitch)),
+        "slide": (down, 0.0, _inertia_of(links.tube) + upper),
+        "ankle": (pin.JointModelRY(), -geometry.leg_length, _inertia_of(links.foot)),
+    }
+    return [
+        _LegJoint(*part, rotors[name] + robot.joints[name].armature, robot.joints[name].damping)
+        for name, part in chain.items()
+    ]
+
+
+def _knee_leg(robot: Mechanism) -> list[_LegJoint]:
+    """Hip, virtual knee and ankle, without rotors and friction."""
+    links, knee = robot.links, robot.virtual_knee
+    shank_part = _inertia_of(links.tube, knee.shank_mass_fraction)
+    shank_part.lever = -knee.shank_length / 2 * _UP
+    bend = pin.JointModelRevoluteUnaligned(np.array([0.0, -1.0, 0.0]))
+    return [
+        _LegJoint(pin.JointModelRZ(), 0.0, _inertia_of(links.yaw)),
+        _LegJoint(pin.JointModelRX(), 0.0, _inertia_of(links.roll)),
+        _LegJoint(pin.JointModelRY(), 0.0, _thigh(robot)),
+        _LegJoint(bend, -knee.thigh_length, shank_part),
+        _LegJoint(pin.JointModelRY(), -knee.shank_length, _inertia_of(links.foot)),
+    ]
+
+
+def _thigh(robot: Mechanism) -> pin.Inertia:
+    """Pitch link, upper foot and the tube's rest.
+
+    The rest's place balances the leg: at the nominal length, with the knee bent, the first moment
+    of all links along the line from hip to ankle is that of the prismatic leg.
+    """
+    links, geometry, knee = robot.links, robot.geometry, robot.virtual_knee
+    l1, l2, length = knee.thigh_length, knee.shank_length, geometry.leg_length
+    along = (l1**2 + length**2 - l2**2) / (2 * l1 * length)  # cosine between thigh and leg
+    fixed = _inertia_of(links.pitch)
+    fixed += _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
+    share = knee.shank_mass_fraction
+    shank = -share * links.tube.mass * (l1 * along + length) / 2
+    rest = _inertia_of(links.tube, 1.0 - share)
+    above = fixed.mass * fixed.lever[2]
+    balance = above + links.tube.mass * links.tube.com[2]
+    rest.lever = (balance - above * along - shank) / (rest.mass * along) * _UP
+    return fixed + rest

@@ -19,7 +19,7 @@ from slider.robot.knee_map import with_upper_feet
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission
 from slider.verification.dynamics import stored_state, touchdowns
-from slider.verification.pin_robot import FloatingState, PinRobot, build_robot
+from slider.verification.pin_robot import FloatingState, PinRobot
 from slider.verification.stored import StepMotion, StoredGait
 
 _BASE = 6
@@ -51,7 +51,7 @@ class Plant:
     """MuJoCo's model; its motion comes from the prismatic robot's kinematics."""
 
     def __init__(self, robot: RobotConfig) -> None:
-        self.slides: PinRobot = build_robot(robot, "prismatic")
+        self.slides = PinRobot(robot, "prismatic")
         self.motors = Transmission.of(robot)
         self.model = build_model(robot, SimulationOptions())
         off = mujoco.mjtDisableBit

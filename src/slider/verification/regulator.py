@@ -12,15 +12,29 @@ import numpy as np
 from slider.config.robot import Geometry
 from slider.config.verification import RegulatorConfig
 from slider.robot import names
-from slider.verification.reference import Reference, tilt_of
+from slider.robot.kinematics import about_x, about_z
 
 _PRISMATIC = len(names.LEG_JOINTS)
 _HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
 
 @dataclass(frozen=True)
+class Reference:
+    """A point of a step; units and frames: :class:`StepReference`."""
+
+    joints: np.ndarray
+    velocities: np.ndarray
+    efforts: np.ndarray
+    com: np.ndarray
+    com_velocity: np.ndarray
+    swing: np.ndarray
+    direction: np.ndarray
+    tilt: np.ndarray
+
+
+@dataclass(frozen=True)
 class Measurement:
-    """What the regulator sees, world axes; the robot's state is known exactly in a verification.
+    """State that the regulator receives, world axes; in a verification it is exact.
 
     Attributes:
         base: position (3,) [m] and rotation to world (3, 3).
@@ -39,15 +53,17 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Touchdown:
-    """What the last touchdown left: errors of the joints (12,) and of the swing foot (3,) [m]."""
+    """Errors just after a touchdown, of the joints (12,) and of the swing foot (3,) [m]."""
 
     joints: np.ndarray
     swing: np.ndarray
 
 
-def touchdown(found: Measurement, desired: Reference) -> Touchdown:
+def touchdown(measured: Measurement, desired: Reference) -> Touchdown:
     """Errors at the start of a step, to be faded out over it."""
-    return Touchdown(found.joints - desired.joints, found.swing - found.stance - desired.swing)
+    return Touchdown(
+        measured.joints - desired.joints, measured.swing - measured.stance - desired.swing
+    )
 
 
 @dataclass(frozen=True)
@@ -60,7 +76,7 @@ class Regulator:
 
     def targets(
         self,
-        found: Measurement,
+        measured: Measurement,
         desired: Reference,
         past: Touchdown,
         side: str,
@@ -70,31 +86,31 @@ class Regulator:
         """Joint targets (12,) of a stance ``side`` at a phase, with ``left`` seconds to go."""
         fade = 1.0 - _smooth(phase / self.config.fade)
         targets = desired.joints + fade * past.joints
-        self._hold_torso(targets, found, desired, side)
-        place = found.stance + desired.swing + fade * past.swing
+        self._hold_torso(targets, measured, desired, side)
+        place = measured.stance + desired.swing + fade * past.swing
         place[:2] += _smooth(phase / self.config.placement_end) * self.displacement(
-            found, desired, left
+            measured, desired, left
         )
-        other = names.SIDES[1 - names.SIDES.index(side)]
+        other = names.other_side(side)
         start = names.SIDES.index(other) * _PRISMATIC
         targets[start : start + _PRISMATIC - 1] = level_leg(
-            self.geometry, other, found.base, place, desired.direction
+            self.geometry, other, measured.base, place, desired.direction
         )
         return targets
 
     def _hold_torso(
-        self, targets: np.ndarray, found: Measurement, desired: Reference, side: str
+        self, targets: np.ndarray, measured: Measurement, desired: Reference, side: str
     ) -> None:
         """Let the stance hip hold the torso where it should be in the world, not on the leg."""
-        error = tilt_of(found.base[1]) - desired.tilt
+        error = tilt_of(measured.base[1]) - desired.tilt
         hips = names.SIDES.index(side) * _PRISMATIC + _HIP
-        targets[hips] = found.joints[hips] + error
+        targets[hips] = measured.joints[hips] + error
 
-    def displacement(self, found: Measurement, desired: Reference, left: float) -> np.ndarray:
+    def displacement(self, measured: Measurement, desired: Reference, left: float) -> np.ndarray:
         """By how much (2,) [m] the swing foot lands away from the gait's own place."""
         frequency = np.sqrt(names.GRAVITY / desired.com[2])
-        place = found.com - found.stance - desired.com
-        error = place + (found.com_velocity - desired.com_velocity) / frequency
+        place = measured.com - measured.stance - desired.com
+        error = place + (measured.com_velocity - desired.com_velocity) / frequency
         forward = np.interp(self.speed, self.config.speeds, self.config.forward)
         share = np.array([forward, self.config.lateral])
         grown = share * error[:2] * np.exp(frequency * max(left, 0.0))
@@ -135,7 +151,7 @@ def level_leg(
     turn = rotation.T @ axis
     roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
     yaw = np.arctan2(-turn[0], turn[1])
-    to_leg = _about_x(roll).T @ _about_z(yaw).T @ rotation.T
+    to_leg = about_x(np.array([roll]))[0].T @ about_z(np.array([yaw]))[0].T @ rotation.T
     reach, toe = to_leg @ (ankle - hip), to_leg @ heading
     pitch = np.arctan2(-reach[0], -reach[2])
     level = np.arctan2(-toe[2], toe[0])
@@ -150,11 +166,6 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     )
 
 
-def _about_x(angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-
-
-def _about_z(angle: float) -> np.ndarray:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+def tilt_of(rotation: np.ndarray) -> np.ndarray:
+    """Sines of roll and pitch (2,) of a rotation (3, 3) to world."""
+    return np.array([rotation[2, 1], -rotation[2, 0]])

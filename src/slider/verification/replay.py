@@ -1,7 +1,10 @@
-"""Check 6: the gait replayed in MuJoCo with foot placement."""
+"""Check 6: the gait as a table over time, replayed in MuJoCo with foot placement."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
+
+from dataclasses import dataclass
+from itertools import pairwise
 
 import mujoco
 import numpy as np
@@ -12,13 +15,68 @@ from slider.robot import names
 from slider.robot.kinematics import about_z
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.transmission import Transmission, by_motor
-from slider.verification.plant import Plant
-from slider.verification.reference import Reference, StepReference, tabulate
-from slider.verification.regulator import Measurement, Regulator, Touchdown, touchdown
+from slider.verification.plant import Plant, PlantState
+from slider.verification.regulator import Measurement, Reference, Regulator, tilt_of, touchdown
 from slider.verification.stored import StoredGait
 
 _EARLY = 0.5  # a contact of the swing foot counts as touchdown from this phase on
 _ITERATIONS = 50  # of MuJoCo's solver
+
+
+_ENDS = np.cumsum([0] + [names.NUM_JOINTS] * 3 + [3, 3, 3, 3, 2])
+_PARTS = [slice(start, end) for start, end in pairwise(_ENDS)]
+
+
+@dataclass(frozen=True)
+class StepReference:
+    """N points of a step on the prismatic robot, relative to the stance foot, world axes.
+
+    Attributes:
+        side: the stance foot's.
+        duration: [s].
+        table: (N, 12 + 12 + 12 + 3 + 3 + 3 + 3 + 2) joints, velocities, efforts, centre of mass
+            [m] and its velocity [m/s], sole of the swing foot [m], direction of its line, sines
+            of the base's roll and pitch.
+    """
+
+    side: str
+    duration: float
+    table: np.ndarray
+
+    def at(self, time: float) -> "Reference":
+        """Linear interpolation; before the start and after the end the outermost points hold."""
+        place = min(max(time / self.duration, 0.0), 1.0) * (len(self.table) - 1)
+        k = min(int(place), len(self.table) - 2)
+        row = self.table[k] + (place - k) * (self.table[k + 1] - self.table[k])
+        return Reference(*(row[part] for part in _PARTS))
+
+
+def tabulate(gait: StoredGait, plant: Plant, points: int) -> tuple[StepReference, StepReference]:
+    """Both steps of a gait after eq. 1 (exact), with the plant's own efforts.
+
+    The ground wrench is the one that balances the base, but for a moment about the foot line,
+    which the line cannot carry; of a gait with the prismatic leg's dynamics it is the gait's.
+    """
+    steps = []
+    for motion in gait.steps:
+        times = np.linspace(0.0, motion.duration, points)
+        rows = [_row(plant, plant.moving(motion, time), motion.side) for time in times]
+        steps.append(StepReference(motion.side, motion.duration, np.array(rows)))
+    return steps[0], steps[1]
+
+
+def _row(plant: Plant, state: PlantState, side: str) -> np.ndarray:
+    efforts, _ = plant.balanced(state, side)
+    data, model = plant.data, plant.model
+    mujoco.mj_subtreeVel(model, data)
+    base = model.body(names.BASE).id
+    foot = data.site(names.sole(names.other_side(side)))
+    direction = foot.xmat.reshape(3, 3)[:, 0]
+    joints, velocities = state.qpos[7:], state.qvel[6:]
+    return np.concatenate(
+        [joints, velocities, efforts, data.subtree_com[base], data.subtree_linvel[base]]
+        + [foot.xpos, direction, tilt_of(data.xmat[base].reshape(3, 3))]
+    )
 
 
 class Simulation:
@@ -59,17 +117,16 @@ class Simulation:
         mujoco.mj_step(self.model, self.data, self.config.substeps)
 
     def measure(self, side: str) -> Measurement:
-        """The state as the regulator wants it, in stance ``side``, along the course."""
+        """State in stance ``side``, along the course."""
         data, axes = self.data, about_z(np.array([self.course]))[0]
         mujoco.mj_subtreeVel(self.model, data)
-        other = names.SIDES[1 - names.SIDES.index(side)]
         return Measurement(
             (data.xpos[self.base] @ axes, axes.T @ data.xmat[self.base].reshape(3, 3)),
             data.qpos[7:].copy(),
             data.subtree_com[self.base] @ axes,
             data.subtree_linvel[self.base] @ axes,
             data.site(names.sole(side)).xpos @ axes,
-            data.site(names.sole(other)).xpos @ axes,
+            data.site(names.sole(names.other_side(side))).xpos @ axes,
         )
 
     def loaded(self, side: str) -> bool:
@@ -78,7 +135,7 @@ class Simulation:
         return bool(np.linalg.norm(force) > self.config.contact)
 
     def fallen(self) -> bool:
-        """Base too low, tilted too far, or numbers gone wild."""
+        """Whether the base is too low, tilted too far or not finite."""
         height, upright = self.data.xpos[self.base, 2], self.data.xmat[self.base, 8]
         falls = height < self.config.height or upright < np.cos(self.config.tilt)
         return bool(falls or not np.isfinite(self.data.qpos).all())
@@ -116,8 +173,8 @@ def regulated_step(simulation: Simulation, step: StepReference, regulator: Regul
     """One step from touchdown to touchdown; false where the robot falls."""
     config = simulation.config
     start = float(simulation.data.time)
-    past: Touchdown = touchdown(simulation.measure(step.side), step.at(0.0))
-    other = names.SIDES[1 - names.SIDES.index(step.side)]
+    past = touchdown(simulation.measure(step.side), step.at(0.0))
+    swing = names.other_side(step.side)
     time = 0.0
     while time < config.patience * step.duration:
         desired = step.at(time)
@@ -130,6 +187,6 @@ def regulated_step(simulation: Simulation, step: StepReference, regulator: Regul
         time = float(simulation.data.time) - start
         if simulation.fallen():
             return False
-        if time > _EARLY * step.duration and simulation.loaded(other):
+        if time > _EARLY * step.duration and simulation.loaded(swing):
             return True
     return False

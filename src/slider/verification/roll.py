@@ -11,6 +11,7 @@ from scipy.integrate import solve_ivp
 
 from slider.config.verification import IntegratorConfig
 from slider.robot.kinematics import about_z
+from slider.robot.names import other_side
 from slider.verification.pin_robot import FloatingState, PinRobot
 from slider.verification.stored import StepMotion, StoredGait
 
@@ -55,8 +56,9 @@ class RollDynamics:
     def momentum_after(self, state: np.ndarray) -> tuple[float, float]:
         """Roll [rad] of the new stance foot, momentum [kg m²/s] about its line, at the end."""
         moving = self._state(self.motion.duration, state)
-        self.robot.jacobian(moving.q, self.other)
-        sole = self.robot.data.oMf[self.robot.sole(self.other)]
+        swing = other_side(self.motion.side)
+        self.robot.jacobian(moving.q, swing)
+        sole = self.robot.data.oMf[self.robot.sole(swing)]
         axes = about_z(np.array([self.turn]))[0]
         lateral = axes[:, 1] @ sole.rotation[:, 1]
         roll = float(np.arctan2(sole.rotation[2, 1], lateral))
@@ -70,11 +72,6 @@ class RollDynamics:
         _, inertia = self.robot.line_moment_and_inertia(still, self.motion.side)
         carried = self.robot.momentum_about(still.q, still.v, np.zeros(3))[0]
         return float((momentum - carried) / inertia)
-
-    @property
-    def other(self) -> str:
-        """Side of the swing foot."""
-        return "right" if self.motion.side == "left" else "left"
 
     def _state(self, time: float, state: np.ndarray) -> FloatingState:
         return self.robot.moving(self.motion, time, np.array([state[0], state[1], 0.0]))

@@ -1,6 +1,6 @@
 """Tables, summary and verdict of a verification.
 
-A table has one row per gait: its commanded velocity and the ``QUANTITIES``, NaN where one does not
+A table has one row per gait: its velocity and the ``QUANTITIES``, NaN where one does not
 apply.
 """
 
@@ -15,7 +15,6 @@ from typing import Any
 
 import pandas as pd
 
-from slider.core.errors import UserError
 from slider.robot.names import VELOCITY, velocity_text
 from slider.verification.quantities import QUANTITIES, Quantity
 
@@ -44,26 +43,11 @@ def _limit(about: Quantity, bound: float) -> str:
     return f"{'≥' if about.at_least else '≤'} {bound:g}"
 
 
-def check_names(bounds: Bounds) -> None:
-    """Refuse bounds that do not belong to the quantities.
-
-    Raises:
-        UserError: names what is unknown or missing.
-    """
-    unknown = sorted(set(bounds) - set(QUANTITIES))
-    missing = sorted(set(QUANTITIES) - set(bounds))
-    if unknown or missing:
-        what = f"unknown {', '.join(unknown)}" if unknown else f"none for {', '.join(missing)}"
-        raise UserError(
-            f"verification.bounds: expected one bound (or null) per quantity, found {what}"
-        )
-
-
 def failures(table: pd.DataFrame, bounds: Bounds) -> list[Failure]:
     """Values beyond their bounds, by quantity."""
     result = []
     for name, about in QUANTITIES.items():
-        bound = bounds[name]
+        bound = bounds.get(name)
         if bound is None:
             continue
         beyond = table[name] < bound if about.at_least else table[name] > bound
@@ -88,8 +72,8 @@ def worst(table: pd.DataFrame, bounds: Bounds) -> dict[str, dict[str, Any]]:
             "worst": _number(float(values[row])),
             **{axis: float(table[axis][row]) for axis in VELOCITY},
             "median": _number(float(values.median())),
-            "bound": bounds[name],
-            "passed": None if bounds[name] is None else name not in failed,
+            "bound": bounds.get(name),
+            "passed": None if bounds.get(name) is None else name not in failed,
         }
     return result
 
@@ -109,7 +93,7 @@ def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> Non
     table.to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")
 
 
-# Quantities that the second table of the report follows over the forward velocity.
+# Quantities of the second table of the report, over the speed.
 _OVER_SPEED = (
     *("plant_force", "plant_torque", "plant_voltage", "dense_cop"),
     *("return_map", "regulated_steps", "regulated_speed"),
@@ -118,7 +102,7 @@ _HOLDS = {None: "", True: "", False: " **(not held)**"}
 
 
 def write_markdown(path: Path, table: pd.DataFrame, quantities: Mapping[str, Any]) -> None:
-    """Worst values by quantity, and some over the forward velocity straight ahead."""
+    """Worst values by quantity, and some over the speed straight ahead."""
     head = ["check", "quantity", "unit", "meaning", "worst", "at vx, vy [m/s]", "median", "bound"]
     lines = _grid(head, [_cells(name, row) for name, row in quantities.items()])
     straight = table[(table[list(VELOCITY[1:])] == 0).all(axis=1)]

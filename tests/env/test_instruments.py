@@ -21,9 +21,8 @@ from slider.env.instruments import (
 from slider.env.physics import BatchedPhysics
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
-from slider.robot.mjcf import nominal_qpos
+from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos
 from slider.robot.names import JOINTS, NUM_JOINTS
-from slider.robot.sensors import DISTANCE_CUTOFF
 from slider.robot.transmission import Transmission
 from tests.env.synthetic import (
     SPEED_LIMITS,

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from slider.gait.guess import STARTS, cold_start
-from slider.gait.nlp import assemble
 from slider.gait.transcription import NODE, STEP
 from tests.gait.gaits import problem, solver
 
@@ -105,7 +104,7 @@ def test_collocation():
 @pytest.mark.parametrize("seed", [0, 1])
 def test_assembled_programme_along_random_directions(seed, turning):
     rng = np.random.default_rng(seed)
-    nlp = assemble(problem(turning))
+    nlp = Nlp(problem(turning))
     x, velocity = near_a_gait(), np.array([0.5, -0.05, 0.3])
     direction = rng.normal(size=x.size)
     direction /= np.linalg.norm(direction)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from slider.gait.constraints import Constraint
-from slider.gait.nlp import assemble
 from slider.gait.stage import gait_arrays
 from slider.robot.kinematics import rotation_from_quaternion, yaw_of
 from slider.robot.mjcf import SimulationOptions, build_model
@@ -92,7 +91,7 @@ def test_the_prismatic_robot_stands_where_the_gait_says(velocity, k):
 def test_a_straight_walk_does_not_know_of_a_yaw_rate():
     """A yaw rate that is no number would spoil every row that it enters."""
     x, unknown = near_a_gait(), np.array([0.5, 0.05, np.nan])
-    nlp = assemble(problem())
+    nlp = Nlp(problem())
     straight, found = (flat(nlp.objective_and_rows(x, p)[1]) for p in ([0.5, 0.05, 0.0], unknown))
     np.testing.assert_array_equal(found, straight)
     np.testing.assert_array_equal(
@@ -106,7 +105,7 @@ def test_without_a_yaw_rate_the_rows_of_a_turning_walk_are_those_of_a_straight_o
     for away in (0.0, 0.05):
         y = x + away * np.random.default_rng(0).normal(size=x.size)
         straight, turning = (
-            flat(assemble(problem(turning)).objective_and_rows(y, velocity)[1])
+            flat(Nlp(problem(turning)).objective_and_rows(y, velocity)[1])
             for turning in (False, True)
         )
         mean = next(b.rows for b in problem().blocks if b.name == "mean_velocity")

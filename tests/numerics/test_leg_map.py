@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from slider.config.robot import VirtualKnee
-from slider.gait.leg_map import LegMap
+from slider.gait.tree import LegMap
 from slider.robot.knee_map import KneeLengths, prismatic_motion
 from slider.verification.pin_robot import slide_jacobian
 

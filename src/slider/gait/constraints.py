@@ -15,11 +15,12 @@ from slider.gait.formulation import Formulation
 from slider.gait.motion import (
     Node,
     StepEnd,
-    Touchdown,
     base_displacement,
     end_loads,
+    impact,
     mirrored,
     step_vector,
+    turned_back,
 )
 from slider.gait.tree import SWING
 from slider.robot.names import LEG_JOINTS, LEG_MOTORS, SIDES
@@ -240,14 +241,20 @@ def of_touchdown(
     """Impact, continuity and foot placement from one step's end to the next one's start.
 
     The foot lands yawed by ``turn`` [rad] from the old one, in the first step's coordinates.
+    Torques cannot be impulsive, and the line carries no impulsive moment about itself.
     """
-    t, limit = Touchdown.of(form, before, after, turn), form.config.touchdown
-    vertical, cone = end_loads(form, t.force, t.moment)
-    (place, velocity), foot = t.sole, t.foot
-    level = [t.axes[2, 0], t.axes[1, 0], ca.sin(after.roll) + t.axes[2, 1]]
+    tree, limit = form.tree, form.config.touchdown
+    foot = tree.poses(before.roll, before.roll_rate, before.q, before.v)["swing_foot"]
+    lifting = tree.poses(after.roll, after.roll_rate, after.q, after.v)["swing_foot"]
+    jump = impact(form, foot, before, after, turn)
+    force, moment = tree.line_wrench(after.roll, jump)
+    vertical, cone = end_loads(form, force, moment)
+    place, velocity = tree.point(foot, tree.sole)
+    velocity, axes = turned_back(velocity, turn), turned_back(foot.rotation, turn)
+    level = [axes[2, 0], axes[1, 0], ca.sin(after.roll) + axes[2, 1]]
     slow = np.array([limit.forward, limit.lateral, *[limit.angular] * 3])
     return [
-        equality("impact", "N m s", "no impulsive torque", [t.torques, t.moment[0]], 1.0),
+        equality("impact", "N m s", "no impulsive torque", [jump.torques, moment[0]], 1.0),
         equality("foot_flat", "m, rad", "foot placement", [place[2], *level], _LENGTH),
         equality("continuity", "rad", "impact keeps positions", after.q - mirrored(before.q), 1.0),
         # The conditions of contact on impulses, which are of the order of 1 N s.
@@ -257,11 +264,17 @@ def of_touchdown(
             "touchdown_speed",
             "m/s",
             "gait.touchdown.down_min, gait.touchdown.down_max",
-            [-v for v in t.landing],
+            [-tree.point(foot, end)[1][2] for end in form.foot_ends],
             limit.down_min,
             limit.down_max,
         ),
-        at_least("lift_off", "m/s", "old stance foot leaves", t.lifting, 0.0),
+        at_least(
+            "lift_off",
+            "m/s",
+            "old stance foot leaves",
+            [tree.point(lifting, end)[1][2] for end in form.foot_ends],
+            0.0,
+        ),
         within(
             "touchdown_velocity",
             "m/s, rad/s",

@@ -13,12 +13,13 @@ import casadi as ca
 import numpy as np
 
 from slider.config.robot import Mechanism
-from slider.gait.leg_map import LEG_JOINTS, LegMap
 from slider.gait.tree import (
+    LEG_JOINTS,
     NUM_JOINTS,
     STANCE,
     BodyPose,
     Edge,
+    LegMap,
     edges_of,
     knee_leg,
     next_pose,

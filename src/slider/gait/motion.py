@@ -1,4 +1,4 @@
-"""Expressions of constraints and costs: a node of a step, the end of a step, a touchdown."""
+"""Expressions of constraints and costs: a node of a step, the end of a step, an impact."""
 
 from dataclasses import dataclass
 
@@ -159,8 +159,8 @@ class Node:
         """Expressions that a gait stores of a node.
 
         Joint positions, velocities and torques of the virtual knee, efforts of the prismatic legs
-        (10 each), base rotation (9, columns first), origin,
-        velocity (world) and angular velocity (base), ground force and moment, swing foot.
+        (10 each), base rotation (9, columns first), origin, velocity (world) and angular velocity
+        (base), ground force and moment, swing foot.
         """
         s, base, dynamics = self.symbols, self.base, self.dynamics
         swing = self.form.tree.point(self.poses["swing_foot"], self.form.tree.sole)[0]
@@ -169,63 +169,19 @@ class Node:
         return [*joints, *motion, self.force, self.moment, swing]
 
 
-@dataclass(frozen=True)
-class Touchdown:
-    """From one step's end to the next one's start.
-
-    The impact is a Newton-Euler pass on the velocity jump, rooted at the new stance foot; torques
-    cannot be impulsive, and the line carries no impulsive moment about itself.
-
-    Attributes:
-        foot: the landing foot, in the old step's coordinates.
-        sole: its middle, in the same, and that one's velocity along the new line (3,) [m], [m/s].
-        axes: of the landing foot (3, 3), seen from the new line.
-        landing, lifting: vertical velocities (2,) of toe and heel: of the landing foot before, of
-            the old stance foot after [m/s].
-        torques: impulsive (10,) [N m s].
-        force, moment: impulses on the new stance foot's line [N s], [N m s].
-    """
-
-    foot: BodyPose
-    sole: tuple[ca.SX, ca.SX]
-    axes: ca.SX
-    landing: list[ca.SX]
-    lifting: list[ca.SX]
-    torques: ca.SX
-    force: ca.SX
-    moment: ca.SX
-
-    @classmethod
-    def of(cls, form: Formulation, before: StepEnd, after: StepEnd, turn: ca.SX) -> "Touchdown":
-        """Between two step ends; the second one's coordinates are reflected against the first's.
-
-        ``turn`` [rad] is the yaw of the new foot's line from the old one, in the first's.
-        """
-        tree = form.tree
-        old = tree.poses(before.roll, before.roll_rate, before.q, before.v)
-        new = tree.poses(after.roll, after.roll_rate, after.q, after.v)
-        foot = old["swing_foot"]
-        jump = _jump(form, foot, before, after, turn)
-        place, velocity = tree.point(foot, form.tree.sole)
-        return cls(
-            foot,
-            (place, turned_back(velocity, turn)),
-            turned_back(foot.rotation, turn),
-            [tree.point(foot, end)[1][2] for end in form.foot_ends],
-            [tree.point(new["swing_foot"], end)[1][2] for end in form.foot_ends],
-            jump.torques,
-            *tree.line_wrench(after.roll, jump),
-        )
-
-
 def turned_back(vectors: ca.SX, angle: ca.SX) -> ca.SX:
     """Vectors (3, n) as axes that are yawed by ``angle`` [rad] see them; unchanged for a 0."""
     return rotation(2, angle).T @ vectors
 
 
-def _jump(
+def impact(
     form: Formulation, foot: BodyPose, before: StepEnd, after: StepEnd, turn: ca.SX
 ) -> InverseDynamics:
+    """Impulsive torques and impulses on the foot that lands, yawed by ``turn`` [rad].
+
+    A Newton-Euler pass on the velocity jump, rooted at the new stance foot. ``foot`` is its pose in
+    the old step's coordinates; those of ``after`` are reflected.
+    """
     reflect = ca.DM(np.diag([1.0, -1.0, 1.0]))
     reflect_axial = ca.DM(np.diag([-1.0, 1.0, -1.0]))
     new = form.tree.foot_pose(after.roll, after.roll_rate)

@@ -1,6 +1,6 @@
 """A gait problem: symbolic functions with exact derivatives, bounds and names, for a solver.
 
-Built once (``build``), assembled for IPOPT in ``slider.gait.nlp`` and solved for many velocities in
+Built once (``build``), then assembled for IPOPT and solved for many velocities in
 ``slider.gait.solve``.
 """
 

@@ -1,4 +1,4 @@
-"""Solve a gait problem for one velocity with IPOPT."""
+"""Assemble a gait problem for IPOPT, and solve it for one velocity."""
 
 import time
 from dataclasses import dataclass, field, replace
@@ -10,8 +10,8 @@ import numpy as np
 from slider.config.gait import SolverConfig, StepTime
 from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
-from slider.gait.nlp import Nlp, assemble
 from slider.gait.problem import GaitProblem, excess
+from slider.gait.transcription import NODE
 from slider.robot.names import VELOCITY
 
 GIVEN = "given"  # name of a start that is no guess of the configuration
@@ -78,13 +78,90 @@ def duration_bounds(law: StepTime, vx: float, vy: float) -> tuple[float, float]:
     return value, value
 
 
+class Nlp:
+    """Functions of the variables x and the velocity p = (vx, vy, yaw rate), for IPOPT.
+
+    The functions of a node are mapped over all nodes; their derivatives are scattered by constant
+    matrices from x to the nodes and to the ends of the steps.
+    """
+
+    def __init__(self, problem: GaitProblem) -> None:
+        layout, self._problem, self._count = problem.layout, problem, 2 * problem.nodes
+        self.x, self.p = ca.MX.sym("x", layout.size), ca.MX.sym("p", len(VELOCITY))
+        self._select, self._select_ends = layout.select_nodes, layout.select_ends
+        self._nodes = ca.reshape(self._select @ self.x, NODE, self._count)
+        self._ends = self._select_ends @ self.x
+        self._weights, turns = ca.DM(layout.weights).T, ca.DM(layout.turns)
+        self._turns = ca.vertcat(self.p[2] * turns[0, :], turns[1, :])  # of the nodes: Node.of
+
+    @cached_property
+    def objective_and_rows(self) -> ca.Function:
+        """(x, p) → cost, rows."""
+        problem, nodes = self._problem, (self._nodes, self._weights, self._turns)
+        costs, node_rows = problem.node.value.map(self._count)(*nodes)
+        defects, end_rows = (
+            problem.collocation.value(self.x),
+            problem.ends.value(self._ends, self.p),
+        )
+        results = [ca.sum2(costs), ca.vertcat(ca.vec(node_rows), defects, end_rows)]
+        return ca.Function("nlp", [self.x, self.p], results, ["x", "p"], ["f", "g"])
+
+    @cached_property
+    def gradient(self) -> ca.Function:
+        """(x, p) → cost, its gradient."""
+        costs, slopes = self._problem.gradient.map(self._count)(self._nodes, self._weights)
+        results = [ca.sum2(costs), self._select.T @ ca.vec(slopes)]
+        names = ["f", "grad_f_x"]
+        return ca.Function("nlp_grad_f", [self.x, self.p], results, ["x", "p"], names)
+
+    @cached_property
+    def jacobian(self) -> ca.Function:
+        """(x, p) → rows, their Jacobian."""
+        problem = self._problem
+        node_rows, nodes = problem.node.jacobian.map(self._count)(self._nodes, self._turns)
+        defects, defect_jacobian = problem.collocation.jacobian(self.x)
+        end_rows, ends = problem.ends.jacobian(self._ends, self.p)
+        rows = ca.vertcat(ca.vec(node_rows), defects, end_rows)
+        parts = [_diagonal(nodes) @ self._select, defect_jacobian, ends @ self._select_ends]
+        results, names = [rows, ca.vertcat(*parts)], ["g", "jac_g_x"]
+        return ca.Function("nlp_jac_g", [self.x, self.p], results, ["x", "p"], names)
+
+    @cached_property
+    def hessian(self) -> ca.Function:
+        """(x, p, factor before the cost, multipliers) → upper triangle of the Lagrangian's."""
+        problem = self._problem
+        per_node, collocation, ends = problem.row_counts
+        split = per_node * self._count, per_node * self._count + collocation
+        factor, multipliers = ca.MX.sym("f"), ca.MX.sym("lam", split[1] + ends)
+        factors = ca.repmat(factor, 1, self._count)
+        node_multipliers = ca.reshape(multipliers[: split[0]], per_node, self._count)
+        arguments = self._nodes, self._weights, self._turns, factors, node_multipliers
+        nodes = problem.node.hessian.map(self._count)(*arguments)
+        hessian = self._select.T @ _diagonal(nodes) @ self._select
+        hessian += problem.collocation.hessian(self.x, multipliers[split[0] : split[1]])
+        at_ends = problem.ends.hessian(self._ends, self.p, multipliers[split[1] :])
+        hessian += self._select_ends.T @ at_ends @ self._select_ends
+        return ca.Function(
+            "nlp_hess_l",
+            [self.x, self.p, factor, multipliers],
+            [ca.triu(hessian)],
+            ["x", "p", "lam_f", "lam_g"],
+            ["triu_hess_gamma_x_x"],
+        )
+
+
+def _diagonal(blocks: ca.MX) -> ca.MX:
+    """Block-diagonal matrix of blocks side by side, one per node."""
+    return ca.diagcat(*ca.horzsplit(blocks, NODE))
+
+
 class GaitSolver:
     """IPOPT on one problem; reusable for several velocities."""
 
     def __init__(self, problem: GaitProblem, config: SolverConfig, step_time: StepTime) -> None:
         self.problem = problem
         self._config, self._step_time = config, step_time
-        self._nlp: Nlp = assemble(problem)
+        self._nlp = Nlp(problem)
 
     @cached_property
     def _cold(self) -> ca.Function:

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.config.robot import Mechanism
-from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, NUM_JOINTS, SIDES
+from slider.robot.names import ACTUATED, KNEE_LEG_JOINTS, LEG_MIRROR_SIGN, NUM_JOINTS
 
 _LEG = len(KNEE_LEG_JOINTS)
+_PITCH, _KNEE, _ANKLE = (np.s_[..., k::_LEG] for k in (2, 3, 4))  # of both legs
 _MIRROR = np.array(LEG_MIRROR_SIGN[:_LEG])
 VARIANTS = ("exact", "paper")
 
@@ -135,15 +136,11 @@ def prismatic_joints(
     """
     lengths = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
     position, velocity = q.copy(), v.copy()
-    for first in range(0, _LEG * len(SIDES), _LEG):
-        (pitch, theta, ankle), rates_ = q[:, first + 2 : first + 5].T, v[:, first + 2 : first + 5].T
-        place = positions(pitch, theta, ankle, *lengths, variant)
-        speed = velocities(rates_[0], theta, rates_[1], rates_[2], *lengths, variant)
-        slide = place.length - robot.geometry.leg_length
-        position[:, first + 2 : first + 5] = np.stack([place.hip_pitch, slide, place.ankle], axis=1)
-        velocity[:, first + 2 : first + 5] = np.stack(
-            [speed.hip_pitch, speed.length, speed.ankle], axis=1
-        )
+    place = positions(q[_PITCH], q[_KNEE], q[_ANKLE], *lengths, variant)
+    rate = velocities(v[_PITCH], q[_KNEE], v[_KNEE], v[_ANKLE], *lengths, variant)
+    position[_PITCH], position[_ANKLE] = place.hip_pitch, place.ankle
+    position[_KNEE] = place.length - robot.geometry.leg_length
+    velocity[_PITCH], velocity[_KNEE], velocity[_ANKLE] = rate.hip_pitch, rate.length, rate.ankle
     return with_upper_feet(position), with_upper_feet(velocity)
 
 
@@ -170,18 +167,17 @@ def prismatic_motion(q: np.ndarray, v: np.ndarray, a: np.ndarray, lengths: KneeL
     """
     l1, l2 = lengths.thigh, lengths.shank
     position, rate, turn = q.copy(), v.copy(), a.copy()
-    pitch, knee, ankle = (np.s_[..., k::_LEG] for k in (2, 3, 4))  # of both legs
-    triangle = _Triangle(q[knee], l1, l2)
+    triangle = _Triangle(q[_KNEE], l1, l2)
     shifts, slopes, bends = triangle.shifts, triangle.rates, triangle.curvatures
-    position[pitch], position[ankle] = q[pitch] - shifts[0], q[ankle] - shifts[1]
-    position[knee] = triangle.length - lengths.nominal
+    position[_PITCH], position[_ANKLE] = q[_PITCH] - shifts[0], q[_ANKLE] - shifts[1]
+    position[_KNEE] = triangle.length - lengths.nominal
     for index, slope, bend, rigid in (
-        (pitch, -slopes[0], -bends[0], 1.0),
-        (ankle, -slopes[1], -bends[1], 1.0),
-        (knee, slopes[2], bends[2], 0.0),
+        (_PITCH, -slopes[0], -bends[0], 1.0),
+        (_ANKLE, -slopes[1], -bends[1], 1.0),
+        (_KNEE, slopes[2], bends[2], 0.0),
     ):
-        rate[index] = rigid * v[index] + slope * v[knee]
-        turn[index] = rigid * a[index] + slope * a[knee] + bend * v[knee] ** 2
+        rate[index] = rigid * v[index] + slope * v[_KNEE]
+        turn[index] = rigid * a[index] + slope * a[_KNEE] + bend * v[_KNEE] ** 2
     return position, rate, turn
 
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from slider.gait.guess import STARTS, cold_start
+from slider.gait.solve import Nlp
 from slider.gait.transcription import NODE, STEP
 from tests.gait.gaits import problem, solver
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from slider.gait.constraints import Constraint
+from slider.gait.solve import Nlp
 from slider.gait.stage import gait_arrays
 from slider.robot.kinematics import rotation_from_quaternion, yaw_of
 from slider.robot.mjcf import SimulationOptions, build_model

@@ -23,12 +23,6 @@ def start(*seed: int, spread: StartSpread = SPREAD, vx: float = 1.2) -> np.ndarr
     return random_start(problem(), vx, DURATION, spread, np.random.default_rng(seed))
 
 
-def test_a_start_is_the_same_from_seed_and_index_and_differs_between_them():
-    np.testing.assert_array_equal(start(1, 7), start(1, 7))
-    for other in (start(1, 8), start(2, 7)):
-        assert np.abs(start(1, 7) - other).max() > 0.1
-
-
 @pytest.mark.parametrize("joints", [0.5, 5.0])
 def test_starts_are_within_the_bounds_of_the_variables(joints):
     lower, upper = problem().variable_bounds(DURATION)

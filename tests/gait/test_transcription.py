@@ -38,14 +38,6 @@ def test_defects_see_a_wrong_derivative():
         assert np.abs(transcription.defects @ wrong).max() > 1e-3
 
 
-def test_bounds_belong_to_positions():
-    collocated = collocated_joints(NODES)
-    value = np.where(collocated.bounded >= 0, collocated.bounded + 1.0, 0.0)
-    found = orders(collocated, value)
-    np.testing.assert_array_equal(found[0], np.tile(np.arange(10) + 1.0, (NODES, 1)))
-    assert not found[1:].any()
-
-
 def test_between_nodes_collocated_motion_is_a_cubic():
     coefficients = np.random.default_rng(2).normal(size=(10, 4))
     phase, dense = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, 57)

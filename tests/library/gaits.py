@@ -18,7 +18,7 @@ SCALARS = ("velocities", "cost", "max_violation", "iterations", "residuals")
 CONF = Path(__file__).parents[2] / "conf"
 MECHANISM = ("geometry", "links", "virtual_knee", "joints", "drives", "capstan")
 ROBOT = {name: to_dict(compose([], CONF).robot)[name] for name in MECHANISM}
-Commands = Sequence[tuple[float, ...]]  # vx, vy [m/s] and, if it is not zero, yaw rate [rad/s]
+Velocities = Sequence[tuple[float, ...]]  # vx, vy [m/s] and, if it is not zero, yaw rate [rad/s]
 SHAPES = {
     "samples": (SAMPLES, 26),
     "time": (SAMPLES,),
@@ -54,21 +54,16 @@ def write_gait(folder: Path, vx: float, vy: float, yaw_rate: float = 0.0, **repo
     for name in ARRAYS:
         if name not in SCALARS:
             np.save(folder / f"{name}.npy", value(name, vx, vy, yaw_rate))
-    facts = {"vx": vx, "vy": vy, "yaw_rate": yaw_rate}
-    facts |= {"status": "Solve_Succeeded", "converged": True}
-    facts |= {
-        "iterations": 30,
-        "cost": 1e4 * (1 + vx),
-        "cost_unit": "N² m²/s",
-        "max_violation": 1e-9,
-    }
+    facts = {"vx": vx, "vy": vy, "yaw_rate": yaw_rate, "cost": 1e4 * (1 + vx)}
+    facts |= {"status": "Solve_Succeeded", "converged": True, "iterations": 30}
+    facts |= {"cost_unit": "N² m²/s", "max_violation": 1e-9}
     facts |= {"residuals": {"impact": 1e-9, "torso": 0.0}}
     (folder / "report.json").write_text(json.dumps(facts | report))
     return folder
 
 
 def section(allow_holes: bool = False) -> dict[str, Any]:
-    """What the stage ``library`` gets."""
+    """Section of the stage ``library``."""
     return {
         "library": {"allow_holes": allow_holes, "max_violation": 1e-6},
         "robot": ROBOT,
@@ -79,7 +74,7 @@ def section(allow_holes: bool = False) -> dict[str, Any]:
     }
 
 
-def write_store(folder: Path, velocities: Commands, holes: Commands = ()) -> Path:
+def write_store(folder: Path, velocities: Velocities, holes: Velocities = ()) -> Path:
     """A library of made-up gaits, with holes; the path of its ``library.zarr``."""
     gaits = [write_gait(folder / f"gait{i}", *v) for i, v in enumerate(velocities)]
     failed = {"converged": False, "status": "Infeasible_Problem_Detected", "max_violation": 0.3}
@@ -90,5 +85,5 @@ def write_store(folder: Path, velocities: Commands, holes: Commands = ()) -> Pat
     return out / "library.zarr"
 
 
-def library(folder: Path, velocities: Commands, holes: Commands = ()) -> GaitLibrary:
+def library(folder: Path, velocities: Velocities, holes: Velocities = ()) -> GaitLibrary:
     return GaitLibrary.load(write_store(folder, velocities, holes))

@@ -55,16 +55,6 @@ def test_it_does_not_blend_across_the_touchdown(table):
     np.testing.assert_allclose(end[:26], samples[-1], atol=1e-6)
 
 
-def test_commands_outside_use_the_border(table):
-    np.testing.assert_allclose(
-        look_up(table, 5.0, 0.0, 0.3)[:26], look_up(table, 2.0, 0.0, 0.3)[:26]
-    )
-    np.testing.assert_allclose(
-        look_up(table, 0.5, 0.9, 0.3)[:26], look_up(table, 0.5, 0.1, 0.3)[:26]
-    )
-    assert np.isfinite(table.reference).all()
-
-
 def test_quaternions_are_unit_and_do_not_cancel(library):
     flipped = library.base.copy()
     flipped[::2, :, 3:7] *= -1  # q and −q are the same attitude

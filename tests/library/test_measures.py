@@ -78,19 +78,19 @@ def test_clearance_is_the_lower_end_of_the_swing_foot_at_mid_step(library):
     assert drop == pytest.approx(0.085 * np.sin(0.3) - (0.045 - 0.006) * (1 - np.cos(0.3)), 1e-6)
 
 
-COMMANDS = np.array(
+VELOCITIES = np.array(
     [(0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.3, 0.0, 0.0), (0.1, 0.1, 0.0), (0.0, -0.1, 0.0)]
 )
 
 
 def test_neighbours_follow_one_another_in_a_row_or_a_column():
-    found = {tuple(sorted(pair)) for pair in neighbours(COMMANDS).tolist()}
+    found = {tuple(sorted(pair)) for pair in neighbours(VELOCITIES).tolist()}
     assert found == {(0, 1), (1, 2), (1, 3), (0, 4)}
 
 
 def test_gaits_of_other_yaw_rates_are_neighbours_at_one_velocity_only():
-    turned = COMMANDS[[0, 1]] + [0.0, 0.0, 0.3]
-    found = neighbours(np.concatenate([COMMANDS, turned, COMMANDS[:1] + [0.0, 0.0, 0.6]]))
+    turned = VELOCITIES[[0, 1]] + [0.0, 0.0, 0.3]
+    found = neighbours(np.concatenate([VELOCITIES, turned, VELOCITIES[:1] + [0.0, 0.0, 0.6]]))
     found = {tuple(sorted(pair)) for pair in found.tolist()}
     assert found == {(0, 1), (1, 2), (1, 3), (0, 4), (5, 6), (0, 5), (1, 6), (5, 7)}
 
@@ -99,7 +99,7 @@ def test_jumps_are_shares_of_each_channel_s_range():
     samples = np.zeros((5, 3, 2))
     samples[:, :, 0] = np.array([0.0, 1.0, 10.0, 2.0, 0.0])[:, None]  # range 10
     samples[2, 1, 1] = -0.5  # range 0.5, one sample of one gait
-    measured = smoothness(COMMANDS, samples)
+    measured = smoothness(VELOCITIES, samples)
     jumps = {
         tuple(sorted(p)): j for p, j in zip(measured.pairs.tolist(), measured.jumps, strict=True)
     }
@@ -113,8 +113,8 @@ def test_jumps_are_shares_of_each_channel_s_range():
 
 
 def test_a_constant_channel_has_no_jump_and_a_single_gait_no_neighbour():
-    assert smoothness(COMMANDS, np.ones((5, 3, 2))).largest == 0.0
-    alone = smoothness(COMMANDS[:1], np.ones((1, 3, 2)))
+    assert smoothness(VELOCITIES, np.ones((5, 3, 2))).largest == 0.0
+    alone = smoothness(VELOCITIES[:1], np.ones((1, 3, 2)))
     assert alone.largest == 0.0
     assert alone.per_gait(1).tolist() == [0.0]
     with pytest.raises(ValueError, match="expected at least two neighbouring gaits, found none"):

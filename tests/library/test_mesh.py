@@ -43,18 +43,6 @@ def test_weights_are_shares(velocities):
     np.testing.assert_allclose(found.sum(axis=1), 1.0, atol=1e-12)
 
 
-def test_a_complete_cell_is_bilinear():
-    found = dict(zip(map(tuple, GRID.tolist()), weights(GRID, 0.0625, 0.02), strict=True))
-    for corner, expected in (
-        ((0.05, 0.0), 0.75 * 0.8),
-        ((0.1, 0.0), 0.25 * 0.8),
-        ((0.05, 0.1), 0.75 * 0.2),
-        ((0.1, 0.1), 0.25 * 0.2),
-    ):
-        assert found.pop((*corner, 0.0)) == pytest.approx(expected)
-    assert not any(found.values())
-
-
 def test_a_hole_between_gaits_is_filled_linearly():
     assert weights(WITHOUT_ONE, 0.05, 0.0) @ linear(WITHOUT_ONE) == pytest.approx(2.9)
     used = WITHOUT_ONE[weights(WITHOUT_ONE, 0.05, 0.0) > 0]
@@ -72,13 +60,6 @@ def test_a_complete_cell_with_a_yaw_rate_is_trilinear():
     assert ((mesh.weights(asked) > 0).sum(axis=1) == 8).all()
 
 
-def test_a_hole_is_filled_along_the_yaw_rate_too():
-    holed = TURNING[[tuple(c) != (0.0, -0.1, 0.0) for c in TURNING]]  # a corner of the rectangle
-    found = weights(holed, 0.0, -0.1, 0.0)
-    assert {tuple(c) for c in holed[found > 0]} == {(0.0, -0.1, -0.3), (0.0, -0.1, 0.3)}
-    assert found @ linear(holed) == pytest.approx(2.5)
-
-
 def test_the_nearer_pair_counts_more():
     velocities = np.zeros((5, 3))
     velocities[:, :2] = [(0.0, 0.0), (1.0, 0.1), (1.0, -0.1), (3.0, 0.0), (2.0, 0.1)]
@@ -92,7 +73,7 @@ def test_a_node_between_no_gaits_is_the_nearest_one():
     assert found.max() == 1.0
 
 
-def test_commands_outside_take_the_border():
+def test_velocities_outside_take_the_border():
     np.testing.assert_array_equal(weights(GRID, 9.0, 0.03), weights(GRID, 0.15, 0.03))
     np.testing.assert_array_equal(weights(GRID, 0.07, -9.0), weights(GRID, 0.07, -0.1))
 

@@ -15,7 +15,7 @@ from slider.robot.names import SIDES
 from slider.verification.pin_robot import FloatingState, PinRobot
 from tests.gait.gaits import config, nodes, problem, solved, trajectory
 
-COMMANDS = [(0.6, 0.1), (1.2, 0.0)]
+VELOCITIES = [(0.6, 0.1), (1.2, 0.0)]
 DYNAMICS = ["prismatic", "knee"]
 
 
@@ -42,13 +42,13 @@ def rooted(dynamics: str, *, even: bool = True) -> ca.Function:
 
 
 def compare(x: np.ndarray, dynamics: str, *, even: bool = True, atol: float = 1e-8) -> None:
-    found = [np.array(value).ravel() for value in rooted(dynamics, even=even)(x)]
+    results = [np.array(value).ravel() for value in rooted(dynamics, even=even)(x)]
     pinocchio, time = robot(dynamics, even=even), x[-1]
     q = x[3:13]
     joints = pinocchio.joint_motion(q, x[13:23] / time, x[23:33] / time**2)
     forces, wrench = pinocchio.inverse_dynamics(pinocchio.standing(x[:3], *joints))
     expected = [*pinocchio.work(q, forces), wrench[:3], wrench[3:]]
-    for value, right in zip(found, expected, strict=True):
+    for value, right in zip(results, expected, strict=True):
         np.testing.assert_allclose(value, right, atol=atol)
 
 
@@ -84,7 +84,7 @@ def test_rotors_and_friction_are_part_of_the_prismatic_legs_only():
     np.testing.assert_allclose(np.delete(added, 5), 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("velocity", COMMANDS)
+@pytest.mark.parametrize("velocity", VELOCITIES)
 def test_all_nodes_of_a_gait(velocity):
     for x in nodes(*velocity):
         compare(x, "prismatic")
@@ -101,7 +101,7 @@ def floating(velocity: tuple[float, float], sample: int) -> FloatingState:
     return FloatingState(q, v, np.zeros(16))
 
 
-@pytest.mark.parametrize("velocity", COMMANDS)
+@pytest.mark.parametrize("velocity", VELOCITIES)
 @pytest.mark.parametrize("step", [0, 1])
 def test_impact(velocity, step):
     half = problem().nodes
@@ -112,7 +112,7 @@ def test_impact(velocity, step):
     np.testing.assert_allclose(velocity[3:], after.v[3:], atol=1e-6)
 
 
-@pytest.mark.parametrize("velocity", COMMANDS)
+@pytest.mark.parametrize("velocity", VELOCITIES)
 @pytest.mark.parametrize("step", [0, 1])
 def test_impact_keeps_the_angular_momentum_about_the_new_foot_line(velocity, step):
     half = problem().nodes

@@ -13,7 +13,7 @@ from slider.robot.kinematics import rotation_from_quaternion, yaw_of
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.robot.names import JOINTS, leg_joint
 from slider.robot.transmission import Transmission
-from tests.gait.gaits import config, problem, solved, solver
+from tests.gait.gaits import config, problem, solved
 from tests.numerics.test_derivatives import flat, near_a_gait
 
 Velocity = tuple[float, float, float]
@@ -129,10 +129,6 @@ def test_rows_are_those_of_the_reflected_command_with_the_steps_swapped():
             np.testing.assert_allclose(own[place], expected, atol=1e-12, err_msg=name)
 
 
-def test_a_turn_costs_more_than_none():
-    assert solved(*TURNING).cost > solved(0.5, 0.1).cost
-
-
 def test_the_heading_changes_by_the_yaw_rate_times_the_walk():
     found = arrays(TURNING)
     yaw = yaw_of(rotation_from_quaternion(found["base"][:, 3:7]))
@@ -167,8 +163,3 @@ def test_the_inner_foot_goes_a_shorter_way_than_the_outer_one():
     width = abs(half[0] * first[1] - half[1] * first[0])  # across the course at touchdown
     outer, inner = np.linalg.norm(right), np.linalg.norm(left)
     assert outer - inner == pytest.approx(2 * turn * width, rel=0.02)
-
-
-def test_a_straight_problem_refuses_a_yaw_rate():
-    with pytest.raises(ValueError, match=r"expected a turning formulation for 0\.3 rad/s"):
-        solver().solve(0.5, 0.0, 0.3)

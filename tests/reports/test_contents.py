@@ -33,7 +33,7 @@ def test_every_section_has_its_function():
 def verified(folder, bound: float):
     """The section for two gaits and a bound of ``periodicity``; some have no ``roll_end``."""
     first = dict.fromkeys(QUANTITIES, 0.5)
-    second = dict.fromkeys(QUANTITIES, 0.25) | {"periodicity": 0.9, "return_map": 20.0}
+    second = dict.fromkeys(QUANTITIES, 0.25) | {"periodicity": 0.9}
     second.pop("roll_end")
     velocities = [dict(zip(VELOCITY, v, strict=True)) for v in ((0.0, 0.0, 0.0), (0.5, 0.1, 0.3))]
     rows = pd.DataFrame([velocities[0] | first, velocities[1] | second])

@@ -19,7 +19,7 @@ from tests.verification.sample import (
 )
 
 OWN = ("dynamics", "impact", "mean_velocity", "periodicity", "plant", "plant_impact")
-SLOW = ("roll", "dense", "return_map", "legs")
+SLOW = ("roll", "dense", "legs")
 
 
 def failed(gait, names=OWN, dynamics="prismatic", experiment="default") -> set[str]:

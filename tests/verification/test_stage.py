@@ -50,7 +50,7 @@ def test_table_and_summary(checked, tmp_path):
     assert content["passed"]
     assert content["gaits"] == len(VELOCITIES)
     assert set(content["quantities"]) == set(QUANTITIES)
-    assert job.volatile["seconds"].keys() >= {"dynamics", "return_map", "replay"}
+    assert job.volatile["seconds"].keys() >= {"dynamics", "roll", "replay"}
 
 
 def test_same_input_same_bytes(checked, tmp_path):
@@ -64,20 +64,20 @@ def test_same_input_same_bytes(checked, tmp_path):
 
 
 def test_a_bound_that_does_not_hold_ends_the_job(checked, tmp_path):
-    with pytest.raises(UserError, match=r"gait \(0.6, -0.1\) m/s, return_map: expected ≤ 2") as e:
-        collect(checked, tmp_path, bounds={"return_map": 2.0}, on_failure="error")
+    with pytest.raises(UserError, match=r"gait \(0.6, -0.1\) m/s, roll_end: expected ≤ 1e-12") as e:
+        collect(checked, tmp_path, bounds={"roll_end": 1e-12}, on_failure="error")
     assert "\n" not in str(e.value)
     assert not list(tmp_path.iterdir())
 
 
 def test_or_is_written_down(checked, tmp_path):
-    collect(checked, tmp_path, bounds={"return_map": 2.0})
+    collect(checked, tmp_path, bounds={"roll_end": 1e-12})
     content = json.loads((tmp_path / stage.JSON).read_text())
     assert not content["passed"]
     assert len(content["failures"]) == len(VELOCITIES)
-    assert content["quantities"]["return_map"]["passed"] is False
+    assert content["quantities"]["roll_end"]["passed"] is False
     rows = csv.DictReader((tmp_path / stage.CSV).read_text().splitlines())
-    assert {row["failed"] for row in rows} == {"return_map"}
+    assert {row["failed"] for row in rows} == {"roll_end"}
 
 
 def test_holes_of_the_library_are_left_out(tmp_path):

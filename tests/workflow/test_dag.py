@@ -99,11 +99,11 @@ def test_what_is_beside_the_way_to_the_table(real, tmp_path):
     assert (verdict["passed"], verdict["gaits"]) == (True, 2)
     assert "Solve_Succeeded" in workspace.slider("gait", "show", "--vx", "0.4").stdout
 
-    strict = f"{short} verification.bounds.return_map=2.0"
+    strict = f"{short} verification.bounds.roll_end=1e-12"
     hydra = f"{strict} verification.on_failure=error {QUIET}"
     failing = workspace.snakemake("reports/verification.csv", hydra=hydra)
     assert failing.returncode == 1
-    assert "gait (0.2, 0) m/s, return_map: expected ≤ 2 -" in failing.stderr
+    assert "gait (0.2, 0) m/s, roll_end: expected ≤ 1e-12 rad" in failing.stderr
     assert workspace.computed(strict, target="reports/verification.csv") == ["verification"]
 
 

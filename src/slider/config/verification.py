@@ -83,8 +83,6 @@ class CheckConfig:
     """What the checks of a single gait need."""
 
     integrator: IntegratorConfig
-    perturbation: Annotated[Tolerance, Unit("rad, rad/s")]
-    """of roll and roll rate in the differences of the return map"""
     points: Annotated[Count, Field(ge=2)]
     """per step, for the resampling between nodes"""
     replay: ReplayConfig

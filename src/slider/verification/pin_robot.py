@@ -61,7 +61,6 @@ class PinRobot:
         self.damping = np.array([0.0] * _BASE + [joint.damping for joint in both])
         self.ends = np.array([[geometry.toe, 0.0, 0.0], [-geometry.heel, 0.0, 0.0]])
         self.data = self.model.createData()
-        self.mass_total = pin.computeTotalMass(self.model)
 
     def joint_motion(self, q: np.ndarray, v: np.ndarray, a: np.ndarray) -> Motion:
         """Motion (..., 10) of its own joints of a motion of the knee legs (..., 10)."""
@@ -87,10 +86,6 @@ class PinRobot:
     def sole(self, side: str) -> int:
         """Frame of a sole."""
         return self.model.getFrameId(f"{side}_sole")
-
-    def centre(self, q: np.ndarray) -> np.ndarray:
-        """Centre of mass (3,) [m]."""
-        return pin.centerOfMass(self.model, self.data, q).copy()
 
     def foot_ends(self, q: np.ndarray, side: str) -> np.ndarray:
         """Toe and heel (2, 3) of a foot line [m]."""
@@ -149,12 +144,6 @@ class PinRobot:
         held = self.jacobian(q, side)[[0, 1, 2, 4, 5]]
         system = np.block([[mass, -held.T], [held, np.zeros((5, 5))]])
         return np.linalg.solve(system, np.concatenate([mass @ v, np.zeros(5)]))[:16]
-
-    def momentum_about(self, q: np.ndarray, v: np.ndarray, point: np.ndarray) -> np.ndarray:
-        """Angular momentum (3,) about a point, world axes."""
-        pin.computeCentroidalMomentum(self.model, self.data, q, v)
-        momentum = self.data.hg
-        return momentum.angular + np.cross(self.data.com[0] - point, momentum.linear)
 
     def line_moment_and_inertia(self, state: FloatingState, side: str) -> tuple[float, float]:
         """Moment [N m] that a motion needs about the stance line, and inertia [kg m²] about it."""

@@ -1,4 +1,4 @@
-"""Check 6: the gait as a table over time, replayed in MuJoCo with foot placement."""
+"""Check 5: the gait as a table over time, replayed in MuJoCo with foot placement."""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false

@@ -51,7 +51,6 @@ def checks(
     from slider.verification.pin_robot import PinRobot
 
     floating, simulated = PinRobot(robot, dynamics), plant.Plant(robot)
-    integrate = {"robot": floating, "integrator": config.integrator}
     between = {"pinocchio": floating, "robot": robot, "posture": posture, "points": config.points}
     simulation = replay.Simulation(robot, config.replay)
     return {
@@ -59,8 +58,7 @@ def checks(
         "impact": partial(residuals.impact, robot=floating),
         "mean_velocity": residuals.mean_velocity,
         "periodicity": residuals.periodicity,
-        "roll": partial(roll.one_step_integration, **integrate),
-        "return_map": partial(roll.open_loop, **integrate, step=config.perturbation),
+        "roll": partial(roll.one_step_integration, robot=floating, integrator=config.integrator),
         "replay": partial(replay.regulated, simulation=simulation, plant=simulated),
         "plant": partial(plant.inverse_dynamics, plant=simulated),
         "plant_impact": partial(plant.impact, plant=simulated),

@@ -96,7 +96,7 @@ def write_csv(path: Path, table: pd.DataFrame, failed: Sequence[Failure]) -> Non
 # Quantities of the second table of the report, over the speed.
 _OVER_SPEED = (
     *("plant_force", "plant_torque", "plant_voltage", "dense_cop"),
-    *("return_map", "regulated_steps", "regulated_speed"),
+    *("regulated_steps", "regulated_speed"),
 )
 _HOLDS = {None: "", True: "", False: " **(not held)**"}
 

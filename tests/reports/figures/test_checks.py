@@ -104,8 +104,8 @@ def store(tmp_path_factory) -> Path:
 def test_values_belong_to_their_gaits(store, tmp_path):
     checked = table(tmp_path / "checked", CHECKED[::-1])  # in another order than the library's
     library = GaitLibrary.load(store / "library.zarr")
-    found = gait_values(library, rows_by_command(checked / TABLE), "return_map")
-    place = list(CHECKS).index("return_map") + 1
+    found = gait_values(library, rows_by_command(checked / TABLE), "regulated_speed")
+    place = list(CHECKS).index("regulated_speed") + 1
     expected = {gait: 100 * k + place for k, gait in enumerate(CHECKED[::-1])}
     np.testing.assert_array_equal(
         found, [expected[tuple(command)] for command in library.velocities.tolist()]

@@ -1,4 +1,4 @@
-"""Which library and which gait a command means: arguments, and reading them."""
+"""Arguments that select a gait library, and reading it."""
 
 import argparse
 from pathlib import Path
@@ -11,7 +11,7 @@ MAKE_LIBRARY = "snakemake -j2 gait_library"
 
 
 def add_library_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments that say which library is meant."""
+    """Declare the arguments that select a library."""
     parser.add_argument(
         "--library", type=Path, help="a library.zarr (default: that of the current configuration)"
     )
@@ -19,7 +19,7 @@ def add_library_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def read_library(arguments: argparse.Namespace) -> GaitLibrary:
-    """Read the library that the arguments mean.
+    """Read the selected library.
 
     Raises:
         UserError: there is none yet, or the path holds none.
@@ -28,7 +28,7 @@ def read_library(arguments: argparse.Namespace) -> GaitLibrary:
 
 
 def library_path(arguments: argparse.Namespace) -> Path:
-    """The library that the arguments mean.
+    """Path of the selected library.
 
     Raises:
         UserError: there is none yet.
@@ -45,6 +45,6 @@ def current_gaits(artefacts: Path) -> tuple[Path, Path]:
     Raises:
         UserError: there are none yet.
     """
-    store, command = Store(artefacts), "snakemake -j2 reports/gait_walks.csv"
-    library, placement = (current_folder(store, s, command) for s in ("library", "foot_placement"))
+    store, target = Store(artefacts), "snakemake -j2 reports/gait_walks.csv"
+    library, placement = (current_folder(store, s, target) for s in ("library", "foot_placement"))
     return library, placement

@@ -1,10 +1,10 @@
 """One gait as CSV or NPZ, for other controllers; columns in ``docs/reference/gait-library.md``."""
 
-import csv
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from slider.library.reader import ARRAYS, CONSTRAINT, COORDINATES, LABELS, GaitLibrary
 from slider.robot.names import CHANNEL_UNITS, CHANNELS, JOINTS, SIDES
@@ -28,11 +28,7 @@ def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     for array, labels, units in names:
         for column, (label, unit) in enumerate(zip(labels, units, strict=True)):
             columns[f"{label} [{unit}]"] = arrays[array][:, column]
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        for row in zip(*columns.values(), strict=True):
-            writer.writerow(v if isinstance(v, str) else f"{v:.10g}" for v in row)
+    pd.DataFrame(columns).to_csv(path, index=False, float_format="%.10g", lineterminator="\n")
 
 
 def write_npz(library: GaitLibrary, gait: int, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Tables over the commanded velocity and the phase, for thousands of robots at once."""
+"""Tables over velocity and phase, for thousands of robots at once."""
 
 from dataclasses import dataclass
 from functools import cached_property

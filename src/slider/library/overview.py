@@ -1,11 +1,11 @@
-"""A gait and a library in words and numbers, for the terminal."""
+"""Summaries of a gait and of a library for the terminal."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from slider.library import measures
-from slider.library.reader import GaitLibrary, Hole
+from slider.library.reader import GaitLibrary
 from slider.robot.names import CHANNELS, MOTORS, velocity_text
 from slider.robot.transmission import Transmission
 
@@ -43,9 +43,13 @@ def gait_lines(library: GaitLibrary, gait: int) -> list[str]:
 
 def library_lines(library: GaitLibrary) -> list[str]:
     """Grid, convergence, holes with what they violate, ranges, worst residual, smoothness."""
+    mesh = library.mesh
     return [
-        *_grid(library),
-        *(f"  hole {_hole(hole)}" for hole in library.holes),
+        f"gait library: {len(library)} of {len(library) + len(library.holes)} gaits converged",
+        f"  vx {_axis(mesh.vx)} m/s",
+        f"  vy {_axis(mesh.vy)} m/s",
+        *([f"  yaw rate {_axis(mesh.yaw_rate)} rad/s"] if mesh.yaw_rate.any() else []),
+        *(f"  hole {velocity_text(hole.velocity)}: {hole.reason}" for hole in library.holes),
         *_ranges(library),
         _worst_residual(library),
         _smoothness(library),
@@ -58,17 +62,6 @@ def _residuals(library: GaitLibrary, gait: int) -> list[str]:
     return [f"    {library.constraints[i]:<24}{values[i]:.1e}" for i in worst]
 
 
-def _grid(library: GaitLibrary) -> list[str]:
-    mesh = library.mesh
-    total = len(library) + len(library.holes)
-    return [
-        f"gait library: {len(library)} of {total} gaits converged",
-        f"  vx {_axis(mesh.vx)} m/s",
-        f"  vy {_axis(mesh.vy)} m/s",
-        *([f"  yaw rate {_axis(mesh.yaw_rate)} rad/s"] if mesh.yaw_rate.any() else []),
-    ]
-
-
 def _axis(values: np.ndarray) -> str:
     """Runs of equal steps: ``0 … 1.2 every 0.05, 1.3 … 3 every 0.1``."""
     if len(values) == 1:
@@ -79,19 +72,13 @@ def _axis(values: np.ndarray) -> str:
         stop = start
         while stop < len(steps) and steps[stop] == steps[start]:
             stop += 1
-        texts.append(_run(values[start : stop + 1]))
+        run = values[start : stop + 1]
+        if len(run) < 3:
+            texts += [f"{value:g}" for value in run]
+        else:
+            texts.append(f"{run[0]:g} … {run[-1]:g} every {run[1] - run[0]:.4g}")
         start = stop + 1
     return ", ".join(texts)
-
-
-def _run(values: np.ndarray) -> str:
-    if len(values) < 3:
-        return ", ".join(f"{value:g}" for value in values)
-    return f"{values[0]:g} … {values[-1]:g} every {values[1] - values[0]:.4g}"
-
-
-def _hole(hole: Hole) -> str:
-    return f"{velocity_text(hole.velocity)}: {hole.status}, {hole.violations}"
 
 
 def _ranges(library: GaitLibrary) -> list[str]:
@@ -106,11 +93,11 @@ def _ranges(library: GaitLibrary) -> list[str]:
         ("clearance", [100 * measures.clearance(library, i) for i in range(len(library))], "cm"),
     ]
     header = f"  {'':<18}{'least':>10}{'median':>10}{'greatest':>10}"
-    return [header, *(f"  {name:<18}{_spread(values)}  {unit}" for name, values, unit in rows)]
-
-
-def _spread(values: Sequence[float] | np.ndarray) -> str:
-    return "".join(f"{f(values):>10.4g}" for f in (np.min, np.median, np.max))
+    lines = [header]
+    for name, values, unit in rows:
+        spread = "".join(f"{f(values):>10.4g}" for f in (np.min, np.median, np.max))
+        lines.append(f"  {name:<18}{spread}  {unit}")
+    return lines
 
 
 def _worst_residual(library: GaitLibrary) -> str:

@@ -87,7 +87,7 @@ LABELS: dict[str, tuple[str, ...]] = {
     "roll_channel": ("roll", "roll_rate", "roll_acceleration"),
 }
 
-# Attributes from the configuration: what the gaits were made for and with (``gait.*``), ...
+# Attributes from the configuration: robot and settings of the gaits (``gait.*``), ...
 ORIGIN = ("robot", "dynamics", "transcription", "cost", "kinematic_map")
 # ... and from the optimisation: the velocities without a gait, the unit of the cost.
 OUTCOME = ("holes", "cost_unit")
@@ -115,9 +115,10 @@ class Hole:
         return self.vx, self.vy, self.yaw_rate
 
     @property
-    def violations(self) -> str:
-        """The three worst violated constraints by name."""
-        return ", ".join(f"{name} {value:.1e}" for name, value in [*self.residuals.items()][:3])
+    def reason(self) -> str:
+        """IPOPT's return status, and the three worst violated constraints by name."""
+        worst = [f"{name} {value:.1e}" for name, value in [*self.residuals.items()][:3]]
+        return f"{self.status}, {', '.join(worst)}"
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,7 @@ class GaitLibrary:
 
     @property
     def velocities(self) -> np.ndarray:
-        """Commands (G, 3): vx, vy [m/s], yaw rate [rad/s]."""
+        """Commanded velocities (G, 3): vx, vy [m/s], yaw rate [rad/s]."""
         return self.arrays["velocities"]
 
     @property
@@ -197,7 +198,7 @@ class GaitLibrary:
 
     @cached_property
     def holes(self) -> tuple[Hole, ...]:
-        """Commands whose gait did not converge."""
+        """Velocities whose gait did not converge."""
         return tuple(from_dict(list[Hole], self.attributes["holes"]))
 
     @cached_property
@@ -260,8 +261,7 @@ class GaitLibrary:
         nearest = f"the nearest gait is at {velocity_text(self.velocities[index])}"
         for hole in self.holes:
             if distances(np.array([hole.velocity]), velocity)[0] <= _SAME:
-                why = f"{hole.status}, {hole.violations}"
-                raise UserError(f"the gait {text} did not converge: {why}; {nearest}")
+                raise UserError(f"the gait {text} did not converge: {hole.reason}; {nearest}")
         raise UserError(f"expected a velocity of the library, found {text}; {nearest}")
 
 

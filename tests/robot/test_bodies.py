@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from slider.robot.bodies import Body, knee_bodies, nominal_flexion, prismatic_bodies, total_mass
+from slider.robot.bodies import Body, knee_bodies, prismatic_bodies, total_mass
 from tests.gait.gaits import config
 
 BODIES: dict[str, Body] = knee_bodies(config().robot)
@@ -35,14 +35,6 @@ def test_both_models_weigh_the_same():
     for bodies in (BODIES, prismatic_bodies(config().robot)):
         assert total_mass(bodies) == pytest.approx(total, abs=1e-12)
     assert 12.0 <= total <= 13.0
-
-
-def test_the_nominal_flexion_gives_the_nominal_leg_length():
-    robot = config().robot
-    theta = nominal_flexion(robot.geometry, robot.virtual_knee)
-    thigh, shank = robot.virtual_knee.thigh_length, robot.virtual_knee.shank_length
-    length = np.hypot(thigh + shank * np.cos(theta), shank * np.sin(theta))
-    assert length == pytest.approx(robot.geometry.leg_length, abs=1e-12)
 
 
 def test_at_the_nominal_length_the_legs_mass_lies_at_the_same_height():

@@ -56,14 +56,6 @@ def test_shares_of_the_motors_by_hand(slide, ankle, one, two):
     np.testing.assert_allclose(voltage, expected, atol=1e-12)
 
 
-def test_same_sense_is_the_slide_and_opposite_senses_are_the_foot():
-    np.testing.assert_allclose(MOTORS.angles(joints(slide=0.05)), motors(2.0, 2.0))
-    np.testing.assert_allclose(MOTORS.angles(joints(ankle=0.7)), motors(2.0, -2.0))
-    np.testing.assert_allclose(MOTORS.efforts(motors(4.0, 4.0)), joints(slide=320.0), atol=1e-12)
-    expected = joints(ankle=2.8 / RATIO * 2)
-    np.testing.assert_allclose(MOTORS.efforts(motors(2.8, -2.8)), expected, atol=1e-12)
-
-
 def test_motors_do_the_work_of_the_joints():
     rng = np.random.default_rng(0)
     efforts, speeds = rng.standard_normal((2, 30, names.NUM_JOINTS))

@@ -7,7 +7,7 @@ import pytest
 from slider.robot import names
 from slider.robot.transmission import Transmission
 from slider.verification.dynamics import stored_state, touchdowns
-from slider.verification.plant import impact, inverse_dynamics, plant_state
+from slider.verification.plant import inverse_dynamics, plant_state
 from tests.verification.sample import config, gaits, knee_gait, pinocchio, plant
 
 
@@ -66,12 +66,6 @@ def test_the_plant_confirms_a_gait_with_its_own_dynamics_and_not_the_knees():
     assert other["plant_force"] > 10.0
     assert other["plant_efforts"] > 10.0
     assert 0.2 < own["plant_cop"] < 0.5
-
-
-def test_the_plant_confirms_a_gaits_impacts_and_not_the_knees():
-    own, other = (impact(gait, plant()) for gait in (gaits()[1], knee_gait()))
-    assert own["plant_impact"] < 1e-9
-    assert other["plant_impact"] > 0.5
 
 
 def test_stored_states_are_what_mujoco_has():

@@ -18,6 +18,7 @@ from slider.config.types import (
     Radians,
     RadiansPerSecond,
     Seconds,
+    Share,
     Unit,
 )
 
@@ -83,6 +84,26 @@ class ReferenceConfig:
 
     acceleration: MetresPerSecond2
     """with which it goes to the command, along x and y; 0: at once"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class EstimatorConfig:
+    """Onboard estimate of velocity and height; see ``slider.env.estimator``."""
+
+    acceleration: Positive[MetresPerSecond2]
+    """standard deviation of the acceleration by the inertial unit, its tilt error included"""
+    vertical_velocity: Positive[MetresPerSecond]
+    """standard deviation of the vertical velocity that the height is predicted with"""
+    leg_velocity: Positive[MetresPerSecond]
+    """standard deviation of the velocity by a leg that carries the robot"""
+    leg_height: Positive[Metres]
+    """standard deviation of the height by a leg that carries the robot"""
+    slip: Positive[MetresPerSecond]
+    """a foot that moves by this, as predicted, counts half"""
+    lifted: Share
+    """of the weight: a foot that carries less is in the air"""
+    loaded: Share
+    """of the weight: a foot that carries more stands"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -7,7 +7,6 @@ import pytest
 
 from slider.cli import main
 from slider.config.compose import compose
-from slider.config.env import PlantConfig
 from slider.play.motion import Simulation, simulate_model_based
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -16,7 +15,7 @@ CONF = Path(__file__).parents[2] / "conf"
 @pytest.fixture
 def motion() -> Simulation:
     config = compose(["experiment=test"], CONF)
-    plant = PlantConfig(config.env.control_period, config.env.physics, config.env.termination)
+    plant = config.env.plant
     test, control = config.evaluation, config.control["mpc_wbc_tuned"]
     disturbance = test.disturbance
     return simulate_model_based(config.robot, plant, control, None, test.start, 0, disturbance)

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from slider.config.checks import distinct, multiple, named, one_of, ordered, period, require
 from slider.config.control import (
+    ONBOARD,
     PAPER_LABELS,
     POLICY,
     POLICY_LABEL,
@@ -138,6 +139,11 @@ def check_env(env: EnvConfig) -> None:
     period = env.physics.timestep * env.physics.substeps
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
     require(abs(period - env.control_period) < 1e-9, "env.physics", expected, period)
+    if env.onboard is not None:
+        estimator = env.onboard.estimator
+        expected = f"a value > {estimator.lifted}"
+        possible = estimator.loaded > estimator.lifted
+        require(possible, "env.onboard.estimator.loaded", expected, estimator.loaded)
     check_names("env.action.scale", env.action.scale, LEG_JOINTS)
     possible = env.phase.enabled or env.action.offset == "nominal"
     require(possible, "env.action.offset", "nominal where there is no phase", env.action.offset)
@@ -178,6 +184,7 @@ def _machine(train: TrainConfig, config: Config, key: str) -> None:
     """Physics, device and precision that go together."""
     own = {
         "disturbance.ground.amplitude > 0": train.disturbance.ground.amplitude > 0,
+        "env.sensing=onboard": config.env.sensing == "onboard",
     }
     for setting, chosen in own.items():
         possible = train.simulator == "mujoco" or not chosen
@@ -245,6 +252,7 @@ def check_controls(controls: Mapping[str, AnyControl], env: EnvConfig) -> None:
     for name, control in controls.items():
         key = f"control.{name}"
         require(name not in _TAKEN, key, f"another name than {', '.join(_TAKEN)}", name)
+        require(not name.endswith(ONBOARD), key, f"a name that does not end with {ONBOARD}", name)
         _label(control.label, labels, f"{key}.label")
         labels[control.label] = name
         _control(control, env, key)
@@ -286,7 +294,9 @@ def check_protocols(config: Config) -> None:
     expected = "none (the commands of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():
-        _protocol(protocol, (POLICY, *config.control), key, config.env.control_period)
+        names = (POLICY, *config.control)
+        names += tuple(f"{name}{ONBOARD}" for name in names)
+        _protocol(protocol, names, key, config.env.control_period)
         check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
 
 

@@ -1,11 +1,12 @@
-"""Onboard state estimate: velocity and height of the base from legs and inertial unit.
+"""Onboard state estimate: position and velocity of the base from legs and inertial unit.
 
 The inertial unit gives orientation, angular velocity and the velocity increment of its strapdown
 integration; encoders give joint positions and velocities; motor currents give torques. A Kalman
 filter with one variance for the three components predicts the base's velocity from the increment
 and corrects it by leg odometry: the point of a loaded foot that touches the ground rests. After
 Bloesch et al., "State estimation for legged robots: consistent fusion of leg kinematics and IMU"
-(RSS 2012), with the orientation left to the inertial unit.
+(RSS 2012), with the orientation left to the inertial unit. The force of a foot is that of a
+momentum observer of the slide (De Luca et al., IROS 2006).
 """
 
 from typing import NamedTuple
@@ -13,7 +14,8 @@ from typing import NamedTuple
 from slider.config.env import EstimatorConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.robot.kinematics import foot_motion
+from slider.robot.bodies import prismatic_bodies, total_mass
+from slider.robot.kinematics import FootMotion, foot_motion
 from slider.robot.names import GRAVITY, JOINTS
 from slider.robot.transmission import Transmission, leg_inertia
 
@@ -22,14 +24,14 @@ _END_SCALE = 0.002  # heel and toe whose heights differ by much less share the c
 
 
 class Measurement(NamedTuple):
-    """Sensor readings of N robots, once per update.
+    """Sensor readings of N robots.
 
     Attributes:
         rotation: base to world (N, 3, 3), by the inertial unit.
         angular_velocity: (N, 3) [rad/s], base frame.
-        increment: integral of the specific force since the last update (N, 3) [m/s], base frame.
+        increment: integral of the specific force since the last reading (N, 3) [m/s], base frame.
         joint_positions, joint_velocities: (N, 12) [rad or m], [rad/s or m/s].
-        motor_torques: mean since the last update (N, 10) [N m].
+        motor_torques: mean since the last reading (N, 10) [N m].
     """
 
     rotation: Array
@@ -41,17 +43,20 @@ class Measurement(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """Estimated motion of N robots.
+    """Estimated motion of N robots, world axes.
 
     Attributes:
-        velocity: of the base origin (N, 3) [m/s], world axes.
-        height: of the base origin above the loaded feet (N,) [m].
-        foot_forces: vertical force of each leg by its motor torques (N, 2) [N].
+        velocity: of the base origin (N, 3) [m/s].
+        position: of the base origin (N, 3) [m]: where it went from the start, height above the
+            loaded feet.
+        foot_forces: vertical ground reactions (N, 2) [N].
+        feet: relative to the base.
     """
 
     velocity: Array
-    height: Array
+    position: Array
     foot_forces: Array
+    feet: FootMotion
 
 
 class StateEstimator:
@@ -59,7 +64,7 @@ class StateEstimator:
 
     Args:
         config: standard deviations and force thresholds.
-        robot: nominal geometry, transmission and mass.
+        robot: nominal geometry, transmission and masses.
         count: number of robots N.
         like: an array of the library, precision and device to compute with.
     """
@@ -69,62 +74,73 @@ class StateEstimator:
     ) -> None:
         self._config, self._geometry = config, robot.geometry
         self._slide_efforts = asarray(Transmission.of(robot).matrix[:, _SLIDES], like)
-        links, slide = robot.links, robot.joints["slide"]
-        self._weight = robot.mass * GRAVITY
-        self._shank = links.tube.mass + links.foot.mass + links.upper_foot.mass
-        self._reflected = float(leg_inertia(robot)[3, 3])
-        self._damping = slide.damping
-        self._state = zeros((count, 4), like)  # velocity in world axes [m/s], height [m]
+        bodies = prismatic_bodies(robot)
+        self._weight = total_mass(bodies) * GRAVITY
+        self._sliding = bodies["tube"].mass + bodies["foot"].mass  # [kg]
+        self._reflected = float(leg_inertia(robot)[3, 3])  # of rotors and joint [kg]
+        self._damping = robot.joints["slide"].damping
+        self._velocity, self._position = zeros((2, count, 3), like)
         self._variance = zeros((count, 2), like)  # of a velocity component, of the height
-        self._rates = zeros((count, 2), like)  # of the slides at the last update [m/s]
+        self._rates, self._forces = zeros((2, count, 2), like)  # of the slides [m/s], feet [N]
         self._fresh = zeros(count, like) == 0
 
-    def reset(self, index: Array) -> None:
-        """Forget the past of robots ``index``: the next update is by the lower foot alone."""
+    def reset(self, index: Array, place: Array) -> None:
+        """Start robots ``index`` at ``place`` (n, 2) [m]; the lower foot says the rest."""
         self._fresh[index] = True
+        self._position[index, :2] = place
 
-    def update(self, measured: Measurement, period: float) -> Estimate:
-        """Estimate from the sensors, ``period`` [s] after the last update."""
-        xp, config, rotation = namespace(measured.rotation), self._config, measured.rotation
+    def update(self, measured: Measurement, elapsed: Array) -> Estimate:
+        """Estimate from new readings.
+
+        Args:
+            measured: readings.
+            elapsed: time since the last ones (N,) [s]; where it is zero, and the robot has not
+                been reset, the estimate stays.
+        """
+        xp, rotation, config = namespace(elapsed), measured.rotation, self._config
         turning = xp.einsum("nij,nj->ni", rotation, measured.angular_velocity)
         joints, rates = measured.joint_positions, measured.joint_velocities
         feet = foot_motion(self._geometry, rotation, turning, joints, rates)
-        forces = self._foot_forces(measured, feet.axes, period)
-        odometry = self._odometry(feet.positions, feet.velocities)  # (N, 2, 4)
+        velocity = self._velocity + xp.einsum("nij,nj->ni", rotation, measured.increment)
+        velocity[:, 2] -= GRAVITY * elapsed
+        position = self._position + velocity * elapsed[:, None]
+        deviations = asarray([config.acceleration, config.vertical_velocity], elapsed)
+        variance = self._variance + (deviations * elapsed[:, None]) ** 2
 
-        predicted = 1.0 * self._state
-        predicted[:, :3] += xp.einsum("nij,nj->ni", rotation, measured.increment)
-        predicted[:, 2] -= GRAVITY * period
-        predicted[:, 3] += predicted[:, 2] * period
-        process = asarray([config.acceleration, config.vertical_velocity], rotation) * period
-        variance = self._variance + process**2
-        # A foot whose certainty is c has the variance of leg odometry over c².
-        certainty = self._certainty(forces, odometry[..., 3])
-        slip = odometry[..., :3] - predicted[:, None, :3]
-        information = certainty**2 / (1.0 + (slip**2).sum(-1) / config.slip**2)
+        leg_velocities, leg_heights = _odometry(feet)
+        forces = self._foot_forces(measured, feet.axes, elapsed)
+        slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
+        # A foot of certainty c has the variance of leg odometry over c².
+        information = self._certainty(forces, leg_heights) ** 2 / (1.0 + slip)
         total = information.sum(1)
         share = information / total.clip(1e-12, None)[:, None]
-        noise = asarray([config.leg_velocity, config.leg_height], rotation) ** 2
+        noise = asarray([config.leg_velocity, config.leg_height], elapsed) ** 2
         gain = variance * total[:, None] / (variance * total[:, None] + noise)
-        gain = xp.where(self._fresh[:, None], 1.0, gain)
-        innovation = (share[..., None] * odometry).sum(1) - predicted
-        self._state = predicted + xp.concat([gain[:, :1]] * 3 + [gain[:, 1:]], axis=1) * innovation
-        self._variance = (1.0 - gain) * variance + xp.where(self._fresh[:, None], noise, 0.0)
-        self._fresh = self._fresh & False
-        return Estimate(self._state[:, :3], self._state[:, 3], forces)
+        fresh = self._fresh[:, None]
+        gain = xp.where(fresh, 1.0, gain)
+        velocity += gain[:, :1] * ((share[..., None] * leg_velocities).sum(1) - velocity)
+        position[:, 2] += gain[:, 1] * ((share * leg_heights).sum(1) - position[:, 2])
 
-    def _foot_forces(self, measured: Measurement, axes: Array, period: float) -> Array:
+        due = fresh | (elapsed > 0)[:, None]
+        self._velocity = xp.where(due, velocity, self._velocity)
+        self._position = xp.where(due, position, self._position)
+        self._variance = xp.where(due, (1 - gain) * variance + fresh * noise, self._variance)
+        self._rates = xp.where(due, rates[:, _SLIDES], self._rates)
+        self._forces = xp.where(due, forces, self._forces)
+        self._fresh = self._fresh & False
+        return Estimate(self._velocity, self._position, self._forces, feet)
+
+    def _foot_forces(self, measured: Measurement, axes: Array, elapsed: Array) -> Array:
         """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each slide."""
+        xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
         rates = measured.joint_velocities[:, _SLIDES]
-        change = (rates - self._rates) / max(period, 1e-9)
-        specific = namespace(axes).einsum(
-            "nij,nj,nli->nl", measured.rotation, measured.increment / max(period, 1e-9), axes
-        )
+        pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, axes) / period
         force = measured.motor_torques @ self._slide_efforts
-        force = force - 0.5 * self._damping * (rates + self._rates)
-        force = force + self._shank * specific - (self._reflected + self._shank) * change
-        self._rates = rates
-        return force * axes[..., 2]
+        force = force - 0.5 * self._damping * (rates + self._rates) + self._sliding * pull
+        force = force - (self._reflected + self._sliding) * (rates - self._rates) / period
+        follow = (period / max(self._config.force_filter, 1e-6)).clip(0.0, 1.0)
+        force = self._forces + follow * (force * axes[..., 2] - self._forces)
+        return xp.where(self._fresh[:, None], 0.0, force)
 
     def _certainty(self, forces: Array, heights: Array) -> Array:
         """How certainly a foot stands (N, 2) in [0, 1]: by its force, at first by its height."""
@@ -133,10 +149,10 @@ class StateEstimator:
         lower = heights >= xp.amax(heights, 1)[:, None]
         return xp.where(self._fresh[:, None], 1.0 * lower, loaded)
 
-    def _odometry(self, positions: Array, velocities: Array) -> Array:
-        """Velocity and height of the base (N, 2, 4) if a foot rests at the end that is lower."""
-        xp, heights = namespace(positions), positions[..., 2]
-        toe = 1.0 / (1.0 + xp.exp((heights[..., 1] - heights[..., 0]) / _END_SCALE))
-        ends = xp.stack([1.0 - toe, toe], axis=-1)
-        velocity = -(ends[..., None] * velocities).sum(2)
-        return xp.concat([velocity, -(ends * heights).sum(2)[..., None]], axis=-1)
+
+def _odometry(feet: FootMotion) -> tuple[Array, Array]:
+    """Velocity (N, 2, 3) and height (N, 2) of the base if a foot rests at its lower end."""
+    xp, heights = namespace(feet.positions), feet.positions[..., 2]
+    toe = 1.0 / (1.0 + xp.exp((heights[..., 1] - heights[..., 0]) / _END_SCALE))
+    ends = xp.stack([1.0 - toe, toe], axis=-1)
+    return -(ends[..., None] * feet.velocities).sum(2), -(ends * heights).sum(2)

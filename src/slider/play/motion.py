@@ -155,7 +155,7 @@ def simulate_model_based(
     disturbance: DisturbanceConfig,
 ) -> Simulation:
     """A controller of ``conf/control`` on torque drives, as in its evaluation."""
-    physics = build_plant(robot, plant.physics, config, 1, Disturbance(disturbance, (seed,)))
+    physics = build_plant(robot, plant, config, 1, Disturbance(disturbance, (seed,)))
     controller = build_controller(robot, config, plant.physics, 1, gaits)
     episode = Episode(controller, physics, plant)
     return Simulation(episode, plant.control_period, _starts(robot, noise, seed))

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from slider.config.control import POLICY, SMOKE_AGENTS, HzdControlConfig
-from slider.config.env import EnvConfig, PlantConfig
+from slider.config.env import EnvConfig
 from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
@@ -68,7 +68,7 @@ def agent_scene(
     """
     test, env = config.evaluation, config.env
     if name in config.control:
-        plant = PlantConfig(env.control_period, env.physics, env.termination)
+        plant = env.plant
         control, disturbance = config.control[name], test.disturbance
         enforced = None
         if isinstance(control, HzdControlConfig):

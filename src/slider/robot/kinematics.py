@@ -103,7 +103,9 @@ def foot_motion(
         hip, ankle, tube = _leg(geometry, rotation, joints, leg)
         yawed = rotation @ about_z(q[:, _YAW])
         omega = turning + rotation[:, :, 2] * rate[:, _YAW, None]
-        omega = omega + yawed[:, :, 0] * rate[:, _ROLL, None] + tube[:, :, 1] * rate[:, _PITCH, None]
+        omega = (
+            omega + yawed[:, :, 0] * rate[:, _ROLL, None] + tube[:, :, 1] * rate[:, _PITCH, None]
+        )
         velocity = xp.cross(turning, hip) + xp.cross(omega, ankle - hip)
         velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
         omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]

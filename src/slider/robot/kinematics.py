@@ -106,12 +106,12 @@ def foot_motion(
         omega = (
             omega + yawed[:, :, 0] * rate[:, _ROLL, None] + tube[:, :, 1] * rate[:, _PITCH, None]
         )
-        velocity = xp.cross(turning, hip) + xp.cross(omega, ankle - hip)
+        velocity = xp.linalg.cross(turning, hip) + xp.linalg.cross(omega, ankle - hip)
         velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
         omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]
         for end in range(2):
             arm = positions[:, leg, end] - ankle
-            velocities[:, leg, end] = velocity + xp.cross(omega, arm)
+            velocities[:, leg, end] = velocity + xp.linalg.cross(omega, arm)
         axes[:, leg] = tube[:, :, 2]
     return FootMotion(positions, velocities, axes)
 

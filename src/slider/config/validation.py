@@ -139,7 +139,8 @@ def check_env(env: EnvConfig) -> None:
     period = env.physics.timestep * env.physics.substeps
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
     require(abs(period - env.control_period) < 1e-9, "env.physics", expected, period)
-    if env.onboard is not None:
+    require(env.onboard is not None, "env.onboard", "sensors and estimator", "none")
+    if env.onboard is not None:  # for the type checker
         estimator = env.onboard.estimator
         expected = f"a value > {estimator.lifted}"
         possible = estimator.loaded > estimator.lifted

@@ -49,7 +49,7 @@ class Estimate(NamedTuple):
         velocity: of the base origin (N, 3) [m/s].
         position: of the base origin (N, 3) [m]: where it went from the start, height above the
             loaded feet.
-        foot_forces: vertical ground reactions (N, 2) [N].
+        foot_forces: vertical ground reactions (N, 2) [N]; 0 of a foot in the air.
         feet: relative to the base.
     """
 
@@ -111,7 +111,8 @@ class StateEstimator:
         forces = self._foot_forces(measured, feet.axes, elapsed)
         slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
         # A foot of certainty c has the variance of leg odometry over c².
-        information = self._certainty(forces, leg_heights) ** 2 / (1.0 + slip)
+        certainty = self._certainty(forces, leg_heights)
+        information = certainty**2 / (1.0 + slip)
         total = information.sum(1)
         share = information / total.clip(1e-12, None)[:, None]
         noise = asarray([config.leg_velocity, config.leg_height], elapsed) ** 2
@@ -128,7 +129,8 @@ class StateEstimator:
         self._rates = xp.where(due, rates[:, _SLIDES], self._rates)
         self._forces = xp.where(due, forces, self._forces)
         self._fresh = self._fresh & False
-        return Estimate(self._velocity, self._position, self._forces, feet)
+        carried = xp.where(certainty > 0, self._forces, 0.0)
+        return Estimate(self._velocity, self._position, carried, feet)
 
     def _foot_forces(self, measured: Measurement, axes: Array, elapsed: Array) -> Array:
         """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each slide."""

@@ -295,9 +295,7 @@ def check_protocols(config: Config) -> None:
     expected = "none (the commands of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():
-        names = (POLICY, *config.control)
-        names += tuple(f"{name}{ONBOARD}" for name in names)
-        _protocol(protocol, names, key, config.env.control_period)
+        _protocol(protocol, (POLICY, *config.control), key, config.env.control_period)
         check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
 
 
@@ -306,7 +304,7 @@ def _protocol(
 ) -> None:
     _commands(protocol, control_period, key)
     for name in protocol.controllers:
-        one_of(f"{key}.controllers", name, controllers)
+        one_of(f"{key}.controllers", name.removesuffix(ONBOARD), controllers)
     period(f"{key}.warm_up", protocol.warm_up, protocol.duration, control_period)
 
 

@@ -59,6 +59,33 @@ class Estimate(NamedTuple):
     feet: FootMotion
 
 
+class SlidingLeg(NamedTuple):
+    """What the force of a foot follows from.
+
+    Attributes:
+        weight: of the robot [N].
+        mass: of what moves with a slide [kg].
+        reflected_mass: of rotors and joint on the slide [kg].
+        damping: of the slide [N s/m].
+    """
+
+    weight: float
+    mass: float
+    reflected_mass: float
+    damping: float
+
+    @classmethod
+    def of(cls, robot: RobotConfig) -> "SlidingLeg":
+        """The nominal robot's."""
+        bodies = prismatic_bodies(robot)
+        return cls(
+            weight=total_mass(bodies) * GRAVITY,
+            mass=bodies["tube"].mass + bodies["foot"].mass,
+            reflected_mass=float(leg_inertia(robot)[3, 3]),
+            damping=robot.joints["slide"].damping,
+        )
+
+
 class StateEstimator:
     """Kalman filter of N robots; arrays are those of ``like``.
 
@@ -74,11 +101,7 @@ class StateEstimator:
     ) -> None:
         self._config, self._geometry = config, robot.geometry
         self._slide_efforts = asarray(Transmission.of(robot).matrix[:, _SLIDES], like)
-        bodies = prismatic_bodies(robot)
-        self._weight = total_mass(bodies) * GRAVITY
-        self._sliding = bodies["tube"].mass + bodies["foot"].mass  # [kg]
-        self._reflected = float(leg_inertia(robot)[3, 3])  # of rotors and joint [kg]
-        self._damping = robot.joints["slide"].damping
+        self._leg = SlidingLeg.of(robot)
         self._velocity, self._position = zeros((2, count, 3), like)
         self._variance = zeros((count, 2), like)  # of a velocity component, of the height
         self._rates, self._forces = zeros((2, count, 2), like)  # of the slides [m/s], feet [N]
@@ -138,8 +161,9 @@ class StateEstimator:
         rates = measured.joint_velocities[:, _SLIDES]
         pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, axes) / period
         force = measured.motor_torques @ self._slide_efforts
-        force = force - 0.5 * self._damping * (rates + self._rates) + self._sliding * pull
-        force = force - (self._reflected + self._sliding) * (rates - self._rates) / period
+        change = (rates - self._rates) / period
+        force = force - 0.5 * self._leg.damping * (rates + self._rates)
+        force = force + self._leg.mass * (pull - change) - self._leg.reflected_mass * change
         follow = (period / max(self._config.force_filter, 1e-6)).clip(0.0, 1.0)
         force = self._forces + follow * (force * axes[..., 2] - self._forces)
         return xp.where(self._fresh[:, None], 0.0, force)
@@ -147,7 +171,7 @@ class StateEstimator:
     def _certainty(self, forces: Array, heights: Array) -> Array:
         """How certainly a foot stands (N, 2) in [0, 1]: by its force, at first by its height."""
         xp, (low, high) = namespace(forces), (self._config.lifted, self._config.loaded)
-        loaded = ((forces / self._weight - low) / (high - low)).clip(0.0, 1.0)
+        loaded = ((forces / self._leg.weight - low) / (high - low)).clip(0.0, 1.0)
         lower = heights >= xp.amax(heights, 1)[:, None]
         return xp.where(self._fresh[:, None], 1.0 * lower, loaded)
 

@@ -189,7 +189,9 @@ def _simulate_network(
 ) -> Simulation:
     controller = PolicyController(network, agent)
     disturbed = None if disturbance is None else Disturbance(disturbance, (seed,))
-    physics = BatchedPhysics(robot, env.physics, 1, 1, disturbance=disturbed)
+    physics = BatchedPhysics(
+        robot, env.physics, 1, 1, disturbance=disturbed, onboard=env.estimation
+    )
     episode = Episode(controller, physics, env)
     return Simulation(episode, env.control_period, _starts(robot, noise, seed))
 

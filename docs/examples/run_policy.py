@@ -1,17 +1,18 @@
 """Run an exported policy in plain MuJoCo: no part of the package slider is needed.
 
     pip install mujoco onnxruntime
-    python run_policy.py reports/policy --command 0.6 0 0 --seconds 10
+    python run_policy.py reports/policy --command 0.6 0 0 --seconds 10 --onboard
 
 Everything comes from four files of the export: policy.onnx, policy.json, reference.npy and
-robot.xml. On a robot, replace ``observe`` by the state estimate and ``simulate`` by the
-drives.
+robot.xml. With --onboard the state is estimated from inertial unit, encoders and motor torques;
+on a robot, replace ``Simulation.measure`` by its sensors and ``Simulation.move`` by its drives.
 """
 
 from __future__ import annotations  # for Python 3.8
 
 import argparse
 import json
+import time
 from pathlib import Path
 
 import mujoco
@@ -163,46 +164,172 @@ def trilinear(grid: dict, values: np.ndarray, command: list[float]) -> np.ndarra
     return values
 
 
-def observe(data: mujoco.MjData) -> dict[str, np.ndarray]:
-    """State of the robot; MuJoCo has the linear velocity in world axes, the angular in base's."""
-    rotation = np.zeros(9)
-    mujoco.mju_quat2Mat(rotation, data.qpos[3:7])
-    rotation = rotation.reshape(3, 3)
+def state_of(
+    quaternion: np.ndarray, velocity: np.ndarray, height: float, sensors: dict[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """What the policy observes; ``velocity`` of the base in world axes [m/s]."""
+    rotation = rotation_of(quaternion)
     yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
     cosine, sine = np.cos(yaw), np.sin(yaw)
     return {
         "yaw": yaw,
-        "height": data.qpos[2],
-        "linear_velocity": rotation.T @ data.qvel[:3],
-        "angular_velocity": data.qvel[3:6].copy(),
-        "heading_velocity": np.array([[cosine, sine], [-sine, cosine]]) @ data.qvel[:2],
+        "height": height,
+        "linear_velocity": rotation.T @ velocity,
+        "angular_velocity": sensors["angular_velocity"],
+        "heading_velocity": np.array([[cosine, sine], [-sine, cosine]]) @ velocity[:2],
         "gravity": -rotation[2],
-        "joint_positions": data.qpos[7:].copy(),
-        "joint_velocities": data.qvel[6:].copy(),
+        "joint_positions": sensors["joint_positions"],
+        "joint_velocities": sensors["joint_velocities"],
     }
 
 
-def start(folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """The robot at rest in its nominal pose."""
-    layout = json.loads((folder / "policy.json").read_text())
-    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
-    data = mujoco.MjData(model)
-    data.qpos[2] = layout["observation"]["nominal_height"]
-    data.qpos[7:] = [joint["nominal"] for joint in layout["action"]["joints"]]
-    return model, data
+def rotation_of(quaternion: np.ndarray) -> np.ndarray:
+    """Base to world (3, 3) of w, x, y, z."""
+    rotation = np.zeros(9)
+    mujoco.mju_quat2Mat(rotation, quaternion)
+    return rotation.reshape(3, 3)
 
 
-def simulate(
-    model: mujoco.MjModel, data: mujoco.MjData, policy: Policy, targets: np.ndarray
-) -> None:
-    """One control period; actuators carry the names of the motors and take their angles."""
-    action = policy.layout["action"]
-    target = {joint["name"]: targets[i] for i, joint in enumerate(action["joints"])}
-    for motor in action["motors"]:
-        angle = sum(share * target[joint] for joint, share in motor["joints"].items())
-        data.actuator(motor["name"]).ctrl[0] = angle
-    for _ in range(policy.layout["simulation"]["substeps"]):
-        mujoco.mj_step(model, data)
+class Estimator:
+    """Kalman filter of velocity and height from the sensors on board.
+
+    The inertial unit's velocity increment predicts; a foot that carries weight, and so rests at the
+    lower of its ends, corrects. MuJoCo gives the kinematics of the legs.
+    """
+
+    def __init__(self, layout: dict, model: mujoco.MjModel) -> None:
+        if layout["estimator"] is None:
+            raise SystemExit("expected the settings of an estimator in policy.json, found none")
+        self.settings, self.model = layout["estimator"], model
+        self.period, self.gravity = layout["control_period"], -model.opt.gravity[2]
+        self.data = mujoco.MjData(model)  # of the kinematics
+        self.data.qpos[:3] = 0.0  # the base stays at the origin
+        names = [joint["name"] for joint in layout["action"]["joints"]]
+        self.sides = ("left", "right")
+        self.slides = [names.index(f"{side}_slide") for side in self.sides]
+        motors = layout["action"]["motors"]
+        self.efforts = np.array(
+            [[motor["joints"].get(names[slide], 0.0) for motor in motors] for slide in self.slides]
+        )
+        self.velocity, self.height = np.zeros(3), 0.0
+        self.variance, self.forces, self.rates = np.zeros(2), np.zeros(2), np.zeros(2)
+        self.started = False
+
+    def update(self, sensors: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """State from sensors, once per control period."""
+        settings, rotation = self.settings, rotation_of(sensors["quaternion"])
+        velocities, heights, axes = self._legs(sensors)
+        certainty = self._certainty(sensors, rotation, heights, axes)
+        elapsed = self.period if self.started else 0.0
+        velocity = self.velocity + rotation @ sensors["velocity_increment"]
+        velocity[2] -= self.gravity * elapsed
+        height = self.height + velocity[2] * elapsed
+        deviations = np.array([settings["acceleration"], settings["vertical_velocity"]])
+        variance = self.variance + (deviations * elapsed) ** 2
+        slip = ((velocities - velocity) ** 2).sum(1) / settings["slip"] ** 2
+        information = certainty**2 / (1.0 + slip)
+        share = information / max(information.sum(), 1e-12)
+        noise = np.array([settings["leg_velocity"], settings["leg_height"]]) ** 2
+        gain = variance * information.sum() / (variance * information.sum() + noise)
+        gain = gain if self.started else np.ones(2)
+        self.velocity = velocity + gain[0] * (share @ velocities - velocity)
+        self.height = height + gain[1] * (share @ heights - height)
+        self.variance = (1.0 - gain) * variance + (0.0 if self.started else noise)
+        self.started = True
+        return state_of(sensors["quaternion"], self.velocity, self.height, sensors)
+
+    def _legs(self, sensors: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+        """Velocity (2, 3) and height (2,) of the base by each leg, axes of the slides (2, 3)."""
+        model, data = self.model, self.data
+        data.qpos[3:7], data.qpos[7:] = sensors["quaternion"], sensors["joint_positions"]
+        data.qvel[3:6], data.qvel[6:] = sensors["angular_velocity"], sensors["joint_velocities"]
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        velocities, heights, axes, motion = (
+            np.zeros((2, 3)),
+            np.zeros(2),
+            np.zeros((2, 3)),
+            np.zeros(6),
+        )
+        for leg, side in enumerate(self.sides):
+            foot, line = data.body(f"{side}_foot"), data.geom(f"{side}_foot")
+            radius, half = model.geom(f"{side}_foot").size[:2]
+            along = half * line.xmat.reshape(3, 3)[:, 2]
+            ends = line.xpos + np.array([-along, along]) - [0.0, 0.0, radius]
+            share = 1.0 / (1.0 + np.exp((ends[:, 2] - ends[::-1, 2]) / 0.002))  # the lower end
+            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, foot.id, motion, 0)
+            velocities[leg] = -share @ (motion[3:] + np.cross(motion[:3], ends - foot.xpos))
+            heights[leg] = -share @ ends[:, 2]
+            axes[leg] = data.body(f"{side}_hip_pitch").xmat.reshape(3, 3)[:, 2]
+        return velocities, heights, axes
+
+    def _certainty(
+        self,
+        sensors: dict[str, np.ndarray],
+        rotation: np.ndarray,
+        heights: np.ndarray,
+        axes: np.ndarray,
+    ) -> np.ndarray:
+        """How certainly each foot stands (2,), by the momentum of tube and rotors."""
+        settings, rates = self.settings, sensors["joint_velocities"][self.slides]
+        before, self.rates = self.rates, rates
+        if not self.started:
+            return 1.0 * (heights == heights.max())
+        change = (rates - before) / self.period
+        pull = axes @ rotation @ sensors["velocity_increment"] / self.period
+        force = self.efforts @ sensors["motor_torques"]
+        force = force - 0.5 * settings["damping"] * (rates + before)
+        force = force + settings["mass"] * (pull - change) - settings["reflected_mass"] * change
+        follow = min(1.0, self.period / max(settings["force_filter"], 1e-6))
+        self.forces = self.forces + follow * (force * axes[:, 2] - self.forces)
+        low, high = settings["lifted"], settings["loaded"]
+        return np.clip((self.forces / settings["weight"] - low) / (high - low), 0.0, 1.0)
+
+
+class Simulation:
+    """The robot, at rest in its nominal pose at first, with perfect sensors."""
+
+    def __init__(self, folder: Path, layout: dict) -> None:
+        self.layout = layout
+        self.model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+        self.data = mujoco.MjData(self.model)
+        self.data.qpos[2] = layout["observation"]["nominal_height"]
+        self.data.qpos[7:] = [joint["nominal"] for joint in layout["action"]["joints"]]
+        self.torques = np.zeros(len(layout["action"]["motors"]))
+        self.increment = np.zeros(3)
+
+    def move(self, targets: np.ndarray) -> None:
+        """One control period; actuators carry the names of the motors and take their angles."""
+        action, substeps = self.layout["action"], self.layout["simulation"]["substeps"]
+        target = {joint["name"]: targets[i] for i, joint in enumerate(action["joints"])}
+        for motor in action["motors"]:
+            angle = sum(share * target[joint] for joint, share in motor["joints"].items())
+            self.data.actuator(motor["name"]).ctrl[0] = angle
+        velocity, torques = self.data.qvel[:3].copy(), []
+        for _ in range(substeps):
+            mujoco.mj_step(self.model, self.data)
+            torques.append([self.data.actuator(m["name"]).force[0] for m in action["motors"]])
+        self.torques = np.mean(torques, axis=0)
+        gained = self.data.qvel[:3] - velocity
+        gained -= self.model.opt.gravity * substeps * self.model.opt.timestep
+        self.increment = rotation_of(self.data.qpos[3:7]).T @ gained
+
+    def measure(self) -> dict[str, np.ndarray]:
+        """Inertial unit, encoders, motor torques; MuJoCo turns in axes of the base."""
+        return {
+            "quaternion": self.data.qpos[3:7].copy(),
+            "angular_velocity": self.data.qvel[3:6].copy(),
+            "velocity_increment": self.increment,  # of the specific force, in axes of the base
+            "joint_positions": self.data.qpos[7:].copy(),
+            "joint_velocities": self.data.qvel[6:].copy(),
+            "motor_torques": self.torques,  # mean of the control period
+        }
+
+    def state(self) -> dict[str, np.ndarray]:
+        """The true state."""
+        qpos, qvel = self.data.qpos, self.data.qvel
+        return state_of(qpos[3:7].copy(), qvel[:3].copy(), float(qpos[2]), self.measure())
 
 
 def main() -> None:
@@ -213,12 +340,29 @@ def main() -> None:
     )
     parser.add_argument("--command", type=float, nargs=3, default=(0.6, 0.0, 0.0))
     parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--onboard", action="store_true", help="estimate the state from sensors")
     arguments = parser.parse_args()
     policy = Policy(arguments.folder)
-    model, data = start(arguments.folder)
-    command = np.array(arguments.command)
+    robot = Simulation(arguments.folder, policy.layout)
+    estimator = Estimator(policy.layout, robot.model) if arguments.onboard else None
+    command, times, errors = np.array(arguments.command), [], []
     for _ in range(round(arguments.seconds / policy.layout["control_period"])):
-        simulate(model, data, policy, policy.targets(observe(data), command))
+        sensors, state = robot.measure(), robot.state()
+        if estimator is not None:
+            begin = time.perf_counter()
+            estimate = estimator.update(sensors)
+            times.append(1e3 * (time.perf_counter() - begin))
+            errors.append(estimate["linear_velocity"] - state["linear_velocity"])
+            state = estimate
+        robot.move(policy.targets(state, command))
+    data = robot.data
+    if estimator is not None:
+        error = np.sqrt(np.mean(np.square(errors), axis=0))
+        print(
+            f"estimator: {np.percentile(times, 50):.3f} ms per tick, "
+            f"99.9 % in {np.percentile(times, 99.9):.3f} ms; "
+            f"error of vx, vy: {error[0]:.4f}, {error[1]:.4f} m/s RMS"
+        )
     upright = data.qpos[2] > 0.4
     print(
         f"{'walked' if upright else 'fell'}: {data.time:.1f} s, "

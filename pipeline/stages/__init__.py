@@ -34,7 +34,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
     targets |= verification_jobs(config, library)
     targets |= {
         "figures": job("figures", "figures", {}, {"library": [library]}),
-        "policy_export": policy_export(targets["walking"]),
+        "policy_export": policy_export(config.env, targets["walking"]),
         "velocity_tracking": velocity_tracking(config, targets["table1"]),
     }
     return targets | gait_walks(config, targets) | protocol_jobs(config, targets)

@@ -1,12 +1,13 @@
 """Evaluations of a protocol, of the policy and of the baselines, and Table 1."""
 
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from pipeline.stages.entries import job
-from pipeline.stages.sections import only, robot, simulation, without
+from pipeline.stages.sections import plant, robot, simulation, without
 from slider.artefacts.plan import JobSpec
-from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
+from slider.config.control import ONBOARD, POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
 from slider.config.evaluation import EvaluationConfig
 from slider.config.hzd import enforced_section
@@ -41,7 +42,7 @@ def _evaluations(
     settings = without(protocol_section(protocol), "controllers", "speeds")
     section = {"evaluation": settings, **controlled(config, controller, None)}
     inputs = made_of(config, controller, made)
-    stage = "evaluation" if controller == POLICY else "baseline"
+    stage = "evaluation" if base_of(controller) == POLICY else "baseline"
     name = f"evaluation of {controller}"
     if protocol.profile is None:
         for speed in protocol.speeds:
@@ -61,18 +62,25 @@ def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
 
 def controlled(config: Config, controller: str, speed: float | None) -> dict[str, Any]:
     """Robot, plant and controller; the policy comes as an input."""
-    section = {"controller": controller, "speed": speed}
-    if controller == POLICY:
+    section, base = {"controller": controller, "speed": speed}, base_of(controller)
+    if base != controller:
+        config = replace(config, env=replace(config.env, sensing="onboard"))
+    if base == POLICY:
         return section | simulation(config)
-    control = config.control[controller]
-    if controller in walkers(config):
+    control = config.control[base]
+    if base in walkers(config):
         section["hzd"] = enforced_section(config.hzd)
     return section | {
         "robot": robot(config),
-        "plant": only(to_dict(config.env), "control_period", "physics", "termination"),
+        "plant": plant(config),
         "control": without(to_dict(control), "label"),
         "numerics": kernels(),
     }
+
+
+def base_of(controller: str) -> str:
+    """The controller without the suffix of one that receives the state estimated on board."""
+    return controller.removesuffix(ONBOARD)
 
 
 def walkers(config: Config) -> dict[str, HzdControlConfig]:
@@ -89,7 +97,7 @@ def check_walkable(
         UserError: ``key`` asks for one of ``controllers``, by default Table 1's, that does.
     """
     names = controllers or config.evaluation.controllers
-    found = [name for name in names if name in walkers(config)]
+    found = [name for name in names if base_of(name) in walkers(config)]
     if found and config.gait.dynamics == "knee":
         raise UserError(
             f"{key}: expected none of the family hzd with gait.dynamics=knee, "
@@ -101,15 +109,16 @@ def made_of(
     config: Config, controller: str, made: Mapping[str, JobSpec]
 ) -> dict[str, list[JobSpec]]:
     """What a controller is made of: a training, the gait library, or nothing."""
-    if controller == POLICY:
+    if base_of(controller) == POLICY:
         return {"walking": [made["walking"]]}
-    needed = ("library", "foot_placement") if controller in walkers(config) else ()
+    needed = ("library", "foot_placement") if base_of(controller) in walkers(config) else ()
     return {name: [made[name]] for name in needed}
 
 
 def gait_walks(config: Config, made: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
     """Every gait from its own first sample, with the first controller that walks by gaits."""
     for name in walkers(config):
+        config = replace(config, env=replace(config.env, sensing="true_state"))
         section = without(controlled(config, name, None), "controller", "speed")
         section |= {"steps": config.hzd.steps}
         inputs = made_of(config, name, made)
@@ -138,6 +147,7 @@ def protocol_jobs(config: Config, made: Mapping[str, JobSpec]) -> dict[str, JobS
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
     """What people call some controllers."""
     found = {POLICY: POLICY_LABEL} | {name: c.label for name, c in config.control.items()}
+    found |= {f"{name}{ONBOARD}": f"{label}, onboard state" for name, label in found.items()}
     return {name: found[name] for name in controllers}
 
 

@@ -1,5 +1,6 @@
 """Parts of sections that several stages have in common."""
 
+from dataclasses import replace
 from typing import Any
 
 from slider.artefacts.plan import JobSpec
@@ -25,7 +26,17 @@ def robot(config: Config) -> dict[str, Any]:
 
 def simulation(config: Config) -> dict[str, Any]:
     """The robot and the environment of its policies, and what their networks compute with."""
-    return {"robot": robot(config), "env": to_dict(config.env), "numerics": kernels()}
+    return {"robot": robot(config), "env": environment(config), "numerics": kernels()}
+
+
+def environment(config: Config) -> dict[str, Any]:
+    """The environment, without sensors that it does not use."""
+    return to_dict(replace(config.env, onboard=config.env.estimation))
+
+
+def plant(config: Config) -> dict[str, Any]:
+    """The environment's part for controllers other than the policy."""
+    return to_dict(config.env.plant)
 
 
 def origin(job: JobSpec) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from pipeline.stages.sections import origin, simulation
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import code_of
 from slider.config.convert import to_dict
+from slider.config.env import EnvConfig
 from slider.config.schema import Config
 from slider.config.train import WARP, TrainConfig
 from slider.core.machine import device, precision
@@ -70,9 +71,13 @@ def _resolved(train: TrainConfig) -> TrainConfig:
     return replace(train, device=place, ppo=ppo)
 
 
-def policy_export(walking: JobSpec) -> JobSpec:
+def policy_export(env: EnvConfig, walking: JobSpec) -> JobSpec:
     """The policy for use without this package; the policy file brings its configuration along."""
     seen = walking.section["env"]["observation"]["terms"]
     # Meanings are docstrings: they are in the layout, but in no digest of the source.
-    section = {"origin": origin(walking), "meanings": {n: TERMS[n].meaning for n in seen}}
+    section = {
+        "origin": origin(walking),
+        "estimator": None if env.onboard is None else to_dict(env.onboard.estimator),
+        "meanings": {n: TERMS[n].meaning for n in seen},
+    }
     return job("policy_export", "policy export", section, {"walking": [walking]})

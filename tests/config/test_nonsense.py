@@ -46,13 +46,21 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.vx*", "*.vy*", "*.yaw_rate*", "*speeds[[]*", "speeds.table1[[]*"),  # to stand still
         "*.speeds[[]*",
         *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
-        *("*.start.*", "*.sensing.*", "*.delay.*", "*.centre_of_mass", "*.push.speed"),  # nominal
+        *(
+            "*.start.*",
+            "*.sensing.*",
+            "*.sensors.*",
+            "*.delay.*",
+            "*.centre_of_mass",
+            "*.push.speed",
+        ),  # nominal
         *("*.amplitude", "*.damping", "*.armature"),  # flat; none of its own
         *("*.kp", "*.kd", "*.whole_body.*.weight[[]*", "*_weight", "*_coefficient"),  # switched off
         *("*.reward.terms.*.weight", "*.reward.terms.*.params.*", "*.floor", "*.on_fall"),
         *("*.action.scale.*", "*.termination.terms.*"),  # a passive joint; no contact at all
         *("*.warm_up", "*.ramp", "*.segments[[]0].time", "*.tracking_*"),  # at once, exact
         *("*.iterations", "*.period", "*fraction", "*.lam", "*.actor_ema"),  # never, none
+        *("*.estimator.lifted", "*.estimator.force_filter"),
         *("*.velocity_filter", "*.step_time", "*.halt.*", "*.acceleration"),  # documented: off
         *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
         *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),

@@ -3,11 +3,13 @@
 import importlib.util
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from slider.config.env import SensorsConfig
 from slider.control.export import write_files
 from slider.control.policy import PolicyController
 from slider.env.interface import AgentInterface
@@ -38,6 +40,7 @@ COMPUTED = {  # by the program; a robot's own terms are left out of the policies
     "phase",
     "height_scan",
 }
+ONBOARD = config("experiment=test").env.onboard
 STEPS, STARTED, STOPPED = 65, 5, 45  # the command is zero before and afterwards
 
 
@@ -80,18 +83,19 @@ def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, tu
     controller = PolicyController(policy.network, agent)
     controller.reset(physics.read(), np.zeros((1, 3)))
     example = load_example()
-    model, data = example.start(tmp_path)
     outside = example.Policy(tmp_path)
+    robot = example.Simulation(tmp_path, outside.layout)
+    data = robot.data
     actions, halted = [], []
     for step in range(STEPS):
         command = VELOCITY if STARTED <= step < STOPPED else np.zeros(3)
         controller.set_velocity(command[None])
         expected = controller.control(physics.read())
-        targets = outside.targets(example.observe(data), command)
+        targets = outside.targets(robot.state(), command)
         np.testing.assert_allclose(targets, expected[0], atol=1e-4, err_msg=f"step {step}")
         physics.step(expected)
         data.qacc_warmstart[:] = 0.0  # the package keeps no warm start from step to step
-        example.simulate(model, data, outside, targets)
+        robot.move(targets)
         actions.append(outside.action)
         halted.append(outside.halted)
         np.testing.assert_allclose(data.qpos, physics.qpos[0], atol=1e-6)
@@ -110,6 +114,27 @@ def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, tu
         assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()
 
 
+def test_it_estimates_the_state_like_the_package(tmp_path):
+    onboard = replace(ONBOARD, sensors=SensorsConfig(*[0.0] * 13))
+    policy = write_files(written(tmp_path), {}, tmp_path, onboard.estimator)
+    physics = BatchedPhysics(policy.robot, policy.env.physics, 1, onboard=onboard)
+    example = load_example()
+    outside = example.Policy(tmp_path)
+    robot = example.Simulation(tmp_path, outside.layout)
+    estimator = example.Estimator(outside.layout, robot.model)
+    physics.reset(np.arange(1), robot.data.qpos[None].copy(), np.zeros((1, 18)))
+    for _ in range(STEPS):
+        expected, state = physics.measure(physics.read()), estimator.update(robot.measure())
+        for name in ("linear_velocity", "heading_velocity", "gravity", "yaw"):
+            np.testing.assert_allclose(state[name], getattr(expected, name)[0], atol=1e-6)
+        assert state["height"] == pytest.approx(expected.base_height[0], abs=1e-6)
+        targets = outside.targets(state, VELOCITY)
+        robot.data.qacc_warmstart[:] = 0.0
+        robot.move(targets)
+        physics.step(targets[None])
+    assert abs(expected.heading_velocity[0, 0]) > 0.01, "the robot must move"
+
+
 @pytest.mark.parametrize("name", ["default", "paper"])
 def test_it_computes_every_term_of_a_configuration(name):
     more = config(f"env/observation={name}").env.observation.terms.keys() - COMPUTED
@@ -120,8 +145,8 @@ def test_it_computes_every_term_of_a_configuration(name):
 def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
     write_files(written(tmp_path), {}, tmp_path)
     example = load_example()
-    _, data = example.start(tmp_path)
-    outside, state = example.Policy(tmp_path), example.observe(data)
+    outside = example.Policy(tmp_path)
+    state = example.Simulation(tmp_path, outside.layout).state()
     outside.heading_target = 0.0
     assert outside.terms(state, VELOCITY).keys() >= COMPUTED
     outside.layout["observation"]["terms"][3] |= {"name": "smell", "meaning": "how it smells"}
@@ -130,15 +155,22 @@ def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
 
 
 def test_it_runs_as_a_program_without_the_package(tmp_path):
-    write_files(written(tmp_path), {}, tmp_path)
+    write_files(written(tmp_path), {}, tmp_path, ONBOARD.estimator)
     blocked = tmp_path / "blocked" / "slider"
     blocked.mkdir(parents=True)
     (blocked / "__init__.py").write_text("raise ImportError('the example needs the package')")
     answer = subprocess.run(
-        [sys.executable, str(EXAMPLE), str(tmp_path), "--command", "0", "0", "0", "--seconds", "1"],
+        [
+            sys.executable,
+            str(EXAMPLE),
+            str(tmp_path),
+            *["--command", "0", "0", "0", "--seconds", "1", "--onboard"],
+        ],
         env={"PYTHONPATH": str(blocked.parent)},
         capture_output=True,
         text=True,
         check=False,
     )
-    assert answer.stdout.startswith(("walked: 1.0 s", "fell: 1.0 s")), answer.stderr
+    first, last = answer.stdout.splitlines() or ("", answer.stderr)
+    assert first.startswith("estimator: "), answer.stderr
+    assert last.startswith(("walked: 1.0 s", "fell: 1.0 s"))

@@ -33,6 +33,7 @@ def recording(
         position=np.zeros((STEPS, count, 2)),
         foot_positions=np.zeros((STEPS, count, 2, 3)),
         contacts=make_contacts(np.repeat(forces, TICKS, axis=0)),
+        estimate_error=np.zeros((STEPS, count, 4)),
         power=np.zeros((STEPS, count)),
         effort_share=np.zeros((STEPS, count)),
         speed_share=np.zeros((STEPS, count)),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from slider.core.errors import UserError
-from slider.env.metrics import GaitQuality, Tracking
+from slider.env.metrics import EstimateError, GaitQuality, Tracking
 from slider.evaluation import segments
 from slider.evaluation.results import (
     COLUMNS,
@@ -28,10 +28,10 @@ from tests.evaluation.test_segments import case, protocol, recording
 def random_robots() -> Robots:
     rng = np.random.default_rng(0)
     survived = np.array([True, True, False, True, False, True])
-    exponents = range(-4, len(fields(GaitQuality)) - 1)
+    exponents = range(-4, len(fields(GaitQuality)) + 3)
     numbers = [np.where(survived, 10.0**k * rng.uniform(size=6), np.nan) for k in exponents]
     tracked = Tracking(survived, *numbers[:3], tracked=survived & (np.arange(6) > 2))
-    return robots(2, 3, tracked, GaitQuality(*numbers[3:]), ~survived)
+    return robots(2, 3, tracked, GaitQuality(*numbers[7:]), EstimateError(*numbers[3:7]), ~survived)
 
 
 def make_robots(survived: list[list[int]], error: list[list[float]]) -> Robots:
@@ -41,7 +41,8 @@ def make_robots(survived: list[list[int]], error: list[list[float]]) -> Robots:
     tracked = alive & (np.arange(alive.shape[1]) == 0)
     tracking = Tracking(alive.ravel(), errors, errors / 10, errors + 1, tracked.ravel())
     quality = GaitQuality(*(errors * k for k in range(len(fields(GaitQuality)))))
-    return robots(*alive.shape, tracking, quality, np.zeros(alive.size, dtype=bool))
+    estimate = EstimateError(*(errors * k for k in range(4)))
+    return robots(*alive.shape, tracking, quality, estimate, np.zeros(alive.size, dtype=bool))
 
 
 def write_evaluation(folder: Path, command: float, found: Robots) -> Path:

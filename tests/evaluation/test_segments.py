@@ -82,6 +82,7 @@ def recording() -> Recording:
         position=position,
         foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
         contacts=make_contacts(np.repeat(forces, 4, axis=0)),
+        estimate_error=np.zeros((STEPS, COUNT, 4)),
         power=np.zeros((STEPS, COUNT)),
         effort_share=np.zeros((STEPS, COUNT)),
         speed_share=np.zeros((STEPS, COUNT)),

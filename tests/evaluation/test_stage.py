@@ -213,7 +213,7 @@ def test_policy_and_baseline_meet_the_same_robots():
     test = protocol.Protocol("policy", 0.2, None, whole.robot, whole.evaluation)
     count, control = test.count, whole.control["mpc_wbc_tuned"]
     slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=test.disturbance)
-    fast = build_plant(whole.robot, whole.env.physics, control, count, disturbance=test.disturbance)
+    fast = build_plant(whole.robot, whole.env.plant, control, count, disturbance=test.disturbance)
     stand(slow), stand(fast)
     np.testing.assert_array_equal(slow.masses, fast.masses)
     assert len(np.unique(slow.masses)) == count

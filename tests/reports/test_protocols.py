@@ -61,6 +61,7 @@ def case_recording(case: CaseConfig, alive: np.ndarray) -> Recording:
         position=np.cumsum(velocity, axis=0) * PERIOD,
         foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
         contacts=make_contacts(np.zeros((STEPS, COUNT, 2))),
+        estimate_error=np.zeros((STEPS, COUNT, 4)),
         power=zeros,
         effort_share=zeros,
         speed_share=zeros,

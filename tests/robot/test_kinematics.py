@@ -11,6 +11,7 @@ from slider.robot import names
 from slider.robot.kinematics import (
     about_z,
     foot_ends,
+    foot_motion,
     leg_points,
     quaternion_from_tilt,
     rotation_from_quaternion,
@@ -71,6 +72,29 @@ def test_points_of_the_legs_are_where_mujoco_has_them():
             upper = np.array([[-geometry.heel, 0, 0.045], [geometry.toe, 0, 0.045]])
             upper = bodies[2].xpos + upper @ bodies[2].xmat.reshape(3, 3).T
             np.testing.assert_allclose(points[leg, 3:], upper, atol=1e-12)
+
+
+def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests():
+    model = build_model(ROBOT, SimulationOptions())
+    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(6), ROBOT.geometry
+    velocity = np.zeros(6)
+    for _ in range(20):
+        tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
+        data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
+        data.qpos[7:], data.qvel[3:] = joints[0], rng.standard_normal(15)
+        mujoco.mj_forward(model, data)
+        rotation = rotation_from_quaternion(data.qpos[None, 3:7])
+        turning, rates = rotation @ data.qvel[3:6], data.qvel[None, 6:]
+        motion = foot_motion(geometry, rotation, turning, joints, rates)
+        for leg, side in enumerate(names.SIDES):
+            body = data.body(names.foot(side)).id
+            kind = mujoco.mjtObj.mjOBJ_XBODY
+            mujoco.mj_objectVelocity(model, data, kind, body, velocity, 0)
+            arms = motion.positions[0, leg] + data.qpos[:3] - data.xpos[body]
+            expected = velocity[3:] + np.cross(velocity[:3], arms)
+            np.testing.assert_allclose(motion.velocities[0, leg], expected, atol=1e-12)
+            axis = data.body(f"{side}_hip_pitch").xmat.reshape(3, 3)[:, 2]
+            np.testing.assert_allclose(motion.axes[0, leg], axis, atol=1e-12)
 
 
 def test_standing_height_puts_the_lowest_foot_point_on_the_ground():

@@ -59,6 +59,7 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
         position=np.zeros((50, 4, 2)),
         foot_positions=np.zeros((50, 4, 2, 3)),
         contacts=make_contacts(np.repeat(forces, 4, axis=0)),
+        estimate_error=np.zeros((50, 4, 4)),
         power=np.zeros((50, 4)),
         effort_share=np.zeros((50, 4)),
         speed_share=np.zeros((50, 4)),

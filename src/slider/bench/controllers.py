@@ -12,7 +12,6 @@ import numpy as np
 from slider.artefacts.current import add_store_argument
 from slider.bench import timed
 from slider.config.control import HzdControlConfig
-from slider.config.env import PlantConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 from slider.control.hzd.gaits import EnforcedGaits
@@ -102,8 +101,8 @@ def measure(
 ) -> Cost:
     """Roll a controller out at a forward speed [m/s] from the protocol's starts."""
     env, control = config.env, config.control[name]
-    plant = PlantConfig(env.control_period, env.physics, env.termination)
-    physics = build_plant(config.robot, env.physics, control, robots)
+    plant = env.plant
+    physics = build_plant(config.robot, plant, control, robots)
     controller = build_controller(config.robot, control, env.physics, robots, gaits)
     start = at_rest(config.robot, config.evaluation.start, np.random.default_rng(0), robots)
     velocities = np.tile([speed, 0.0, 0.0], (robots, 1))

@@ -28,6 +28,7 @@ from slider.config.types import (
 
 POLICY = "policy"  # the learned controller; every other one is named in ``Config.control``
 POLICY_LABEL = "policy (ours)"
+ONBOARD = "_onboard"  # NAME_onboard: controller NAME, which receives the state estimated on board
 PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)"}
 """Controllers of the paper's Table 1; its rows are in ``slider/reports/paper_table1.csv``."""
 

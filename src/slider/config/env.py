@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 from slider.config.types import (
     STRICT,
     Count,
+    Factor,
     Metres,
     MetresPerSecond,
     MetresPerSecond2,
@@ -18,6 +19,7 @@ from slider.config.types import (
     Radians,
     RadiansPerSecond,
     Seconds,
+    Share,
     Unit,
 )
 
@@ -86,6 +88,67 @@ class ReferenceConfig:
 
 
 @dataclass(frozen=True, config=STRICT)
+class SensorsConfig:
+    """Errors of encoders, inertial unit and motor currents: standard deviations.
+
+    White noise is drawn at each reading, a bias once per episode.
+    """
+
+    joint_position: NonNegative[Radians]
+    slide_position: NonNegative[Metres]
+    joint_velocity: NonNegative[RadiansPerSecond]
+    slide_velocity: NonNegative[MetresPerSecond]
+    joint_bias: NonNegative[Radians]
+    """of encoder zeros; slides have none"""
+    angular_velocity: NonNegative[RadiansPerSecond]
+    angular_velocity_bias: NonNegative[RadiansPerSecond]
+    orientation: NonNegative[Radians]
+    """of the inertial unit about each axis"""
+    tilt_bias: NonNegative[Radians]
+    """of roll and pitch"""
+    heading_drift: NonNegative[RadiansPerSecond]
+    """rate at which the heading goes astray"""
+    velocity_increment: NonNegative[MetresPerSecond]
+    """of the inertial unit's velocity increments over a second"""
+    acceleration_bias: NonNegative[MetresPerSecond2]
+    torque: NonNegative[Factor]
+    """error of each motor's torque constant"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class EstimatorConfig:
+    """Kalman filter of velocity and height; see ``slider.env.estimator``."""
+
+    acceleration: Positive[MetresPerSecond2]
+    """standard deviation of the acceleration by the inertial unit, its tilt error included"""
+    vertical_velocity: Positive[MetresPerSecond]
+    """standard deviation of the vertical velocity that the height is predicted with"""
+    leg_velocity: Positive[MetresPerSecond]
+    """standard deviation of the velocity by a leg that carries the robot"""
+    leg_height: Positive[Metres]
+    """standard deviation of the height by a leg that carries the robot"""
+    slip: Positive[MetresPerSecond]
+    """a foot that appears to slip at this speed counts half"""
+    lifted: Share
+    """of the weight: a foot that carries less is in the air"""
+    loaded: Share
+    """of the weight: a foot that carries more stands"""
+    force_filter: Seconds
+    """time constant of the feet's forces"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class OnboardConfig:
+    """Sensors of the robot, and the estimator that reads them."""
+
+    sensors: SensorsConfig
+    estimator: EstimatorConfig
+
+
+Sensing = Literal["true_state", "onboard"]
+
+
+@dataclass(frozen=True, config=STRICT)
 class TerminationConfig:
     """What ends an episode."""
 
@@ -136,6 +199,13 @@ class PlantConfig:
     """time between two outputs of the policy"""
     physics: PhysicsConfig
     termination: TerminationConfig
+    onboard: OnboardConfig | None = None
+    """what estimates the state that the controller receives; null: it receives the true one"""
+
+    @property
+    def estimation(self) -> OnboardConfig | None:
+        """Sensors and estimator, if controllers receive their estimate."""
+        return self.onboard
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -151,3 +221,17 @@ class EnvConfig:
     termination: TerminationConfig
     phase: PhaseConfig
     start: StartNoise = field(default_factory=lambda: StartNoise(0, 0, 0, 0, 0, 0))
+    sensing: Sensing = "true_state"
+    """what controllers receive: the true state, or its estimate from the sensors on board"""
+    onboard: OnboardConfig | None = None
+    """not in the section of a stage that does not use it"""
+
+    @property
+    def estimation(self) -> OnboardConfig | None:
+        """Sensors and estimator, if controllers receive their estimate."""
+        return self.onboard if self.sensing == "onboard" else None
+
+    @property
+    def plant(self) -> PlantConfig:
+        """The part for controllers other than the policy."""
+        return PlantConfig(self.control_period, self.physics, self.termination, self.estimation)

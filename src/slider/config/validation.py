@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from slider.config.checks import distinct, multiple, named, one_of, ordered, period, require
 from slider.config.control import (
+    ONBOARD,
     PAPER_LABELS,
     POLICY,
     POLICY_LABEL,
@@ -138,6 +139,12 @@ def check_env(env: EnvConfig) -> None:
     period = env.physics.timestep * env.physics.substeps
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
     require(abs(period - env.control_period) < 1e-9, "env.physics", expected, period)
+    require(env.onboard is not None, "env.onboard", "sensors and estimator", "none")
+    if env.onboard is not None:  # for the type checker
+        estimator = env.onboard.estimator
+        expected = f"a value > {estimator.lifted}"
+        possible = estimator.loaded > estimator.lifted
+        require(possible, "env.onboard.estimator.loaded", expected, estimator.loaded)
     check_names("env.action.scale", env.action.scale, LEG_JOINTS)
     possible = env.phase.enabled or env.action.offset == "nominal"
     require(possible, "env.action.offset", "nominal where there is no phase", env.action.offset)
@@ -178,6 +185,7 @@ def _machine(train: TrainConfig, config: Config, key: str) -> None:
     """Physics, device and precision that go together."""
     own = {
         "disturbance.ground.amplitude > 0": train.disturbance.ground.amplitude > 0,
+        "env.sensing=onboard": config.env.sensing == "onboard",
     }
     for setting, chosen in own.items():
         possible = train.simulator == "mujoco" or not chosen
@@ -245,6 +253,7 @@ def check_controls(controls: Mapping[str, AnyControl], env: EnvConfig) -> None:
     for name, control in controls.items():
         key = f"control.{name}"
         require(name not in _TAKEN, key, f"another name than {', '.join(_TAKEN)}", name)
+        require(not name.endswith(ONBOARD), key, f"a name that does not end with {ONBOARD}", name)
         _label(control.label, labels, f"{key}.label")
         labels[control.label] = name
         _control(control, env, key)
@@ -295,7 +304,7 @@ def _protocol(
 ) -> None:
     _commands(protocol, control_period, key)
     for name in protocol.controllers:
-        one_of(f"{key}.controllers", name, controllers)
+        one_of(f"{key}.controllers", name.removesuffix(ONBOARD), controllers)
     period(f"{key}.warm_up", protocol.warm_up, protocol.duration, control_period)
 
 

@@ -23,6 +23,8 @@ import torch
 from onnx import TensorProto, helper, numpy_helper
 from torch import nn
 
+from slider.config.convert import from_dict
+from slider.config.env import EstimatorConfig
 from slider.control import (
     EXPORT_FILES,
     LAYOUT,
@@ -81,7 +83,14 @@ class Agreement:
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Export the walking policy."""
     torch.set_num_threads(job.threads)
-    agreement = export(inputs["walking"][0] / POLICY_FILE, section["origin"], out, job.threads)
+    estimator = section["estimator"]
+    agreement = export(
+        inputs["walking"][0] / POLICY_FILE,
+        section["origin"],
+        out,
+        job.threads,
+        None if estimator is None else from_dict(EstimatorConfig, estimator),
+    )
     job.volatile["onnx_difference"] = agreement.onnx  # rounding depends on the machine
     job.volatile["torch_export_difference"] = agreement.torch_export
     for name in EXPORT_FILES:
@@ -89,7 +98,13 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"observations": agreement.observations, "tolerance": TOLERANCE}
 
 
-def export(policy_file: Path, origin: dict[str, Any], out: Path, threads: int = 1) -> Agreement:
+def export(
+    policy_file: Path,
+    origin: dict[str, Any],
+    out: Path,
+    threads: int = 1,
+    estimator: EstimatorConfig | None = None,
+) -> Agreement:
     """Write the files ``EXPORT_FILES`` into ``out`` and compare the networks with the policy.
 
     Args:
@@ -97,21 +112,27 @@ def export(policy_file: Path, origin: dict[str, Any], out: Path, threads: int = 
         origin: provenance, copied into the layout beside the digest of the policy file.
         out: existing folder.
         threads: of the roll-out.
+        estimator: of the state on board, for the layout.
 
     Raises:
         UserError: no policy file, or an exported network acts differently.
     """
-    policy = write_files(policy_file, origin, out)
+    policy = write_files(policy_file, origin, out, estimator)
     observations = record_observations(policy, _DURATION, threads)
     agreement = compare(policy, out / ONNX, out / TORCH_EXPORT, observations)
     agreement.check()
     return agreement
 
 
-def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
+def write_files(
+    policy_file: Path,
+    origin: dict[str, Any],
+    out: Path,
+    estimator: EstimatorConfig | None = None,
+) -> Policy:
     """Write the files, unchecked; return the policy. Arguments and errors as in ``export``."""
     policy = load_policy(policy_file)
-    layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin})
+    layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin}, estimator)
     save_onnx(policy.network, layout, out / ONNX)
     save_torch(policy.network, layout, out / TORCH_EXPORT)
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from slider.config.convert import to_dict
+from slider.config.env import EstimatorConfig
 from slider.control import REFERENCE
 from slider.control.policy_file import Policy
+from slider.env.estimator import SlidingLeg
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
 from slider.library.lookup import JointTable, StepTimes
@@ -28,7 +30,7 @@ from slider.robot.names import (
 from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
-VERSION = 8
+VERSION = 9
 INPUT, OUTPUT = "observations", "actions"
 
 _PROCEDURE = [
@@ -51,12 +53,15 @@ _PROCEDURE = [
 ]
 
 
-def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
+def describe(
+    policy: Policy, provenance: dict[str, Any], estimator: EstimatorConfig | None = None
+) -> dict[str, Any]:
     """Layout of a policy as nested plain values, ready for JSON.
 
     Args:
         policy: with the robot and the environment of its training.
         provenance: origin, copied unchanged.
+        estimator: of the state on board.
     """
     agent = AgentInterface(policy.robot, policy.env, 1, policy.times, policy.reference)
     return {
@@ -70,6 +75,7 @@ def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
         "action": _action(policy, agent),
         "clock": _clock(policy),
         "reference": _reference(policy),
+        "estimator": None if estimator is None else _estimator(policy, estimator),
         "simulation": {
             "timestep": policy.env.physics.timestep,
             "substeps": policy.env.physics.substeps,
@@ -197,6 +203,16 @@ def _motors(policy: Policy) -> list[dict[str, Any]]:
         }
         for index, (name, row) in enumerate(zip(MOTORS, motors.matrix, strict=True))
     ]
+
+
+def _estimator(policy: Policy, config: EstimatorConfig) -> dict[str, Any]:
+    """Settings of the estimator on board, and masses that the force of a foot follows from."""
+    return {
+        "meaning": "a Kalman filter of the base's velocity and height, from inertial unit, "
+        "encoders and motor torques: see Estimator in run_policy.py",
+        **to_dict(config),
+        **SlidingLeg.of(policy.robot)._asdict(),
+    }
 
 
 def _clock(policy: Policy) -> dict[str, Any] | None:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from slider.config.control import AnyControl, MpcConfig
-from slider.config.env import PhysicsConfig
+from slider.config.env import PhysicsConfig, PlantConfig
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.hzd.steps import hzd_controller
@@ -53,12 +53,14 @@ def build_controller(
 
 def build_plant(
     robot: RobotConfig,
-    config: PhysicsConfig,
+    plant: PlantConfig,
     control: AnyControl,
     count: int,
     disturbance: Disturbance | None = None,
     threads: int = 1,
 ) -> BatchedPhysics:
     """The simulation on torque drives, stepped from one control tick to the next."""
-    settings = replace(config, substeps=control.substeps)
-    return BatchedPhysics(robot, settings, count, threads, "torque", disturbance)
+    settings = replace(plant.physics, substeps=control.substeps)
+    return BatchedPhysics(
+        robot, settings, count, threads, "torque", disturbance, onboard=plant.estimation
+    )

@@ -56,6 +56,31 @@ def tracking(recording: Recording, warm_up: float, tolerance: float, relative: f
 
 
 @dataclass(frozen=True)
+class EstimateError:
+    """Root mean square error per robot (N,) of the state that the controller receives.
+
+    From ``warm_up`` on; NaN where a robot fell.
+
+    Attributes:
+        estimate_vx, estimate_vy: of the velocity in the heading frame [m/s].
+        estimate_height: of the base [m].
+        estimate_tilt: angle between the directions of gravity [rad].
+    """
+
+    estimate_vx: np.ndarray
+    estimate_vy: np.ndarray
+    estimate_height: np.ndarray
+    estimate_tilt: np.ndarray
+
+
+def estimate_error(recording: Recording, warm_up: float) -> EstimateError:
+    """Errors of the received state."""
+    errors = recording.estimate_error[round(warm_up / recording.period) :]
+    rms = np.sqrt((errors.astype(float) ** 2).mean(axis=0))
+    return EstimateError(*_where(recording.survived[:, None], rms).T)
+
+
+@dataclass(frozen=True)
 class GaitQuality:
     """How a robot walks, per robot (N,), from ``warm_up`` on; NaN where a robot fell.
 

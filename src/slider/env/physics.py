@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from slider.config.env import PhysicsConfig
+from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
 from slider.env.disturbance import models
@@ -19,6 +19,7 @@ from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance
 from slider.env.ground import FLAT
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
+from slider.env.onboard import OnboardState
 from slider.env.reading import SPEED_LIMIT, SensorIndex, columns_of, read
 from slider.env.state import RobotState
 from slider.robot import names
@@ -45,8 +46,9 @@ class BatchedPhysics:
     Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
     torques of them. See :class:`SimulationOptions`.
     A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
-    :meth:`measure`. Without ``instruments`` it is faster but has no :meth:`contacts`. Robots that
-    :meth:`retire` stay where they are until they are placed anew.
+    :meth:`measure`; with ``onboard`` that is the estimate from the robot's sensors. Without
+    ``instruments`` it is faster but has no :meth:`contacts`. Robots that :meth:`retire` stay where
+    they are until they are placed anew.
     """
 
     def __init__(
@@ -58,6 +60,7 @@ class BatchedPhysics:
         actuation: Actuation = "position",
         disturbance: Disturbance | None = None,
         instruments: bool = True,
+        onboard: OnboardConfig | None = None,
     ) -> None:
         options = SimulationOptions(
             config.timestep,
@@ -90,6 +93,10 @@ class BatchedPhysics:
         self._state = np.tile(self._rest, (num_robots, 1))
         self._sensors = np.zeros((num_robots, self.model.nsensordata))
         self._series = self._state[:, None], self._sensors[:, None]
+        self._onboard: OnboardState | None = None
+        if onboard is not None:
+            seeds = (0,) if disturbance is None else disturbance.seeds
+            self._onboard = OnboardState(onboard, robot, seeds, num_robots, self._rest)
         self._diverged = np.zeros(num_robots, dtype=bool)
         self._retired = np.zeros(num_robots, dtype=bool)
         self._index = SensorIndex(self.model)
@@ -133,6 +140,8 @@ class BatchedPhysics:
         self.qpos[index] = qpos
         self.qvel[index] = qvel
         self._sensors[index] = 0.0
+        if self._onboard is not None:
+            self._onboard.begin(index, qpos, qvel)
         self._diverged[index] = self._retired[index] = False
 
     def retire(self, robots: np.ndarray) -> None:
@@ -158,6 +167,8 @@ class BatchedPhysics:
             sensors[self._diverged] = 0.0
         self._state, self._sensors = states[:, -1].copy(), sensors[:, -1].copy()
         self._series = states, sensors
+        if self._onboard is not None:
+            self._onboard.advance(self.period, sensors.take(self._index.torques, 2).mean(axis=1))
         if self._disturber is not None:
             self._disturber.wrap(self.qpos)
 
@@ -233,11 +244,15 @@ class BatchedPhysics:
         return state if self._disturber is None else self._disturber.in_world(state)
 
     def measure(self, state: RobotState) -> RobotState:
-        """The state as a controller receives it: with sensor noise."""
+        """The state as a controller receives it: with sensor noise, or estimated."""
+        if self._onboard is not None:
+            return self._onboard.measure(state)
         return state if self._disturber is None else self._disturber.measure(state)
 
     def restart_disturbances(self) -> None:
         """Let the same disturbances follow as after construction."""
+        if self._onboard is not None:
+            self._onboard.restart()
         if self._disturber is not None:
             self._disturber.restart()
 

@@ -56,6 +56,8 @@ class Recording:
         position: (S, N, 2) of the base in the world [m].
         foot_positions: (S, N, 2, 3) [m], z above the ground below.
         contacts: of the feet and between the legs at each of the T simulation steps.
+        estimate_error: (S, N, 4) of the state that the controller receives: forward and leftward
+            velocity [m/s], height [m], tilt [rad].
         power, effort_share, speed_share: (S, N) see :class:`DriveLoads`, over each control step.
         diverged: (N,) the simulation blew up; of robots given up, before that.
         weight: (N,) m g [N].
@@ -69,6 +71,7 @@ class Recording:
     position: np.ndarray
     foot_positions: np.ndarray
     contacts: Contacts
+    estimate_error: np.ndarray
     power: np.ndarray
     effort_share: np.ndarray
     speed_share: np.ndarray
@@ -131,7 +134,8 @@ def roll_out(
         state, record = run_ticks(controller, physics, state, ticks)
         diverged |= record.diverged
         alive = alive & ~terminations.failed(state, config.termination.terms) & ~diverged
-        rows.append(_row(alive, state) | record.loads._asdict())
+        row = _row(alive, state) | record.loads._asdict()
+        rows.append(row | {"estimate_error": record.estimate_error})
         contacts.append(record.contacts)
         progress((step + 1) / steps)
         if isinstance(controller, GivesUp):
@@ -152,9 +156,16 @@ def roll_out(
 
 
 class StepRecord(NamedTuple):
-    """What happened while the plant was stepped: robots (N,) that blew up, loads, contacts."""
+    """What happened while the plant was stepped.
+
+    Attributes:
+        diverged: (N,) the simulation blew up.
+        estimate_error: (N, 4) at its start; see :class:`Recording`.
+        loads, contacts: of the drives, of feet and legs.
+    """
 
     diverged: np.ndarray
+    estimate_error: np.ndarray
     loads: DriveLoads
     contacts: Contacts
 
@@ -170,13 +181,24 @@ def run_ticks(
     diverged = np.zeros(physics.num_robots, dtype=bool)
     loads: list[DriveLoads] = []
     contacts: list[Contacts] = []
+    errors: list[np.ndarray] = []
     for _ in range(ticks):
-        physics.step(controller.control(physics.measure(state)))
+        measured = physics.measure(state)
+        errors.append(_estimate_error(measured, state))
+        physics.step(controller.control(measured))
         state = physics.read()
         loads.append(physics.loads())
         contacts.append(physics.contacts())
         diverged |= state.diverged
-    return state, StepRecord(diverged, over(loads), join(contacts))
+    return state, StepRecord(diverged, errors[0], over(loads), join(contacts))
+
+
+def _estimate_error(measured: RobotState, state: RobotState) -> np.ndarray:
+    """Forward, leftward velocity, height and tilt (N, 4); see :class:`Recording`."""
+    velocity = measured.heading_velocity - state.heading_velocity
+    height = measured.base_height - state.base_height
+    tilt = np.linalg.norm(measured.gravity - state.gravity, axis=1)
+    return np.column_stack([velocity, height, tilt]).astype(np.float32)
 
 
 def _row(alive: np.ndarray, state: RobotState) -> dict[str, np.ndarray]:

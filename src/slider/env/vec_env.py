@@ -55,6 +55,7 @@ class WalkingEnv(VecEnv):
             config.physics,
             self.num_envs,
             disturbance=Disturbance(train.disturbance, (train.seed,)),
+            onboard=config.estimation,
         )
         like = self._like = torch.as_tensor(self.physics.qpos[:0])
         self.device = like.device

@@ -37,7 +37,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     library = GaitLibrary.load(inputs["library"][0] / STORE)
     config = replace(config, fastest=float(library.velocities[:, 0].max()))  # each at its own speed
     gaits = EnforcedGaits.load(inputs["library"][0], inputs["foot_placement"][0], section["hzd"])
-    physics = build_plant(robot, plant.physics, config, len(library), threads=job.threads)
+    physics = build_plant(robot, plant, config, len(library), threads=job.threads)
     controller = hzd_controller(robot, config, gaits, physics.period)
     walks = walk(controller, physics, plant, library, section["steps"], job)
     columns = dict(zip(VELOCITY, library.velocities.T, strict=True)) | walks

@@ -12,7 +12,7 @@ from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.config.robot import RobotConfig
 from slider.core.job import Job, Section, Summary
 from slider.env.disturbance.draws import Disturbance
-from slider.env.metrics import gait_quality, tracking
+from slider.env.metrics import estimate_error, gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
 from slider.env.starts import at_rest
@@ -87,7 +87,14 @@ def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> S
         recording, config.warm_up, config.tracking_tolerance, config.tracking_relative
     )
     quality = gait_quality(recording, config.warm_up)
-    robots = results.robots(config.trials, config.robots, tracked, quality, recording.diverged)
+    robots = results.robots(
+        config.trials,
+        config.robots,
+        tracked,
+        quality,
+        estimate_error(recording, config.warm_up),
+        recording.diverged,
+    )
     evaluation = Evaluation(protocol.controller, protocol.speed, robots, _traces(recording))
     if protocol.case is not None:
         evaluation = replace(

@@ -10,12 +10,16 @@ import numpy as np
 
 from slider.core import columns
 from slider.core.columns import Columns
-from slider.env.metrics import GaitQuality, Tracking
+from slider.env.metrics import EstimateError, GaitQuality, Tracking
 
 METADATA, ROBOTS, VELOCITY = "metadata.json", "robots.csv", "velocity.npy"
 SEGMENTS, TRACES = "segments.csv", "traces.npy"
 QUALITY = tuple(item.name for item in fields(GaitQuality))
-COLUMNS = ("trial", "robot", *(item.name for item in fields(Tracking)), *QUALITY, "diverged")
+ERRORS = tuple(item.name for item in fields(EstimateError))
+COLUMNS = (
+    *("trial", "robot", *(item.name for item in fields(Tracking)), *QUALITY, *ERRORS),
+    "diverged",
+)
 AXES = ("vx", "vy", "yaw_rate")
 # Of a robot in the settled part of a segment; NaN where it fell before the segment's end.
 MEASURES = (
@@ -153,7 +157,12 @@ class Evaluation:
 
 
 def robots(
-    trials: int, count: int, tracked: Tracking, quality: GaitQuality, diverged: np.ndarray
+    trials: int,
+    count: int,
+    tracked: Tracking,
+    quality: GaitQuality,
+    errors: EstimateError,
+    diverged: np.ndarray,
 ) -> Robots:
     """Robots from their metrics; those of a trial stand next to each other."""
     return Robots(
@@ -162,6 +171,7 @@ def robots(
             "robot": np.tile(np.arange(count), trials),
             **asdict(tracked),
             **asdict(quality),
+            **asdict(errors),
             "diverged": diverged,
         }
     )

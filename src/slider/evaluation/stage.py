@@ -56,7 +56,9 @@ def simulate(
     """
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
     policy = load_policy(inputs["walking"][0] / POLICY_FILE)
-    physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbance)
+    physics = BatchedPhysics(
+        robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
+    )
     agent = agent_of(policy, policy.robot, env, count)
     return Simulated(PolicyController(policy.network, agent), physics, env)
 
@@ -68,7 +70,7 @@ def simulate_baseline(
     robot = from_dict(RobotConfig, section["robot"])
     plant = from_dict(PlantConfig, section["plant"])
     config = from_dict(FAMILIES[section["control"]["family"]], section["control"])
-    physics = build_plant(robot, plant.physics, config, count, disturbance, threads)
+    physics = build_plant(robot, plant, config, count, disturbance, threads)
     gaits = EnforcedGaits.of(section, inputs)
     controller = build_controller(robot, config, plant.physics, count, gaits, threads)
     return Simulated(controller, physics, plant)

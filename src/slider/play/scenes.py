@@ -12,7 +12,7 @@ import numpy as np
 import torch
 
 from slider.config.control import POLICY, SMOKE_AGENTS, HzdControlConfig
-from slider.config.env import EnvConfig, PlantConfig
+from slider.config.env import EnvConfig
 from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
@@ -79,7 +79,9 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
     env = _changed(policy.env, config.env, plain.env)
     controller = PolicyController(policy.network, agent_of(policy, robot, env, 1))
     disturbance = Disturbance(config.evaluation.disturbance, (seed,))
-    physics = BatchedPhysics(robot, env.physics, 1, 1, disturbance=disturbance)
+    physics = BatchedPhysics(
+        robot, env.physics, 1, 1, disturbance=disturbance, onboard=env.estimation
+    )
     motion = Simulation(Episode(controller, physics, env), env.control_period, config, robot, seed)
     return Scene(f"policy {path}", robot, motion, config.speeds.top)
 
@@ -103,12 +105,11 @@ def agent_scene(
     """
     robot, env = config.robot, config.env
     if name in config.control:
-        plant = PlantConfig(env.control_period, env.physics, env.termination)
-        control, enforced = config.control[name], None
+        plant, control, enforced = env.plant, config.control[name], None
         if isinstance(control, HzdControlConfig):
             enforced = EnforcedGaits.load(*gaits(), enforced_section(config.hzd))
         disturbance = Disturbance(config.evaluation.disturbance, (seed,))
-        physics = build_plant(robot, plant.physics, control, 1, disturbance)
+        physics = build_plant(robot, plant, control, 1, disturbance)
         controller = build_controller(robot, control, plant.physics, 1, enforced)
         episode = Episode(controller, physics, plant)
     elif name in SMOKE_AGENTS:

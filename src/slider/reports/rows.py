@@ -8,7 +8,7 @@ from typing import IO, Any
 import numpy as np
 import pandas as pd
 
-from slider.evaluation.results import QUALITY, Estimate, Evaluation, Robots
+from slider.evaluation.results import ERRORS, QUALITY, Estimate, Evaluation, Robots
 from slider.library.blend import GaitNumbers, gait_numbers
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports.quantities import OURS
@@ -85,7 +85,7 @@ def quality_row(evaluation: Evaluation) -> Row:
     the shares of robots whose legs ever touch or cross.
     """
     row = named(evaluation) | {"speed": evaluation.speed}
-    for name in ("mean_velocity", *QUALITY):
+    for name in ("mean_velocity", *QUALITY, *ERRORS):
         values = evaluation.robots.survivors(name)
         for column, number in _COLUMNS.get(name, {name: np.mean}).items():
             row[column] = float(number(values)) if len(values) else NAN

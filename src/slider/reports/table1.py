@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.evaluation.results import Evaluation
+from slider.evaluation.results import ERRORS, Evaluation
 from slider.reports import rows as tables
 from slider.reports.comparison import METRICS, comparisons
 from slider.reports.quantities import PAPER, quantity, speed_text
@@ -109,6 +109,11 @@ def paper_rows() -> list[Row]:
     return [dict.fromkeys(COLUMNS, NAN) | row | {"source": PAPER} for row in printed]
 
 
+def _estimated(rows: list[Row]) -> bool:
+    """Whether the controller receives anything but the true state."""
+    return any(row[name] > 0 for row in rows for name in ERRORS)
+
+
 def quality_tables(rows: list[Row]) -> Iterator[Table]:
     """A table per controller, quantities down, commands across."""
     for label, mine in tables.by(rows, "label").items():
@@ -116,6 +121,6 @@ def quality_tables(rows: list[Row]) -> Iterator[Table]:
         body = [
             [Cell(quantity(name).heading), *(Cell.of(quantity(name), row[name]) for row in mine)]
             for name in mine[0]
-            if name not in (*tables.NAMED, "speed")
+            if name not in (*tables.NAMED, "speed") and (name not in ERRORS or _estimated(mine))
         ]
         yield Table(heads, body, label)

@@ -1,5 +1,7 @@
 """Forward kinematics of the prismatic legs, vectorised over robots."""
 
+from typing import NamedTuple
+
 from slider.config.robot import Geometry
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot.names import LEG_JOINTS
@@ -68,6 +70,50 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
             centre = foot @ asarray([x, 0.0, height], joints)
             ends[:, leg, end] = ankle + centre - asarray([0.0, 0.0, geometry.foot_radius], joints)
     return ends
+
+
+class FootMotion(NamedTuple):
+    """Ends of both feet of N robots as they move relative to the base origin, in world axes.
+
+    Attributes:
+        positions: lowest points of heel and toe (N, 2, 2, 3) [m].
+        velocities: of the foot's material at these points (N, 2, 2, 3) [m/s].
+        axes: unit vectors from ankle to hip along the slides (N, 2, 3).
+    """
+
+    positions: Array
+    velocities: Array
+    axes: Array
+
+
+def foot_motion(
+    geometry: Geometry, rotation: Array, turning: Array, joints: Array, rates: Array
+) -> FootMotion:
+    """Velocities of the feet's ends while the base origin rests.
+
+    Args:
+        rotation: base to world (N, 3, 3).
+        turning: angular velocity of the base (N, 3) [rad/s], world axes.
+        joints, rates: joint positions and velocities (N, 12).
+    """
+    xp, positions = namespace(joints), foot_ends(geometry, rotation, joints)
+    velocities, axes = xp.zeros_like(positions), zeros((len(joints), 2, 3), joints)
+    for leg in range(2):
+        q, rate = (values[:, leg * len(LEG_JOINTS) :] for values in (joints, rates))
+        hip, ankle, tube = _leg(geometry, rotation, joints, leg)
+        yawed = rotation @ about_z(q[:, _YAW])
+        omega = turning + rotation[:, :, 2] * rate[:, _YAW, None]
+        omega = (
+            omega + yawed[:, :, 0] * rate[:, _ROLL, None] + tube[:, :, 1] * rate[:, _PITCH, None]
+        )
+        velocity = xp.linalg.cross(turning, hip) + xp.linalg.cross(omega, ankle - hip)
+        velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
+        omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]
+        for end in range(2):
+            arm = positions[:, leg, end] - ankle
+            velocities[:, leg, end] = velocity + xp.linalg.cross(omega, arm)
+        axes[:, leg] = tube[:, :, 2]
+    return FootMotion(positions, velocities, axes)
 
 
 def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:

@@ -49,7 +49,9 @@ class Selector:
         self._env, self._config = env, config
         count = len(config.speeds) * config.robots
         disturbed = Disturbance(task.train.disturbance, (config.seed,))
-        self._physics = BatchedPhysics(robot, env.physics, count, threads, disturbance=disturbed)
+        self._physics = BatchedPhysics(
+            robot, env.physics, count, threads, disturbance=disturbed, onboard=env.estimation
+        )
         self._agent = AgentInterface(robot, env, count, task.times, task.reference)
         self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng(config.seed), count)
         self._command = np.zeros((count, 3))

@@ -233,7 +233,7 @@ def with_noise(state: RobotState, config: SensingConfig, normal: Array) -> Robot
     """
     xp, base = namespace(normal), normal[:, 2 * NUM_JOINTS :]
     positions, velocities = normal[:, :NUM_JOINTS], normal[:, NUM_JOINTS : 2 * NUM_JOINTS]
-    quaternion = _turned(state.quaternion, config.orientation * base[:, :3])
+    quaternion = turned(state.quaternion, config.orientation * base[:, :3])
     rotation = rotation_from_quaternion(quaternion)
     yaw = yaw_of(rotation)
     linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]
@@ -257,7 +257,7 @@ def with_noise(state: RobotState, config: SensingConfig, normal: Array) -> Robot
     )
 
 
-def _turned(quaternion: Array, angles: Array) -> Array:
+def turned(quaternion: Array, angles: Array) -> Array:
     """Orientations (N, 4) turned by small angles (N, 3) [rad] about the body's own axes."""
     xp = namespace(angles)
     small = xp.concat([xp.ones_like(angles[:, :1]), 0.5 * angles], axis=1)

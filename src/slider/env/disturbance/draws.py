@@ -14,7 +14,7 @@ from slider.core.arrays import Array, namespace
 from slider.env.starts import NUMPY
 
 # Uses of random numbers.
-ROBOT, NOISE, PUSH, GROUND = range(4)
+ROBOT, NOISE, PUSH, GROUND, BIAS, READING = range(6)
 _STREAM = 81  # keeps these generators apart from others of the same seed
 
 

@@ -1,0 +1,184 @@
+"""Onboard state estimate: position and velocity of the base from legs and inertial unit.
+
+The inertial unit gives orientation, angular velocity and the velocity increment of its strapdown
+integration; encoders give joint positions and velocities; motor currents give torques. A Kalman
+filter with one variance for the three components predicts the base's velocity from the increment
+and corrects it by leg odometry: the point of a loaded foot that touches the ground rests. After
+Bloesch et al., "State estimation for legged robots: consistent fusion of leg kinematics and IMU"
+(RSS 2012), with the orientation left to the inertial unit. The force of a foot is that of a
+momentum observer of the slide (De Luca et al., IROS 2006).
+"""
+
+from typing import NamedTuple
+
+from slider.config.env import EstimatorConfig
+from slider.config.robot import RobotConfig
+from slider.core.arrays import Array, asarray, namespace, zeros
+from slider.robot.bodies import prismatic_bodies, total_mass
+from slider.robot.kinematics import FootMotion, foot_motion
+from slider.robot.names import GRAVITY, JOINTS
+from slider.robot.transmission import Transmission, leg_inertia
+
+_SLIDES = [index for index, name in enumerate(JOINTS) if name.endswith("slide")]
+_END_SCALE = 0.002  # heel and toe whose heights differ by much less share the contact [m]
+
+
+class Measurement(NamedTuple):
+    """Sensor readings of N robots.
+
+    Attributes:
+        rotation: base to world (N, 3, 3), by the inertial unit.
+        angular_velocity: (N, 3) [rad/s], base frame.
+        increment: integral of the specific force since the last reading (N, 3) [m/s], base frame.
+        joint_positions, joint_velocities: (N, 12) [rad or m], [rad/s or m/s].
+        motor_torques: mean since the last reading (N, 10) [N m].
+    """
+
+    rotation: Array
+    angular_velocity: Array
+    increment: Array
+    joint_positions: Array
+    joint_velocities: Array
+    motor_torques: Array
+
+
+class Estimate(NamedTuple):
+    """Estimated motion of N robots, world axes.
+
+    Attributes:
+        velocity: of the base origin (N, 3) [m/s].
+        position: of the base origin (N, 3) [m]: where it went from the start, height above the
+            loaded feet.
+        foot_forces: vertical ground reactions (N, 2) [N]; 0 of a foot in the air.
+        feet: relative to the base.
+    """
+
+    velocity: Array
+    position: Array
+    foot_forces: Array
+    feet: FootMotion
+
+
+class SlidingLeg(NamedTuple):
+    """What the force of a foot follows from.
+
+    Attributes:
+        weight: of the robot [N].
+        mass: of what moves with a slide [kg].
+        reflected_mass: of rotors and joint on the slide [kg].
+        damping: of the slide [N s/m].
+    """
+
+    weight: float
+    mass: float
+    reflected_mass: float
+    damping: float
+
+    @classmethod
+    def of(cls, robot: RobotConfig) -> "SlidingLeg":
+        """The nominal robot's."""
+        bodies = prismatic_bodies(robot)
+        return cls(
+            weight=total_mass(bodies) * GRAVITY,
+            mass=bodies["tube"].mass + bodies["foot"].mass,
+            reflected_mass=float(leg_inertia(robot)[3, 3]),
+            damping=robot.joints["slide"].damping,
+        )
+
+
+class StateEstimator:
+    """Kalman filter of N robots; arrays are those of ``like``.
+
+    Args:
+        config: standard deviations and force thresholds.
+        robot: nominal geometry, transmission and masses.
+        count: number of robots N.
+        like: an array of the library, precision and device to compute with.
+    """
+
+    def __init__(
+        self, config: EstimatorConfig, robot: RobotConfig, count: int, like: Array
+    ) -> None:
+        self._config, self._geometry = config, robot.geometry
+        self._slide_efforts = asarray(Transmission.of(robot).matrix[:, _SLIDES], like)
+        self._leg = SlidingLeg.of(robot)
+        self._velocity, self._position = zeros((2, count, 3), like)
+        self._variance = zeros((count, 2), like)  # of a velocity component, of the height
+        self._rates, self._forces = zeros((2, count, 2), like)  # of the slides [m/s], feet [N]
+        self._fresh = zeros(count, like) == 0
+
+    def reset(self, index: Array, place: Array) -> None:
+        """Start robots ``index`` at ``place`` (n, 2) [m]; the lower foot says the rest."""
+        self._fresh[index] = True
+        self._position[index, :2] = place
+
+    def update(self, measured: Measurement, elapsed: Array) -> Estimate:
+        """Estimate from new readings.
+
+        Args:
+            measured: readings.
+            elapsed: time since the last ones (N,) [s]; where it is zero, and the robot has not
+                been reset, the estimate stays.
+        """
+        xp, rotation, config = namespace(elapsed), measured.rotation, self._config
+        turning = xp.einsum("nij,nj->ni", rotation, measured.angular_velocity)
+        joints, rates = measured.joint_positions, measured.joint_velocities
+        feet = foot_motion(self._geometry, rotation, turning, joints, rates)
+        velocity = self._velocity + xp.einsum("nij,nj->ni", rotation, measured.increment)
+        velocity[:, 2] -= GRAVITY * elapsed
+        position = self._position + velocity * elapsed[:, None]
+        deviations = asarray([config.acceleration, config.vertical_velocity], elapsed)
+        variance = self._variance + (deviations * elapsed[:, None]) ** 2
+
+        leg_velocities, leg_heights = _odometry(feet)
+        forces = self._foot_forces(measured, feet.axes, elapsed)
+        slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
+        # A foot of certainty c has the variance of leg odometry over c².
+        certainty = self._certainty(forces, leg_heights)
+        information = certainty**2 / (1.0 + slip)
+        total = information.sum(1)
+        share = information / total.clip(1e-12, None)[:, None]
+        noise = asarray([config.leg_velocity, config.leg_height], elapsed) ** 2
+        gain = variance * total[:, None] / (variance * total[:, None] + noise)
+        fresh = self._fresh[:, None]
+        gain = xp.where(fresh, 1.0, gain)
+        velocity += gain[:, :1] * ((share[..., None] * leg_velocities).sum(1) - velocity)
+        position[:, 2] += gain[:, 1] * ((share * leg_heights).sum(1) - position[:, 2])
+
+        due = fresh | (elapsed > 0)[:, None]
+        self._velocity = xp.where(due, velocity, self._velocity)
+        self._position = xp.where(due, position, self._position)
+        self._variance = xp.where(due, (1 - gain) * variance + fresh * noise, self._variance)
+        self._rates = xp.where(due, rates[:, _SLIDES], self._rates)
+        self._forces = xp.where(due, forces, self._forces)
+        self._fresh = self._fresh & False
+        carried = xp.where(certainty > 0, self._forces, 0.0)
+        return Estimate(self._velocity, self._position, carried, feet)
+
+    def _foot_forces(self, measured: Measurement, axes: Array, elapsed: Array) -> Array:
+        """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each slide."""
+        xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
+        rates = measured.joint_velocities[:, _SLIDES]
+        pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, axes) / period
+        force = measured.motor_torques @ self._slide_efforts
+        change = (rates - self._rates) / period
+        force = force - 0.5 * self._leg.damping * (rates + self._rates)
+        force = force + self._leg.mass * (pull - change) - self._leg.reflected_mass * change
+        follow = (period / max(self._config.force_filter, 1e-6)).clip(0.0, 1.0)
+        force = self._forces + follow * (force * axes[..., 2] - self._forces)
+        return xp.where(self._fresh[:, None], 0.0, force)
+
+    def _certainty(self, forces: Array, heights: Array) -> Array:
+        """How certainly a foot stands (N, 2) in [0, 1]: by its force, at first by its height."""
+        xp, (low, high) = namespace(forces), (self._config.lifted, self._config.loaded)
+        loaded = ((forces / self._leg.weight - low) / (high - low)).clip(0.0, 1.0)
+        lower = heights >= xp.amax(heights, 1)[:, None]
+        return xp.where(self._fresh[:, None], 1.0 * lower, loaded)
+
+
+def _odometry(feet: FootMotion) -> tuple[Array, Array]:
+    """Velocity (N, 2, 3) and height (N, 2) of the base if a foot rests at its lower end."""
+    xp, heights = namespace(feet.positions), feet.positions[..., 2]
+    toe = 1.0 / (1.0 + xp.exp((heights[..., 1] - heights[..., 0]) / _END_SCALE))
+    ends = xp.stack([1.0 - toe, toe], axis=-1)
+    return -(ends[..., None] * feet.velocities).sum(2), -(ends * heights).sum(2)

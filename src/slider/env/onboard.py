@@ -1,0 +1,132 @@
+"""What a robot measures on board, and the state that it estimates from that."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from slider.config.disturbance import SensingConfig
+from slider.config.env import OnboardConfig
+from slider.config.robot import RobotConfig
+from slider.core.arrays import Array, asarray, namespace, zeros
+from slider.env.disturbance.disturber import turned, with_noise
+from slider.env.disturbance.draws import BIAS, READING, Draws
+from slider.env.estimator import Measurement, StateEstimator
+from slider.env.state import RobotState
+from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
+from slider.robot.names import GRAVITY, JOINTS, MOTORS, NUM_JOINTS
+
+_NOISE = 2 * NUM_JOINTS + 10 + 3  # standard normal numbers of a reading
+_BIAS = 3 + 3 + 3 + NUM_JOINTS + 10
+_TURNING = np.array([not name.endswith("slide") for name in JOINTS])
+
+
+class OnboardState:
+    """Sensors and estimators of N robots; arrays are those of ``like``.
+
+    Args:
+        config: errors of the sensors, settings of the estimator.
+        robot: the nominal one.
+        seeds: robots come in blocks of the same size, one for each seed.
+        count: number of robots N.
+        like: an array of the library, precision and device to compute with.
+    """
+
+    def __init__(
+        self,
+        config: OnboardConfig,
+        robot: RobotConfig,
+        seeds: tuple[int, ...],
+        count: int,
+        like: Array,
+    ) -> None:
+        self._sensors, self._like, self._count = config.sensors, like, count
+        self._noise = SensingConfig(
+            **{name: getattr(config.sensors, name) for name in _SHARED},
+            linear_velocity=0.0,
+            base_height=0.0,
+        )
+        self._estimator = StateEstimator(config.estimator, robot, count, like)
+        self._draws = Draws(seeds, count, like)
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin again: the same errors follow."""
+        self._readings, self._episodes = 0, 0
+        self._elapsed, self._age = zeros((2, self._count), self._like)
+        self._velocity = zeros((self._count, 3), self._like)
+        self._torques = zeros((self._count, len(MOTORS)), self._like)
+        self._bias = zeros((self._count, _BIAS), self._like)
+
+    def begin(self, index: Array, qpos: Array, qvel: Array) -> None:
+        """Start robots ``index`` at positions (n, 19) and velocities (n, 18) with new biases."""
+        self._bias[index] = self._draws.normal(BIAS, self._episodes, _BIAS)[index]
+        self._episodes += 1
+        self._velocity[index] = qvel[:, :3]
+        self._elapsed[index] = self._age[index] = self._torques[index] = 0.0
+        self._estimator.reset(index, qpos[:, :2])
+
+    def advance(self, period: float, torques: Array) -> None:
+        """Let ``period`` [s] pass with mean motor torques (N, 10) [N m]."""
+        self._torques = torques
+        self._elapsed += period
+        self._age += period
+        self._readings += 1
+
+    def measure(self, state: RobotState) -> RobotState:
+        """The estimated state, of the true one."""
+        xp, sensors, elapsed = namespace(self._age), self._sensors, self._elapsed[:, None]
+        normal = self._draws.normal(READING, self._readings, _NOISE)
+        gyro, acceleration, tilt = (self._bias[:, k : k + 3] for k in (0, 3, 6))
+        joint, motor = self._bias[:, 9 : 9 + NUM_JOINTS], self._bias[:, 9 + NUM_JOINTS :]
+
+        velocity = state.qvel[:, :3]
+        change = velocity - self._velocity
+        change[:, 2] += GRAVITY * self._elapsed
+        increment = xp.einsum("nji,nj->ni", state.rotation, change)
+        increment = increment + sensors.acceleration_bias * acceleration * elapsed
+        increment = increment + sensors.velocity_increment * elapsed**0.5 * normal[:, -3:]
+        scale = asarray([sensors.tilt_bias, sensors.tilt_bias, sensors.heading_drift], normal)
+        angles = scale * tilt
+        angles[:, 2] *= self._age
+        quaternion = turned(state.quaternion, angles)
+        rotation = rotation_from_quaternion(quaternion)
+        offset = sensors.joint_bias * asarray(_TURNING, normal) * joint
+        biased = replace(
+            state,
+            quaternion=quaternion,
+            rotation=rotation,
+            angular_velocity=state.angular_velocity + sensors.angular_velocity_bias * gyro,
+            joint_positions=state.joint_positions + offset,
+        )
+        read = with_noise(biased, self._noise, normal[:, :-3])
+        estimate = self._estimator.update(
+            Measurement(
+                rotation=read.rotation,
+                angular_velocity=read.angular_velocity,
+                increment=increment,
+                joint_positions=read.joint_positions,
+                joint_velocities=read.joint_velocities,
+                motor_torques=self._torques * (1.0 + sensors.torque * motor),
+            ),
+            self._elapsed,
+        )
+        self._velocity = velocity
+        self._elapsed = 0.0 * self._elapsed
+        position = 1.0 * estimate.position
+        position[:, 2] += state.ground.height(state.base_position[:, :2])
+        feet = estimate.feet
+        return replace(
+            read,
+            base_position=position,
+            linear_velocity=xp.einsum("nji,nj->ni", read.rotation, estimate.velocity),
+            heading_velocity=turn_to_heading(estimate.velocity, read.yaw),
+            foot_positions=position[:, None] + 0.5 * feet.positions.sum(2),
+            foot_velocities=estimate.velocity[:, None] + 0.5 * feet.velocities.sum(2),
+            foot_forces=estimate.foot_forces.clip(0.0, None),
+        )
+
+
+_SHARED = (
+    *("joint_position", "slide_position", "joint_velocity", "slide_velocity"),
+    *("angular_velocity", "orientation"),
+)

@@ -1,0 +1,161 @@
+"""The state estimated on board against the true one: swaying, sliding, thrown, reset, noisy."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from slider.config.env import OnboardConfig, SensorsConfig
+from slider.env.estimator import Measurement, StateEstimator
+from slider.env.physics import BatchedPhysics
+from slider.robot.names import GRAVITY, JOINTS, NUM_JOINTS
+from tests.env.synthetic import config, robot_config, stand
+
+ONBOARD = config("experiment=test").env.onboard
+assert ONBOARD is not None
+PERFECT = replace(ONBOARD, sensors=SensorsConfig(*[0.0] * 13))
+COUNT = 3
+
+
+def physics_with(onboard: OnboardConfig, count: int = COUNT) -> BatchedPhysics:
+    whole = config("experiment=test")
+    return BatchedPhysics(robot_config(), whole.env.physics, count, onboard=onboard)
+
+
+def sway(step: int) -> np.ndarray:
+    """Targets (N, 12) at which the base moves to and fro above feet that rest."""
+    targets = np.zeros((COUNT, NUM_JOINTS))
+    for name, size in (("hip_pitch", 0.02), ("ankle", -0.02), ("slide", 0.03)):
+        columns = [JOINTS.index(f"{side}_{name}") for side in ("left", "right")]
+        targets[:, columns] = size * np.sin(0.2 * step + np.arange(COUNT))[:, None]
+    return targets
+
+
+def errors(physics: BatchedPhysics, steps: int = 80) -> dict[str, np.ndarray]:
+    """True and estimated values of robots that sway, after half a second, before they fall over."""
+    rows = []
+    for step in range(steps):
+        physics.step(sway(step))
+        true = physics.read()
+        estimate = physics.measure(true)
+        rows.append(
+            {
+                "velocity": estimate.qvel[:, :3] - true.qvel[:, :3],
+                "height": estimate.base_height - true.base_height,
+                "place": estimate.base_position[:, :2] - true.base_position[:, :2],
+                "force": estimate.foot_forces - true.foot_forces,
+                "feet": estimate.foot_positions - true.foot_positions,
+                "speed": true.qvel[:, :3],
+            }
+        )
+    return {name: np.array([row[name] for row in rows])[25:] for name in rows[0]}
+
+
+def test_feet_that_stick_give_velocity_and_height_without_sensor_errors():
+    found = errors(stand(physics_with(PERFECT), 0.2))
+    assert np.abs(found["speed"]).max() > 0.1, "the robots move"
+    assert np.abs(found["velocity"]).max() < 0.01
+    assert np.abs(found["height"]).max() < 0.003
+    assert np.abs(found["place"]).max() < 0.01
+    assert np.abs(found["feet"]).max() < 0.01
+    assert np.sqrt((found["force"] ** 2).mean()) < 10.0, "of 61 N on each foot"
+
+
+def test_errors_of_sensors_show_in_the_estimate_and_repeat_after_a_restart():
+    physics = physics_with(ONBOARD)
+    first = errors(stand(physics, 0.2))
+    rms = np.sqrt((first["velocity"] ** 2).mean((0, 1)))
+    assert (rms > 0.005).all()
+    assert (rms < 0.06).all()
+    physics.restart_disturbances()
+    np.testing.assert_array_equal(errors(stand(physics, 0.2))["velocity"], first["velocity"])
+
+
+def test_a_measurement_repeated_without_a_step_changes_nothing():
+    physics = stand(physics_with(ONBOARD), 0.2)
+    state = physics.read()
+    first, second = physics.measure(state), physics.measure(state)
+    for name in ("linear_velocity", "base_position", "foot_forces", "joint_positions"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+def test_a_reset_leaves_the_other_robots_alone():
+    physics, other = (stand(physics_with(PERFECT), 0.2) for _ in range(2))
+    errors(physics, 40), errors(other, 40)
+    start = physics.qpos[:1].copy(), np.zeros((1, 18))
+    start[1][:, 0] = 0.7
+    physics.reset(np.array([0]), *start)
+    reset, kept = physics.measure(physics.read()), other.measure(other.read())
+    np.testing.assert_array_equal(reset.linear_velocity[1:], kept.linear_velocity[1:])
+    # The feet hang on a base that moves: they say what they measure, 0.7 m/s less than the truth.
+    assert abs(reset.heading_velocity[0, 0]) < 0.01
+
+
+def measurement(count: int, **changes: np.ndarray) -> Measurement:
+    """A robot that stands upright and still."""
+    values = {
+        "rotation": np.tile(np.eye(3), (count, 1, 1)),
+        "angular_velocity": np.zeros((count, 3)),
+        "increment": np.tile([0.0, 0.0, 0.02 * GRAVITY], (count, 1)),
+        "joint_positions": np.zeros((count, NUM_JOINTS)),
+        "joint_velocities": np.zeros((count, NUM_JOINTS)),
+        "motor_torques": np.zeros((count, 10)),
+    }
+    return Measurement(**values | changes)
+
+
+def estimator() -> StateEstimator:
+    """Of one robot that stood still when it started."""
+    made = StateEstimator(ONBOARD.estimator, robot_config(), 1, np.zeros(1))
+    made.update(measurement(1), np.zeros(1))
+    return made
+
+
+def test_without_a_loaded_foot_the_inertial_unit_alone_counts():
+    """Motors without torque: a free fall, in which the unit feels nothing."""
+    filter_, elapsed = estimator(), np.full(1, 0.02)
+    height = 0.64 + 0.045
+    for step in range(1, 6):
+        found = filter_.update(measurement(1, increment=np.zeros((1, 3))), elapsed)
+        assert found.velocity[0] == pytest.approx([0.0, 0.0, -GRAVITY * 0.02 * step])
+    fallen = GRAVITY * 0.02**2 * (1 + 2 + 3 + 4 + 5)
+    assert found.position[0, 2] == pytest.approx(height - fallen)
+
+
+def test_a_slipping_foot_is_outweighed_by_the_other():
+    """The left leg says 2 m/s, the right one that the robot rests; both carry the robot."""
+    robot = robot_config()
+    sliding = 0.97 + 2 * 0.0737  # the slides carry the rest [kg]
+    force = (12.525 / 2 - sliding) * GRAVITY * robot.capstan.drum_radius / 2
+    torques = np.zeros((1, 10))
+    torques[:, [3, 4, 8, 9]] = force
+    rates = np.zeros((1, NUM_JOINTS))
+    rates[:, JOINTS.index("left_hip_pitch")] = 2.0 / (0.64 + 0.045)
+    filter_ = estimator()
+    for _ in range(10):
+        found = filter_.update(
+            measurement(1, motor_torques=torques, joint_velocities=rates), np.full(1, 0.02)
+        )
+    assert found.foot_forces[0] == pytest.approx(12.525 * GRAVITY / 2, rel=1e-3)
+    assert abs(found.velocity[0, 0]) < 0.1
+
+
+def test_tensors_give_what_arrays_give():
+    rng, elapsed = np.random.default_rng(3), np.full(4, 0.02)
+    robot, like = robot_config(), torch.zeros(1, dtype=torch.float64)
+    arrays, tensors = (StateEstimator(ONBOARD.estimator, robot, 4, x) for x in (np.zeros(1), like))
+    for _ in range(5):
+        reading = measurement(
+            4,
+            angular_velocity=rng.standard_normal((4, 3)),
+            joint_positions=0.1 * rng.standard_normal((4, NUM_JOINTS)),
+            joint_velocities=rng.standard_normal((4, NUM_JOINTS)),
+            motor_torques=2.0 * rng.standard_normal((4, 10)),
+        )
+        expected = arrays.update(reading, elapsed)
+        found = tensors.update(
+            Measurement(*(torch.tensor(value) for value in reading)), torch.tensor(elapsed)
+        )
+        for one, other in zip(expected[:3], found[:3], strict=True):
+            np.testing.assert_allclose(other.numpy(), one, atol=1e-12)

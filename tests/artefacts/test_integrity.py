@@ -5,9 +5,9 @@ import time
 from pathlib import Path
 
 import pytest
+from slider.artefacts.integrity import IntegrityIndex
 
 from slider.artefacts import integrity
-from slider.artefacts.integrity import IntegrityIndex
 from slider.core import files
 
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.locks import Timeout, exclusive, nobody_else
+from slider.artefacts.store import Timeout, exclusive, nobody_else
 from slider.core.errors import UserError
 
 COUNT = """
 import sys
 from pathlib import Path
-from slider.artefacts.locks import exclusive
+from slider.artefacts.store import exclusive
 
 folder = Path(sys.argv[1])
 for _ in range(20):
@@ -24,7 +24,7 @@ for _ in range(20):
 HOLD = """
 import sys, time
 from pathlib import Path
-from slider.artefacts.locks import exclusive
+from slider.artefacts.store import exclusive
 
 with exclusive(Path(sys.argv[1]), "x"):
     print("held", flush=True)
@@ -100,7 +100,7 @@ def test_a_file_system_without_locks_is_one_line(tmp_path: Path, monkeypatch):
     def acquire(self):
         raise NotImplementedError("FileSystem does not appear to support flock")
 
-    monkeypatch.setattr("slider.artefacts.locks.FileLock.acquire", acquire)
+    monkeypatch.setattr("slider.artefacts.store.FileLock.acquire", acquire)
     message = r"found: a file system without locks$"
     with pytest.raises(UserError, match=message), exclusive(tmp_path, "a"):
         pass

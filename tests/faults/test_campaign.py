@@ -12,10 +12,10 @@ from tests.workflow.workspace import QUIET, REPOSITORY, TABLE, copy_repository, 
 
 SHORT = 19
 BLIND = """
-from slider.artefacts.integrity import IntegrityIndex
+from slider.artefacts.store import Store
 from tests.faults.campaign import main
 
-IntegrityIndex.is_whole = lambda self, digest, folder: folder.is_dir()
+Store.is_whole = lambda self, digest: self.object_folder(digest).is_dir()
 raise SystemExit(main(["--only", "further jobs", "--every", "4"]))
 """
 MOMENTS = 20

@@ -8,11 +8,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 
-from slider.artefacts.locks import nobody_else
 from slider.artefacts.manifest import Result, parse_manifest, readable
 from slider.artefacts.plan import plan_paths, plan_recipes
 from slider.artefacts.recipe import Groups
-from slider.artefacts.store import Store
+from slider.artefacts.store import Store, nobody_else
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -73,7 +72,7 @@ def verify(store: Store) -> Removed:
     with nobody_else(store.locks):
         unreadable = _names(store, [*misplaced, *drop_unreadable(store)])
         folders = {digest: store.object_folder(digest) for digest in _objects(store)}
-        corrupt = {d for d, folder in folders.items() if not store.integrity.read(d, folder)}
+        corrupt = {d for d, folder in folders.items() if not store.rehash(d)}
         derived = _derived(store, corrupt)
         for path in derived:
             path.unlink(missing_ok=True)
@@ -130,7 +129,7 @@ def date_now(store: Store, paths: Iterable[Path]) -> int:
     The clock was set back after they were written. Results of them would be older than they are,
     which Snakemake refuses.
     """
-    now = store.integrity.now()
+    now = store.clock()
     late = [path for path in paths if now and path.is_file() and path.stat().st_mtime_ns > now]
     for path in late:
         os.utime(path, ns=(now, now))

@@ -11,19 +11,18 @@ from typing import Any
 
 import pytest
 
-from slider.artefacts.locks import exclusive
+from slider.artefacts import sharing
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
 from slider.artefacts.recipe import Code
-from slider.artefacts.sharing import travel
-from slider.artefacts.sharing.remote import Remote
-from slider.artefacts.sharing.travel import Account, pull, push
-from slider.artefacts.store import Store
+from slider.artefacts.remote import Remote
+from slider.artefacts.sharing import Account, pull, push
+from slider.artefacts.store import Store, exclusive
 from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
-from tests.artefacts.sharing.servers import KINDS, anywhere, http_server
+from tests.artefacts.servers import KINDS, anywhere, http_server
 from tests.faults.chain import process
 from tests.faults.operations import kill_at
 
@@ -176,14 +175,14 @@ def test_results_of_two_machines_do_not_mix(filled, bare):
 
 def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
     """One gait is computed while the pull is on its way, another is still being computed."""
-    fetch, own = travel._fetch, []
+    fetch, own = sharing._fetch, []
 
     def compute_first(store: Store, remote: Remote, job: JobSpec):
         if job == GAITS[0]:
             own.append(compute(bare, GAITS[0], "of another machine"))
         return fetch(store, remote, job)
 
-    monkeypatch.setattr(travel, "_fetch", compute_first)
+    monkeypatch.setattr(sharing, "_fetch", compute_first)
     with exclusive(bare.locks, GAITS[1].recipe):
         found = pull(bare, JOBS, filled.remote)
     assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts.closure import Sources, closure
+from slider.artefacts.recipe import Sources, closure
 from slider.core import files
 from slider.core.errors import UserError
 

@@ -164,8 +164,7 @@ def test_modules_and_packages_are_named(world):
 
 def test_inputs_that_come_and_go_are_named(world):
     assert lines(world, world.plan(), world.plan(grid=[0.0, 0.1, 0.2])) == [
-        "gait: input gait added",
-        "gait: input gait added",
+        "gait × 2: input gait added",
         "gait: input gait removed",
     ]
 

@@ -33,6 +33,8 @@ def store(tmp_path: Path) -> Store:
     files.write_json(store.sidecar_path("gait", JOB.recipe), {"wall_s": 1.0})
     files.write_atomic(store.root / "current" / "table1", f"{JOB.recipe}\n")
     write_plan(PLAN, store.root / "plans")
+    store.log_path("gait", JOB.recipe).parent.mkdir(parents=True)
+    store.work_folder("gait", JOB.recipe).mkdir(parents=True)
     assert verify(store) == Removed([], [])
     return store
 
@@ -60,7 +62,7 @@ CHANGES = [
     ("current/table1", garbage(b"\xff\xfe")),
     ("locks/all.lock", a_folder),
     *((place, a_file) for place in ("objects/*", "index/*", "gait", "locks", "tmp")),
-    *((place, a_file) for place in ("objects", "index", "plans", "current")),
+    *((place, a_file) for place in ("objects", "index", "plans", "current", "logs", "work")),
 ]
 
 

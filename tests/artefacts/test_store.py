@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from slider.artefacts import integrity
+from slider.artefacts import store as store_module
 from slider.artefacts.maintenance import (
     Removed,
     collect,
@@ -189,8 +189,8 @@ def test_verify_reads_every_byte(store, monkeypatch):
     """A disk changed content below the file system: inode, size and times are as before."""
     manifest = add(store, spec(1), "A")
     digest = manifest.result.object
-    monkeypatch.setattr(integrity, "_TICK", -(10**9))
-    monkeypatch.setattr(integrity, "_look", lambda folder: ("as before", 0))
+    monkeypatch.setattr(store_module, "_TICK", -(10**9))
+    monkeypatch.setattr(store_module, "_look", lambda folder: ("as before", 0))
     assert verify(store) == Removed([], [])
     damage(store, digest)
     assert store.is_whole(digest)

@@ -3,7 +3,6 @@
 import os
 import shutil
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -71,8 +70,7 @@ def verify(store: Store) -> Removed:
     misplaced = free_places(store)
     with nobody_else(store.locks):
         unreadable = _names(store, [*misplaced, *drop_unreadable(store)])
-        folders = {digest: store.object_folder(digest) for digest in _objects(store)}
-        corrupt = {d for d, folder in folders.items() if not store.rehash(d)}
+        corrupt = {digest for digest in _objects(store) if not store.rehash(digest)}
         derived = _derived(store, corrupt)
         for path in derived:
             path.unlink(missing_ok=True)
@@ -184,29 +182,17 @@ def _objects(store: Store) -> list[str]:
     return sorted(path.name for path in (store.root / "objects").glob("*/*"))
 
 
-_FOLDERS = (
-    *("objects", "index", "integrity", "plans", "current", "locks", "work", "logs", "tmp"),
-    *("objects/*", "index/*", "work/*", "work/*/*", "tracking", "cache", "cache/*"),
-)
+_FOLDERS = ("*", "objects/*", "index/*", "integrity/*", "work/*", "work/*/*", "logs/*", "cache/*")
 
 
 def free_places(store: Store) -> list[Path]:
     """Remove files where folders must be, folders where locks must be, objects without a name."""
-    places = (path for name in (*_FOLDERS, *_stages(store)) for path in store.root.glob(name))
-    wrong = [path for path in places if not path.is_dir()]
+    places = (path for pattern in _FOLDERS for path in store.root.glob(pattern))
+    wrong = [path for path in places if "." not in path.name and not path.is_dir()]
     wrong += [path for path in store.locks.glob("*.lock") if path.is_dir()]
     objects = store.root.glob("objects/*/*")
     wrong += [path for path in objects if path.name[:2] != path.parent.name or len(path.name) != 64]
     return _removed(wrong)
-
-
-def _stages(store: Store) -> set[str]:
-    """Names of the stages of all plans, whose folders hold manifests."""
-    found: set[str] = set()
-    for path in store.root.glob("plans/*.json"):
-        with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-            found |= {str(job["stage"]) for job in files.read_json(path)["jobs"].values()}
-    return {name for name in found if name.isidentifier()}
 
 
 def drop_unreadable(store: Store) -> list[Path]:
@@ -230,8 +216,8 @@ def _is_plan(path: Path) -> bool:
 
 
 def _is_manifest(path: Path) -> bool:
-    found = parse_manifest(path)
-    return (found.stage, found.recipe) == (path.parent.name, path.stem)
+    manifest = parse_manifest(path)
+    return (manifest.stage, manifest.recipe) == (path.parent.name, path.stem)
 
 
 def _passes(check: Callable[[Path], bool], path: Path) -> bool:

@@ -82,7 +82,7 @@ def test_verify_repairs(store, place, change, capsys):
     assert current_plan(store) == ONE
     files.write_atomic(store.root / "current" / "table1", "")
     manifest = compute(store, GAIT)
-    assert store.known(GAIT.key({})) == manifest
+    assert store.indexed(GAIT.key({})) == manifest
 
 
 def test_a_plan_that_says_something_else_than_its_name_is_dropped_or_rewritten(store):
@@ -98,7 +98,7 @@ def test_a_plan_that_says_something_else_than_its_name_is_dropped_or_rewritten(s
 def test_what_is_no_object_is_dropped(store):
     (store.root / "objects" / "zz" / "notes").mkdir(parents=True)
     assert verify(store).unreadable == ["objects/zz/notes"]
-    assert store.known(GAIT.key({})) is not None
+    assert store.indexed(GAIT.key({})) is not None
 
 
 def test_verify_reads_every_byte(store, monkeypatch):
@@ -154,7 +154,7 @@ def test_what_came_from_checked_inputs_outlives_a_later_damage(full):
     damage(data(full, manifest))
     manifests = paths(full, *PLAN.jobs.values())
     assert drop_damaged(full, manifests).objects == [manifest.result.object]
-    assert full.known(GAIT.key({})) is None
+    assert full.indexed(GAIT.key({})) is None
     assert [path for path in manifests if not path.is_file()] == paths(full, GAIT)
     assert drop_damaged(full, manifests) == Removed([], [])
 
@@ -178,7 +178,7 @@ def test_collect_keeps_what_the_latest_plans_reach(tmp_path):
     assert not store.object_folder(lost).exists()
     assert store.is_whole(kept)
     assert [kind.manifests for kind in summarise(store)] == [1]
-    assert store.known(old.key({})) is None
+    assert store.indexed(old.key({})) is None
     with pytest.raises(UserError, match=r"^--keep: expected at least 1 plan, found 0$"):
         collect(store, keep=0)
     path.write_bytes(b"\xff")

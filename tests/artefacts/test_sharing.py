@@ -131,7 +131,7 @@ def test_a_result_waits_for_its_inputs(filled, full, bare):
     assert not bare.manifest_path("library", LIBRARY.recipe).exists()
     compute(bare, GAITS[0])
     objects = {"gaits": [bare.read_manifest("gait", g.recipe).result.object for g in GAITS]}
-    known = bare.known(LIBRARY.key(objects))
+    known = bare.indexed(LIBRARY.key(objects))
     assert known == full.read_manifest("library", LIBRARY.recipe)
     assert bare.facts("library", LIBRARY.recipe)["wall_s"] == 2.5  # for whoever reuses it
     assert pull(bare, JOBS, filled.remote).counts == {"taken": 2}

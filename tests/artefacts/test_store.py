@@ -109,7 +109,7 @@ def test_what_is_no_manifest_is_one_line_and_counts_as_absent(
         broken.write_text(json.dumps(values))
     with pytest.raises(UserError, match="expected a manifest, found something else in"):
         parse_manifest(path)
-    assert store.known(entry.stem) is None
+    assert store.indexed(entry.stem) is None
     assert summarise(store) == []
     removed = verify(store)
     names = {one.relative_to(store.root).as_posix() for one in (path, entry)}
@@ -125,7 +125,7 @@ def test_entries_under_the_name_of_another_are_dropped(store):
         text = first.read_text()
         first.write_text(second.read_text())
         second.write_text(text)
-    assert [store.known(path.stem) for path in store.index()] == [None, None]
+    assert [store.indexed(path.stem) for path in store.index()] == [None, None]
     for path in paths:
         assert store.whole("gait", path.stem) is None
         with pytest.raises(UserError, match="expected a manifest, found that of another job in"):
@@ -136,10 +136,10 @@ def test_entries_under_the_name_of_another_are_dropped(store):
 
 def test_a_manifest_whose_object_is_gone_is_dropped_and_forgotten(store, manifest):
     path, (entry,) = store.manifest_path("gait", manifest.recipe), store.index()
-    assert store.known(entry.stem) == manifest
+    assert store.indexed(entry.stem) == manifest
     assert store.drop_dangling([path]) == []
     store.drop_object(manifest.result.object)
-    assert store.known(entry.stem) is None
+    assert store.indexed(entry.stem) is None
     assert store.drop_dangling([path]) == [path]
     assert not path.exists()
 

@@ -147,8 +147,8 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
         recipes = set().union(*map(plan_recipes, plans[:keep]))
         manifests = [path for path in store.manifests() if path.stem not in recipes]
         reached = (store.usable(path) for path in store.manifests() if path.stem in recipes)
-        kept = {manifest.result.object for manifest in reached if manifest}
-        objects = [digest for digest in _objects(store) if digest not in kept]
+        reachable = {manifest.result.object for manifest in reached if manifest}
+        objects = [digest for digest in _objects(store) if digest not in reachable]
         if not dry_run:
             for path in (*manifests, *plans[keep:]):  # before their objects: none must dangle
                 path.unlink(missing_ok=True)

@@ -56,7 +56,7 @@ class Runner:
                 for name, jobs in spec.inputs.items()
             }
             key = spec.key(objects)
-            manifest = self.store.known(key)
+            manifest = self.store.indexed(key)
             if manifest is None:
                 result = self._compute(spec, objects)
                 manifest = Manifest(spec.stage, spec.recipe, inputs, result, objects, key)

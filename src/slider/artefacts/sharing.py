@@ -205,7 +205,7 @@ def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
                 same = present.result.object == manifest.result.object
                 return "taken" if same else "computed here"
             key = job.key(manifest.input_objects)
-            if store.known(key) is None:
+            if store.indexed(key) is None:
                 store.remember(key, manifest)
             waiting = _input_objects(store, job) != manifest.input_objects
             noted = {**facts, "computed": False, "taken_from": origin, "waiting": waiting}

@@ -210,7 +210,7 @@ class Store:
         """
         files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 
-    def known(self, key: str) -> Manifest | None:
+    def indexed(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
         return self._whole(self.index_path(key))
 

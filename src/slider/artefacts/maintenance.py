@@ -4,13 +4,13 @@ import os
 import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
 from slider.artefacts.manifest import Result, parse_manifest, readable
 from slider.artefacts.plan import plan_paths, plan_recipes
-from slider.artefacts.recipe import Groups
-from slider.artefacts.store import Store, nobody_else
+from slider.artefacts.store import FOLDERS, Store, nobody_else
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -108,17 +108,13 @@ def _derived(store: Store, corrupt: set[str]) -> list[Path]:
         following = [
             path
             for path, manifest in others.items()
-            if _meet(manifest.inputs, recipes) or _meet(manifest.input_objects, corrupt)
+            if recipes.intersection(chain(*manifest.inputs.values()))
+            or corrupt.intersection(chain(*manifest.input_objects.values()))
         ]
         if not following:
             return sorted(derived)
         derived += following
         recipes |= {others.pop(path).recipe for path in following}
-
-
-def _meet(groups: Groups, digests: set[str]) -> bool:
-    """Tell whether groups hold one of some digests."""
-    return any(not digests.isdisjoint(group) for group in groups.values())
 
 
 def date_now(store: Store, paths: Iterable[Path]) -> int:
@@ -182,12 +178,17 @@ def _objects(store: Store) -> list[str]:
     return sorted(path.name for path in (store.root / "objects").glob("*/*"))
 
 
-_FOLDERS = ("*", "objects/*", "index/*", "integrity/*", "work/*", "work/*/*", "logs/*", "cache/*")
+_INNER = ("objects/*", "index/*", "integrity/*", "work/*", "work/*/*", "logs/*", "cache/*")
 
 
 def free_places(store: Store) -> list[Path]:
     """Remove files where folders must be, folders where locks must be, objects without a name."""
-    places = (path for pattern in _FOLDERS for path in store.root.glob(pattern))
+    stages: set[str] = set()
+    for path in store.root.glob("plans/*.json"):
+        with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
+            stages |= {str(job["stage"]) for job in files.read_json(path)["jobs"].values()}
+    outer = (*FOLDERS, "tracking", "cache", *filter(str.isidentifier, stages))
+    places = (path for pattern in (*outer, *_INNER) for path in store.root.glob(pattern))
     wrong = [path for path in places if "." not in path.name and not path.is_dir()]
     wrong += [path for path in store.locks.glob("*.lock") if path.is_dir()]
     objects = store.root.glob("objects/*/*")

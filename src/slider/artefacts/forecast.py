@@ -181,7 +181,7 @@ class Forecast:
         return min(self.works[recipe].threads, self.cores)
 
     def _rest(self, recipe: str, now: float) -> float:
-        """Expected wall time [s] that a job still takes, from the share done where the job tells it."""
+        """Wall time [s] that a job still takes, from the share done where the job tells it."""
         elapsed = now - self.began.get(recipe, now)
         share = self.shares.get(recipe, 0.0)
         if share:

@@ -17,9 +17,9 @@ from pipeline.studies import study_job
 from pipeline.targets import all_targets, report_files
 from slider.artefacts.maintenance import date_now, drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
+from slider.artefacts.remote import Remote
 from slider.artefacts.run_metadata import note_start, revision
-from slider.artefacts.sharing.remote import Remote
-from slider.artefacts.sharing.travel import pull
+from slider.artefacts.sharing import pull
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.config.compose import compose
 from slider.config.convert import to_dict

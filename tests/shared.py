@@ -7,7 +7,7 @@ from functools import cache, wraps
 from pathlib import Path
 from typing import Any, TypeVar
 
-from slider.artefacts.locks import exclusive
+from slider.artefacts.store import exclusive
 from slider.core.files import digest_text
 
 F = TypeVar("F", bound=Callable[..., Any])

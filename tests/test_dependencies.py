@@ -13,9 +13,8 @@ from packaging.requirements import Requirement
 
 from pipeline.stages import table1_jobs
 from pipeline.stages.entries import ENTRIES
-from slider.artefacts.closure import Sources, closure
 from slider.artefacts.plan import build_plan
-from slider.artefacts.recipe import distribution
+from slider.artefacts.recipe import Sources, closure, distribution
 from slider.config.compose import compose
 
 ROOT = Path(__file__).parents[1]

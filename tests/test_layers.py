@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages.entries import ENTRIES
-from slider.artefacts.closure import Sources, closure
+from slider.artefacts.recipe import Sources, closure
 
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = (

@@ -2,7 +2,6 @@
 
 import errno
 import json
-import shlex
 import subprocess
 import zipfile
 from dataclasses import replace
@@ -13,7 +12,6 @@ import pytest
 from rocrate import data
 from rocrate_validator import models, services
 from rocrate_validator.utils.http import HttpRequester
-from snakemake.cli import parse_config
 
 from slider.artefacts.bundle import PROFILE_VERSION, RESULTS
 from slider.artefacts.current import current_plan
@@ -85,63 +83,44 @@ def entities(folder: Path) -> dict[str, Any]:
     return {entity["@id"]: entity for entity in graph}
 
 
-def test_every_file_is_there_with_size_and_digest(project):
-    assert main(["bundle", "table1"]) == 0
-    folder = unpacked(project)
-    found = entities(folder)
-    listed = {name for name, entity in found.items() if "sha256" in entity}
-    unlisted = {"ro-crate-metadata.json", "Snakefile"}
-    present = {name for name in files.list_files(folder) if not name.endswith(".json")}
-    assert present - unlisted <= listed
-    for name in listed:
-        assert files.digest_file(folder / name) == found[name]["sha256"]
-        assert (folder / name).stat().st_size == found[name]["contentSize"]
-    assert not (folder / "untracked.txt").exists()
-    assert (folder / "profiles" / "config.yaml").read_text() == "jobs: 1\n"
-    assert (folder / RESULTS / "table1" / NAME).read_text() == "a,b\n"
-    assert (folder / RESULTS / "policy" / "deep" / "data.txt").read_text() == "walking"
-
-
-def test_actions_say_what_came_from_what(project):
-    assert main(["bundle", "table1"]) == 0
-    found = entities(unpacked(project))
-    whole, table = found["#run"], found[f"#{TABLE.recipe}"]
-    assert (whole["startTime"], whole["endTime"]) == (START, END)
-    assert {"@id": f"{RESULTS}/table1/{NAME}"} in whole["result"]
-    assert table["object"] == [found[f"#{POLICY.recipe}"]["result"]]
-    assert found[f"#{GAITS[0].recipe}"]["result"] == found[f"#{GAITS[1].recipe}"]["result"]
-    versions = {e["name"]: e["softwareVersion"] for e in found.values() if "softwareVersion" in e}
-    assert CODE.versions.items() <= versions.items()
-
-
-def test_the_unpacked_store_is_whole(project):
-    assert main(["bundle", "table1"]) == 0
-    store = Store(unpacked(project) / "artefacts")
-    assert verify(store) == Removed([], [])
-    plan = current_plan(store)
-    assert plan is not None
-    assert all(job.code.parts for job in plan.jobs.values())
-    assert all(store.read_manifest(job.stage, job.recipe) for job in PLAN.jobs.values())
-
-
-def test_it_says_how_to_get_the_same_plan(project, capsys):
+def test_the_archive_has_every_file_the_actions_and_a_whole_store(project, capsys):
     assert main(["bundle", "table1"]) == 0
     line = f"snakemake -j2 reports/table1.csv --config hydra='{OVERRIDES}'"
     printed = capsys.readouterr()
     assert printed.out.splitlines()[-1] == f"unpacked, this has the results: {line}"
     assert printed.err == ""
-    found = entities(unpacked(project))
-    assert line in found["#run"]["description"]
-    assert {"@id": "#overrides"} in found["#run"]["object"]
-    assert found["#overrides"]["value"] == OVERRIDES
+    folder = unpacked(project)
+    graph = entities(folder)
 
+    listed = {name for name, entity in graph.items() if "sha256" in entity}
+    unlisted = {"ro-crate-metadata.json", "Snakefile"}
+    present = {name for name in files.list_files(folder) if not name.endswith(".json")}
+    assert present - unlisted <= listed
+    for name in listed:
+        assert files.digest_file(folder / name) == graph[name]["sha256"]
+        assert (folder / name).stat().st_size == graph[name]["contentSize"]
+    assert not (folder / "untracked.txt").exists()
+    assert (folder / "profiles" / "config.yaml").read_text() == "jobs: 1\n"
+    assert (folder / RESULTS / "table1" / NAME).read_text() == "a,b\n"
+    assert (folder / RESULTS / "policy" / "deep" / "data.txt").read_text() == "walking"
 
-def test_blanks_in_quotes_survive_the_shell_and_snakemake(project, capsys, monkeypatch):
-    monkeypatch.setitem(globals(), "OVERRIDES", "train.seed=2 report.title='two words'")
-    lay_out(Store(project / "artefacts"), PLAN)
-    assert main(["bundle", "table1"]) == 0
-    command = shlex.split(capsys.readouterr().out.splitlines()[-1])
-    assert parse_config(command[-1:]) == {"hydra": OVERRIDES}
+    run, table = graph["#run"], graph[f"#{TABLE.recipe}"]
+    assert (run["startTime"], run["endTime"]) == (START, END)
+    assert line in run["description"]
+    assert {"@id": "#overrides"} in run["object"]
+    assert graph["#overrides"]["value"] == OVERRIDES
+    assert {"@id": f"{RESULTS}/table1/{NAME}"} in run["result"]
+    assert table["object"] == [graph[f"#{POLICY.recipe}"]["result"]]
+    assert graph[f"#{GAITS[0].recipe}"]["result"] == graph[f"#{GAITS[1].recipe}"]["result"]
+    versions = {e["name"]: e["softwareVersion"] for e in graph.values() if "softwareVersion" in e}
+    assert CODE.versions.items() <= versions.items()
+
+    store = Store(folder / "artefacts")
+    assert verify(store) == Removed([], [])
+    plan = current_plan(store)
+    assert plan is not None
+    assert all(job.code.parts for job in plan.jobs.values())
+    assert all(store.read_manifest(job.stage, job.recipe) for job in PLAN.jobs.values())
 
 
 @pytest.mark.parametrize("names", [["table1", "ablation"], ["ablation", "table1"], ["ablation"]])

@@ -1,6 +1,7 @@
 """Expected times, results that are reused, and schedules that are known by hand."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,10 +16,10 @@ from slider.artefacts.forecast import (
     reused_ahead,
     size,
 )
-from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
+from tests.artefacts.samples import compute
 
 
 def chain_and_fillers(cores: int) -> Forecast:
@@ -98,37 +99,18 @@ def test_times_are_those_of_earlier_jobs_in_proportion_to_their_size(tmp_path):
     assert expected(evaluation(200), rates) == pytest.approx(START + 120.0)
 
 
-def job(stage: str, source: str, **inputs: JobSpec) -> JobSpec:
-    code = Code("a:run", source, {})
-    return JobSpec(stage, stage, code, {}, {name: [item] for name, item in inputs.items()})
-
-
-def compute(store: Store, spec: JobSpec, content: str, *objects: str) -> str:
-    """Put a result into the store and its index; its object."""
-    with store.temporary("made") as folder:
-        (folder / "result.txt").write_text(content)
-        result = store.publish(folder, {})
-    inputs = {name: [objects[k]] for k, name in enumerate(spec.inputs)}
-    manifest = Manifest(spec.stage, spec.recipe, {}, result, inputs)
-    store.remember(spec.key(inputs), manifest)
-    store.write_manifest(manifest)
-    return result.object
-
-
 def test_equal_contents_are_reused_through_a_job_that_has_another_recipe(tmp_path: Path):
     """As after a refactoring and its undoing: the recipe of the first job changes, no content."""
     store = Store(tmp_path)
-    gait = job("gait", "old")
-    library = job("library", "same", gait=gait)
-    content = compute(store, gait, "gait")
-    compute(store, library, "library", content)
-    new = job("gait", "new")
-    after = job("library", "same", gait=new)
-    plan = build_plan({"library": after})
-    assert reused_ahead(plan, store, {new.recipe, after.recipe}) == set()
-    compute(store, new, "gait")  # it ran and gave the same
-    assert reused_ahead(plan, store, {after.recipe}) == {after.recipe}
-    both = {new.recipe, after.recipe}
+    before, after = (JobSpec("gait", "gait", Code("a:run", text, {}), {}) for text in ("a", "b"))
+    library = JobSpec("library", "library", Code("a:run", "", {}), {}, {"gaits": [before]})
+    content = compute(store, before).result.object
+    compute(store, library)
+    again = replace(library, inputs={"gaits": [after]})
+    plan, both = build_plan({"library": again}), {after.recipe, again.recipe}
+    assert reused_ahead(plan, store, both) == set()
+    compute(store, after)  # it ran and gave the same
+    assert reused_ahead(plan, store, {again.recipe}) == {again.recipe}
     assert reused_ahead(plan, store, both) == both
     store.drop_object(content)
     assert reused_ahead(plan, store, both) == set()

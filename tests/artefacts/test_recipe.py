@@ -1,47 +1,139 @@
-"""Recipes and versions."""
+"""Recipes: what counts as a change of a stage's code, and the versions of packages."""
 
 from importlib import metadata
+from pathlib import Path
 
 import pytest
 
-from slider.artefacts.plan import JobSpec
-from slider.artefacts.recipe import ABSENT, Code, distribution, versions
+from slider.artefacts.recipe import ABSENT, Sources, closure, distribution, versions
+from slider.core import files
 from slider.core.errors import UserError
-from slider.core.files import digest_value
 
-CODE = Code("slider.gait.stage:run", "abc", {"python": "3.11", "casadi": "3.8.2"})
-SECTION = {"gait": {"nodes": 21}, "velocity": [0.2, 0.0]}
+FILES = {
+    "slider/__init__.py": "",
+    "slider/gait/__init__.py": "",
+    "slider/gait/stage.py": '''"""A stage."""
+import numpy as np
+from slider.gait import solve
 
 
-def key(stage, section, code, inputs):
-    return JobSpec(stage, "a job", code, section).key(inputs)
+def run():
+    """Run."""
+    from slider.robot.names import JOINTS  # inside a function
+    return solve.solve(JOINTS)
+''',
+    "slider/gait/solve.py": "import json\nfrom ..robot import names\n\ndef solve(x): return x\n",
+    "slider/robot/__init__.py": "",
+    "slider/robot/names.py": 'class Link:\n    mass: float\n    """mass"""\n\nJOINTS = (1, 2)\n',
+    "slider/env/__init__.py": "",
+    "slider/env/other.py": "import torch\n",
+}
 
 
-BASE = key("gait", SECTION, CODE, {"x": ["1", "2"]})
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    for name, text in FILES.items():
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    return tmp_path
+
+
+def digest(root: Path) -> str:
+    return closure("slider.gait.stage", Sources(root)).digest
+
+
+def test_follows_all_imports_and_nothing_else(root):
+    found = closure("slider.gait.stage", Sources(root))
+    assert found.modules == (
+        "slider",
+        "slider.gait",
+        "slider.gait.solve",
+        "slider.gait.stage",
+        "slider.robot",
+        "slider.robot.names",
+    )
+    assert found.third_party == ("numpy",)
 
 
 @pytest.mark.parametrize(
-    "changed",
+    ("name", "old", "new"),
     [
-        key("gaits", SECTION, CODE, {"x": ["1", "2"]}),
-        key("gait", SECTION | {"velocity": [0.2, 0.1]}, CODE, {"x": ["1", "2"]}),
-        key("gait", SECTION, Code(CODE.entry, "abd", CODE.versions), {"x": ["1", "2"]}),
-        key("gait", SECTION, Code(CODE.entry, "abc", {}), {"x": ["1", "2"]}),
-        key("gait", SECTION, CODE, {"x": ["2", "1"]}),
-        key("gait", SECTION, CODE, {"y": ["1", "2"]}),
+        ("gait/stage.py", "inside a function", "another comment"),
+        ("gait/stage.py", '"""Run."""', '"""Do something else,\n\n    at length.\n    """'),
+        ("gait/stage.py", '"""A stage."""', "# no docstring"),
+        ("gait/solve.py", "return x", "return (x)  # parentheses and\n\n"),
+        ("robot/names.py", '"""mass"""', '"""what a body weighs"""'),
+        ("env/other.py", "import torch", "import casadi"),
     ],
 )
-def test_recipe_depends_on_everything_that_may_change_a_result(changed):
-    assert changed != BASE
+def test_ignores_what_does_not_run(root, name, old, new):
+    before = digest(root)
+    path = root / "slider" / name
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    assert digest(root) == before
 
 
-def test_order_of_a_term_table_counts():
-    assert digest_value({"a": 1, "b": 2}) != digest_value({"b": 2, "a": 1})
+def test_ignores_what_an_editor_leaves(root):
+    before = digest(root)
+    names = (".stage.py.swp", "stage.py~", "#stage.py#", "__pycache__/stage.cpython-311.pyc")
+    for name in (*names, "py.typed"):
+        path = root / "slider" / "gait" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("x")
+    assert digest(root) == before
 
 
-def test_not_a_number_is_refused():
-    with pytest.raises(ValueError, match="Out of range"):
-        digest_value({"a": float("nan")})
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("robot/names.py", "JOINTS = (1, 3)\n"),
+        ("robot/__init__.py", "import math\n"),
+        ("gait/__init__.py", "X = 1\n"),
+        ("gait/table.csv", "1,2\n"),
+        ("gait/data/table.csv", "1,2\n"),
+    ],
+)
+def test_sees_every_change_of_what_runs(root, name, text):
+    before = digest(root)
+    path = root / "slider" / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(text)
+    assert digest(root) != before
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        "if True:\n pass\nelse:\n import casadi",
+        "try:\n pass\nexcept OSError:\n import casadi",
+        "try:\n pass\nfinally:\n import casadi",
+        "for _ in ():\n while True:\n  with open(''):\n   import casadi",
+        "match 1:\n case 2:\n  import casadi",
+        "class A:\n async def f(self):\n  import casadi",
+    ],
+)
+def test_finds_imports_in_every_kind_of_block(root, block):
+    (root / "slider/robot/names.py").write_text(f"{block}\n")
+    assert closure("slider.gait.stage", Sources(root)).third_party == ("casadi", "numpy")
+
+
+def test_names_the_missing_module_and_the_line_that_does_not_parse(root):
+    with pytest.raises(UserError, match=r"slider\.gait\.nothing"):
+        closure("slider.gait.nothing", Sources(root))
+    (root / "slider/robot/names.py").write_text("JOINTS =\n")
+    with pytest.raises(UserError, match=r"slider\.robot\.names, line 1"):
+        digest(root)
+
+
+def test_data_files_are_parts(tmp_path):
+    (tmp_path / "pack").mkdir()
+    (tmp_path / "pack" / "__init__.py").write_text("")
+    (tmp_path / "pack" / "table.csv").write_text("1\n")
+    found = closure("pack", Sources(tmp_path)).parts
+    assert found["pack/table.csv"] == files.digest_file(tmp_path / "pack" / "table.csv")
 
 
 def test_version_by_package_name_even_where_the_distribution_is_called_otherwise():

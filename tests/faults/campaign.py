@@ -5,7 +5,6 @@ N`` takes each N-th trial.
 """
 
 import argparse
-import json
 import shutil
 import signal
 import sys
@@ -13,7 +12,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import combinations, islice
+from itertools import islice
 from pathlib import Path
 
 from tests.faults.chain import TRUTH, Chain, Ended, chain, process
@@ -21,7 +20,6 @@ from tests.faults.operations import count, kill_at, no_file_beyond, no_space_fro
 
 SIZES = (0, 1, 20, 200, 2000)  # of the largest file on a full disk [bytes]
 PLACES = {"first byte": 0.0, "middle": 0.5, "last byte": 1.0}
-MANIFESTS = ("gait/" + "?" * 64 + ".json", "index/*/*.json")
 
 
 @dataclass(frozen=True)
@@ -30,7 +28,7 @@ class Trial:
 
     kind: str
     name: str
-    act: Callable[[Chain], "Ended | None"]
+    act: Callable[[Chain], object]
 
 
 def trials(whole: Chain, scratch: Path) -> Iterator[Trial]:
@@ -44,17 +42,8 @@ def trials(whole: Chain, scratch: Path) -> Iterator[Trial]:
             at = f"{name}, {size} bytes"
             yield Trial("disk full within a file", at, broken(name, no_file_beyond, size))
     for path in sorted(whole.folder.rglob("*")):
-        where = path.relative_to(whole.folder)
         if path.is_file():
-            yield from of_a_file(whole, where)
-        elif where.parts[0] == "artefacts" and len(where.parts) > 1:
-            yield Trial("a file for a folder", str(where), damaged(whole, block, where))
-    for pattern in MANIFESTS:
-        paths = [path.relative_to(whole.folder) for path in whole.store.root.glob(pattern)]
-        for pair in combinations(sorted(paths), 2):
-            names = " and ".join(map(str, pair))
-            yield Trial("two manifests swapped", names, damaged(whole, swap, *pair))
-            yield Trial("another's object", names, damaged(whole, redirect, *pair))
+            yield from of_a_file(whole, path.relative_to(whole.folder))
 
 
 def of_a_file(whole: Chain, where: Path) -> Iterator[Trial]:
@@ -106,47 +95,15 @@ def broken(name: str, fault: Callable[[Path, int], Callable[[], None]], number: 
     return act
 
 
-def damaged(whole: Chain, damage: Callable[..., object], *places: Path):
-    """A finished pipeline, after damage to some places."""
-
-    def act(pipeline: Chain) -> None:
-        folder = whole.copy(pipeline.folder).folder
-        damage(*(folder / place for place in places))
-
-    return act
-
-
-def block(folder: Path) -> None:
-    shutil.rmtree(folder)
-    folder.write_text("")
-
-
-def swap(first: Path, second: Path) -> None:
-    content = first.read_bytes()
-    second.replace(first)
-    second.write_bytes(content)
-    forget_table(first)
-
-
-def redirect(first: Path, second: Path) -> None:
-    """Let a manifest name the object of another."""
-    values, other = (json.loads(path.read_text()) for path in (first, second))
-    values |= {name: other[name] for name in ("object", "files", "summary")}
-    first.write_text(json.dumps(values))
-    forget_table(first)
-
-
-def forget_table(path: Path) -> None:
-    """Let all that follows the gaits be computed again."""
-    root = next(folder for folder in path.parents if folder.name == "artefacts")
-    for stage in ("library", "walking", "table1"):
-        shutil.rmtree(root / stage)
+def damaged(whole: Chain, damage: Callable[[Path], object], place: Path):
+    """A finished pipeline, after damage to a place."""
+    return lambda pipeline: damage(whole.copy(pipeline.folder).folder / place)
 
 
 def outcome(trial: Trial, pipeline: Chain) -> str:
     """What became of a trial; an error if it was neither the true table nor one line."""
     ended = trial.act(pipeline)
-    if ended and ended.status not in (0, -signal.SIGKILL):
+    if isinstance(ended, Ended) and ended.status not in (0, -signal.SIGKILL):
         expect(is_one_line(ended), trial, ended)
     again = pipeline.complete()
     word = "at once"

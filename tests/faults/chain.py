@@ -6,14 +6,14 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.entry import one_line
 from pipeline.reports import refresh_marker
 from slider.artefacts import runner
 from slider.artefacts.maintenance import date_now, drop_damaged
-from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
+from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.store import Store
 from slider.cli import main
@@ -56,16 +56,16 @@ class Ended:
     said: str
 
 
-@dataclass
+@dataclass(frozen=True)
 class Chain:
     """The pipeline below a folder, which need not exist yet."""
 
     folder: Path
     plan: Plan
-    report: Path = field(init=False)
 
-    def __post_init__(self) -> None:
-        self.report = self.folder / "reports" / "table1.csv"
+    @property
+    def report(self) -> Path:
+        return self.folder / "reports" / "table1.csv"
 
     @property
     def store(self) -> Store:
@@ -74,17 +74,13 @@ class Chain:
     @property
     def actions(self) -> dict[str, Callable[[], int]]:
         """What the Snakefile does, in its order."""
-        path = self.folder / "artefacts" / "plans" / self._plan_name
+        path = plan_path(self.plan, self.store.root / "plans")
         run = ["run", "--plan", str(path), "--artefacts", str(self.store.root)]
         jobs = {
             f"{job.label}": lambda recipe=recipe: main([*run, recipe])
             for recipe, job in self.plan.jobs.items()
         }
         return {"plan": self.lay_out, **jobs, "publish": self.publish}
-
-    @property
-    def _plan_name(self) -> str:
-        return write_plan(self.plan, self.folder.parent / "plans").name
 
     def lay_out(self) -> int:
         with one_line():

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages.entries import ENTRIES
-from slider.artefacts.closure import Sources, closure
-from slider.artefacts.recipe import SOURCE_ROOT
+from slider.artefacts.recipe import SOURCE_ROOT, Sources, closure
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.verification import stage

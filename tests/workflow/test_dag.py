@@ -9,7 +9,7 @@ from contextlib import closing
 
 import pytest
 
-from slider.artefacts.closure import DATA
+from slider.artefacts.recipe import DATA
 from slider.reports.figures import FILES
 from tests.workflow.workspace import (
     AFTER_STANDING,

@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import Any
 
 from pipeline.stages.entries import ENTRIES
-from slider.artefacts.locks import exclusive
+from slider.artefacts.store import exclusive
 from tests import shared
 
 REPOSITORY = Path(__file__).parents[2]

@@ -62,7 +62,12 @@ def write_bundle(
     Raises:
         UserError: a result is missing or damaged, or the source is no longer that of the plan.
     """
-    _check_source(plan)
+    for code in {job.code.entry: job.code for job in plan.jobs.values()}.values():
+        if code_of(code.entry).source != code.source:
+            raise UserError(
+                f"expected the source with which {code.entry} ran, found another: "
+                "run the pipeline again"
+            )
     jobs = {
         recipe: _Computed(
             job, store.checked(job.stage, recipe).result, store.facts(job.stage, recipe)
@@ -72,27 +77,17 @@ def write_bundle(
     names = _working_copy(out)
     _copy_store(jobs.values(), store, Store(out / ARTEFACTS))
     plan_path = write_plan(plan, out / ARTEFACTS / "plans")
-    results = list(_copy_results(plan, jobs, store, out))
-    crate = ROCrate(version=VERSION)
-    crate.metadata.extra_contexts.append(_TERMS)
-    _describe_project(crate, names, out, licence)
-    whole = _run(crate, list(jobs.values()), overrides, command)
-    whole.append_to(
-        "object", _file(crate, plan_path, out, "What each job computes, with what settings")
-    )
-    whole["result"] = [_file(crate, path, out, text) for path, text in results]
-    _describe_jobs(crate, jobs, out)
-    crate.metadata.write(out)
-    return sum(one.result.size for one in jobs.values())
-
-
-def _check_source(plan: Plan) -> None:
-    for code in {job.code.entry: job.code for job in plan.jobs.values()}.values():
-        if code_of(code.entry).source != code.source:
-            raise UserError(
-                f"expected the source with which {code.entry} ran, found another: "
-                "run the pipeline again"
-            )
+    description = _Description(ROCrate(version=VERSION), out)
+    description.of_project(names, licence)
+    run = description.of_run(list(jobs.values()), overrides, command)
+    text = "What each job computes, with what settings"
+    run.append_to("object", description.file(plan_path, text))
+    run["result"] = [
+        description.file(path, text) for path, text in _copy_results(plan, jobs, store, out)
+    ]
+    description.of_jobs(jobs)
+    description.crate.metadata.write(out)
+    return sum(computed.result.size for computed in jobs.values())
 
 
 def _working_copy(out: Path) -> list[str]:
@@ -112,25 +107,26 @@ def _working_copy(out: Path) -> list[str]:
 
 
 def _copy_store(jobs: Iterable[_Computed], store: Store, target: Store) -> None:
-    for one in jobs:
-        folder = target.object_folder(one.result.object)
+    for computed in jobs:
+        job, digest = computed.job, computed.result.object
+        folder = target.object_folder(digest)
         if not folder.exists():
-            shutil.copytree(store.object_folder(one.result.object), folder)
-        target.write_manifest(store.read_manifest(one.job.stage, one.job.recipe))
-        files.write_json(target.sidecar_path(one.job.stage, one.job.recipe), one.facts)
+            shutil.copytree(store.object_folder(digest), folder)
+        target.write_manifest(store.read_manifest(job.stage, job.recipe))
+        files.write_json(target.sidecar_path(job.stage, job.recipe), computed.facts)
 
 
 def _copy_results(
     plan: Plan, jobs: Mapping[str, _Computed], store: Store, out: Path
 ) -> Iterator[tuple[Path, str]]:
     """Copy what people look for to folders of the targets' names; yield file and title."""
-    wanted = {name: jobs[recipe] for name, recipe in plan.targets.items()}
+    recipes = dict(plan.targets)
     if policy := _policy(plan):
-        wanted["policy"] = jobs[policy]
-    for name, one in wanted.items():
-        folder = store.object_folder(one.result.object)
-        shutil.copytree(folder, out / RESULTS / name)
-        for file in sorted(one.result.files):
+        recipes["policy"] = policy
+    for name, recipe in recipes.items():
+        result = jobs[recipe].result
+        shutil.copytree(store.object_folder(result.object), out / RESULTS / name)
+        for file in sorted(result.files):
             yield out / RESULTS / name / file, f"{name}: {file}"
 
 
@@ -145,95 +141,105 @@ def _policy(plan: Plan) -> str | None:
     return None
 
 
-def _describe_project(crate: ROCrate, names: Sequence[str], out: Path, licence: str) -> None:
-    citation = yaml.safe_load((out / _CITATION).read_text(encoding="utf-8"))
-    crate.name, crate.description = citation["title"], citation["abstract"]
-    crate.license = licence
-    properties = {"name": citation["title"], "version": str(citation["version"])}
-    workflow: Any = crate.add_workflow(
-        dest_path=WORKFLOW, main=True, lang="snakemake", properties=properties
-    )
-    people = [_person(crate, person) for person in citation["authors"]]
-    crate.root_dataset["author"] = workflow["creator"] = people
-    for kind, name in _PROFILES.items():
-        place = f"https://w3id.org/ro/wfrun/{kind}/{PROFILE_VERSION}"
-        facts = {"name": name, "version": PROFILE_VERSION}
-        crate.root_dataset.append_to("conformsTo", _add(crate, place, "CreativeWork", facts))
-    for name in names:
-        if name != WORKFLOW:
-            _file(crate, out / name, out)
+@dataclass(frozen=True)
+class _Description:
+    """What a crate says of the files in the folder ``out``."""
 
+    crate: ROCrate
+    out: Path
 
-def _add(crate: ROCrate, place: str, kind: str, facts: Mapping[str, Any]) -> Any:
-    return crate.add(ContextEntity(crate, place, {"@type": kind, **facts}))
+    def entity(self, place: str, kind: str, **facts: Any) -> Any:
+        """The entity at a place, added with some facts if it is not there."""
+        new = ContextEntity(self.crate, place, {"@type": kind, **facts})
+        return self.crate.get(place) or self.crate.add(new)
 
+    def file(self, path: Path, name: str = "") -> Any:
+        """Add a file with size and digest."""
+        place = path.relative_to(self.out).as_posix()
+        facts = {"contentSize": path.stat().st_size, "sha256": files.digest_file(path)}
+        return self.crate.add_file(dest_path=place, properties=facts | {"name": name or place})
 
-def _person(crate: ROCrate, person: Mapping[str, str]) -> Any:
-    name = person.get("name") or f"{person['given-names']} {person['family-names']}"
-    kind = "Organization" if "name" in person else "Person"
-    place = person.get("orcid") or f"#{name.replace(' ', '-')}"
-    return _add(crate, place, kind, {"name": name})
+    def software(self, place: str, name: str, version: str) -> Any:
+        """A package or the entry point of a stage."""
+        return self.entity(place, "SoftwareApplication", name=name, softwareVersion=version)
 
+    def of_project(self, names: Sequence[str], licence: str) -> None:
+        """Describe the working copy: title, people, workflow, profiles, files."""
+        citation = yaml.safe_load((self.out / _CITATION).read_text(encoding="utf-8"))
+        crate = self.crate
+        crate.metadata.extra_contexts.append(_TERMS)
+        crate.name, crate.description = citation["title"], citation["abstract"]
+        crate.license = licence
+        properties = {"name": citation["title"], "version": str(citation["version"])}
+        workflow: Any = crate.add_workflow(
+            dest_path=WORKFLOW, main=True, lang="snakemake", properties=properties
+        )
+        people = [self._person(person) for person in citation["authors"]]
+        crate.root_dataset["author"] = workflow["creator"] = people
+        for kind, name in _PROFILES.items():
+            place = f"https://w3id.org/ro/wfrun/{kind}/{PROFILE_VERSION}"
+            profile = self.entity(place, "CreativeWork", name=name, version=PROFILE_VERSION)
+            crate.root_dataset.append_to("conformsTo", profile)
+        for name in names:
+            if name != WORKFLOW:
+                self.file(self.out / name)
 
-def _file(crate: ROCrate, path: Path, out: Path, name: str = "") -> Any:
-    place = path.relative_to(out).as_posix()
-    facts = {"contentSize": path.stat().st_size, "sha256": files.digest_file(path)}
-    return crate.add_file(dest_path=place, properties=facts | {"name": name or place})
+    def _person(self, person: Mapping[str, str]) -> Any:
+        name = person.get("name") or f"{person['given-names']} {person['family-names']}"
+        kind = "Organization" if "name" in person else "Person"
+        return self.entity(person.get("orcid") or f"#{name.replace(' ', '-')}", kind, name=name)
 
+    def of_run(self, jobs: Sequence[_Computed], overrides: str, command: str) -> Any:
+        """Add the action of the whole workflow, from the first job to the last; its software."""
+        workflow: Any = self.crate.mainEntity
+        versions = {n: v for computed in jobs for n, v in computed.job.code.versions.items()}
+        workflow["softwareRequirements"] = [
+            self.software(f"#package-{name}", name, version)
+            for name, version in sorted(versions.items())
+        ]
+        ends = ("started", "ended")
+        times = [computed.facts[end] for computed in jobs for end in ends if end in computed.facts]
+        run = self.entity(
+            "#run",
+            "CreateAction",
+            name="The whole run",
+            description=f"`{command}` leads to the results.",
+            instrument=workflow,
+            object=[
+                self.entity(
+                    "#overrides", "PropertyValue", name="overrides", value=overrides or "none"
+                )
+            ],
+            **({"startTime": min(times), "endTime": max(times)} if times else {}),
+        )
+        self.crate.root_dataset["mentions"] = [run]
+        return run
 
-def _run(crate: ROCrate, jobs: Sequence[_Computed], overrides: str, command: str) -> Any:
-    """The action of the whole workflow, from the first job to the last, and its software."""
-    workflow: Any = crate.mainEntity
-    versions = {name: v for one in jobs for name, v in one.job.code.versions.items()}
-    workflow["softwareRequirements"] = [
-        _software(crate, f"#package-{name}", name, version)
-        for name, version in sorted(versions.items())
-    ]
-    times = [one.facts[end] for one in jobs for end in ("started", "ended") if end in one.facts]
-    settings = {"name": "overrides", "value": overrides or "none"}
-    facts = {
-        "name": "The whole run",
-        "description": f"`{command}` leads to the results.",
-        "instrument": workflow,
-        "object": [_add(crate, "#overrides", "PropertyValue", settings)],
-        **({"startTime": min(times), "endTime": max(times)} if times else {}),
-    }
-    run = _add(crate, "#run", "CreateAction", facts)
-    crate.root_dataset["mentions"] = [run]
-    return run
+    def of_jobs(self, jobs: Mapping[str, _Computed]) -> None:
+        """Add an action per job, from the objects of its inputs to its object."""
+        objects = {recipe: self._object(computed) for recipe, computed in jobs.items()}
+        noted = {"startTime": "started", "endTime": "ended", "description": "machine"}
+        for recipe, computed in jobs.items():
+            job, facts = computed.job, computed.facts
+            action = self.entity(
+                f"#{recipe}",
+                "CreateAction",
+                name=job.label,
+                identifier=recipe,
+                instrument=self.software(f"#{job.code.entry}", job.code.entry, job.code.source),
+                result=objects[recipe],
+                **({"object": [objects[i.recipe] for i in job.needs]} if job.needs else {}),
+                **{name: facts[key] for name, key in noted.items() if key in facts},
+            )
+            self.crate.root_dataset.append_to("mentions", action)
 
-
-def _software(crate: ROCrate, place: str, name: str, version: str) -> Any:
-    return _add(crate, place, "SoftwareApplication", {"name": name, "softwareVersion": version})
-
-
-def _describe_jobs(crate: ROCrate, jobs: Mapping[str, _Computed], out: Path) -> None:
-    """Add an action per job, from the objects of its inputs to its object."""
-    store = Store(out / ARTEFACTS)
-    folders = {
-        recipe: _object(crate, one, store.object_folder(one.result.object), out)
-        for recipe, one in jobs.items()
-    }
-    for recipe, one in jobs.items():
-        code = one.job.code
-        place = f"#{code.entry}"
-        instrument = crate.get(place) or _software(crate, place, code.entry, code.source)
-        needed = [folders[item.recipe] for item in one.job.needs]
-        facts = {"name": one.job.label, "instrument": instrument}
-        facts |= {"result": folders[recipe], "identifier": recipe}
-        facts |= {"object": needed} if needed else {}
-        known = {"startTime": "started", "endTime": "ended", "description": "machine"}
-        facts |= {name: one.facts[key] for name, key in known.items() if key in one.facts}
-        action = _add(crate, f"#{recipe}", "CreateAction", facts)
-        crate.root_dataset.append_to("mentions", action)
-
-
-def _object(crate: ROCrate, one: _Computed, folder: Path, out: Path) -> Any:
-    place = f"{folder.relative_to(out).as_posix()}/"
-    known = crate.get(place)
-    if known is not None:  # another job has the same result
-        return known
-    facts = {"name": one.job.label, "identifier": one.result.object}
-    dataset: Any = crate.add_dataset(dest_path=place, properties=facts)
-    dataset["hasPart"] = [_file(crate, folder / name, out) for name in sorted(one.result.files)]
-    return dataset
+    def _object(self, computed: _Computed) -> Any:
+        """The folder of an object, which other jobs may have as their result, too."""
+        folder = Store(self.out / ARTEFACTS).object_folder(computed.result.object)
+        place = f"{folder.relative_to(self.out).as_posix()}/"
+        if (dataset := self.crate.get(place)) is not None:
+            return dataset
+        facts = {"name": computed.job.label, "identifier": computed.result.object}
+        added: Any = self.crate.add_dataset(dest_path=place, properties=facts)
+        added["hasPart"] = [self.file(folder / name) for name in sorted(computed.result.files)]
+        return added

@@ -47,6 +47,6 @@ def current_folder(store: Store, target: str, command: str) -> Path:
     """
     digest = current_result(store, target, command)[1].result.object
     if not store.is_whole(digest):
-        found = "damaged" if store.object_folder(digest).is_dir() else "gone from the store"
-        raise UserError(f"the {target} is {found}; make it again with `{command}`")
+        state = "damaged" if store.object_folder(digest).is_dir() else "gone from the store"
+        raise UserError(f"the {target} is {state}; make it again with `{command}`")
     return store.object_folder(digest)

@@ -69,7 +69,7 @@ def remembered(store: Store, stages: Iterable[str]) -> Rates:
     """
     with package_files("slider.artefacts").joinpath(TABLE).open(encoding="utf-8") as file:
         rates = {row["kind"]: [float(row["rate"])] for row in csv.DictReader(file)}
-    own: dict[str, list[float]] = {}
+    computed: dict[str, list[float]] = {}
     for stage in stages:
         paths = store.root.glob(f"{stage}/*.run.json")
         for path in sorted(paths, key=lambda path: -path.stat().st_mtime)[:_LATEST]:
@@ -77,14 +77,14 @@ def remembered(store: Store, stages: Iterable[str]) -> Rates:
                 facts = files.read_json(path)
                 if facts["computed"] and facts["size"]:
                     seconds = min(facts["wall_s"], facts["cpu_s"])
-                    own.setdefault(facts["kind"], []).append(seconds / facts["size"])
-    return rates | own
+                    computed.setdefault(facts["kind"], []).append(seconds / facts["size"])
+    return rates | computed
 
 
 def expected(job: JobSpec, rates: Rates) -> float:
     """Expected wall time of a job [s], start of its process included."""
-    known = rates.get(kind(job))
-    return START + (statistics.median(known) * size(job) if known else _UNKNOWN)
+    earlier = rates.get(kind(job))
+    return START + (statistics.median(earlier) * size(job) if earlier else _UNKNOWN)
 
 
 def reused_ahead(plan: Plan, store: Store, needed: Set[str]) -> set[str]:
@@ -96,7 +96,7 @@ def reused_ahead(plan: Plan, store: Store, needed: Set[str]) -> set[str]:
             manifest = readable(store.manifest_path(job.stage, recipe))
         elif all(item.recipe in objects for item in job.needs):
             inputs = {name: [objects[i.recipe] for i in jobs] for name, jobs in job.inputs.items()}
-            manifest = store.known(job.key(inputs))
+            manifest = store.indexed(job.key(inputs))
             reused |= {recipe} if manifest else set()
         else:
             continue
@@ -181,7 +181,7 @@ class Forecast:
         return min(self.works[recipe].threads, self.cores)
 
     def _rest(self, recipe: str, now: float) -> float:
-        """Expected wall time [s] that a job still takes; its own share done says more, if known."""
+        """Wall time [s] that a job still takes, from the share done where the job tells it."""
         elapsed = now - self.began.get(recipe, now)
         share = self.shares.get(recipe, 0.0)
         if share:

@@ -2,9 +2,8 @@
 
 import difflib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,32 +19,6 @@ _WIDTH = 40  # characters of a value
 _ABSENT = object()
 Leaf = tuple[tuple[str, ...], Any, Any]
 """Path of a value that differs, before, after."""
-
-
-@dataclass(frozen=True)
-class Cause:
-    """One difference of two jobs.
-
-    Attributes:
-        kind: configuration, source, package, input or result.
-        name: configuration key, module or data file, package, or stage.
-        old, new: before and after, for people; ``none`` where there is no value.
-    """
-
-    kind: str
-    name: str
-    old: str
-    new: str
-
-    def __str__(self) -> str:
-        if self.kind == "source":
-            return f"source {self.name} changed"
-        if self.kind == "input":
-            return f"input {self.name} {'added' if self.old == 'none' else 'removed'}"
-        if self.kind == "result":
-            return "other bytes of the same recipe"
-        package = "package " * (self.kind == "package")
-        return f"{package}{self.name} {self.old} → {self.new}"
 
 
 def recent_plans(store: Store) -> Iterator[Plan]:
@@ -77,63 +50,56 @@ def pair_jobs(
     Equal recipes come first, then equal stages and labels in their order, then what is alone in
     its stage. A job that the other plan lacks stands alone.
     """
-    partners: dict[str, JobSpec] = {recipe: old[recipe] for recipe in new if recipe in old}
-    left = [job for recipe, job in old.items() if recipe not in partners]
-    for place in (_stage_and_label, _stage):
-        waiting: dict[Any, list[JobSpec]] = {}
-        for job in left:
-            waiting.setdefault(place(job), []).append(job)
-        open_jobs = [job for recipe, job in new.items() if recipe not in partners]
-        for job in open_jobs:
-            same = waiting.get(place(job), [])
-            if same and (place is _stage_and_label or _is_alone(job, left, open_jobs)):
-                partners[job.recipe] = same.pop(0)
-        matched = {job.recipe for job in partners.values()}
-        left = [job for job in left if job.recipe not in matched]
+    partners = {recipe: old[recipe] for recipe in new if recipe in old}
+    for labelled in (True, False):
+        paired = {job.recipe for job in partners.values()}
+        left = _by_place(old, paired, labelled)
+        for place, jobs in _by_place(new, partners.keys(), labelled).items():
+            others = left.get(place, [])
+            if labelled or len(jobs) == len(others) == 1:
+                partners |= {job.recipe: other for job, other in zip(jobs, others, strict=False)}
+    paired = {job.recipe for job in partners.values()}
     pairs = [(partners.get(recipe), job) for recipe, job in new.items()]
-    return [*pairs, *((job, None) for job in left)]
+    return [*pairs, *((job, None) for recipe, job in old.items() if recipe not in paired)]
 
 
-def _stage_and_label(job: JobSpec) -> tuple[str, str]:
-    return job.stage, job.label
-
-
-def _stage(job: JobSpec) -> str:
-    return job.stage
-
-
-def _is_alone(job: JobSpec, *groups: Sequence[JobSpec]) -> bool:
-    return all(sum(item.stage == job.stage for item in group) == 1 for group in groups)
+def _by_place(
+    jobs: Mapping[str, JobSpec], without: Set[str], labelled: bool
+) -> dict[tuple[str, str], list[JobSpec]]:
+    """Jobs by stage, and by label too if asked."""
+    places: dict[tuple[str, str], list[JobSpec]] = {}
+    for recipe, job in jobs.items():
+        if recipe not in without:
+            places.setdefault((job.stage, job.label * labelled), []).append(job)
+    return places
 
 
 def differences(
     old: Plan, new: Plan, target: str, stores: tuple[Store, Store]
-) -> dict[Cause, list[JobSpec]]:
+) -> dict[str, list[JobSpec]]:
     """Causes of the difference of a target in two plans, with the jobs that they act on directly.
 
     Jobs of one recipe differ only where the ``stores`` of the plans hold other objects of it.
     """
     jobs = [build_plan({"": plan.jobs[plan.targets[target]]}).jobs for plan in (old, new)]
-    compare = Comparison(old, new)
-    causes: dict[Cause, list[JobSpec]] = {}
+    keys = _configuration_changes(old, new)
+    causes: dict[str, list[JobSpec]] = {}
     differing: set[str] = set()
     for before, after in pair_jobs(*jobs):
+        job, texts = after or before, list[str]()
+        assert job is not None
         if before is None or after is None:
-            job = before or after
-            assert job is not None
-            states = ("none", job.label) if before is None else (job.label, "none")
-            found = [Cause("input", job.stage, *states)]
+            texts = [f"input {job.stage} {'added' if before is None else 'removed'}"]
         elif before.recipe != after.recipe:
-            job, found = after, compare.causes(before, after)
+            texts = _causes(before, after, keys)
         else:
-            job, found = after, []
             objects = {_object(store, job) for store in stores}
             if len(objects) == 2 and None not in objects:
-                first = not any(item.recipe in differing for item in job.needs)
+                if not any(item.recipe in differing for item in job.needs):
+                    texts = ["other bytes of the same recipe"]
                 differing.add(job.recipe)
-                found = [Cause("result", job.stage, "", "")] if first else []
-        for cause in found:
-            causes.setdefault(cause, []).append(job)
+        for text in texts:
+            causes.setdefault(text, []).append(job)
     return causes
 
 
@@ -157,11 +123,11 @@ def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[s
             waiting += job.needs
     jobs = build_plan({target: top}).jobs
     last = _last_computed(plan, target, store)
-    compare = Comparison(last, plan)
+    keys = _configuration_changes(last, plan)
     before = build_plan({target: last.jobs[last.targets[target]]}).jobs
     partners = {job.recipe: old for old, job in pair_jobs(before, jobs) if job and old}
     return [
-        (job, _reasons(job, partners.get(recipe), compare, store))
+        (job, _reasons(job, partners.get(recipe), keys, store))
         for recipe, job in jobs.items()
         if recipe in needed
     ]
@@ -179,53 +145,54 @@ def _was_computed(store: Store, job: JobSpec) -> bool:
     return store.manifest_path(job.stage, job.recipe).is_file()
 
 
-def _reasons(
-    job: JobSpec, before: JobSpec | None, compare: "Comparison", store: Store
-) -> list[str]:
+def _reasons(job: JobSpec, before: JobSpec | None, keys: Sequence[Leaf], store: Store) -> list[str]:
     if before is None or before.recipe == job.recipe or not _was_computed(store, before):
         return [LOST if _was_computed(store, job) else NEVER]
-    known = {item.recipe for item in before.needs}
-    inputs = dict.fromkeys(item.stage for item in job.needs if item.recipe not in known)
-    causes = [str(cause) for cause in compare.causes(before, job)]
-    return [*causes, *[f"input {stage}" for stage in inputs]] or ["fewer inputs"]
+    earlier = {item.recipe for item in before.needs}
+    inputs = dict.fromkeys(item.stage for item in job.needs if item.recipe not in earlier)
+    return [*_causes(before, job, keys), *(f"input {stage}" for stage in inputs)] or [
+        "fewer inputs"
+    ]
 
 
-class Comparison:
-    """How jobs of one plan differ from those of another.
+def _configuration_changes(old: Plan, new: Plan) -> list[Leaf]:
+    """Keys that people set and that differ: the page, a job of both plans, shows them all."""
+    trees = []
+    for plan in (old, new):
+        page = plan.jobs.get(plan.targets.get("report", ""))
+        trees.append(page.section.get("configuration", {}) if page else {})
+    return list(_leaves(*trees))
 
-    Sections have names of their own. The configuration that the page shows, a job of either plan,
-    gives the keys that people set.
+
+def _causes(old: JobSpec, new: JobSpec, keys: Sequence[Leaf]) -> list[str]:
+    """Differences of two jobs but for their inputs: keys, then modules, then packages."""
+    modules, packages = (
+        list(_leaves(before, after))
+        for before, after in (
+            (old.code.parts, new.code.parts),
+            (old.code.versions, new.code.versions),
+        )
+    )
+    return [
+        *(_change(_key(new.stage, leaf, keys), leaf) for leaf in _leaves(old.section, new.section)),
+        *(f"source {name} changed" for (name,), *_ in modules),
+        *(_change(f"package {leaf[0][0]}", leaf) for leaf in packages),
+    ]
+
+
+def _key(stage: str, leaf: Leaf, keys: Sequence[Leaf]) -> str:
+    """Name of the key behind a section's leaf, which has names of its own.
+
+    It has the same last name and values, and a path most like that of the leaf.
     """
-
-    def __init__(self, old: Plan, new: Plan) -> None:
-        self._keys = list(_leaves(_configuration(old), _configuration(new)))
-
-    def causes(self, old: JobSpec, new: JobSpec) -> list[Cause]:
-        """Differences of two jobs but for their inputs: keys, then modules, then packages."""
-        return [
-            *(self._configured(new, leaf) for leaf in _leaves(old.section, new.section)),
-            *_changes("source", old.code.parts, new.code.parts),
-            *_changes("package", old.code.versions, new.code.versions),
-        ]
-
-    def _configured(self, job: JobSpec, leaf: Leaf) -> Cause:
-        """The key with the same last name and values as a section's leaf, most like its path."""
-        path, before, after = leaf
-        same = [p for p, *values in self._keys if p[-1] == path[-1] and values == [before, after]]
-        near = {*path, *job.stage.split("_")}
-        key = max(same, key=lambda p: len(near.intersection(p)) - len(p) / 100, default=path)
-        return Cause("configuration", ".".join(key), _brief(before), _brief(after))
+    path, *values = leaf
+    same = [p for p, *others in keys if p[-1] == path[-1] and others == values]
+    near = {*path, *stage.split("_")}
+    return ".".join(max(same, key=lambda p: len(near.intersection(p)) - len(p) / 100, default=path))
 
 
-def _configuration(plan: Plan) -> Mapping[str, Any]:
-    recipe = plan.targets.get("report")
-    return plan.jobs[recipe].section.get("configuration", {}) if recipe else {}
-
-
-def _changes(kind: str, old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[Cause]:
-    for name in sorted({*old, *new}):
-        if old.get(name) != new.get(name):
-            yield Cause(kind, name, _brief(old.get(name, _ABSENT)), _brief(new.get(name, _ABSENT)))
+def _change(name: str, leaf: Leaf) -> str:
+    return f"{name} {_brief(leaf[1])} → {_brief(leaf[2])}"
 
 
 def _leaves(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[Leaf]:

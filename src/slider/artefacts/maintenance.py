@@ -5,14 +5,13 @@ import shutil
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
-from slider.artefacts.locks import nobody_else
 from slider.artefacts.manifest import Result, parse_manifest, readable
 from slider.artefacts.plan import plan_paths, plan_recipes
-from slider.artefacts.recipe import Groups
-from slider.artefacts.store import Store
+from slider.artefacts.store import FOLDERS, Store, nobody_else
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -72,8 +71,7 @@ def verify(store: Store) -> Removed:
     misplaced = free_places(store)
     with nobody_else(store.locks):
         unreadable = _names(store, [*misplaced, *drop_unreadable(store)])
-        folders = {digest: store.object_folder(digest) for digest in _objects(store)}
-        corrupt = {d for d, folder in folders.items() if not store.integrity.read(d, folder)}
+        corrupt = {digest for digest in _objects(store) if not store.rehash(digest)}
         derived = _derived(store, corrupt)
         for path in derived:
             path.unlink(missing_ok=True)
@@ -111,17 +109,13 @@ def _derived(store: Store, corrupt: set[str]) -> list[Path]:
         following = [
             path
             for path, manifest in others.items()
-            if _meet(manifest.inputs, recipes) or _meet(manifest.input_objects, corrupt)
+            if recipes.intersection(chain(*manifest.inputs.values()))
+            or corrupt.intersection(chain(*manifest.input_objects.values()))
         ]
         if not following:
             return sorted(derived)
         derived += following
         recipes |= {others.pop(path).recipe for path in following}
-
-
-def _meet(groups: Groups, digests: set[str]) -> bool:
-    """Tell whether groups hold one of some digests."""
-    return any(not digests.isdisjoint(group) for group in groups.values())
 
 
 def date_now(store: Store, paths: Iterable[Path]) -> int:
@@ -130,7 +124,7 @@ def date_now(store: Store, paths: Iterable[Path]) -> int:
     The clock was set back after they were written. Results of them would be older than they are,
     which Snakemake refuses.
     """
-    now = store.integrity.now()
+    now = store.clock()
     late = [path for path in paths if now and path.is_file() and path.stat().st_mtime_ns > now]
     for path in late:
         os.utime(path, ns=(now, now))
@@ -150,8 +144,8 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
         recipes = set().union(*map(plan_recipes, plans[:keep]))
         manifests = [path for path in store.manifests() if path.stem not in recipes]
         reached = (store.usable(path) for path in store.manifests() if path.stem in recipes)
-        kept = {manifest.result.object for manifest in reached if manifest}
-        objects = [digest for digest in _objects(store) if digest not in kept]
+        reachable = {manifest.result.object for manifest in reached if manifest}
+        objects = [digest for digest in _objects(store) if digest not in reachable]
         if not dry_run:
             for path in (*manifests, *plans[keep:]):  # before their objects: none must dangle
                 path.unlink(missing_ok=True)
@@ -185,29 +179,22 @@ def _objects(store: Store) -> list[str]:
     return sorted(path.name for path in (store.root / "objects").glob("*/*"))
 
 
-_FOLDERS = (
-    *("objects", "index", "integrity", "plans", "current", "locks", "work", "logs", "tmp"),
-    *("objects/*", "index/*", "work/*", "work/*/*", "tracking", "cache", "cache/*"),
-)
+_INNER = ("objects/*", "index/*", "integrity/*", "work/*", "work/*/*", "logs/*", "cache/*")
 
 
 def free_places(store: Store) -> list[Path]:
     """Remove files where folders must be, folders where locks must be, objects without a name."""
-    places = (path for name in (*_FOLDERS, *_stages(store)) for path in store.root.glob(name))
-    wrong = [path for path in places if not path.is_dir()]
+    stages: set[str] = set()
+    for path in store.root.glob("plans/*.json"):
+        with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
+            stages |= {str(job["stage"]) for job in files.read_json(path)["jobs"].values()}
+    outer = (*FOLDERS, "tracking", "cache", *filter(str.isidentifier, stages))
+    places = (path for pattern in (*outer, *_INNER) for path in store.root.glob(pattern))
+    wrong = [path for path in places if "." not in path.name and not path.is_dir()]
     wrong += [path for path in store.locks.glob("*.lock") if path.is_dir()]
     objects = store.root.glob("objects/*/*")
     wrong += [path for path in objects if path.name[:2] != path.parent.name or len(path.name) != 64]
     return _removed(wrong)
-
-
-def _stages(store: Store) -> set[str]:
-    """Names of the stages of all plans, whose folders hold manifests."""
-    found: set[str] = set()
-    for path in store.root.glob("plans/*.json"):
-        with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-            found |= {str(job["stage"]) for job in files.read_json(path)["jobs"].values()}
-    return {name for name in found if name.isidentifier()}
 
 
 def drop_unreadable(store: Store) -> list[Path]:
@@ -231,8 +218,8 @@ def _is_plan(path: Path) -> bool:
 
 
 def _is_manifest(path: Path) -> bool:
-    found = parse_manifest(path)
-    return (found.stage, found.recipe) == (path.parent.name, path.stem)
+    manifest = parse_manifest(path)
+    return (manifest.stage, manifest.recipe) == (path.parent.name, path.stem)
 
 
 def _passes(check: Callable[[Path], bool], path: Path) -> bool:

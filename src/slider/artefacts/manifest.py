@@ -92,28 +92,26 @@ def manifest_from(values: Any) -> Manifest:
     Raises:
         ValueError, KeyError, TypeError, AttributeError: they are none of ours, or were changed.
     """
-    others = {name: value for name, value in values.items() if name != "digest"}
-    if values["digest"] != files.digest_value(others):
+    unsigned = {name: value for name, value in values.items() if name != "digest"}
+    if values["digest"] != files.digest_value(unsigned):
         raise ValueError("expected the values that were written, found others")
-    result = Result(
-        values["object"], values["files"], values["summary"], values.get("resumed", False)
-    )
+    table, summary, resumed = values["files"], values["summary"], values.get("resumed", False)
     inputs, objects = values["inputs"], values["input_objects"]
+    result = Result(values["object"], table, summary, resumed)
     manifest = Manifest(values["stage"], values["recipe"], inputs, result, objects, values["key"])
-    typed = (
-        (result.files, dict),
-        (result.summary, dict),
-        (result.resumed, bool),
-        (manifest.stage, str),
-        (manifest.recipe, str),
-        (manifest.key, str),
-        *((facts["size"], int) for facts in result.files.values()),
-        *((facts["sha256"], str) for facts in result.files.values()),
-    )
-    if any(type(value) is not kind for value, kind in typed):
+    groups = [*inputs.values(), *objects.values()]
+    names = [manifest.stage, manifest.recipe, manifest.key]
+    names += [digest for group in groups for digest in group]
+    names += [facts["sha256"] for facts in table.values()]
+    kinds: dict[type, list[Any]] = {
+        dict: [table, summary],
+        list: groups,
+        str: names,
+        int: [facts["size"] for facts in table.values()],
+        bool: [resumed],
+    }
+    if any(type(value) is not kind for kind, group in kinds.items() for value in group):
         raise TypeError("expected tables and names")
-    if not (_is_groups(inputs) and _is_groups(objects)):
-        raise TypeError("expected lists of digests by name")
     if not _has_plain_names(result.files):
         raise ValueError("expected plain names of files below a folder")
     if files.digest_table(result.files) != result.object:
@@ -121,22 +119,15 @@ def manifest_from(values: Any) -> Manifest:
     return manifest
 
 
-def _is_groups(values: Any) -> bool:
-    """Tell whether a value is names with lists of digests."""
-    lists = list(values.values()) if isinstance(values, dict) else [None]
-    return all(isinstance(group, list) and all(type(d) is str for d in group) for group in lists)
-
-
 def _has_plain_names(table: FileTable) -> bool:
     """Tell whether all names lead to different files below a folder, in their shortest form."""
     for name in table:
         path = PurePosixPath(name)
-        parts = path.parts
-        if str(path) != name or path.is_absolute() or not parts or len(parts) > _DEEPEST:
-            return False
-        if ".." in parts or "\\" in name or not name.isprintable():
-            return False
-        if any(len(part.encode()) > _LONGEST_NAME for part in parts):
+        shortest = str(path) == name and 0 < len(path.parts) <= _DEEPEST
+        below = not path.is_absolute() and ".." not in path.parts
+        plain = name.isprintable() and "\\" not in name
+        short = all(len(part.encode()) <= _LONGEST_NAME for part in path.parts)
+        if not (shortest and below and plain and short):
             return False
         if any(str(parent) in table for parent in path.parents):
             return False

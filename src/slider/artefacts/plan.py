@@ -54,11 +54,6 @@ class JobSpec:
         """All inputs, in their order."""
         return [job for jobs in self.inputs.values() for job in jobs]
 
-    @property
-    def names(self) -> dict[str, str]:
-        """Stage, label and recipe, for programs."""
-        return {"stage": self.stage, "label": self.label, "recipe": self.recipe}
-
     def key(self, inputs: Groups) -> str:
         """From the recipes of the inputs the recipe: it names a result before it exists.
 
@@ -144,13 +139,13 @@ def plan_recipes(path: Path) -> set[str]:
 def _to_values(plan: Plan) -> dict[str, Any]:
     """Plain values. Parts of sections are digested and stored once: gaits share most of theirs."""
     parts: dict[str, Any] = {}
-    known: dict[int, str] = {}  # the plan keeps all values alive: an id stays that of one value
+    names: dict[int, str] = {}  # the plan keeps all values alive: an id stays that of one value
 
     def part_of(value: Any) -> str:
-        if id(value) not in known:
-            known[id(value)] = files.digest_value(value)[:16]
-            parts[known[id(value)]] = value
-        return known[id(value)]
+        if id(value) not in names:
+            names[id(value)] = files.digest_value(value)[:16]
+            parts[names[id(value)]] = value
+        return names[id(value)]
 
     each = {job.code.entry: job.code for job in plan.jobs.values()}
     codes = {entry: asdict(code) for entry, code in each.items()}

@@ -14,12 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from slider.artefacts.forecast import kind, size
-from slider.artefacts.locks import exclusive
 from slider.artefacts.manifest import Manifest, Result
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import SOURCE_ROOT, code_of
 from slider.artefacts.run_metadata import now, run_metadata
-from slider.artefacts.store import Store
+from slider.artefacts.store import Store, exclusive
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker, StageFunction, Summary, Tracker
@@ -57,7 +56,7 @@ class Runner:
                 for name, jobs in spec.inputs.items()
             }
             key = spec.key(objects)
-            manifest = self.store.known(key)
+            manifest = self.store.indexed(key)
             if manifest is None:
                 result = self._compute(spec, objects)
                 manifest = Manifest(spec.stage, spec.recipe, inputs, result, objects, key)

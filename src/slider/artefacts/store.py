@@ -3,18 +3,27 @@
 ``objects/<ab>/<sha256>/`` holds the files of one result and ``<stage>/<recipe>.json`` says which
 object a recipe led to. A result is computed in ``tmp/`` and renamed into place, then its manifest
 is written: whatever is visible is whole, whenever a process dies.
+
+``integrity/`` holds how an object's files looked when their content was last read and had the
+object's name. As in git's index, content whose files still have the same inodes, sizes and times is
+not read again. A file that was written just before it was read could change again within one tick
+of the file system's clock and look the same, so such a young object gets no entry.
+
+``locks/`` keeps processes apart: one job per recipe, and no clean-up while jobs run. The operating
+system holds the locks: they vanish with the process that holds them, however it ends.
 """
 
 import os
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.integrity import IntegrityIndex
+from filelock import FileLock, Timeout
+
 from slider.artefacts.manifest import (
     Manifest,
     Result,
@@ -27,7 +36,9 @@ from slider.core import files
 from slider.core.errors import UserError
 
 ARTEFACTS = "artefacts"
-FOLDERS = ("objects", "index", "plans", "current", "locks", "logs", "work", "tmp")
+FOLDERS = ("objects", "index", "integrity", "plans", "current", "locks", "logs", "work", "tmp")
+_TICK = 2_000_000_000  # of the coarsest clock of a file system [ns]
+_GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
 
 
 @dataclass(frozen=True)
@@ -73,11 +84,6 @@ class Store:
         return self.work_folder(stage, recipe) / "progress.txt"
 
     @property
-    def integrity(self) -> IntegrityIndex:
-        """How objects looked when they were last read."""
-        return IntegrityIndex(self.root / "integrity")
-
-    @property
     def locks(self) -> Path:
         """Folder of the locks between processes."""
         return self.root / "locks"
@@ -113,7 +119,7 @@ class Store:
         target = self.object_folder(result.object)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not self.is_whole(result.object):
-            self._discard(target)
+            self.drop_object(result.object)
         try:
             os.rename(folder, target)
         except OSError:
@@ -123,18 +129,46 @@ class Store:
 
     def is_whole(self, digest: str) -> bool:
         """Tell whether an object's content has its name; read it only if it may have changed."""
-        return self.integrity.is_whole(digest, self.object_folder(digest))
+        with suppress(OSError, ValueError):
+            if self._entry(digest).read_text() == _look(self.object_folder(digest))[0]:
+                return True
+        return self.rehash(digest)
+
+    def rehash(self, digest: str) -> bool:
+        """Read every byte of an object; tell whether it has its name, and note it if so."""
+        folder = self.object_folder(digest)
+        try:
+            (look, changed), now = _look(folder), self.clock()
+            whole = files.digest_table(files.file_table(folder)) == digest
+        except (OSError, ValueError):
+            return False
+        if whole and changed < now - _TICK:
+            entry = self._entry(digest)
+            with suppress(OSError):  # no space, or no right: the next one reads the object again
+                entry.parent.mkdir(parents=True, exist_ok=True)
+                entry.write_text(look)  # what is torn matches nothing
+        return whole
+
+    def clock(self) -> int:
+        """Time by the clock of the store's file system [ns]; 0, before all files, without one."""
+        try:
+            folder = self.root / "integrity"
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=folder) as file:
+                return os.fstat(file.fileno()).st_mtime_ns
+        except OSError:
+            return 0
+
+    def _entry(self, digest: str) -> Path:
+        return self.root / "integrity" / digest[:2] / digest
 
     def drop_object(self, digest: str) -> None:
         """Remove an object in one visible step."""
-        self.integrity.drop(digest)
-        self._discard(self.object_folder(digest))
-
-    def _discard(self, folder: Path) -> None:
-        if not folder.exists():
-            return
-        with self.temporary("discarded") as grave:
-            os.rename(folder, grave / "object")
+        self._entry(digest).unlink(missing_ok=True)
+        folder = self.object_folder(digest)
+        if folder.exists():
+            with self.temporary("discarded") as grave:
+                os.rename(folder, grave / "object")
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""
@@ -176,7 +210,7 @@ class Store:
         """
         files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 
-    def known(self, key: str) -> Manifest | None:
+    def indexed(self, key: str) -> Manifest | None:
         """Manifest of the first job with a key, if its object is whole."""
         return self._whole(self.index_path(key))
 
@@ -213,3 +247,75 @@ class Store:
         for path in dropped:
             path.unlink(missing_ok=True)
         return dropped
+
+
+def _look(folder: Path) -> tuple[str, int]:
+    """Inode, size, times and path of each file, as a text; the latest of the times [ns]."""
+    entries = sorted(_walk(str(folder), ""))
+    text = "".join(f"{' '.join(map(str, numbers))} {name}\n" for name, *numbers in entries)
+    return text, max((max(entry[-2:]) for entry in entries), default=0)
+
+
+def _walk(folder: str, prefix: str) -> Iterator[tuple[str, int, int, int, int]]:
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                yield from _walk(entry.path, f"{prefix}{entry.name}/")
+            else:
+                facts = entry.stat(follow_symlinks=False)
+                times = facts.st_mtime_ns, facts.st_ctime_ns
+                yield f"{prefix}{entry.name}", facts.st_ino, facts.st_size, *times
+
+
+@contextmanager
+def exclusive(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
+    """Hold the lock of a name; wait until no other process holds it, nor all locks.
+
+    Raises:
+        Timeout: another process still holds the name after so many seconds; -1 waits for ever.
+        UserError: there is no place for a lock file.
+    """
+    with _held(folder, name, timeout):
+        with _held(folder, _GATE):
+            pass
+        try:
+            yield
+        finally:
+            (folder / f"{name}.lock").unlink(missing_ok=True)  # a process that waits notices
+
+
+@contextmanager
+def nobody_else(folder: Path) -> Iterator[None]:
+    """Hold every lock at once.
+
+    Raises:
+        UserError: some job is running, or there is no place for a lock file.
+    """
+    with ExitStack() as held:
+        try:
+            held.enter_context(_held(folder, _GATE, timeout=0))
+            for path in folder.glob("*.lock"):
+                if path.stem != _GATE:
+                    held.enter_context(_held(folder, path.stem, timeout=0))
+                    held.callback(path.unlink, missing_ok=True)  # left by a killed job
+        except Timeout:
+            raise UserError(f"expected no running job in {folder.parent}, found one") from None
+        yield
+
+
+@contextmanager
+def _held(folder: Path, name: str, timeout: float = -1) -> Iterator[None]:
+    path = folder / f"{name}.lock"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = FileLock(path, timeout)
+        lock.acquire()
+    except Timeout:  # an OSError, too
+        raise
+    except (OSError, NotImplementedError) as error:
+        reason = getattr(error, "strerror", "a file system without locks")
+        raise UserError(f"expected a lock file at {path}, found: {reason}") from None
+    try:
+        yield
+    finally:
+        lock.release()

@@ -9,8 +9,8 @@ from slider.artefacts.current import add_store_argument, current_plan
 from slider.artefacts.forecast import remembered
 from slider.artefacts.maintenance import Removed, collect, summarise, verify
 from slider.artefacts.plan import JobSpec, build_plan
-from slider.artefacts.sharing.remote import Remote
-from slider.artefacts.sharing.travel import pull, push
+from slider.artefacts.remote import Remote
+from slider.artefacts.sharing import pull, push
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
 

@@ -12,21 +12,22 @@ import shutil
 import uuid
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from slider.artefacts.locks import Timeout, exclusive
 from slider.artefacts.manifest import Manifest, manifest_from, plain_manifest
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.sharing.remote import DamageError, Remote
-from slider.artefacts.store import Store
+from slider.artefacts.remote import DamageError, Remote
+from slider.artefacts.store import Store, Timeout, exclusive
 from slider.core import files
 from slider.core.errors import UserError
 
 Jobs = Mapping[str, JobSpec]
 """Jobs by recipe, inputs first."""
+Shared = tuple[Manifest, Mapping[str, Any]]
+"""A result in a remote: its manifest and the facts beside it."""
 _RESULT_SIZE = 16_000_000  # of a manifest, at most [bytes]
 
 
@@ -38,25 +39,19 @@ class Account:
     size: int = 0
     damage: list[str] = field(default_factory=list)
 
-    def note(self, outcome: str, size: int = 0, damage: str = "") -> None:
+    def note(self, outcome: str, size: int = 0) -> None:
         """Count one result."""
         self.counts[outcome] = self.counts.get(outcome, 0) + 1
         self.size += size
-        self.damage += [damage] if damage else []
+
+    def note_damage(self, job: JobSpec, text: str) -> None:
+        """Count a damaged result and say what is wrong with it."""
+        self.note("damaged")
+        self.damage.append(f"{job.label} ({job.recipe[:12]}): damaged {text}")
 
     def __str__(self) -> str:
         counts = ", ".join(f"{number} {outcome}" for outcome, number in self.counts.items())
         return f"{counts or 'nothing to do'} ({self.size / 1e6:.1f} MB)"
-
-
-@dataclass(frozen=True)
-class _Shared:
-    """A result in a remote: its manifest, the facts beside it, and what came or is wrong."""
-
-    manifest: Manifest | None = None
-    facts: Mapping[str, Any] = field(default_factory=dict)
-    size: int = 0
-    damage: str = ""
 
 
 def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Account:
@@ -77,8 +72,11 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
     account = Account()
     with _no_clean_up(store):
         sendings = remote.in_order(partial(_push, store, remote, verify), list(jobs.values()))
-        for sending in sendings:
-            account.note(*sending)
+        for job, (outcome, size) in zip(jobs.values(), sendings, strict=True):
+            if outcome == "damaged":
+                account.note_damage(job, "here: run `slider store verify`")
+            else:
+                account.note(outcome, size)
     return account
 
 
@@ -101,14 +99,14 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
         raise UserError(f"remote {remote.url}: expected results of slider, found none")
     with _no_clean_up(store):
         arrivals = remote.in_order(partial(_fetch, store, remote), missing)
-        for job, shared in zip(missing, arrivals, strict=True):
-            if shared.damage:
-                name = f"{job.label} ({job.recipe[:12]})"
-                account.note("damaged", 0, f"{name}: damaged in {remote.url}: {shared.damage}")
-            elif shared.manifest is None:
+        for job, arrival in zip(missing, arrivals, strict=True):
+            if isinstance(arrival, DamageError):
+                account.note_damage(job, f"in {remote.url}: {arrival}")
+            elif arrival is None:
                 account.note("not there")
             else:
-                account.note(_accept(store, job, shared.manifest, shared, remote.url), shared.size)
+                shared, size = arrival
+                account.note(_accept(store, job, shared, remote.url), size)
     return account
 
 
@@ -116,22 +114,20 @@ def _no_clean_up(store: Store) -> AbstractContextManager[None]:
     return exclusive(store.locks, f"travel-{uuid.uuid4().hex[:12]}")
 
 
-def _push(store: Store, remote: Remote, verify: bool, job: JobSpec) -> tuple[str, int, str]:
-    """Send one result; return what became of it, the bytes that went, and damage in words."""
+def _push(store: Store, remote: Remote, verify: bool, job: JobSpec) -> tuple[str, int]:
+    """Send one result; return what became of it and the bytes that went."""
     manifest = store.usable(store.manifest_path(job.stage, job.recipe))
     if manifest is None or manifest.input_objects.keys() != job.inputs.keys():
-        return "not here", 0, ""
+        return "not here", 0
     if not store.is_whole(manifest.result.object):
-        text = "damaged here: run `slider store verify`"
-        return "damaged", 0, f"{job.label} ({job.recipe[:12]}): {text}"
+        return "damaged", 0
     with suppress(DamageError):
-        there = _look_up(remote, job).manifest
-        if there is not None:
+        if shared := _look_up(remote, job):
             if verify:
-                with _received(store, there, remote):
+                with _received(store, shared[0], remote):
                     pass
-            same = there.result == manifest.result
-            return "already there" if same else "different there", 0, ""
+            same = shared[0].result == manifest.result
+            return "already there" if same else "different there", 0
     sent, folder = 0, store.object_folder(manifest.result.object)
     for name, facts in manifest.result.files.items():
         if verify or remote.size(_file(facts)) != facts["size"]:
@@ -139,10 +135,10 @@ def _push(store: Store, remote: Remote, verify: bool, job: JobSpec) -> tuple[str
             sent += facts["size"]
     values = plain_manifest(manifest) | {"facts": store.facts(job.stage, job.recipe)}
     remote.write(_result(job), files.canonical(values))
-    return "sent", sent, ""
+    return "sent", sent
 
 
-def _look_up(remote: Remote, job: JobSpec) -> _Shared:
+def _look_up(remote: Remote, job: JobSpec) -> Shared | None:
     """Manifest and facts of a job's result in the remote, if it is there.
 
     Raises:
@@ -150,7 +146,7 @@ def _look_up(remote: Remote, job: JobSpec) -> _Shared:
     """
     content = remote.read(_result(job), _RESULT_SIZE)
     if content is None:
-        return _Shared()
+        return None
     try:
         values = json.loads(content)
         facts = dict(values.pop("facts"))
@@ -161,7 +157,7 @@ def _look_up(remote: Remote, job: JobSpec) -> _Shared:
     checked = manifest.input_objects.keys() == job.inputs.keys()
     if names != (job.stage, job.recipe, job.input_recipes) or not checked:
         raise DamageError("expected the manifest of this job, found that of another")
-    return _Shared(manifest, facts)
+    return manifest, facts
 
 
 @contextmanager
@@ -185,34 +181,35 @@ def _received(store: Store, manifest: Manifest, remote: Remote) -> Iterator[Path
         yield folder
 
 
-def _fetch(store: Store, remote: Remote, job: JobSpec) -> _Shared:
-    """Publish the object of a job's result, after its content was compared with its name."""
+def _fetch(store: Store, remote: Remote, job: JobSpec) -> tuple[Shared, int] | DamageError | None:
+    """Publish the object of a job's result, if it is there; return also the bytes that came."""
     try:
         shared = _look_up(remote, job)
-        if shared.manifest is None or store.is_whole(shared.manifest.result.object):
-            return shared
-        result = shared.manifest.result
-        with _received(store, shared.manifest, remote) as content:
+        if shared is None or store.is_whole(shared[0].result.object):
+            return shared and (shared, 0)
+        result = shared[0].result
+        with _received(store, shared[0], remote) as content:
             store.publish(content, result.summary, result.resumed)
-        return replace(shared, size=result.size)
+        return shared, result.size
     except DamageError as error:
-        return _Shared(damage=str(error))
+        return error
 
 
-def _accept(store: Store, job: JobSpec, manifest: Manifest, shared: _Shared, origin: str) -> str:
+def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
     """Write what leads to an object, unless a job computes the result or did so meanwhile."""
+    manifest, facts = shared
     try:
         with exclusive(store.locks, job.recipe, timeout=0):
-            own = store.whole(job.stage, job.recipe)
-            if own is not None:
-                same = own.result.object == manifest.result.object
+            present = store.whole(job.stage, job.recipe)
+            if present is not None:
+                same = present.result.object == manifest.result.object
                 return "taken" if same else "computed here"
             key = job.key(manifest.input_objects)
-            if store.known(key) is None:
+            if store.indexed(key) is None:
                 store.remember(key, manifest)
             waiting = _input_objects(store, job) != manifest.input_objects
-            facts = {**shared.facts, "computed": False, "taken_from": origin, "waiting": waiting}
-            files.write_json(store.sidecar_path(job.stage, job.recipe), facts)
+            noted = {**facts, "computed": False, "taken_from": origin, "waiting": waiting}
+            files.write_json(store.sidecar_path(job.stage, job.recipe), noted)
             if waiting:
                 return "of other inputs"
             store.write_manifest(manifest)

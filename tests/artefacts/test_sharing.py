@@ -11,47 +11,21 @@ from typing import Any
 
 import pytest
 
-from slider.artefacts.locks import exclusive
+from slider.artefacts import sharing
 from slider.artefacts.maintenance import Removed, verify
-from slider.artefacts.manifest import Manifest
-from slider.artefacts.plan import JobSpec, Plan, build_plan, write_plan
-from slider.artefacts.recipe import Code
-from slider.artefacts.sharing import travel
-from slider.artefacts.sharing.remote import Remote
-from slider.artefacts.sharing.travel import Account, pull, push
-from slider.artefacts.store import Store
+from slider.artefacts.plan import JobSpec, write_plan
+from slider.artefacts.remote import Remote
+from slider.artefacts.sharing import Account, pull, push
+from slider.artefacts.store import Store, exclusive
 from slider.cli import main
 from slider.core import files
 from slider.core.errors import UserError
-from tests.artefacts.sharing.servers import KINDS, anywhere, http_server
+from tests.artefacts.samples import DATA, GAITS, LIBRARY, PLAN, TABLE, compute, damage, data
+from tests.artefacts.servers import KINDS, anywhere, http_server
 from tests.faults.chain import process
 from tests.faults.operations import kill_at
 
-CODE = Code("slider.none:run", "abc", {"python": "3.11"})
-GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number in range(6)]
-LIBRARY = JobSpec("library", "library", CODE, {}, {"gaits": GAITS})
-TABLE = JobSpec("table1", "table", CODE, {}, {"library": [LIBRARY]})
-PLAN: Plan = build_plan({"library": LIBRARY, "table1": TABLE})
 JOBS = dict(PLAN.jobs)
-
-
-def compute(store: Store, job: JobSpec, text: str = "") -> Manifest:
-    """What a run of the job would leave, with its label and a text as content."""
-    with store.temporary("test") as out:
-        (out / "deep").mkdir()
-        (out / "deep" / "data.txt").write_text(f"{job.label} {text}")
-        (out / "more.bin").write_bytes(bytes(3000))
-        result = store.publish(out, {"n": 1.5})
-    objects = {
-        name: [store.read_manifest(item.stage, item.recipe).result.object for item in jobs]
-        for name, jobs in job.inputs.items()
-    }
-    recipes = {name: [item.recipe for item in jobs] for name, jobs in job.inputs.items()}
-    manifest = Manifest(job.stage, job.recipe, recipes, result, objects)
-    store.remember(job.key(objects), manifest)
-    files.write_json(store.sidecar_path(job.stage, job.recipe), {"wall_s": 2.5})
-    store.write_manifest(manifest)
-    return manifest
 
 
 @dataclass(frozen=True)
@@ -64,7 +38,7 @@ class Place:
     def file(self, store: Store, job: JobSpec) -> Path:
         """The file of a result that no other has."""
         table = store.read_manifest(job.stage, job.recipe).result.files
-        return self.folder / "files" / table["deep/data.txt"]["sha256"]
+        return self.folder / "files" / table[DATA]["sha256"]
 
     def result(self, job: JobSpec) -> Path:
         return self.folder / "results" / f"{job.recipe}.json"
@@ -157,7 +131,7 @@ def test_a_result_waits_for_its_inputs(filled, full, bare):
     assert not bare.manifest_path("library", LIBRARY.recipe).exists()
     compute(bare, GAITS[0])
     objects = {"gaits": [bare.read_manifest("gait", g.recipe).result.object for g in GAITS]}
-    known = bare.known(LIBRARY.key(objects))
+    known = bare.indexed(LIBRARY.key(objects))
     assert known == full.read_manifest("library", LIBRARY.recipe)
     assert bare.facts("library", LIBRARY.recipe)["wall_s"] == 2.5  # for whoever reuses it
     assert pull(bare, JOBS, filled.remote).counts == {"taken": 2}
@@ -176,14 +150,14 @@ def test_results_of_two_machines_do_not_mix(filled, bare):
 
 def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
     """One gait is computed while the pull is on its way, another is still being computed."""
-    fetch, own = travel._fetch, []
+    fetch, own = sharing._fetch, []
 
     def compute_first(store: Store, remote: Remote, job: JobSpec):
         if job == GAITS[0]:
             own.append(compute(bare, GAITS[0], "of another machine"))
         return fetch(store, remote, job)
 
-    monkeypatch.setattr(travel, "_fetch", compute_first)
+    monkeypatch.setattr(sharing, "_fetch", compute_first)
     with exclusive(bare.locks, GAITS[1].recipe):
         found = pull(bare, JOBS, filled.remote)
     assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}
@@ -218,25 +192,6 @@ DAMAGE: dict[str, Callable[[Path], object]] = {
     "fifo": fifo,
     "folder": folder,
 }
-
-
-@pytest.mark.parametrize("change", DAMAGE.values(), ids=list(DAMAGE))
-def test_a_damaged_file_is_left_where_it_is(change, filled, full, bare):
-    path = filled.file(full, GAITS[0])
-    change(path)
-    account = pull(bare, JOBS, filled.remote)
-    assert account.counts == {"damaged": 1, "taken": 5, "of other inputs": 2}
-    (line,) = account.damage
-    assert line.startswith(f"gait 0 ({GAITS[0].recipe[:12]}): damaged in {filled.remote.url}: ")
-    digest = full.read_manifest("gait", GAITS[0].recipe).result.object
-    assert not bare.object_folder(digest).exists()
-    assert not list((bare.root / "tmp").iterdir())
-    assert verify(bare) == Removed([], [])
-    if not path.is_dir():
-        account = push(full, JOBS, filled.remote, verify=True)
-        assert account.counts == {"sent": 1, "already there": 7}
-        assert pull(bare, JOBS, filled.remote).counts == {"taken": 3}
-        assert contents(bare) == contents(full)
 
 
 def changed(**entries: object) -> Callable[[Path], object]:
@@ -283,16 +238,20 @@ FORGED: dict[str, Callable[[Path], object]] = {
 }
 
 
-@pytest.mark.parametrize("change", FORGED.values(), ids=list(FORGED))
-def test_what_a_remote_says_is_not_trusted(change, filled, full, bare):
-    path = filled.result(GAITS[0])
+CASES = [("result", name) for name in FORGED] + [("file", name) for name in DAMAGE]
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES)
+def test_what_a_remote_says_is_not_trusted(kind, name, filled, full, bare):
+    path = filled.file(full, GAITS[0]) if kind == "file" else filled.result(GAITS[0])
     before = set(filled.folder.parent.rglob("*"))
-    change(path)
+    FORGED[name](path)
     account = pull(bare, JOBS, filled.remote)
-    gone = not path.exists()
+    gone = kind == "result" and not path.exists()
     outcome = "not there" if gone else "damaged"
     assert account.counts == {outcome: 1, "taken": 5, "of other inputs": 2}
-    assert len(account.damage) == (not gone)
+    start = f"gait 0 ({GAITS[0].recipe[:12]}): damaged in {filled.remote.url}: "
+    assert [line.startswith(start) for line in account.damage] == [True] * (not gone)
     assert not any("\n" in line or len(line) > 1000 for line in account.damage)
     written = set(filled.folder.parent.rglob("*")) - before
     assert all(path == bare.root or bare.root in path.parents for path in written)
@@ -306,10 +265,7 @@ def test_what_a_remote_says_is_not_trusted(change, filled, full, bare):
 
 
 def test_what_is_damaged_here_stays_here(place, full, bare):
-    digest = full.read_manifest("gait", GAITS[0].recipe).result.object
-    path = full.object_folder(digest) / "deep" / "data.txt"
-    path.chmod(0o644)
-    path.write_text("G" * path.stat().st_size)
+    damage(data(full, full.read_manifest("gait", GAITS[0].recipe)))
     found = push(full, JOBS, place.remote)
     assert found.counts == {"damaged": 1, "sent": 7}
     assert found.damage == [
@@ -418,8 +374,3 @@ def test_bad_input_is_one_line(arguments, text, place, full, bare, capsys):
     assert text in found.err
     assert found.err.count("\n") == 1
     assert not place.folder.exists()
-
-
-def test_without_a_plan_there_is_one_line(place, full, capsys):
-    assert command(full, "push", place.remote.url) == 1
-    assert capsys.readouterr().err.startswith("slider: no plan yet: ")

@@ -28,18 +28,20 @@ MARKER = "slider-store.json"
 CONTACT_S = 15.0
 """Time in which a remote must answer the first question."""
 
-_MOVES = frozenset({"file", "sftp"})  # others show a file when it is whole
-_READ_ONLY = frozenset({"http", "https"})
-_EXTRA = frozenset({"s3", "sftp", "ssh", "http", "https"})  # with what the extra `remote` installs
-_PATIENCE = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
+_MOVES = ("file", "sftp", "ssh")  # others show a file when it is whole
+_READ_ONLY = ("http", "https")
+_EXTRA = ("s3", "sftp", "ssh", "http", "https")  # with what the extra `remote` installs
 _FORBIDDEN, _GONE = 403, 410
 _MARKER_SIZE = 1000  # at most [bytes]
+_CONNECTIONS = 16
+_S3 = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
+# Hosts of ~/.ssh/known_hosts only: sshfs by itself accepts any.
+_SSH = {"known_hosts": (), "connect_timeout": 10, "login_timeout": 10, "keepalive_interval": 20}
 
-conf.setdefault("s3", {}).setdefault("config_kwargs", _PATIENCE)  # that of a user has precedence
+for _name, _settings in (("s3", {"config_kwargs": _S3}), ("sftp", _SSH), ("ssh", _SSH)):
+    conf[_name] = _settings | conf.get(_name, {})  # those of a user have precedence
 for _name in ("sftp", "ssh"):
-    fsspec.register_implementation(
-        _name, "slider.artefacts.sharing.ssh.KnownHostFileSystem", clobber=True
-    )
+    fsspec.register_implementation(_name, "sshfs.SSHFileSystem", clobber=True)
 
 T = TypeVar("T")
 S = TypeVar("S")
@@ -67,11 +69,14 @@ class Remote:
                 "or the configuration of fsspec"
             )
 
+    @property
+    def _scheme(self) -> str:
+        return urlsplit(self.url).scheme or "file"
+
     def check_writable(self) -> None:
         """Refuse a remote that can only be read."""
-        with self._one_line():
-            if _protocols(self._place()[0]) & _READ_ONLY:
-                raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
+        if self._scheme in _READ_ONLY:
+            raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
 
     def open(self) -> bool:
         """Tell whether there is a store of ours.
@@ -120,7 +125,7 @@ class Remote:
 
         def copy(fs: Any, path: str) -> bool:
             count = _Limit(limit)
-            if not fs.async_impl:  # these copy without a word
+            if self._scheme in _MOVES:  # the others hold files only
                 facts = fs.info(path)
                 if facts["type"] != "file":
                     raise DamageError(f"expected a file, found another kind: {facts['type']}")
@@ -140,11 +145,14 @@ class Remote:
         with self._one_line():
             fs, root = self._place()
             path = f"{root}/{name}"
-            if not _protocols(fs) & _MOVES:
+            if self._scheme not in _MOVES:
                 fs.put_file(str(source), path)
                 return
             folder, _, file = path.rpartition("/")
-            self._make_folders(fs, root, folder)
+            if self._scheme == "file":  # the others need no folders, or make them
+                for parent in dict.fromkeys((root, folder)):
+                    with suppress(FileExistsError):
+                        fs.mkdir(parent, create_parents=False)  # in one that must be there
             part = f"{folder}/.{file}.{uuid.uuid4().hex[:12]}.part"
             try:
                 fs.put_file(str(source), part)
@@ -156,10 +164,7 @@ class Remote:
 
     def in_order(self, work: Callable[[S], T], items: list[S]) -> Iterator[T]:
         """Results of some work for all items, several at a time, in the order of the items."""
-        with self._one_line():
-            fs, _ = self._place()
-        workers = 16 if fs.async_impl else 8  # what is not asynchronous has a connection each
-        with ThreadPoolExecutor(workers) as pool:
+        with ThreadPoolExecutor(_CONNECTIONS) as pool:
             try:
                 yield from pool.map(work, items)
             except BaseException:
@@ -167,16 +172,9 @@ class Remote:
                 raise
 
     def _place(self) -> tuple[fsspec.AbstractFileSystem, str]:
-        """File system and path; fsspec keeps one per address, and thread where it must."""
+        """File system, of which fsspec keeps one per address, and path."""
         fs, path = fsspec.url_to_fs(self.url)
         return fs, path.rstrip("/")
-
-    def _make_folders(self, fs: fsspec.AbstractFileSystem, root: str, folder: str) -> None:
-        """The folder of the remote in one that is there, and one folder in it."""
-        for path in dict.fromkeys((root, folder)):
-            if not fs.exists(path):
-                with suppress(FileExistsError):  # made by another one at this moment
-                    fs.mkdir(path, create_parents=False)
 
     def _ask(self, question: Callable[[Any, str], T], name: str) -> T | None:
         with self._one_line():
@@ -191,7 +189,7 @@ class Remote:
                 # A bucket that may not be listed, maybe behind HTTP, refuses what it lacks. It
                 # still gives the marker, unless it is that which it lacks.
                 refused = isinstance(error, PermissionError) or status == _FORBIDDEN
-                bucket = bool(_protocols(fs) & (_READ_ONLY | {"s3"}))
+                bucket = self._scheme in (*_READ_ONLY, "s3")
                 if refused and bucket and (name == MARKER or self.size(MARKER) is not None):
                     return None
                 raise
@@ -222,7 +220,7 @@ class Remote:
         except (UserError, DamageError):
             raise
         except ImportError as error:
-            extra = urlsplit(self.url).scheme in _EXTRA
+            extra = self._scheme in _EXTRA
             text = "pip install -e '.[remote]' -c constraints.txt" if extra else str(error)
             raise UserError(f"remote {self.url}: its kind needs packages: {text}") from None
         except Exception as error:
@@ -231,18 +229,14 @@ class Remote:
             raise UserError(f"remote {self.url}: {text}") from None
 
 
-def _protocols(fs: fsspec.AbstractFileSystem) -> set[str]:
-    return {fs.protocol} if isinstance(fs.protocol, str) else set(fs.protocol)
-
-
 class _Limit(Callback):
-    """Ends a copy that grows beyond a size [bytes], as an endless answer does."""
+    """Ends a copy that grows beyond a limit [bytes], as an endless answer does."""
 
-    def __init__(self, size: int) -> None:
-        super().__init__(size)
-        self._limit = size
+    def __init__(self, limit: int) -> None:
+        super().__init__()
+        self._limit = limit
 
-    def relative_update(self, inc: int = 1) -> None:
-        super().relative_update(inc)
+    def call(self, hook_name: str | None = None, **_: Any) -> None:
+        """Compare the bytes that came."""
         if self.value > self._limit:
             raise DamageError(f"expected {self._limit} bytes, found more")

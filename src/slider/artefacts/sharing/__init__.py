@@ -1,1 +1,0 @@
-"""Results that travel: through a folder, ssh, S3 or HTTP."""

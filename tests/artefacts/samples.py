@@ -1,0 +1,45 @@
+"""Results as a run would leave them, without running anything."""
+
+from pathlib import Path
+
+from slider.artefacts.manifest import Manifest
+from slider.artefacts.plan import JobSpec, Plan, build_plan
+from slider.artefacts.recipe import Code
+from slider.artefacts.store import Store
+from slider.core import files
+
+CODE = Code("slider.none:run", "abc", {"python": "3.11"})
+GAITS = [JobSpec("gait", f"gait {number}", CODE, {"number": number}) for number in range(6)]
+LIBRARY = JobSpec("library", "library", CODE, {}, {"gaits": GAITS})
+TABLE = JobSpec("table1", "table", CODE, {}, {"library": [LIBRARY]})
+PLAN: Plan = build_plan({"library": LIBRARY, "table1": TABLE})
+DATA = "deep/data.txt"
+
+
+def compute(store: Store, job: JobSpec, text: str = "") -> Manifest:
+    """What a run of the job would leave, with its label and a text as content."""
+    with store.temporary("test") as out:
+        (out / DATA).parent.mkdir()
+        (out / DATA).write_text(f"{job.label} {text}")
+        (out / "more.bin").write_bytes(bytes(3000))
+        result = store.publish(out, {"n": 1.5})
+    objects = {
+        name: [store.read_manifest(item.stage, item.recipe).result.object for item in jobs]
+        for name, jobs in job.inputs.items()
+    }
+    manifest = Manifest(job.stage, job.recipe, job.input_recipes, result, objects)
+    store.remember(job.key(objects), manifest)
+    files.write_json(store.sidecar_path(job.stage, job.recipe), {"wall_s": 2.5})
+    store.write_manifest(manifest)
+    return manifest
+
+
+def data(store: Store, manifest: Manifest) -> Path:
+    """The file of a result that no other has."""
+    return store.object_folder(manifest.result.object) / DATA
+
+
+def damage(path: Path) -> None:
+    """Change the content of a file, but not its size."""
+    path.chmod(0o644)
+    path.write_text("B" * len(path.read_text()))

@@ -1,0 +1,141 @@
+"""Real servers on this machine for remotes: S3, HTTP and ssh."""
+
+import os
+import threading
+import uuid
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import asyncssh
+import pytest
+import s3fs
+from fsspec.asyn import get_loop, sync
+from moto.server import ThreadedMotoServer
+from sshfs import SSHFileSystem
+
+from slider.artefacts.remote import Remote
+
+HOST = "cluster"
+"""Name of the ssh server in the user's settings."""
+KINDS = ("folder", "url", "s3", "ssh")
+"""Kinds of remote that can be written."""
+
+
+@contextmanager
+def anywhere(kind: str, folder: Path) -> Iterator[Remote]:
+    """A remote of a kind, with what it needs below a folder."""
+    if kind == "s3":
+        with s3_server() as url:
+            yield Remote(url)
+    elif kind == "ssh":
+        with ssh_server(folder / "home") as url:
+            yield Remote(f"{url}{folder}/remote")
+    else:
+        yield Remote(("file://" if kind == "url" else "") + str(folder / "remote"))
+
+
+@contextmanager
+def s3_server() -> Iterator[str]:
+    """A prefix in a server's bucket; the environment names the server, as it would a real one."""
+    server = ThreadedMotoServer("127.0.0.1", 0, verbose=False)
+    server.start()
+    host, port = server.get_host_and_port()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("AWS_ENDPOINT_URL", f"http://{host}:{port}")
+        patch.setenv("AWS_ACCESS_KEY_ID", "someone")
+        patch.setenv("AWS_SECRET_ACCESS_KEY", "something")
+        patch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+        patch.setenv("AWS_CONFIG_FILE", os.devnull)
+        s3fs.S3FileSystem.clear_instance_cache()
+        bucket = uuid.uuid4().hex  # servers of one process share what they hold
+        s3fs.S3FileSystem().mkdir(bucket)
+        yield f"s3://{bucket}/slider"
+        s3fs.S3FileSystem.clear_instance_cache()
+    server.stop()
+
+
+@contextmanager
+def http_server(folder: Path, missing: int = 404) -> Iterator[str]:
+    """A server of a folder's files, with a status for those that are not there."""
+    handler = type("Handler", (_Silent,), {"missing": missing})
+    with _serving(partial(handler, directory=str(folder))) as url:
+        yield url
+
+
+@contextmanager
+def endless_server() -> Iterator[str]:
+    """A server that sends zeros until it is no longer heard."""
+    with _serving(_Endless) as url:
+        yield url
+
+
+@contextmanager
+def _serving(handler: Callable) -> Iterator[str]:
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+class _Silent(SimpleHTTPRequestHandler):
+    missing = 404
+
+    def send_error(self, code: int, *arguments) -> None:
+        super().send_error(self.missing if code == 404 else code, *arguments)
+
+    def log_message(self, *_) -> None:
+        pass
+
+
+class _Endless(_Silent):
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.end_headers()
+        with suppress(OSError):
+            while True:
+                self.wfile.write(bytes(2**16))
+
+
+@contextmanager
+def ssh_server(home: Path) -> Iterator[str]:
+    """A server of the whole file system, which the settings of a home folder know by name.
+
+    Whoever has the key may also go on from there to another server.
+    """
+    key, host_key = (asyncssh.generate_private_key("ssh-ed25519") for _ in range(2))
+    folder = home / ".ssh"
+    folder.mkdir(parents=True)
+    key.write_private_key(folder / "id_work")
+    key.write_public_key(folder / "id_work.pub")
+    listen = partial(
+        asyncssh.listen,
+        "127.0.0.1",
+        0,
+        server_host_keys=[host_key],
+        server_factory=_Door,
+        authorized_client_keys=str(folder / "id_work.pub"),
+        sftp_factory=True,
+    )
+    loop = get_loop()  # of fsspec, in a thread of its own
+    listener = sync(loop, listen)
+    public = host_key.export_public_key("openssh").decode()
+    (folder / "known_hosts").write_text(f"[127.0.0.1]:{listener.get_port()} {public}")
+    settings = (f"Port {listener.get_port()}", "User me", f"IdentityFile {folder}/id_work")
+    lines = "\n  ".join((f"Host {HOST} gate", "HostName 127.0.0.1", *settings))
+    (folder / "config").write_text(f"{lines}\n")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HOME", str(home))
+        patch.delenv("SSH_AUTH_SOCK", raising=False)
+        SSHFileSystem.clear_instance_cache()
+        yield f"sftp://{HOST}"
+    listener.close()
+
+
+class _Door(asyncssh.SSHServer):
+    """Lets connections to other servers through."""
+
+    def connection_requested(self, *_) -> bool:
+        return True

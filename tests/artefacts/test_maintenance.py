@@ -1,0 +1,197 @@
+"""Care of the store: ``slider store verify`` repairs what it names, ``gc`` keeps recent plans."""
+
+import os
+import shutil
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from slider.artefacts import store as module
+from slider.artefacts.current import current_plan
+from slider.artefacts.maintenance import (
+    Removed,
+    collect,
+    date_now,
+    drop_damaged,
+    summarise,
+    verify,
+)
+from slider.artefacts.plan import build_plan, read_plan, write_plan
+from slider.artefacts.store import Store
+from slider.cli import main
+from slider.core import files
+from slider.core.errors import UserError
+from tests.artefacts.samples import GAITS, LIBRARY, PLAN, TABLE, compute, damage, data
+
+GAIT = GAITS[0]
+ONE = build_plan({"table1": GAIT})
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    """One of each kind of file that a store has."""
+    store = Store(tmp_path / "artefacts")
+    compute(store, GAIT)
+    files.write_atomic(store.root / "current" / "table1", f"{GAIT.recipe}\n")
+    write_plan(ONE, store.root / "plans")
+    for folder in (store.root / "logs" / "gait", store.work_folder("gait", GAIT.recipe)):
+        folder.mkdir(parents=True)
+    assert verify(store) == Removed([], [])
+    return store
+
+
+def garbage(content: bytes) -> Callable[[Path], object]:
+    return lambda path: path.write_bytes(content)
+
+
+def a_folder(path: Path) -> None:
+    path.unlink(missing_ok=True)
+    (path / "deep").mkdir(parents=True)
+
+
+def a_file(path: Path) -> None:
+    shutil.rmtree(path, ignore_errors=True)
+    path.write_text("")
+
+
+GARBAGE = (b"\xff\xfe", b"", b"{}", b"[]", b"null", b"3", b'{"jobs": {"a": 3}}', b"[" * 100_000)
+READ = ("plans/*.json", "index/*/*.json", f"gait/{GAIT.recipe}.json", "gait/*.run.json")
+FOLDERS = ("objects", "index", "plans", "current", "logs", "work", "locks", "tmp", "gait")
+CHANGES = [
+    *((place, garbage(content)) for place in READ[:3] for content in GARBAGE),
+    *((READ[3], garbage(content)) for content in (b"\xff\xfe", b"", b"[]", b"3")),
+    *((place, a_folder) for place in (*READ, "current/table1", "locks/all.lock")),
+    ("current/table1", garbage(b"\xff\xfe")),
+    *((place, a_file) for place in (*FOLDERS, "objects/*", "index/*", "logs/gait", "work/gait")),
+]
+
+
+@pytest.mark.parametrize(("place", "change"), CHANGES)
+def test_verify_repairs(store, place, change, capsys):
+    """It says what, once; then all can be written again."""
+    (path,) = store.root.glob(place)
+    change(path)
+    name = path.relative_to(store.root).as_posix()
+    assert main(["store", "--artefacts", str(store.root), "verify"]) == 1
+    assert f"dropped {name}, unreadable\n" in capsys.readouterr().out
+    assert verify(store) == Removed([], [])
+    assert read_plan(write_plan(ONE, store.root / "plans")) == ONE
+    assert current_plan(store) == ONE
+    files.write_atomic(store.root / "current" / "table1", "")
+    manifest = compute(store, GAIT)
+    assert store.indexed(GAIT.key({})) == manifest
+
+
+def test_a_plan_that_says_something_else_than_its_name_is_dropped_or_rewritten(store):
+    (path,) = (store.root / "plans").glob("*.json")
+    text = path.read_text()
+    path.write_text(text.replace("gait 0", "goat 0"))
+    assert write_plan(ONE, path.parent) == path
+    assert path.read_text() == text
+    path.write_text(text.replace("gait 0", "goat 0"))
+    assert verify(store).unreadable == [f"plans/{path.name}"]
+
+
+def test_what_is_no_object_is_dropped(store):
+    (store.root / "objects" / "zz" / "notes").mkdir(parents=True)
+    assert verify(store).unreadable == ["objects/zz/notes"]
+    assert store.indexed(GAIT.key({})) is not None
+
+
+def test_verify_reads_every_byte(store, monkeypatch):
+    """A disk changed content below the file system: inode, size and times are as before."""
+    manifest = store.read_manifest("gait", GAIT.recipe)
+    digest = manifest.result.object
+    monkeypatch.setattr(module, "_TICK", -(10**9))
+    monkeypatch.setattr(module, "_look", lambda folder: ("as before", 0))
+    assert verify(store) == Removed([], [])
+    damage(data(store, manifest))
+    assert store.is_whole(digest)
+    assert verify(store).objects == [digest]
+    assert verify(store) == Removed([], [])
+
+
+@pytest.fixture
+def full(tmp_path: Path) -> Store:
+    store = Store(tmp_path / "full")
+    for job in PLAN.jobs.values():
+        compute(store, job)
+    return store
+
+
+def paths(store: Store, *jobs) -> list[Path]:
+    return [store.manifest_path(job.stage, job.recipe) for job in jobs]
+
+
+def test_verify_drops_what_is_corrupt_and_all_that_came_from_it(full):
+    manifest = full.read_manifest("gait", GAIT.recipe)
+    damage(data(full, manifest))
+    removed = verify(full)
+    assert removed.objects == [manifest.result.object]
+    assert removed.manifests == [f"gait/{GAIT.recipe}.json"]
+    assert removed.derived == [f"{job.stage}/{job.recipe}.json" for job in (LIBRARY, TABLE)]
+    assert full.manifests() == sorted(paths(full, *GAITS[1:]))
+    assert len(full.index()) == 5
+    assert verify(full) == Removed([], [])
+
+
+def test_a_manifest_remembers_its_inputs_without_the_way_to_them(full):
+    """The manifest in between is gone: the objects that were read say enough."""
+    manifest = full.read_manifest("gait", GAIT.recipe)
+    library = full.read_manifest("library", LIBRARY.recipe)
+    full.write_manifest(replace(library, inputs={"gaits": ["0" * 64]}))
+    full.manifest_path("gait", GAIT.recipe).unlink()
+    full.index_path(GAIT.key({})).unlink()
+    damage(data(full, manifest))
+    assert len(verify(full).derived) == 2
+
+
+def test_what_came_from_checked_inputs_outlives_a_later_damage(full):
+    manifest = full.read_manifest("gait", GAIT.recipe)
+    damage(data(full, manifest))
+    manifests = paths(full, *PLAN.jobs.values())
+    assert drop_damaged(full, manifests).objects == [manifest.result.object]
+    assert full.indexed(GAIT.key({})) is None
+    assert [path for path in manifests if not path.is_file()] == paths(full, GAIT)
+    assert drop_damaged(full, manifests) == Removed([], [])
+
+
+def test_collect_keeps_what_the_latest_plans_reach(tmp_path):
+    store = Store(tmp_path)
+    old, new = GAITS[:2]
+    lost, kept = (compute(store, job).result.object for job in (old, new))
+    for age, job in ((100, old), (0, new)):
+        path = write_plan(build_plan({"table1": job}), store.root / "plans")
+        os.utime(path, (1e9 - age, 1e9 - age))
+    (store.root / "tmp" / "killed").mkdir(parents=True)
+    (store.root / "gait" / ".x.json.1.part").write_text("")
+    assert collect(store, keep=2).objects == []
+    assert not (store.root / "tmp").exists()
+    assert not list(store.root.rglob(files.TEMPORARY_PATTERN))
+    removed = collect(store, keep=1, dry_run=True)
+    assert removed.objects == [lost]
+    assert store.is_whole(lost)
+    assert collect(store, keep=1) == removed
+    assert not store.object_folder(lost).exists()
+    assert store.is_whole(kept)
+    assert [kind.manifests for kind in summarise(store)] == [1]
+    assert store.indexed(old.key({})) is None
+    with pytest.raises(UserError, match=r"^--keep: expected at least 1 plan, found 0$"):
+        collect(store, keep=0)
+    path.write_bytes(b"\xff")
+    with pytest.raises(UserError, match="expected a plan, found none at"):
+        collect(store, keep=1)
+
+
+def test_only_what_is_from_the_future_is_dated(tmp_path):
+    store, late, early = Store(tmp_path), tmp_path / "late.json", tmp_path / "early.json"
+    now = time.time()
+    for path, moment in ((late, now + 3600), (early, now - 3600)):
+        path.write_text("{}")
+        os.utime(path, (moment, moment))
+    assert date_now(store, [late, early, tmp_path / "absent.json"]) == 1
+    assert abs(late.stat().st_mtime - now) < 60
+    assert abs(early.stat().st_mtime - now + 3600) < 1

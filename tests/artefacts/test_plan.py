@@ -1,0 +1,51 @@
+"""Plans: recipes of their jobs, and what is read back."""
+
+import pytest
+
+from slider.artefacts.plan import JobSpec, read_plan, write_plan
+from slider.artefacts.recipe import Code
+from slider.core.errors import UserError
+from tests.artefacts.samples import PLAN
+
+CODE = Code("slider.gait.stage:run", "abc", {"python": "3.11", "casadi": "3.8.2"})
+SECTION = {"gait": {"nodes": 21}, "velocity": [0.2, 0.0]}
+
+
+def key(stage, section, code, inputs):
+    return JobSpec(stage, "a job", code, section).key(inputs)
+
+
+BASE = key("gait", SECTION, CODE, {"x": ["1", "2"]})
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        key("gaits", SECTION, CODE, {"x": ["1", "2"]}),
+        key("gait", SECTION | {"velocity": [0.2, 0.1]}, CODE, {"x": ["1", "2"]}),
+        key("gait", SECTION, Code(CODE.entry, "abd", CODE.versions), {"x": ["1", "2"]}),
+        key("gait", SECTION, Code(CODE.entry, "abc", {}), {"x": ["1", "2"]}),
+        key("gait", SECTION, CODE, {"x": ["2", "1"]}),
+        key("gait", SECTION, CODE, {"y": ["1", "2"]}),
+    ],
+)
+def test_recipe_depends_on_everything_that_may_change_a_result(changed):
+    assert changed != BASE
+
+
+def test_order_of_a_term_table_counts():
+    assert key("gait", {"a": 1, "b": 2}, CODE, {}) != key("gait", {"b": 2, "a": 1}, CODE, {})
+
+
+def test_not_a_number_is_refused():
+    with pytest.raises(ValueError, match="Out of range"):
+        key("gait", {"a": float("nan")}, CODE, {})
+
+
+def test_plan_round_trip(tmp_path):
+    path = write_plan(PLAN, tmp_path)
+    assert read_plan(path) == PLAN
+    assert [job.label for job in read_plan(path).jobs.values()][-2:] == ["library", "table"]
+    path.write_text(path.read_text().replace('"number"', '"numbers"'))
+    with pytest.raises(UserError, match=f"^expected a plan, found none at {path}$"):
+        read_plan(path)

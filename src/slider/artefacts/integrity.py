@@ -26,7 +26,7 @@ class IntegrityIndex:
     def is_whole(self, digest: str, folder: Path) -> bool:
         """Tell whether a folder's content has its name; read it only if it may have changed."""
         with suppress(OSError, ValueError):
-            if self._path(digest).read_text() == _look(folder)[0]:
+            if self._path(digest).read_text(encoding="utf-8") == _look(folder)[0]:
                 return True
         return self.read(digest, folder)
 
@@ -41,7 +41,7 @@ class IntegrityIndex:
             path = self._path(digest)
             with suppress(OSError):  # no space, or no right: the next one reads the object again
                 path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(look)  # what is torn matches nothing
+                path.write_text(look, encoding="utf-8")  # what is torn matches nothing
         return whole
 
     def drop(self, digest: str) -> None:

@@ -157,7 +157,7 @@ class Store:
 
     def mentioning(self, text: str) -> list[Manifest]:
         """Manifests of ours in which a text stands, such as the digest of a file."""
-        paths = (path for path in self.manifests() if text in path.read_text(errors="replace"))
+        paths = (path for path in self.manifests() if text in path.read_text("utf-8", "replace"))
         return [manifest for manifest in map(readable, paths) if manifest]
 
     def index_path(self, key: str) -> Path:

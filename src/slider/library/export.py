@@ -28,7 +28,7 @@ def write_csv(library: GaitLibrary, gait: int, path: Path) -> None:
     for array, labels, units in names:
         for column, (label, unit) in enumerate(zip(labels, units, strict=True)):
             columns[f"{label} [{unit}]"] = arrays[array][:, column]
-    with path.open("w", newline="") as file:
+    with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
         for row in zip(*columns.values(), strict=True):

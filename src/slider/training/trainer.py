@@ -216,4 +216,4 @@ def _write_rows(rows: list[dict[str, float]], path: Path) -> None:
     names = list({name: None for row in rows for name in row})
     lines = [",".join(names)]
     lines += [",".join(f"{row[n]:.6g}" if n in row else "" for n in names) for row in rows]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -22,6 +22,8 @@ ALLOWED = frozenset(
 )
 """Variables that a job takes over, beside those that begin with ``ALLOWED_PREFIXES``."""
 ALLOWED_PREFIXES = ("LC_", "SLURM_")
+LIBRARIES = ("libcasadi", "libipopt", "libmujoco", "libtorch*", "libc10", "libonnxruntime")
+"""What the packages load with names that others use, too."""
 _HOME = Path("artefacts") / "cache" / "home" / str(os.getuid())  # a store may have several users
 
 
@@ -34,6 +36,19 @@ def job_environment(variables: Mapping[str, str], home: Path) -> dict[str, str]:
     }
     allowed.setdefault("USER", "nobody")  # torch asks for the name, which a container may lack
     return allowed | {"HOME": str(home), "MATPLOTLIBRC": os.devnull}
+
+
+def library_path(folders: str) -> str:
+    """``LD_LIBRARY_PATH`` without folders that hold other builds of the packages' libraries.
+
+    They would come before those of the packages, as after sourcing a ROS.
+    """
+    kept = (
+        folder
+        for folder in folders.split(":")
+        if not any(any(Path(folder).glob(f"{name}.so*")) for name in LIBRARIES)
+    )
+    return ":".join(filter(None, kept))
 
 
 def main() -> None:

@@ -12,6 +12,10 @@ FOREIGN = {
 sys.path[:] = [path for path in sys.path if path not in FOREIGN]
 sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
 
+from slider.core.environment import check_bytecode
+
+for folder in ("src", "pipeline"):
+    check_bytecode(Path(workflow.basedir) / folder)
 try:
     getpass.getuser()  # as Snakemake does, which ends with a trace
 except (KeyError, OSError):  # a container whose user has no name

@@ -29,7 +29,7 @@ def test_there_is_no_commit_outside_a_repository(repository):
 
 
 def test_an_archive_within_another_repository_has_no_commit(repository):
-    folder, git = repository
+    _, git = repository
     git("init", "-q")
     git("commit", "-qm", "dotfiles", "--allow-empty")
     assert run_metadata.revision() == {}

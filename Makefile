@@ -18,6 +18,9 @@ STAMP := $(VENV)/installed
 TOOLS := $(VENV)/installed-tools
 export HYDRA
 export PLACED := $(CURDIR)
+# pip installs into $(VENV), whatever it does elsewhere on this machine.
+export PIP_USER := 0
+unexport PIP_TARGET PIP_PREFIX PIP_ROOT
 # An environment that was copied, moved or broken is made anew: it would run the source of another
 # folder, or none.
 ifneq ($(shell $(VENV)/bin/python -I -X utf8 -c 'print(open("$(PLACE)", encoding="utf-8").read())' 2>/dev/null),$(CURDIR))

@@ -15,6 +15,8 @@ NOTES = """#!/bin/sh
 case "$*" in *"open("*) exec python3 "$@";; esac
 for word in "$@"; do printf '%s\\n' "$word"; done > words.txt
 cat words.txt >> all.txt
+env | grep -E "^PIP_(USER|TARGET|PREFIX)=" > pip.txt
+true
 """
 
 
@@ -63,6 +65,13 @@ def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
     (folder / "words.txt").unlink()
     make(folder, "table1")
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2  # nothing was done again
+
+
+def test_pip_installs_into_the_environment_whatever_it_does_elsewhere(folder, monkeypatch):
+    for name in ("PIP_USER", "PIP_TARGET", "PIP_PREFIX"):
+        monkeypatch.setenv(name, "1")
+    make(folder, "table1")
+    assert (folder / "pip.txt").read_text() == "PIP_USER=0\n"
 
 
 def test_the_tools_bring_what_table_1_needs(folder):

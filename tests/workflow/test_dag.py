@@ -260,6 +260,13 @@ def test_a_mistake_is_one_line_and_status_1(once, setting, message):
     assert message in line
 
 
+def test_a_store_on_a_disk_that_is_not_mounted_is_one_line(blank, tmp_path):
+    (blank.folder / "artefacts").symlink_to(tmp_path / "disk")
+    dry = blank.snakemake("-n", hydra=QUIET)
+    assert dry.returncode == 1
+    assert f"expected a folder at artefacts, found a link to {tmp_path}/disk\n" in dry.stderr
+
+
 def test_a_dry_run_and_a_run_with_nothing_to_do_are_fast(blank):
     """125 gaits: 2.2 s and 2.1 s on a quiet machine; time of the processor, as it may be busy."""
     grid = "gait.grid.vx.start=0.0 gait.grid.vx.stop=1.2 gait.grid.vx.step=0.05"

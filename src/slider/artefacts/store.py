@@ -83,13 +83,15 @@ class Store:
         return self.root / "locks"
 
     def check_folders(self, stages: Iterable[str]) -> None:
-        """Refuse a store with something else in the place of a folder.
+        """Refuse a store with something else in the place of a folder, as of a disk not mounted.
 
         Raises:
             UserError: it names the first.
         """
-        for name in (*FOLDERS, *stages):
+        for name in ("", *FOLDERS, *stages):
             path = self.root / name
+            if path.is_symlink() and not path.exists():
+                raise UserError(f"expected a folder at {path}, found a link to {path.readlink()}")
             if path.exists() and not path.is_dir():
                 raise UserError(f"expected a folder, found a file at {path}: `slider store verify`")
 

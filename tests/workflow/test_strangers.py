@@ -67,6 +67,16 @@ def foreign_libraries(folder: Path) -> Path:
     return folder
 
 
+def foreign_sine(folder: Path) -> dict[str, str]:
+    """Variable that puts another sine before the mathematical library's, if there is a compiler."""
+    source, library = folder / "sine.c", folder / "sine.so"
+    source.write_text("double sin(double x) { return x; }\n")
+    command = ["cc", "-shared", "-fPIC", "-fno-builtin", str(source), "-o", str(library)]
+    if shutil.which("cc") is None or subprocess.run(command).returncode:
+        return {}
+    return {"LD_PRELOAD": str(library)}
+
+
 def test_a_stranger_computes_the_same_bytes(real, nameless, latin1, tmp_path):
     """In a copy elsewhere, without a name, with every setting and option file at once."""
     workspace = copy_repository(tmp_path / "elsewhere")
@@ -80,6 +90,7 @@ def test_a_stranger_computes_the_same_bytes(real, nameless, latin1, tmp_path):
         n: v for n, v in os.environ.items() if n not in ("USER", "LOGNAME", "LNAME", "USERNAME")
     }
     paths = {"PYTHONPATH": str(workspace.folder), "LD_LIBRARY_PATH": f"/none:{libraries}"}
+    paths |= foreign_sine(tmp_path)
     snakemake = [sys.executable, "-I", "-m", "snakemake", "-j2", TABLE]  # as `make` does
     done = subprocess.run(
         [*nameless, *SHELL, *snakemake, "--config", "hydra=experiment=test"],

@@ -11,15 +11,19 @@ PYTHON ?= python3
 CORES ?= $(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 HYDRA ?=
 VENV := .venv
-RUN := $(VENV)/bin/python -m# a module: the first line of a script cannot name every folder
+# A module: the first line of a script cannot name every folder. Isolated from PYTHON* and from files here.
+RUN := $(VENV)/bin/python -I -m
 PLACE := $(VENV)/place# the folder in which the environment works
 STAMP := $(VENV)/installed
 TOOLS := $(VENV)/installed-tools
 export HYDRA
 export PLACED := $(CURDIR)
+# pip installs into $(VENV), whatever it does elsewhere on this machine.
+export PIP_USER := 0
+unexport PIP_TARGET PIP_PREFIX PIP_ROOT
 # An environment that was copied, moved or broken is made anew: it would run the source of another
 # folder, or none.
-ifneq ($(shell $(VENV)/bin/python -c 'print(open("$(PLACE)", encoding="utf-8").read())' 2>/dev/null),$(CURDIR))
+ifneq ($(shell $(VENV)/bin/python -I -X utf8 -c 'print(open("$(PLACE)", encoding="utf-8").read())' 2>/dev/null),$(CURDIR))
 .PHONY: $(PLACE)
 endif
 
@@ -45,9 +49,9 @@ docs: $(STAMP) # site/; a broken link is an error
 install: $(TOOLS)
 
 $(PLACE):
-	@$(PYTHON) -c 'import sys; v = sys.version.split()[0]; sys.version_info >= (3, 11) or sys.exit("expected Python 3.11 or newer, found " + v + ": make PYTHON=/path/to/python")'
+	@$(PYTHON) -I -c 'import sys; v = sys.version.split()[0]; sys.version_info >= (3, 11) or sys.exit("expected Python 3.11 or newer, found " + v + ": make PYTHON=/path/to/python")'
 	rm -rf $(VENV)
-	$(PYTHON) -m venv $(VENV)
+	$(PYTHON) -I -m venv $(VENV)
 	@printf '%s' "$$PLACED" > $@
 
 $(STAMP): pyproject.toml constraints.txt $(PLACE)

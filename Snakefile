@@ -1,5 +1,6 @@
 # From the configuration to Table 1. The jobs come from pipeline/stages/; see README.md.
 #   snakemake -j2 reports/table1.csv --config hydra='experiment=smoke'
+import getpass
 import os
 import sys
 from pathlib import Path
@@ -10,6 +11,15 @@ FOREIGN = {
 }
 sys.path[:] = [path for path in sys.path if path not in FOREIGN]
 sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
+
+from slider.core.environment import check_bytecode
+
+for folder in ("src", "pipeline"):
+    check_bytecode(Path(workflow.basedir) / folder)
+try:
+    getpass.getuser()  # as Snakemake does, which ends with a trace
+except (KeyError, OSError):  # a container whose user has no name
+    os.environ["USER"] = "nobody"
 
 from pipeline.cluster import cancel_rest, lead
 from pipeline.console import Console

@@ -80,11 +80,13 @@ class Pipeline:
     def slider(self) -> str:
         """Shell command ``slider`` in the environment of a job.
 
-        glibc reads its variable when a process starts: it could hide instructions of the
-        processor, and with them change the functions of the mathematical library.
+        glibc reads variables when a process starts: they could hide instructions of the
+        processor, or put other functions in the place of the mathematical library's.
         """
         words = (sys.executable, "-I", "-X", "utf8", environment.__file__)
-        return f"GLIBC_TUNABLES= {shlex.join(words)}"
+        folders = environment.library_path(os.environ.get("LD_LIBRARY_PATH", ""))
+        loader = f"GLIBC_TUNABLES= LD_PRELOAD= LD_LIBRARY_PATH={shlex.quote(folders)}"
+        return f"{loader} {shlex.join(words)}"
 
     def slots(self, wildcards: Any) -> int:
         """Cores that the training of a recipe holds: no fewer than its processes, one for each GPU.

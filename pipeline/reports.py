@@ -24,7 +24,7 @@ def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path
     """
     recipe = plan.targets[target]
     path = marker_path(store, target)
-    found = path.read_text(errors="replace").split() if path.is_file() else []
+    found = path.read_text("utf-8", "replace").split() if path.is_file() else []
     manifest = store.manifest_path(plan.jobs[recipe].stage, recipe)
     differences = (_difference(manifest, report) for report in reports)
     reason = next((difference for difference in differences if difference), None)

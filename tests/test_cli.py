@@ -48,8 +48,16 @@ def test_a_wrong_argument_is_one_line(arguments, line, capsys):
     assert capsys.readouterr().err == f"slider: {line}\n"
 
 
-def test_a_reader_that_has_seen_enough_gets_no_trace():
-    command = f"{shlex.quote(sys.executable)} -m slider.cli config | true"
+@pytest.mark.parametrize(
+    "command",
+    [
+        "{} config | true",  # a reader that has seen enough
+        "{} config >&- <&-",
+        "PYTHONIOENCODING=ascii {} config --keys gait >/dev/null",  # with signs beyond ASCII
+    ],
+)
+def test_no_kind_of_output_gives_a_trace(command):
+    command = command.format(f"{shlex.quote(sys.executable)} -m slider.cli")
     done = subprocess.run(command, shell=True, capture_output=True, text=True, check=False)
     assert done.stderr == ""
 

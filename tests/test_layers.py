@@ -1,6 +1,7 @@
-"""Data flows one way, from the robot to the reports and what people call."""
+"""What holds for every module: data flows one way, and no text is in the encoding of a locale."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -31,11 +32,12 @@ ALLOWED = {
     "artefacts": {"core", "tracking", "artefacts"},
 } | {name: {*GROUND, *ORDER[: index + 1]} for index, name in enumerate(ORDER)}
 MODULES = sorted(path for path in (SOURCE / "slider").rglob("*.py"))
+PIPELINE = sorted((SOURCE.parent / "pipeline").rglob("*.py"))
 
 
 def imports(path: Path) -> set[str]:
     found = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -67,6 +69,26 @@ def test_only_the_configuration_knows_hydra_and_nothing_knows_snakemake(path):
     name = path.relative_to(SOURCE / "slider").as_posix()
     allowed = name.startswith("config/") or name == "commands/config.py"
     assert allowed or not packages & {"hydra", "omegaconf"}
+
+
+@pytest.mark.parametrize("path", [*MODULES, *PIPELINE], ids=lambda path: path.name)
+def test_text_files_have_an_encoding(path):
+    calls = (node for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, ast.Call))
+    assert [call.lineno for call in calls if takes_the_encoding_of_the_locale(call)] == []
+
+
+def takes_the_encoding_of_the_locale(call: ast.Call) -> bool:
+    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    if any(keyword.arg == "encoding" for keyword in call.keywords):
+        return False
+    if name in ("read_text", "write_text"):
+        return len(call.args) == (name == "write_text")
+    modes = call.args[:1] if isinstance(call.func, ast.Attribute) else call.args[1:2]
+    modes = call.args[1:2] if name == "fdopen" else modes
+    return name in ("open", "fdopen") and any(
+        isinstance(mode, ast.Constant) and re.fullmatch("[rwaxt+]+", str(mode.value))
+        for mode in modes
+    )
 
 
 @pytest.mark.parametrize("stage", ENTRIES)

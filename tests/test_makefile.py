@@ -15,6 +15,8 @@ NOTES = """#!/bin/sh
 case "$*" in *"open("*) exec python3 "$@";; esac
 for word in "$@"; do printf '%s\\n' "$word"; done > words.txt
 cat words.txt >> all.txt
+env | grep -E "^PIP_(USER|TARGET|PREFIX)=" > pip.txt
+true
 """
 
 
@@ -49,8 +51,8 @@ def make(folder: Path, *arguments: str) -> list[str]:
 def test_overrides_arrive_as_they_are_typed(folder, overrides):
     typed = overrides.replace("$", "$$")  # make's own sign
     words = make(folder, "table1", "CORES=3", f"HYDRA={typed}")
-    assert words[:4] == ["-m", "snakemake", "-j3", "reports/table1.csv"]
-    assert words[4:] == ["--config", f"hydra={overrides}"]
+    assert words[:5] == ["-I", "-m", "snakemake", "-j3", "reports/table1.csv"]
+    assert words[5:] == ["--config", f"hydra={overrides}"]
     assert not list(folder.rglob("pwned"))
 
 
@@ -65,22 +67,29 @@ def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2  # nothing was done again
 
 
+def test_pip_installs_into_the_environment_whatever_it_does_elsewhere(folder, monkeypatch):
+    for name in ("PIP_USER", "PIP_TARGET", "PIP_PREFIX"):
+        monkeypatch.setenv(name, "1")
+    make(folder, "table1")
+    assert (folder / "pip.txt").read_text() == "PIP_USER=0\n"
+
+
 def test_the_tools_bring_what_table_1_needs(folder):
     assert make(folder, "install")[-1] == ".[test]"
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
-    assert make(folder, "table1")[1] == "snakemake"
+    assert make(folder, "table1")[2] == "snakemake"
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
 
 
 @pytest.mark.parametrize("target", ["test", "faults"])
 def test_who_tests_gets_the_tools_first(folder, target):
-    assert make(folder, target)[:2] == ["-m", "pytest"]
+    assert make(folder, target)[:3] == ["-I", "-m", "pytest"]
     assert ".[test]" in (folder / "all.txt").read_text().splitlines()
 
 
 SETUP = """#!/bin/sh
 case "$*" in
-  "-m venv .venv") mkdir -p .venv/bin && cp made-by-venv .venv/bin/python;;
+  "-I -m venv .venv") mkdir -p .venv/bin && cp made-by-venv .venv/bin/python;;
   *) exec {python} "$@";;
 esac
 """
@@ -115,13 +124,13 @@ def test_a_copied_or_moved_environment_is_made_anew(folder, maker):
 @pytest.mark.parametrize("python", ["#!/bin/sh\nexit 1\n", "no program"])
 def test_a_broken_environment_is_made_anew(folder, maker, python):
     (folder / ".venv/bin/python").write_text(python)
-    assert make(folder, "table1", maker)[1] == "snakemake"
+    assert make(folder, "table1", maker)[2] == "snakemake"
 
 
 def test_an_old_python_is_one_line_and_leaves_no_environment(folder):
     old = folder / "old"
     check = "import sys; sys.version_info = (3, 10, 2); sys.version = '3.10.2 x'"
-    old.write_text(f'#!/bin/sh\nexec {sys.executable} -c "{check}; $(echo "$2" | tail -c +12)"\n')
+    old.write_text(f'#!/bin/sh\nexec {sys.executable} -c "{check}; $(echo "$3" | tail -c +12)"\n')
     old.chmod(0o755)
     shutil.rmtree(folder / ".venv")
     done = subprocess.run(

@@ -6,6 +6,7 @@ when its command is given, so that a gait job does not wait for torch.
 
 import argparse
 import importlib
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -55,6 +56,7 @@ class Parser(argparse.ArgumentParser):
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand; bad input is one line and status 1."""
+    _open_streams()
     arguments = list(sys.argv[1:] if argv is None else argv)
     name = arguments[0] if arguments else ""
     known = COMMANDS | INTERNAL
@@ -81,6 +83,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         line = line or f"{error.filename}: {error.strerror}"
         print(f"slider: {line}", file=sys.stderr)
         return 1
+
+
+def _open_streams() -> None:
+    """Open what the caller closed (``>&-``): other files would take the numbers.
+
+    A sign that the encoding of the terminal lacks is shown as ``?``.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            stream = open(os.devnull, mode, encoding="utf-8")  # noqa: SIM115
+            os.set_inheritable(stream.fileno(), True)
+            setattr(sys, name, stream)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _no_command(arguments: list[str]) -> int:

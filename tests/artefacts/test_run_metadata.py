@@ -28,6 +28,13 @@ def test_there_is_no_commit_outside_a_repository(repository):
     assert run_metadata.revision() == {}
 
 
+def test_an_archive_within_another_repository_has_no_commit(repository):
+    _, git = repository
+    git("init", "-q")
+    git("commit", "-qm", "dotfiles", "--allow-empty")
+    assert run_metadata.revision() == {}
+
+
 def test_tells_the_commit_and_whether_files_differ(repository):
     folder, git = repository
     (folder / "a.txt").write_text("one")

@@ -58,10 +58,10 @@ def test_comes_back_as_it_was_saved(tmp_path, clock):
 
 
 def test_same_policy_same_bytes(tmp_path):
-    for name in ("one", "other"):
+    for name in ("one", "öther"):
         (tmp_path / name).mkdir()
         save_policy(make_policy(), tmp_path / name / "policy.pt")
-    one, other = ((tmp_path / name / "policy.pt").read_bytes() for name in ("one", "other"))
+    one, other = ((tmp_path / name / "policy.pt").read_bytes() for name in ("one", "öther"))
     assert one == other
 
 

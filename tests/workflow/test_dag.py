@@ -2,6 +2,8 @@
 
 import csv
 import json
+import os
+import py_compile
 import resource
 import shutil
 import sqlite3
@@ -158,6 +160,17 @@ def another_evaluation(workspace: Workspace) -> None:
     workspace.edit(EVALUATION, "policy}", "policy}!")
 
 
+def of_the_same_size_and_time(workspace: Workspace) -> None:
+    """As out of an archive whose files have one date; bytecode of the module before is there."""
+    path = workspace.folder / EVALUATION
+    before = path.stat()
+    mode = py_compile.PycInvalidationMode.TIMESTAMP
+    py_compile.compile(str(path), invalidation_mode=mode)
+    workspace.edit(EVALUATION, "} {policy}", "}!{policy}")
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert path.stat().st_size == before.st_size
+
+
 def new_version(workspace: Workspace) -> None:
     """Only the gaits import casadi."""
     info = workspace.folder / "src" / "casadi-99.0.dist-info"
@@ -204,6 +217,7 @@ def prepend(workspace: Workspace, path: str, text: str) -> None:
         (comment, []),
         (refactoring, ["gait", "gait"]),
         (another_evaluation, ["evaluation", "evaluation", "table1"]),
+        (of_the_same_size_and_time, ["evaluation", "evaluation", "table1"]),
         (new_version, ["gait", "gait"]),
         (foreign_path, []),
         (litter, []),
@@ -216,7 +230,8 @@ def test_a_change_computes_what_depends_on_it(workspace, change, stages):
     change(workspace)
     path = f"{workspace.folder / 'src'}:{workspace.folder / 'conf'}"
     assert workspace.computed(PYTHONPATH=path) == stages
-    assert (workspace.table.read_text() == first) == (change is not another_evaluation)
+    others = (another_evaluation, of_the_same_size_and_time)
+    assert (workspace.table.read_text() == first) == (change not in others)
     assert workspace.slider("store", "verify").returncode == 0
 
 
@@ -243,6 +258,13 @@ def test_a_mistake_is_one_line_and_status_1(once, setting, message):
     assert failed.returncode == 1
     (line,) = [line for line in failed.stderr.splitlines() if not line.startswith("Using workflow")]
     assert message in line
+
+
+def test_a_store_on_a_disk_that_is_not_mounted_is_one_line(blank, tmp_path):
+    (blank.folder / "artefacts").symlink_to(tmp_path / "disk")
+    dry = blank.snakemake("-n", hydra=QUIET)
+    assert dry.returncode == 1
+    assert f"expected a folder at artefacts, found a link to {tmp_path}/disk\n" in dry.stderr
 
 
 def test_a_dry_run_and_a_run_with_nothing_to_do_are_fast(blank):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from slider.artefacts.plan import Plan, read_plan
-from slider.core.environment import job_environment
+from slider.core.environment import job_environment, library_path
 from tests.workflow.workspace import QUIET, Workspace, copy_repository, with_dummies
 
 pytestmark = pytest.mark.workflow
@@ -118,6 +118,11 @@ def test_a_hostile_environment_changes_no_byte(probe, expected, kind, tmp_path):
         "path": {"PYTHONPATH": str(tmp_path), "PYTHONHOME": str(tmp_path), "HOME": "/proc/nobody"},
     }
     assert result(probe, **variables[kind]) == expected
+
+
+def test_no_folder_with_libraries_of_others_comes_first(tmp_path):
+    (tmp_path / "libcasadi.so.3.7").touch()
+    assert library_path(f"/a::{tmp_path}:/b") == "/a:/b"
 
 
 def test_variables_are_taken_by_an_allow_list(tmp_path):

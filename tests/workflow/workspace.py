@@ -223,7 +223,8 @@ def _compiled() -> Path:
             shutil.rmtree(folder, ignore_errors=True)
             folder.mkdir()
             _copy_sources(folder)
-            compiled = Workspace(folder).command(["-m", "compileall", "-q", "src", "pipeline"])
+            compile_all = ["-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
+            compiled = Workspace(folder).command([*compile_all, "src", "pipeline"])
             assert compiled.returncode == 0, compiled.stderr
             done.touch()
     return folder

@@ -15,10 +15,11 @@ _SOURCE = Path(__file__).parent
 def revision() -> dict[str, str]:
     """``commit`` of the source and whether tracked files differ from it (``dirty``).
 
-    Empty where the source is in no git repository, or git is not installed.
+    Empty where the source is in no git repository, an archive unpacked within another one included,
+    or git is not installed.
     """
     commit = _ask_git("rev-parse", "HEAD")
-    if not commit:
+    if not commit or not _ask_git("ls-files"):
         return {}
     dirty = bool(_ask_git("status", "--porcelain", "--untracked-files=no"))
     return {"commit": commit, "dirty": str(dirty).lower()}
@@ -51,7 +52,7 @@ def run_metadata(artefacts: Path) -> dict[str, str]:
     path = _start_path(artefacts)
     if not path.is_file():
         return revision()
-    started, _, overrides = path.read_text(errors="replace").partition("\n")
+    started, _, overrides = path.read_text("utf-8", "replace").partition("\n")
     return revision() | {"pipeline_started": started, "overrides": overrides.strip()}
 
 
@@ -64,9 +65,7 @@ def _ask_git(*arguments: str) -> str:
     environment = {name: v for name, v in os.environ.items() if not name.startswith("GIT_")}
     command = ["git", "-c", "safe.directory=*", *arguments]
     try:
-        answer = subprocess.run(
-            command, cwd=_SOURCE, env=environment, capture_output=True, text=True, check=False
-        )
+        answer = subprocess.run(command, cwd=_SOURCE, env=environment, capture_output=True)
     except OSError:  # no git on this machine
         return ""
-    return answer.stdout.strip() if answer.returncode == 0 else ""
+    return answer.stdout.decode(errors="replace").strip() if answer.returncode == 0 else ""

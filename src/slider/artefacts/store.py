@@ -89,13 +89,15 @@ class Store:
         return self.root / "locks"
 
     def check_folders(self, stages: Iterable[str]) -> None:
-        """Refuse a store with something else in the place of a folder.
+        """Refuse a store with something else in the place of a folder, as of a disk not mounted.
 
         Raises:
             UserError: it names the first.
         """
-        for name in (*FOLDERS, *stages):
+        for name in ("", *FOLDERS, *stages):
             path = self.root / name
+            if path.is_symlink() and not path.exists():
+                raise UserError(f"expected a folder at {path}, found a link to {path.readlink()}")
             if path.exists() and not path.is_dir():
                 raise UserError(f"expected a folder, found a file at {path}: `slider store verify`")
 
@@ -130,7 +132,7 @@ class Store:
     def is_whole(self, digest: str) -> bool:
         """Tell whether an object's content has its name; read it only if it may have changed."""
         with suppress(OSError, ValueError):
-            if self._entry(digest).read_text() == _look(self.object_folder(digest))[0]:
+            if self._entry(digest).read_text(encoding="utf-8") == _look(self.object_folder(digest))[0]:
                 return True
         return self.rehash(digest)
 
@@ -146,7 +148,7 @@ class Store:
             entry = self._entry(digest)
             with suppress(OSError):  # no space, or no right: the next one reads the object again
                 entry.parent.mkdir(parents=True, exist_ok=True)
-                entry.write_text(look)  # what is torn matches nothing
+                entry.write_text(look, encoding="utf-8")  # what is torn matches nothing
         return whole
 
     def clock(self) -> int:
@@ -191,7 +193,7 @@ class Store:
 
     def mentioning(self, text: str) -> list[Manifest]:
         """Manifests of ours in which a text stands, such as the digest of a file."""
-        paths = (path for path in self.manifests() if text in path.read_text(errors="replace"))
+        paths = (path for path in self.manifests() if text in path.read_text("utf-8", "replace"))
         return [manifest for manifest in map(readable, paths) if manifest]
 
     def index_path(self, key: str) -> Path:

@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _output_to(log: Path) -> Iterator[TextIO]:
     """Send all output to a log, libraries written in C included; yield the terminal."""
     log.parent.mkdir(parents=True, exist_ok=True)
-    with os.fdopen(os.dup(2), "w", buffering=1) as terminal:
+    with os.fdopen(os.dup(2), "w", buffering=1, encoding="utf-8") as terminal:
         saved = [os.dup(1), os.dup(2)]
         with log.open("wb", buffering=0) as file:
             _redirect((file.fileno(), file.fileno()))

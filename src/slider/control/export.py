@@ -135,9 +135,9 @@ def write_files(
     layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin}, estimator)
     save_onnx(policy.network, layout, out / ONNX)
     save_torch(policy.network, layout, out / TORCH_EXPORT)
-    (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")
+    (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n", encoding="utf-8")
     np.save(out / REFERENCE, reference_table(policy).positions)
-    (out / MODEL).write_text(_model_xml(policy))
+    (out / MODEL).write_text(_model_xml(policy), encoding="utf-8")
     if policy_file.resolve() != (out / POLICY_FILE).resolve():
         shutil.copyfile(policy_file, out / POLICY_FILE)
     return policy

@@ -1,6 +1,7 @@
 """A trained policy: the network with its normaliser, and the file with everything to run it."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import chdir
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -121,7 +122,13 @@ def save_policy(policy: Policy, path: Path) -> None:
         "facts": dict(policy.facts),
         "reference": reference,
     }
-    torch.save(content, path)
+    save(content, path)
+
+
+def save(content: Any, path: Path) -> None:
+    """Write a file with torch, whose bytes else depend on whether the folder's name is ASCII."""
+    with chdir(path.parent):
+        torch.save(content, path.name)
 
 
 def load_policy(path: Path) -> Policy:

@@ -127,7 +127,7 @@ def _load(path: Path, names: list[str]) -> Functions:
 def _alone(path: Path, wait: bool) -> Iterator[bool]:
     """Whether no other job compiles this library; ``wait`` until none does."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.with_suffix(".lock").open("w") as file:
+    with path.with_suffix(".lock").open("w", encoding="utf-8") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
         except OSError:

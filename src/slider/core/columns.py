@@ -14,7 +14,7 @@ def write(columns: Columns, path: Path) -> None:
     """Write columns of equal length; flags become 0 and 1."""
     rows = [",".join(columns)]
     rows += [",".join(map(_text, values)) for values in zip(*columns.values(), strict=True)]
-    path.write_text("\n".join(rows) + "\n")
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
 def read(path: Path, expected: Iterable[str] = (), flags: Iterable[str] = ()) -> Columns:
@@ -24,7 +24,7 @@ def read(path: Path, expected: Iterable[str] = (), flags: Iterable[str] = ()) ->
         UserError: the file has other columns than ``expected``, if any are.
     """
     names = tuple(expected)
-    header, *rows = path.read_text().splitlines()
+    header, *rows = path.read_text(encoding="utf-8").splitlines()
     if names and tuple(header.split(",")) != names:
         raise UserError(f"{path}: expected the columns {','.join(names)}, found {header}")
     values = np.array([[float(text or "nan") for text in row.split(",")] for row in rows])

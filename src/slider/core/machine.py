@@ -50,7 +50,7 @@ def processor() -> str:
 def cpuinfo(field: str) -> str:
     """What Linux says about the first core, such as its ``flags``; else nothing."""
     if _CPUINFO.is_file():
-        for line in _CPUINFO.read_text().splitlines():
+        for line in _CPUINFO.read_text(encoding="utf-8").splitlines():
             name, _, value = line.partition(":")
             if name.strip() == field:
                 return value.strip()

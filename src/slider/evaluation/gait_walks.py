@@ -91,7 +91,7 @@ def first_samples(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
 
 def _write(rows: list[dict[str, float]], steps: int, out: Path) -> None:
     """CSV of all gaits, and for people how many walk at each forward speed."""
-    with (out / CSV).open("w", newline="") as file:
+    with (out / CSV).open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows({name: f"{value:.6g}" for name, value in row.items()} for row in rows)
@@ -100,4 +100,4 @@ def _write(rows: list[dict[str, float]], steps: int, out: Path) -> None:
         walked = [row["walked"] for row in rows if row["vx"] == vx]
         done = sum(count >= steps for count in walked)
         lines.append(f"| {vx:g} | {len(walked)} | {done} | {min(walked):g} |")
-    (out / MARKDOWN).write_text("\n".join(lines) + "\n")
+    (out / MARKDOWN).write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -126,7 +126,7 @@ class Evaluation:
         metadata = {"controller": self.controller, "speed": self.speed}
         if self.case:
             metadata["case"] = self.case
-        (folder / METADATA).write_text(json.dumps(metadata) + "\n")
+        (folder / METADATA).write_text(json.dumps(metadata) + "\n", encoding="utf-8")
         columns.write(self.robots.columns, folder / ROBOTS)
         np.save(folder / VELOCITY, self.velocity)
         if self.segments:
@@ -143,7 +143,7 @@ class Evaluation:
         Raises:
             UserError: a table has other columns.
         """
-        metadata = json.loads((folder / METADATA).read_text())
+        metadata = json.loads((folder / METADATA).read_text(encoding="utf-8"))
         flags = ("survived", "tracked", "diverged")
         return cls(
             metadata["controller"],

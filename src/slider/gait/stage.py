@@ -65,7 +65,7 @@ def write_report(
     arrays = gait_arrays(problem, solve, section["solve"]["kinematic_map"], velocity[2])
     missed = shortfall(arrays[DECOUPLING], section["solve"]["decoupling_min"])
     report = _report(problem, solve, velocity, missed)
-    (out / REPORT).write_text(json.dumps(report, indent=1) + "\n")
+    (out / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     names = (*VELOCITY, "status", "converged", "cost", "max_violation")
     return arrays, {name: report[name] for name in names}
 

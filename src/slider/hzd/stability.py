@@ -55,7 +55,9 @@ def run_maps(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     records = [
         _record(library, gait, steps, k, walks.get(k), residuals) for k, gait in enumerate(gaits)
     ]
-    (out / RECORDS).write_text(json.dumps(records, indent=1, allow_nan=False) + "\n")
+    (out / RECORDS).write_text(
+        json.dumps(records, indent=1, allow_nan=False) + "\n", encoding="utf-8"
+    )
     return {"gaits": len(gaits), "limit_cycles": len(walks)}
 
 
@@ -71,7 +73,8 @@ def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> d
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Table of all gaits as CSV, and for people."""
-    rows = [row for folder in inputs["gaits"] for row in json.loads((folder / RECORDS).read_text())]
+    records = [(folder / RECORDS).read_text(encoding="utf-8") for folder in inputs["gaits"]]
+    rows = [row for text in records for row in json.loads(text)]
     rows.sort(key=lambda row: [row[name] for name in VELOCITY])
     write_csv(out / CSV, rows)
     write_markdown(out / MARKDOWN, rows)

@@ -39,7 +39,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """
     config = from_dict(LibraryConfig, section["library"])
     folders = list(inputs["gaits"])
-    reports = [json.loads((folder / REPORT).read_text()) for folder in folders]
+    reports = [json.loads((folder / REPORT).read_text(encoding="utf-8")) for folder in folders]
     good = [i for i, report in enumerate(reports) if acceptable(report, config.max_violation)]
     holes = [report for i, report in enumerate(reports) if i not in good]
     _log(reports, job)

@@ -106,7 +106,7 @@ def _gaits(section: Section, inputs: Inputs) -> pd.DataFrame:
     """A row per gait; costs of those that converge, with differences from the reference's gait."""
     table, reference, references = [], section["variants"][0][0], {}
     for (variant, seed, speed), folder in _items(section, inputs, "gaits"):
-        report = json.loads((folder / REPORT).read_text())
+        report = json.loads((folder / REPORT).read_text(encoding="utf-8"))
         row = dict(zip(KEYS, (variant, seed, speed), strict=True))
         row |= _outcome(report, section["max_violation"])
         if row["converged"] and (folder / "roll.npy").is_file():

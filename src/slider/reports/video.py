@@ -48,7 +48,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     frames += [episode.step() for _ in range(round(video.duration / one.env.control_period))]
     _film(section, robot, video, frames, out)
     summary = _summary(section, frames)
-    (out / ABOUT).write_text(json.dumps(summary) + "\n")
+    (out / ABOUT).write_text(json.dumps(summary) + "\n", encoding="utf-8")
     return summary
 
 

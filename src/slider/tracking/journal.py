@@ -77,7 +77,7 @@ class JournalTracker:
 def current_session(artefacts: Path) -> Path | None:
     """Folder of the pipeline run that is being tracked, if there is one."""
     try:
-        name = (artefacts / "tracking" / "current").read_text(errors="replace").strip()
+        name = (artefacts / "tracking" / "current").read_text("utf-8", "replace").strip()
     except OSError:
         return None
     session = artefacts / "tracking" / name

@@ -103,7 +103,7 @@ def _spawn_writer(artefacts: Path, folder: Path) -> subprocess.Popen[bytes]:
     log = _log_path(artefacts)
     log.parent.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "slider.cli", "tracking", "follow", folder.name]
-    with log.open("a") as output:
+    with log.open("a", encoding="utf-8") as output:
         return subprocess.Popen(
             [*command, "--artefacts", str(artefacts)],
             stdin=subprocess.DEVNULL,

@@ -11,7 +11,7 @@ import torch
 from rsl_rl.runners import OnPolicyRunner
 
 from slider.control import POLICY_FILE
-from slider.control.policy_file import UNVARIED, Policy, from_actor, save_policy
+from slider.control.policy_file import UNVARIED, Policy, from_actor, save, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv
@@ -170,7 +170,7 @@ class Trainer:
             reference=self._task.reference,
         )
         save_policy(policy, out / POLICY_FILE)
-        torch.save(weights, out / WEIGHTS)
+        save(weights, out / WEIGHTS)
         _write_rows(self._history, out / SELECTION)
         _write_rows(self._curve, out / CURVE)
         self._job.tracker.log_file(out / POLICY_FILE)
@@ -216,4 +216,4 @@ def _write_rows(rows: list[dict[str, float]], path: Path) -> None:
     names = list({name: None for row in rows for name in row})
     lines = [",".join(names)]
     lines += [",".join(f"{row[n]:.6g}" if n in row else "" for n in names) for row in rows]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,0 +1,126 @@
+"""What a stranger's machine has set, left and moved changes no byte of a result."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.workflow.test_environment import FILES, VARIABLES
+from tests.workflow.workspace import REPOSITORY, TABLE, Workspace, copy_repository, finished
+
+pytestmark = pytest.mark.workflow
+
+STAGES = ("gait", "library", "standing", "walking", "evaluation", "table1")
+NAMELESS = ["unshare", "--user", "--map-user=54321", "--map-group=54321"]  # as docker run -u 54321
+SHELL = ["sh", "-c", 'umask 077; ulimit -n 128; exec "$0" "$@" <&- 2>error.txt']
+HOSTILE = VARIABLES | {
+    **{"PYTHONHASHSEED": "77", "PYTHONWARNINGS": "error", "PYTHONDEVMODE": "1"},
+    **{"PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0", "PYTHONIOENCODING": "ascii"},
+    **{"OMP_NUM_THREADS": "3", "OMP_DYNAMIC": "true", "MKL_CBWR": "COMPATIBLE"},
+    **{"MKL_NUM_THREADS": "3", "OPENBLAS_NUM_THREADS": "7", "KMP_AFFINITY": "disabled"},
+    **{"DNNL_MAX_CPU_ISA": "SSE41", "TORCHDYNAMO_DISABLE": "1", "PYTORCH_JIT": "0"},
+    **{"NUMBA_CPU_NAME": "generic", "NUMBA_OPT": "0", "NUMBA_ENABLE_CUDASIM": "1"},
+    **{"NUMBA_THREADING_LAYER": "none", "ZARR_DEFAULT_ZARR_FORMAT": "2", "CASADIPATH": "/none"},
+    **{"MLFLOW_TRACKING_URI": "http://127.0.0.1:1", "MLFLOW_RUN_ID": "none"},
+    **{"HYDRA_FULL_ERROR": "1", "FSSPEC_CONFIG_DIR": "/none", "SOURCE_DATE_EPOCH": "1"},
+    **{"GLIBC_TUNABLES": "glibc.cpu.hwcaps=-AVX2,-FMA", "MALLOC_PERTURB_": "85"},
+    **{"CC": "/none", "CFLAGS": "-Ofast", "SHELL": "/bin/false", "BASH_ENV": "/none"},
+    **{"TZ": "Asia/Kathmandu", "COLUMNS": "0", "TERM": "dumb", "TMPDIR": "/none"},
+    **{"HOME": "/proc/none", "XDG_CACHE_HOME": "/proc/none", "XDG_CONFIG_HOME": "/proc/none"},
+    **{"GIT_WORK_TREE": "/none", "MAKEFLAGS": "-j --jobserver-auth=3,4"},
+}
+"""Settings that libraries and tools read, each with a value that would change or end a run."""
+
+
+@pytest.fixture(scope="module")
+def real(session_folder) -> Workspace:
+    """A pipeline that ran from nothing to its table and its page; nobody may change it."""
+    return finished(session_folder)
+
+
+@pytest.fixture
+def latin1(tmp_path) -> dict[str, str]:
+    """Variables of a locale with ISO-8859-1; of ASCII where none can be made."""
+    name = "en_US.ISO-8859-1"
+    command = ["localedef", "-i", "en_US", "-f", "ISO-8859-1", str(tmp_path / name)]
+    if shutil.which("localedef") and not subprocess.run(command, capture_output=True).returncode:
+        return {"LC_ALL": name, "LOCPATH": str(tmp_path)}
+    return {"LC_ALL": "C"}
+
+
+@pytest.fixture
+def nameless() -> list[str]:
+    """Command that runs another as a user who is in no list of users."""
+    if shutil.which(NAMELESS[0]) is None or subprocess.run([*NAMELESS, "true"]).returncode:
+        pytest.skip("no user namespaces: unshare --user fails")
+    return NAMELESS
+
+
+def foreign_libraries(folder: Path) -> Path:
+    """Others' builds of what the packages load, as after sourcing a ROS."""
+    folder.mkdir()
+    for name in ("libcasadi.so.3.7", "libc10.so", "libmujoco.so.4.0.0"):
+        (folder / name).write_text("no library\n")
+    return folder
+
+
+def foreign_sine(folder: Path) -> dict[str, str]:
+    """Variable that puts another sine before the mathematical library's, if there is a compiler."""
+    source, library = folder / "sine.c", folder / "sine.so"
+    source.write_text("double sin(double x) { return x; }\n")
+    command = ["cc", "-shared", "-fPIC", "-fno-builtin", str(source), "-o", str(library)]
+    if shutil.which("cc") is None or subprocess.run(command).returncode:
+        return {}
+    return {"LD_PRELOAD": str(library)}
+
+
+def test_a_stranger_computes_the_same_bytes(real, nameless, latin1, tmp_path):
+    """In a copy elsewhere, without a name, with every setting and option file at once."""
+    workspace = copy_repository(tmp_path / "elsewhere")
+    names = {"random.py": "1 / 0\n", "torch.py": "1 / 0\n", "sitecustomize.py": "1 / 0\n"}
+    for name, text in (FILES | names).items():
+        path = workspace.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    libraries = foreign_libraries(tmp_path / "lib")
+    kept = {
+        n: v for n, v in os.environ.items() if n not in ("USER", "LOGNAME", "LNAME", "USERNAME")
+    }
+    paths = {"PYTHONPATH": str(workspace.folder), "LD_LIBRARY_PATH": f"/none:{libraries}"}
+    paths |= foreign_sine(tmp_path)
+    snakemake = [sys.executable, "-I", "-m", "snakemake", "-j2", TABLE]  # as `make` does
+    done = subprocess.run(
+        [*nameless, *SHELL, *snakemake, "--config", "hydra=experiment=test"],
+        cwd=workspace.folder,
+        env=kept | HOSTILE | paths | latin1,
+    )
+    error = (workspace.folder / "error.txt").read_text(encoding="utf-8", errors="replace")
+    assert done.returncode == 0, error
+    assert "Traceback" not in error
+    assert workspace.table.read_bytes() == real.table.read_bytes()
+    for stage in STAGES:
+        assert workspace.objects(stage) == real.objects(stage), stage
+
+
+def test_a_moved_copy_computes_nothing_and_runs_its_own_source(real, tmp_path):
+    """Also where ``PYTHONPATH``, as in a copied ``.venv``, names the original's source."""
+    moved = Workspace(real.copy(tmp_path / "copy").folder.rename(tmp_path / "moved"))
+    original = str(real.folder / "src")
+    moved.table.unlink()
+    assert moved.computed(PYTHONPATH=original) == []
+    assert moved.table.read_bytes() == real.table.read_bytes()
+    source = moved.folder / "src/slider/gait/stage.py"
+    source.write_text(source.read_text(encoding="utf-8") + "\nunused = 1\n", encoding="utf-8")
+    assert "Nothing to be done" not in moved.snakemake("-n", PYTHONPATH=original).stdout
+
+
+def test_a_checkout_with_ends_of_lines_of_windows_has_the_same_source(tmp_path):
+    clone = ["git", "clone", "-q", "-c", "core.autocrlf=true", str(REPOSITORY), str(tmp_path)]
+    if subprocess.run(clone, capture_output=True).returncode:
+        pytest.skip("no repository")
+    paths = [path for name in ("src", "conf") for path in (tmp_path / name).rglob("*.*")]
+    assert paths
+    assert not [path for path in paths if b"\r\n" in path.read_bytes()]

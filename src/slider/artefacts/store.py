@@ -132,7 +132,10 @@ class Store:
     def is_whole(self, digest: str) -> bool:
         """Tell whether an object's content has its name; read it only if it may have changed."""
         with suppress(OSError, ValueError):
-            if self._entry(digest).read_text(encoding="utf-8") == _look(self.object_folder(digest))[0]:
+            if (
+                self._entry(digest).read_text(encoding="utf-8")
+                == _look(self.object_folder(digest))[0]
+            ):
                 return True
         return self.rehash(digest)
 

@@ -203,7 +203,7 @@ def test_every_option_composes(option):
         ),
         ("evaluation/disturbance=rough", "unknown option evaluation/disturbance=rough"),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
-        ("evaluation=joystick", "evaluation.profile: expected none (the commands of Table 1"),
+        ("evaluation=joystick", "evaluation.profile: expected none (the velocities of Table 1"),
         ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),
         ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
         ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),

@@ -2,8 +2,8 @@
 
 import pytest
 
-from slider.config.constraint_text import kind_at, meaning
 from slider.config.gait import GaitConfig
+from slider.config.reference import kind_at, meaning
 from slider.config.schema import Config
 from slider.config.verification import VerificationConfig
 

@@ -16,12 +16,11 @@ from omegaconf import ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
-from slider.config.checks import NAME
-from slider.config.constraint_text import kind_at
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
+from slider.config.reference import kind_at
 from slider.config.schema import Config
-from slider.config.validation import validate
+from slider.config.validation import NAME, validate
 from slider.core.errors import UserError
 
 _MOST_STEPS = 1000  # of a list from start to stop

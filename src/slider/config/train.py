@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import DisturbanceConfig
 from slider.config.types import (
     STRICT,
     Count,

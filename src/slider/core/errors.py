@@ -3,8 +3,9 @@
 import errno
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 
 class UserError(Exception):
@@ -12,6 +13,18 @@ class UserError(Exception):
 
     Command-line entry points print it without a trace and exit with status 1.
     """
+
+
+def require(condition: bool, key: str, expected: str, found: Any) -> None:
+    """Raise a ``UserError`` about the value of a key unless a condition holds."""
+    if not condition:
+        raise UserError(f"{key}: expected {expected}, found {found}")
+
+
+def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
+    """Raise a ``UserError`` unless the value of a key is a member of ``allowed``."""
+    options = tuple(allowed)
+    require(value in options, key, f"one of {', '.join(map(str, options))}", value)
 
 
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)

@@ -8,8 +8,7 @@ import numpy as np
 import torch
 
 from slider.config.control import AnyControl
-from slider.config.disturbance import DisturbanceConfig
-from slider.config.env import EnvConfig, PlantConfig, StartNoise
+from slider.config.env import DisturbanceConfig, EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant

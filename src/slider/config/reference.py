@@ -24,6 +24,7 @@ from slider.core.errors import UserError
 
 OPTIONAL = ("finetuning=robust",)  # groups that the default configuration does not have
 HEADER = ("key", "type", "unit", "bound", "default", "meaning")
+BY_NAME = "values by name"  # which the configuration chooses
 _NAMES = {float: "number", int: "integer", bool: "true or false", str: "text", NoneType: "null"}
 _ARTICLES = {"number": "a ", "integer": "an ", "list": "a "}
 _LINEAR = "slide"  # the joint that moves along a line: its unit comes after a bar
@@ -137,7 +138,7 @@ def _plain(hint: Any) -> Kind:
         units = ", ".join(dict.fromkeys(item.unit for item in items))
         return replace(items[0], name=f"{len(items)} {items[0].name}s", unit=units)
     if origin is dict:
-        return Kind("values by name")
+        return Kind(BY_NAME)
     if is_dataclass(origin):
         return Kind(f"values of {', '.join(item.name for item in fields(origin))}")
     return Kind(_NAMES.get(origin, "value"))

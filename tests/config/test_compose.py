@@ -199,7 +199,7 @@ def test_a_fine_tuning_wants_what_the_walking_training_wanted():
     assert own.finetuning.reward.terms["heading"].weight == 0.7
 
 
-def test_a_list_of_velocities_takes_the_place_of_an_axis():
+def test_a_list_of_speeds_takes_the_place_of_an_axis():
     one = compose(["gait.grid.vx=[0.33]"], CONF).gait.grid
     assert one.vx == [0.33]
     assert one.vy == compose([], CONF).gait.grid.vy

@@ -81,13 +81,13 @@ class ObservationConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ReferenceConfig:
-    """The velocity that goes from one command to the next.
+    """The velocity that goes from one commanded velocity to the next.
 
     Clock, guide and the gait under the actions are those of the reference velocity.
     """
 
     acceleration: MetresPerSecond2
-    """with which it goes to the command, along x and y; 0: at once"""
+    """with which it goes to the commanded velocity, along x and y; 0: at once"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -112,7 +112,7 @@ class StartNoise:
 
 @dataclass(frozen=True, config=STRICT)
 class HaltConfig:
-    """At zero command the clock stays at the next change of feet, both of them on the ground."""
+    """At zero velocity the clock stays at the next change of feet, both of them on the ground."""
 
     below: NonNegative[MetresPerSecond]
     """it stays once the low-passed velocity is less than this; 0: never, step in place"""
@@ -145,7 +145,7 @@ class PlantConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class EnvConfig:
-    """What a controller of the robot sees and commands, and what ends an episode."""
+    """Observations and actions of a policy, and what ends an episode."""
 
     control_period: Positive[Seconds]
     """time between two outputs of the policy; timestep × substeps"""

@@ -2,7 +2,6 @@
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -10,11 +9,9 @@ from pipeline.entry import open_pipeline
 from pipeline.stages.gaits import velocities
 from slider.cli import main
 from slider.config.compose import compose
-from slider.config.convert import to_dict
 from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
-TAGS = ("paper", "earlier", "assumed")
 
 
 def options() -> list[str]:
@@ -230,26 +227,6 @@ def test_malformed_yaml_is_one_line(path, text, line, tmp_path):
 def test_config_prints_the_resolved_configuration(capsys):
     assert main(["config", "gait.cost=torque", "--conf", str(CONF)]) == 0
     assert "  cost: torque\n" in capsys.readouterr().out
-
-
-def leaves(node: Any, prefix: str = "") -> list[str]:
-    if not isinstance(node, dict):
-        return [prefix]
-    return [leaf for name, value in node.items() for leaf in leaves(value, f"{prefix}.{name}")]
-
-
-def test_every_robot_parameter_has_a_source():
-    robot = to_dict(compose([], CONF).robot)
-    provenance = robot.pop("provenance")
-    robot.pop("name")
-    assert set(provenance.values()) <= set(TAGS)
-    paths = [leaf.removeprefix(".") for leaf in leaves(robot)]
-    for path in paths:
-        parts = path.split(".")
-        prefixes = [".".join(parts[:end]) for end in range(1, len(parts) + 1)]
-        assert any(prefix in provenance for prefix in prefixes), f"{path} has no source"
-    for name in provenance:
-        assert any(f"{path}.".startswith(f"{name}.") for path in paths), f"{name} is no parameter"
 
 
 def test_one_override_of_the_network_is_for_all_trainings():

@@ -62,9 +62,9 @@ def kind_at(hint: Any, place: Sequence[str | int]) -> Kind:
     """Kind of the value at a place below a value of type ``hint``."""
     for part in place:
         hint = child(hint, part)
-    found = kind(hint)
-    turning, _, linear = found.unit.partition("|")
-    return replace(found, unit=(linear or turning if _LINEAR in place else turning).strip())
+    result = kind(hint)
+    turning, _, linear = result.unit.partition("|")
+    return replace(result, unit=(linear or turning if _LINEAR in place else turning).strip())
 
 
 def child(hint: Any, part: str | int) -> Any:
@@ -83,14 +83,14 @@ def child(hint: Any, part: str | int) -> Any:
 
 
 def meaning(cls: Any, name: str) -> str:
-    """What the schema says under a field, its own class or the one that it inherits from."""
-    found = (_meanings(base).get(name) for base in cls.__mro__ if is_dataclass(base))
-    return next(filter(None, found), "")
+    """Text under a field in the schema, in its class or in the one that it inherits from."""
+    texts = (_meanings(base).get(name) for base in cls.__mro__ if is_dataclass(base))
+    return next(filter(None, texts), "")
 
 
 @lru_cache
 def _meanings(cls: type) -> dict[str, str]:
-    """Docstrings of a class's own fields; here, since jobs that read no meaning need no source."""
+    """Docstrings of the fields that a class adds; pydantic would read them in every job."""
     (tree,) = ast.parse(dedent(inspect.getsource(cls))).body
     assert isinstance(tree, ast.ClassDef)
     return {
@@ -108,20 +108,20 @@ def kind(hint: Any) -> Kind:
     """What values of a type may be; of a union, the last one, and the others as rules."""
     if get_origin(hint) in (Union, UnionType):
         *others, main = sorted(get_args(hint), key=lambda option: option is not NoneType)
-        found = kind(main)
-        return replace(found, rules=(*found.rules, *(f"or {kind(item).name}" for item in others)))
+        result = kind(main)
+        return replace(result, rules=(*result.rules, *(f"or {kind(item).name}" for item in others)))
     if get_origin(hint) is not Annotated:
         return _plain(hint)
     inner, *metadata = get_args(hint)
-    found, facts = _plain(inner), list(_facts(metadata))
+    plain, facts = _plain(inner), list(_facts(metadata))
     rules = [fact.text for fact in facts if isinstance(fact, Rule)]
-    name = found.name
+    name = plain.name
     if any(getattr(fact, "min_length", 0) for fact in facts) and inner is not str:
         start = "list of " if name.startswith("list of ") else ""
         name = f"{start}one or more {name.removeprefix(start)}"
-    units = [found.unit, *(fact for fact in facts if isinstance(fact, Unit))]
-    interval = _interval(facts) or found.interval
-    return Kind(name, interval, (*found.rules, *rules), units[-1])
+    units = [plain.unit, *(fact for fact in facts if isinstance(fact, Unit))]
+    interval = _interval(facts) or plain.interval
+    return Kind(name, interval, (*plain.rules, *rules), units[-1])
 
 
 def _plain(hint: Any) -> Kind:
@@ -182,8 +182,8 @@ def _fields(hint: Any) -> dict[str, Any]:
     origin = get_origin(hint) or hint
     parameters = getattr(origin, "__parameters__", ())
     chosen: dict[Any, Any] = dict(zip(parameters, get_args(hint), strict=True))
-    found = _hints(origin)
-    return {name: chosen[t] if isinstance(t, TypeVar) else t for name, t in found.items()}
+    hints = _hints(origin).items()
+    return {name: chosen[t] if isinstance(t, TypeVar) else t for name, t in hints}
 
 
 @lru_cache
@@ -212,11 +212,11 @@ def entries(config: Config, kinds: Mapping[str, Kind]) -> list[Entry]:
 
     The parameters of a term without any are no key.
     """
-    found = (entry for entry in _entries(Config, config, (), "") if entry.default != "{}")
-    return [replace(entry, kind=kinds.get(entry.path, entry.kind)) for entry in found]
+    keys = (entry for entry in _entries(Config, config, (), "") if entry.default != "{}")
+    return [replace(entry, kind=kinds.get(entry.path, entry.kind)) for entry in keys]
 
 
-def matching(found: list[Entry], pattern: str) -> list[Entry]:
+def matching(items: list[Entry], pattern: str) -> list[Entry]:
     """Entries at or below a key, or whose key matches a pattern such as ``*.ppo.*``.
 
     Raises:
@@ -224,12 +224,12 @@ def matching(found: list[Entry], pattern: str) -> list[Entry]:
     """
     chosen = [
         item
-        for item in found
+        for item in items
         if f"{item.path}.".startswith(f"{pattern}.") or fnmatch.fnmatch(item.path, pattern)
     ]
     if not chosen and pattern:
         raise UserError(f"expected a key, or a pattern such as *.ppo.*, found {pattern}")
-    return chosen or found
+    return chosen or items
 
 
 def page(config: Config, kinds: Mapping[str, Kind]) -> str:
@@ -242,13 +242,13 @@ def page(config: Config, kinds: Mapping[str, Kind]) -> str:
         "key=value'`. `slider config --keys train.walking.ppo` prints a part of it.",
         "",
     ]
-    known = entries(config, kinds)
+    items = entries(config, kinds)
     for item in fields(Config):
         value = getattr(config, item.name)
         about = _first_line(value) if _is_group(value) or isinstance(value, dict) else ""
         lines += [f"## {item.name}", "", *([about, ""] if about else [])]
         lines += [f"| {' | '.join(HEADER)} |", "|---" * len(HEADER) + "|"]
-        for entry in matching(known, item.name):
+        for entry in matching(items, item.name):
             path, *middle, default, text = entry.cells
             cells = (f"`{path}`", *middle, f"`{default}`", text)
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")

@@ -148,7 +148,7 @@ class Config:
     ``finetuning`` goes on from the walking policy; its result is then the policy.
     """
 
-    speeds: SpeedsConfig  # first: a mistake in it is found here, not where it is referred to
+    speeds: SpeedsConfig  # first: a mistake in it is reported here, not where it is referred to
     robot: RobotConfig
     gait: GaitConfig
     library: LibraryConfig
@@ -177,5 +177,5 @@ class Config:
     def trainings(self) -> dict[str, TrainConfig]:
         """Trainings by their keys."""
         # Values of the standing training refer to the walking training: mistakes are found there.
-        found = {"train.walking": self.train.walking, "train.standing": self.train.standing}
-        return found | ({"finetuning": self.finetuning} if self.finetuning else {})
+        trainings = {"train.walking": self.train.walking, "train.standing": self.train.standing}
+        return trainings | ({"finetuning": self.finetuning} if self.finetuning else {})

@@ -14,16 +14,14 @@ from pipeline.stages.evaluation import evaluations_of
 from pipeline.stages.gaits import gait, gait_section, library_job
 from pipeline.stages.training import training_jobs
 from slider.artefacts.plan import JobSpec
-from slider.config.checks import one_of
 from slider.config.compose import compose
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.parameters import choose, parameters, scaled
-from slider.config.schema import Config
-from slider.config.studies import BudgetConfig, RolloutsConfig, StartsConfig, StudyConfig
+from slider.config.schema import BudgetConfig, Config, RolloutsConfig, StartsConfig, StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.validation import validate
-from slider.core.errors import UserError
+from slider.core.errors import UserError, one_of
 from slider.env.terms import checked
 from slider.reports.quantities import GAIT_QUANTITIES, QUANTITIES
 

@@ -11,10 +11,9 @@ from pipeline.stages.entries import ENTRIES
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec
-from slider.config.checks import require
-from slider.config.schema import Config
-from slider.config.studies import StudyConfig
+from slider.config.schema import Config, StudyConfig
 from slider.control import EXPORT_FILES as POLICY_FILES
+from slider.core.errors import require
 from slider.reports.figures import FILES as FIGURES
 from slider.reports.figures import STABILITY_FILES
 from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_sections

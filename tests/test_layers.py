@@ -97,7 +97,5 @@ def test_stages_import_neither_hydra_nor_mlflow_nor_the_machinery(stage):
     assert not {"hydra", "mlflow", "snakemake"} & set(found.third_party)
     assert stage != "gait" or "torch" not in found.third_party
     assert not {"slider.artefacts.runner", "slider.artefacts.store"} & set(found.modules)
-    assert (
-        "slider.config.constraint_text" not in found.modules
-    )  # to reword errors recomputes nothing
+    assert "slider.config.reference" not in found.modules  # to reword errors recomputes nothing
     assert "slider.config.validation" not in found.modules

@@ -4,9 +4,9 @@ from pipeline.stages.entries import job
 from pipeline.stages.gaits import chunks
 from pipeline.stages.sections import only, robot, without
 from slider.artefacts.plan import JobSpec
-from slider.config.checks import one_of
 from slider.config.convert import to_dict
 from slider.config.schema import Config
+from slider.core.errors import one_of
 from slider.core.machine import kernels
 from slider.verification.quantities import QUANTITIES
 

@@ -2,7 +2,6 @@
 
 import shutil
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -10,11 +9,9 @@ from pipeline.entry import open_pipeline
 from pipeline.stages.gaits import velocities
 from slider.cli import main
 from slider.config.compose import compose
-from slider.config.convert import to_dict
 from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
-TAGS = ("paper", "earlier", "assumed")
 
 
 def options() -> list[str]:
@@ -36,41 +33,30 @@ def test_every_option_composes(option):
     ("override", "message"),
     [
         ("hydra.run.dir=x", "hydra: expected keys of conf/, found hydra.run.dir=x, which has no"),
-        ("+hydra.x=1", "hydra: expected keys of conf/, found +hydra.x=1, which has no effect"),
         (
             "++protocols={../../x:${protocols.sweep}}",
             'protocols: expected names of small letters, digits and _ after a letter, found "../',
         ),
         (r"++protocols={$\(touch\ pwned\):${protocols.sweep}}", 'letter, found "$(touch pwned)"'),
-        ("+protocols.Ä=${protocols.sweep}", "protocols.Ä=${protocols.sweep}"),
         ("+control.Mine=${control.hzd}", "control: expected names of small letters, digits and _"),
-        (
-            "++study.ablation.variants={../../x:{label:a,overrides:[]}}",
-            "study.ablation.variants: expected names of small letters, digits and _ after a letter",
-        ),
         ("+robot.provenance.zzz=paper", "robot.provenance: expected keys below robot that hold"),
         (
             "robot.links.base.inertia=[1,1,5]",
             "robot.links.base.inertia: expected none above the sum of the others, found [1, 1, 5]",
         ),
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
-        ("speeds.table1=3", "slider: speeds.table1: expected a list of one or more numbers in"),
         ("speeds.top=-3", "slider: speeds.top: expected a number in (0, 100] m/s, found -3"),
         ("gait.solver.guesses=[cold,cold]", "gait.solver.guesses: expected each once, found"),
-        ("report.sections=[sweep,sweep]", "report.sections: expected each once, found"),
-        ("train.walking.iteration=3", "did you mean 'train.walking.iterations'?"),
         (
             "train.walking.reward.terms.heding.weight=1",
-            "did you mean 'train.walking.reward.terms.heading.weight'? A new term needs a + in",
+            "did you mean 'train.walking.reward.terms.heading.weight'? A new name needs a + in",
         ),
+        ("train.walking.selection={spedds: 3}", "did you mean 'train.walking.selection.speeds'?"),
+        ("gait.bounds={a: {lower: 0, upper: 1}}", "key 'gait.bounds.a'. A new name needs a + in"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
         (
             "finetuning.iterations=3",
             "finetuning.iterations: expected finetuning=robust beside it, found none",
-        ),
-        (
-            "env.reference.acceleration=-0.1",
-            "reference.acceleration: expected a number in [0,",
         ),
         ("env.phase.halt.below=0.1", "env.phase.halt.above: expected a value ≥ 0.1, found 0.0"),
         ("env.phase.halt=true", "phase.halt: expected values of below, above, found true"),
@@ -79,79 +65,35 @@ def test_every_option_composes(option):
         ("experiment=nope", "unknown option experiment=nope, expected one of: default"),
         ("+gait.extra=3", "gait.extra"),
         ("gait.nodes=many", "gait.nodes: expected an integer in [5, 201], an odd number"),
-        ("gait.nodes=21.5", "gait.nodes: expected an integer in [5, 201], an odd number"),
         ("tracking.enabled=3", "tracking.enabled: expected true or false, found 3"),
-        ("evaluation.speeds=0.2", "evaluation.speeds: expected a list of numbers in [-100,"),
-        ("robot.joints.slide.upper=wide", "slide.upper: expected a number in [-100, 100] m,"),
         ("robot.joints.slide.upper=-0.5", "robot.joints.slide: expected lower < upper"),
-        ("robot.joints.ankle.damping=-1", "ankle.damping: expected a number in [0, 1e9] N m"),
-        ("robot.drives.capstan.torque=0", "capstan.torque: expected a number in (0, 1e6] N m,"),
-        ("robot.drives.hip_yaw.stall_ratio=0.9", "hip_yaw.stall_ratio: expected a number in [1, "),
         ("~robot.drives.capstan", "robot.drives: expected hip_yaw, hip_roll, hip_pitch, capstan"),
         ("+robot.gains.slide={kp: 1.0, kd: 0.1}", "robot.gains: expected hip_yaw, hip_roll,"),
         ("robot.gains.slide.kp=9000", "unknown configuration key 'robot.gains.slide.kp'"),
-        ("robot.capstan.drum_radius=0", "capstan.drum_radius: expected a number in (0, 1000]"),
-        ("robot.geometry.tube_radius=0", "geometry.tube_radius: expected a number in (0, 1000] m"),
         ("robot.geometry.base_half_size=[0.07,0,0.06]", "geometry.base_half_size[1]: expected"),
-        ("gait.nodes=1001", "gait.nodes: expected an integer in [5, 201], an odd number"),
-        ("gait.grid.vx.step=-0.1", "vx.step: expected a number in (0, 100] m/s, found -0.1"),
         ("gait.grid.vx.stop=-1.0", "gait.grid.vx: expected start ≤ stop"),
         ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
         ("gait.grid.vx=0.33", "grid.vx: expected a list of one or more numbers in [-100, 100]"),
-        ("gait.grid.vx=[]", "grid.vx: expected a list of one or more numbers in [-100, 100] m/s,"),
-        ("gait.grid.vx=[fast]", 'grid.vx[0]: expected a number in [-100, 100] m/s, found "fast"'),
         (
             "train.walking.velocities.vx=[0.3]",
             "train.walking.velocities.vx: expected values of train.walking.velocities.vx.lower, "
             "train.walking.velocities.vx.upper, found [0.3]",
         ),
-        ("env.physics.timestep=-0.005", "physics.timestep: expected a number in (0, 100000] s,"),
-        (
-            "train.walking.reset.reference_fraction=1.1",
-            "reset.reference_fraction: expected",
-        ),
-        (
-            "train.walking.ppo.actor_ema=1.0",
-            "ppo.actor_ema: expected a number in [0, 1), found 1",
-        ),
         (
             "train.walking.network.std_final=0.01",
             "train.walking.network.std_final: expected at least 0.05 (std_min), found 0.01",
         ),
-        ("train.walking.network.anneal_from=1.5", "network.anneal_from: expected a number in (0,"),
-        ("train.walking.network.activation=gelu", "network.activation: expected one of elu, relu"),
-        ("train.walking.network.hidden=[256,0]", "network.hidden[1]: expected an integer in [1, "),
-        ("train.standing.network.initial_std=0", "network.initial_std: expected a number in (0, "),
-        ("train.walking.selection.speeds=[]", "selection.speeds: expected a list of one or"),
         ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
-        ("train.walking.selection.fall_weight=0", "selection.fall_weight: expected a number in"),
-        ("train.walking.selection.flight_weight=-1", "selection.flight_weight: expected a number"),
         ("train.walking.selection.flight_weight=6", "flight_weight: expected 0 to 5, half of"),
         ("train.standing.network.hidden=[64]", "as train.walking.network has it, found [64]"),
         (
             "train.standing.network.activation=tanh",
             "train.standing.network.activation: expected elu",
         ),
-        ("env.observation.height_scan.points_x=-1", "height_scan.points_x: expected an integer"),
         ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
         ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
-        ("train.walking.velocities.standing_fraction=3", "velocities.standing_fraction: expected"),
-        (
-            "train.walking.velocities.period=-5",
-            "velocities.period: expected a number in [0, 100000] ",
-        ),
-        ("train.walking.seed=-1", "walking.seed: expected an integer in [0, 9223372036854775807]"),
-        ("train.walking.seed=9223372036854775808", "train.walking.seed: expected an integer in"),
-        ("train.walking.ppo.epochs=0", "ppo.epochs: expected an integer in [1, 1000], found 0"),
-        ("train.walking.ppo.gamma=1.5", "ppo.gamma: expected a number in (0, 1], found 1.5"),
-        ("train.walking.ppo.max_grad_norm=0", "ppo.max_grad_norm: expected a number in (0, 1e9],"),
         ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
-        ("study.ablation.training.seeds=[1,-2]", "training.seeds[1]: expected an integer in [0,"),
-        ("evaluation.seed=-5", "evaluation.seed: expected an integer in [0, 9223372036854775807]"),
         ("evaluation.warm_up=9.999", "evaluation.warm_up: expected a time in [0, 9.98] s"),
-        ("evaluation.speeds=[0.2,0.2]", "evaluation.speeds: expected each once"),
-        ("evaluation.controllers=[policy,policy]", "evaluation.controllers: expected each once"),
-        ("evaluation.speeds=[]", "evaluation.speeds: expected at least one speed"),
         (
             "control.mpc_wbc_tuned.substeps=2",
             "control.mpc_wbc_tuned.substeps: expected a control rate of at least",
@@ -164,50 +106,26 @@ def test_every_option_composes(option):
             "control.mpc_wbc_observer.observer.delay=0.012",
             "observer.delay: expected a multiple of 0.005",
         ),
-        (
-            "control.mpc_wbc_observer.observer.velocity=0",
-            "observer.velocity: expected a number in (0, 1]",
-        ),
-        (
-            "control.mpc_wbc_literal.step.time=0.6",
-            "control.mpc_wbc_literal.step: expected lower ≤ upper",
-        ),
-        ("control.mpc_wbc_tuned.step.switching=luck", "control.mpc_wbc_tuned.step.switching"),
         ("control.hzd.family=x", 'control.hzd.family: expected one of mpc, hzd, found "x"'),
         ("~control.hzd.family", "control.hzd.family: expected one of mpc, hzd, found none"),
-        ("control.hzd.family=[]", "control.hzd.family: expected one of mpc, hzd, found []"),
         ("control.hzd=null", "control.hzd: expected the settings of a controller, found null"),
         ("control.hzd.family=mpc", "control.hzd.step.time_min: expected a number"),
         (
             "evaluation.disturbance.delay.upper=0.012",
             "evaluation.disturbance.delay.upper: expected a multiple of 0.005, found 0.012",
         ),
-        ("evaluation.disturbance.delay={lower: -0.005, upper: 0.0}", "delay.lower: expected"),
         ("evaluation.disturbance.mass={lower: 1.1, upper: 0.9}", "mass: expected lower ≤ upper"),
-        ("evaluation.disturbance.motor_gain.lower=0", "motor_gain.lower: expected a number in (0"),
-        (
-            "evaluation.disturbance.friction={lower: 0, upper: 1}",
-            "friction.lower: expected a number in (0, 1000], found 0",
-        ),
-        ("evaluation.disturbance.centre_of_mass=-0.01", "disturbance.centre_of_mass: expected"),
-        (
-            "evaluation.disturbance.sensing.orientation=-1",
-            "sensing.orientation: expected a number in [0, 100] rad, found -1",
-        ),
         ("train.walking.disturbance.push.interval=0.03", "push.interval: expected a multiple of"),
-        ("evaluation.disturbance.ground.cell=0.3", "ground.period: expected a multiple of 0.3"),
         ("evaluation.disturbance.ground.period=200", "ground.period: expected at most 400 cells"),
         (
             "++train.walking={simulator:mujoco_warp,disturbance:{ground:{amplitude:0.02}}}",
             "simulator: expected mujoco with disturbance.ground.amplitude > 0, found mujoco_warp",
         ),
-        ("evaluation/disturbance=rough", "unknown option evaluation/disturbance=rough"),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
-        ("evaluation=joystick", "evaluation.profile: expected none (the commands of Table 1"),
+        ("evaluation=joystick", "evaluation.profile: expected none (the velocities of Table 1"),
         ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),
         ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
         ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
-        ("protocols.joystick.profile.cases=[]", "profile.cases: expected a list of one or more"),
         (
             "protocols.joystick.profile.cases=[{name: a, segments: []}]",
             "cases[0].segments: expected a list of one or more values of name, time, vx, vy, ",
@@ -216,9 +134,7 @@ def test_every_option_composes(option):
             "protocols.heldout.profile.rows=segments",
             "heldout.profile.cases: expected one case where rows are its segments",
         ),
-        ("protocols.heldout.profile.rows=all", "profile.rows: expected one of segments, cases,"),
         ("protocols.heldout.duration=9.0", "cases[12].segments[1]: expected a control period"),
-        ("protocols.sweap.trials=3", "did you mean 'protocols.sweep.trials'?"),
         ("gait.cost=cheap", 'gait.cost: expected one of paper, torque, transport, found "cheap"'),
         ("gait.step_time.upper=nan", "step_time.upper: expected a number in (0, 100000] s, found"),
         ("what", "what"),
@@ -280,7 +196,7 @@ def test_a_fine_tuning_wants_what_the_walking_training_wanted():
     assert own.finetuning.reward.terms["heading"].weight == 0.7
 
 
-def test_a_list_of_velocities_takes_the_place_of_an_axis():
+def test_a_list_of_speeds_takes_the_place_of_an_axis():
     one = compose(["gait.grid.vx=[0.33]"], CONF).gait.grid
     assert one.vx == [0.33]
     assert one.vy == compose([], CONF).gait.grid.vy
@@ -311,26 +227,6 @@ def test_malformed_yaml_is_one_line(path, text, line, tmp_path):
 def test_config_prints_the_resolved_configuration(capsys):
     assert main(["config", "gait.cost=torque", "--conf", str(CONF)]) == 0
     assert "  cost: torque\n" in capsys.readouterr().out
-
-
-def leaves(node: Any, prefix: str = "") -> list[str]:
-    if not isinstance(node, dict):
-        return [prefix]
-    return [leaf for name, value in node.items() for leaf in leaves(value, f"{prefix}.{name}")]
-
-
-def test_every_robot_parameter_has_a_source():
-    robot = to_dict(compose([], CONF).robot)
-    provenance = robot.pop("provenance")
-    robot.pop("name")
-    assert set(provenance.values()) <= set(TAGS)
-    paths = [leaf.removeprefix(".") for leaf in leaves(robot)]
-    for path in paths:
-        parts = path.split(".")
-        prefixes = [".".join(parts[:end]) for end in range(1, len(parts) + 1)]
-        assert any(prefix in provenance for prefix in prefixes), f"{path} has no source"
-    for name in provenance:
-        assert any(f"{path}.".startswith(f"{name}.") for path in paths), f"{name} is no parameter"
 
 
 def test_one_override_of_the_network_is_for_all_trainings():

@@ -82,18 +82,11 @@ def test_another_file_changes_no_other_recipe(conf):
     [
         ("policy", HIGHER, "control.policy: expected another name than policy, zero, random, "),
         ("mpc_wbc", HIGHER, "control.mpc_wbc: expected another name than .*, found mpc_wbc"),
-        (
-            "guided_drl",
-            HIGHER,
-            "control.guided_drl: expected another name .*, found guided_drl",
-        ),
         labelled("MPC + WBC, tuned", "another label than that of higher .*, found MPC"),
         labelled("policy (ours)", "another label than that of policy .*, found policy"),
-        labelled("guided RL (paper)", "another label than that of guided_drl .*, found guided RL"),
         labelled("MPC + WBC (paper)", "another label than that of mpc_wbc .*, found MPC"),
         labelled('"two\\nlines"', r"higher.label: expected one line of text, found 'two\\nlines'"),
         labelled('" tuned"', "higher.label: expected one line of text"),
-        labelled('""', "higher.label: expected a label, found none"),
         labelled('" "', "higher.label: expected a label, found none"),
         ("bare", (CONF / "control/base.yaml").read_text() + STEP, "bare.label: expected a label,"),
         ("higher", HIGHER + "  apx: 0.1\n", "control.higher.step.apx"),

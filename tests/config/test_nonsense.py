@@ -28,15 +28,8 @@ GROUPS = ([], 3, "nonsense", None)
 # Leaves, as patterns, that take a value which is nonsense elsewhere, and why.
 ALLOWED: dict[Any, tuple[str, ...]] = {
     -1: (
-        *(
-            "*.vx*",
-            "*.vy*",
-            "*.yaw_rate.lower",
-            "*.yaw_rate",
-            "*.yaw_rate[[]*",
-            "*speeds[[]*",
-        ),  # backward, right
-        *("*.speeds[[]*", "speeds.table1[[]*"),  # as above
+        *("*.vx*", "*.vy*", "*.yaw_rate.lower", "*.yaw_rate"),  # backward, right
+        *("*.yaw_rate[[]*", "*speeds[[]*", "speeds.table1[[]*"),  # as above
         *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
         "gait.step_time.slope",  # faster walks step faster
         *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
@@ -44,7 +37,6 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     0: (
         *("*.vx*", "*.vy*", "*.yaw_rate*", "*speeds[[]*", "speeds.table1[[]*"),  # to stand still
-        "*.speeds[[]*",
         *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
         *(
             "*.start.*",
@@ -65,23 +57,13 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
         *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),
         *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
-        *(
-            "*.hzd.weights.*",
-            "*.hzd.ahead",
-            "*.hzd.lock",
-            "*.hzd.hip_start.*",
-            "*.hzd.descent",
-        ),  # switched off
+        *("*.hzd.weights.*", "*.hzd.ahead", "*.hzd.lock"),  # switched off
+        *("*.hzd.hip_start.*", "*.hzd.descent"),  # as above
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
         *("hzd.impacts.*", "hzd.basin.*", "hzd.placement.lower", "hzd.feedback.reach"),
         "gait.decoupling_min",  # none is refused
-        *(
-            "*.seed",
-            "*.seeds[[]*",
-            "*seeds.*.first",
-            "seeds.selection",
-            "*.quality",
-        ),  # counted from
+        *("*.seed", "*.seeds[[]*", "*seeds.*.first", "seeds.selection"),  # counted from
+        "*.quality",
     ),
     "": (),
     "nonsense": (

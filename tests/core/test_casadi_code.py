@@ -126,17 +126,6 @@ def test_a_machine_without_a_compiler_decides_for_no_other(tmp_path: Path, monke
 
 
 @needs_compiler
-def test_a_damaged_library_is_not_loaded_but_compiled_again(tmp_path: Path):
-    compiled(tmp_path)(FACTS, small)
-    (library,) = libraries(tmp_path)
-    whole = library.read_bytes()
-    library.write_bytes(whole[:-1] + bytes([whole[-1] ^ 1]))
-    assert not is_compiled(compiled(tmp_path, waiting=1)(FACTS, small))
-    assert is_compiled(compiled(tmp_path)(FACTS, small))
-    assert is_compiled(compiled(tmp_path, waiting=1)(FACTS, never))
-
-
-@needs_compiler
 def test_other_facts_have_other_functions(tmp_path: Path):
     compiled(tmp_path)(FACTS, small)
     compiled(tmp_path)(FACTS | {"mass": 2.0}, small)

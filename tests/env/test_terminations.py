@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.config.constraint_text import kind_at
+from slider.config.reference import kind_at
 from slider.core.errors import UserError
 from slider.env import terminations
 from slider.robot.kinematics import quaternion_from_tilt, rotation_from_quaternion

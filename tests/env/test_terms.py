@@ -13,7 +13,7 @@ import yaml
 from pipeline.entry import open_pipeline
 from pipeline.stages import all_jobs
 from slider.cli import main
-from slider.config.constraint_text import kind
+from slider.config.reference import kind
 from slider.control.layout import describe
 from slider.core.errors import UserError
 from slider.env import observations, rewards, terminations

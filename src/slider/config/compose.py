@@ -16,13 +16,12 @@ from omegaconf import ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
-from slider.config.checks import NAME
-from slider.config.constraint_text import kind_at
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
+from slider.config.reference import BY_NAME, kind_at
 from slider.config.schema import Config
-from slider.config.validation import validate
-from slider.core.errors import UserError
+from slider.config.validation import NAME, validate
+from slider.core.errors import UserError, require
 
 _MOST_STEPS = 1000  # of a list from start to stop
 _ALL = re.compile(r"\W*(control|study)(=|$)(?!all$)")
@@ -46,14 +45,13 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
 def _check_families(controllers: Any) -> None:
     """The family tells which settings a controller has, so that it comes first."""
     for name, control in controllers.items() if isinstance(controllers, dict) else ():
-        if not isinstance(control, dict):
-            found = json.dumps(control, ensure_ascii=False)
-            raise UserError(f"control.{name}: expected the settings of a controller, found {found}")
+        settings = isinstance(control, dict)
+        require(settings, f"control.{name}", "the settings of a controller", json.dumps(control))
         family = control.get("family")
-        if family not in (*FAMILIES,):
-            found = "none" if family is None else json.dumps(family, ensure_ascii=False)
-            expected = f"one of {', '.join(FAMILIES)}"
-            raise UserError(f"control.{name}.family: expected {expected}, found {found}")
+        value = "none" if family is None else json.dumps(family, ensure_ascii=False)
+        require(
+            family in (*FAMILIES,), f"control.{name}.family", f"one of {', '.join(FAMILIES)}", value
+        )
 
 
 def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
@@ -64,8 +62,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     """
     if not (conf / "config.yaml").is_file():
         raise UserError(f"expected the configuration folder with config.yaml, found none at {conf}")
-    _check_hydra(overrides)
-    _check_all(overrides)
+    _check_groups(overrides)
     _store_all(conf, "control")
     _store_all(conf, "study")
     GlobalHydra.instance().clear()
@@ -104,20 +101,18 @@ OmegaConf.register_new_resolver("steps", _steps, replace=True)
 OmegaConf.register_new_resolver("joined", _joined, replace=True)
 
 
-def _check_hydra(overrides: Sequence[str]) -> None:
-    """What Hydra does when it starts programs has no meaning here."""
+def _check_groups(overrides: Sequence[str]) -> None:
+    """Refuse keys that start programs of Hydra, and choices of controllers and studies.
+
+    All of these are there; protocols and targets choose among them.
+    """
     for text in overrides:
         if _HYDRA.match(text):
             raise UserError(f"hydra: expected keys of conf/, found {text}, which has no effect")
-
-
-def _check_all(overrides: Sequence[str]) -> None:
-    """All controllers and studies are there; protocols and targets choose among them."""
-    for text in overrides:
         if group := _ALL.match(text):
-            found, name = text.partition("=")[2] or text, group.group(1)
+            choice, name = text.partition("=")[2] or text, group.group(1)
             chooses = "; evaluation.controllers chooses controllers" if name == "control" else ""
-            raise UserError(f"{name}: expected all{chooses}, found {found}")
+            raise UserError(f"{name}: expected all{chooses}, found {choice}")
 
 
 def _store_all(conf: Path, group: str) -> None:
@@ -154,13 +149,8 @@ def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
 
 def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:
     """One line for a Hydra error, with the nearest known key."""
-    unknown_key = re.search(r"Could not override '([^']+)'", str(error))
-    if unknown_key:
-        key = unknown_key.group(1)
-        if choose := _to_choose(key.partition(".")[0], conf):
-            return f"{key}: expected {choose} beside it, found none"
-        new = " A new term needs a + in front." if ".terms." in key else ""
-        return f"unknown configuration key '{key}'{_did_you_mean(key, _known_keys(conf))}{new}"
+    if unknown_key := re.search(r"Could not override '([^']+)'", str(error)):
+        return _unknown(unknown_key.group(1), getattr(error.__cause__, "full_key", ""), conf)
     unknown_option = re.search(r"Could not find '([^']+)'", str(error))
     if unknown_option:
         group, _, name = unknown_option.group(1).rpartition("/")
@@ -169,36 +159,43 @@ def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str
     merged = re.search(r"Error merging override ([^=]+)=(.*)", str(error))
     if merged:
         key, found = merged.groups()
-        below = [name for name in _known_keys(conf) if name.rpartition(".")[0] == key]
+        below = [
+            name for name in _keys(compose_untyped([], conf)) if name.rpartition(".")[0] == key
+        ]
         return f"{key}: expected values of {', '.join(below)}, found {found}"
     broken = [text for text in overrides if text in str(error)]
     where = f" in override '{broken[0]}'" if broken else ""
     return f"{_first_line(error)}{where} (expected key=value, lists without spaces)"
 
 
-def _to_choose(group: str, conf: Path) -> str:
-    """Choices of a group of which the configuration has none by default."""
+def _unknown(key: str, below: str, conf: Path) -> str:
+    """Line about a key that the configuration lacks, with the nearest one.
+
+    Where there is the key, as that of ``key={…}``, it lacks the one ``below``.
+    """
+    group, keys = key.partition(".")[0], _keys(compose_untyped([], conf))
     defaults = (conf / "config.yaml").read_text(encoding="utf-8")
-    if not re.search(rf"^\s*- {re.escape(group)}: null\b", defaults, re.MULTILINE):
-        return ""
-    return " or ".join(f"{group}={path.stem}" for path in sorted((conf / group).glob("*.yaml")))
+    if re.search(rf"^\s*- {re.escape(group)}: null\b", defaults, re.MULTILINE):
+        choices = [f"{group}={path.stem}" for path in sorted((conf / group).glob("*.yaml"))]
+        return f"{key}: expected {' or '.join(choices)} beside it, found none"
+    key = below if key in keys else key
+    parent, new = key, ""
+    while parent and parent not in keys:
+        parent = parent.rpartition(".")[0]
+    if parent and kind_at(Config, parent.split(".")).name.endswith(BY_NAME):
+        keys = [name for name in keys if name.startswith(f"{parent}.")]
+        new = " A new name needs a + in front."
+    same_leaf = [name for name in keys if name.rpartition(".")[2] == key.rpartition(".")[2]]
+    nearest = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or same_leaf[:1]
+    hint = f", did you mean '{nearest[0]}'?" if nearest else "." if new else ""
+    return f"unknown configuration key '{key}'{hint}{new}"
 
 
-def _did_you_mean(key: str, known: Sequence[str]) -> str:
-    full = difflib.get_close_matches(key, known, n=1, cutoff=0.6)
-    by_leaf = [name for name in known if name.rsplit(".", 1)[-1] == key.rsplit(".", 1)[-1]]
-    nearest = full or by_leaf[:1]
-    return f", did you mean '{nearest[0]}'?" if nearest else ""
-
-
-def _known_keys(conf: Path) -> list[str]:
-    return _flatten(compose_untyped([], conf))
-
-
-def _flatten(node: Any, prefix: str = "") -> list[str]:
+def _keys(node: Any, prefix: str = "") -> list[str]:
+    """Dotted names of all groups and values."""
     keys = []
     for name, value in node.items():
         keys.append(f"{prefix}{name}")
         if isinstance(value, dict):
-            keys += _flatten(value, f"{prefix}{name}.")
+            keys += _keys(value, f"{prefix}{name}.")
     return keys

@@ -74,7 +74,7 @@ class PlannerConfig:
     period: Positive[Seconds]
     """time between plans"""
     speed: Literal["mean", "end"]
-    """whether the command is the mean speed, or that at the end of a step"""
+    """whether the commanded speed is the mean, or that at the end of a step"""
     length_weight: Annotated[NonNegative[Number], Unit("1/s²")]
     """cost of (step − nominal step)² against (velocity error)²"""
     time_weight: Annotated[NonNegative[Number], Unit("m²/s⁴")]
@@ -94,13 +94,13 @@ class VelocityConfig:
     """Reference velocity."""
 
     acceleration: Positive[MetresPerSecond2]
-    """with which the reference grows to the command"""
+    """with which the reference grows to the commanded velocity"""
     integral: Share
     """share of the last stride's velocity error that is added to the reference"""
     integral_limit: NonNegative[MetresPerSecond]
     """largest sum of these"""
     integral_after: Seconds
-    """no integral action before this time after a change of the command"""
+    """no integral action before this time after a change of the commanded velocity"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -257,7 +257,7 @@ class HzdControlConfig(ModelBasedConfig):
     hip_rate: Interval[Positive[Number]]
     """of the phase by the hip, as a share of the gait's; a step beyond them begins by time"""
     yaw_acceleration: Annotated[Positive[Number], Unit("rad/s²")]
-    """with which the yaw rate of a walk grows to another command"""
+    """with which the yaw rate of a walk follows the commanded one"""
     lock: Share
     """no change of the foothold from this phase on"""
     settling: Positive[Seconds]

@@ -70,14 +70,11 @@ def _mistake(
     return f"{name}: expected {expected}, found {value}"
 
 
-def _first(found: list[tuple[Place, ErrorDetails]]) -> tuple[Place, ErrorDetails]:
+def _first(mistakes: list[tuple[Place, ErrorDetails]]) -> tuple[Place, ErrorDetails]:
     """The first mistake; of a union's types the nearest, whose mistake is deepest."""
-    place, _ = found[0]
-    return max((item for item in found if item[0][: len(place)] == place), key=_depth)
-
-
-def _depth(item: tuple[Place, ErrorDetails]) -> int:
-    return len(item[0])
+    place, _ = mistakes[0]
+    below = (item for item in mistakes if item[0][: len(place)] == place)
+    return max(below, key=lambda item: len(item[0]))
 
 
 def _place(location: Sequence[str | int], values: Any) -> Place:

@@ -1,4 +1,7 @@
-"""Typed settings of the simulated environment: the same for training and evaluation."""
+"""Typed settings of the simulated environment, and of what disturbs the robots in it.
+
+See ``docs/how-to/disturb.md``.
+"""
 
 from dataclasses import field
 from typing import Annotated, Literal
@@ -10,6 +13,7 @@ from slider.config.types import (
     STRICT,
     Count,
     Factor,
+    Interval,
     Metres,
     MetresPerSecond,
     MetresPerSecond2,
@@ -78,13 +82,13 @@ class ObservationConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ReferenceConfig:
-    """The velocity that goes from one command to the next.
+    """The velocity that goes from one commanded velocity to the next.
 
     Clock, guide and the gait under the actions are those of the reference velocity.
     """
 
     acceleration: MetresPerSecond2
-    """with which it goes to the command, along x and y; 0: at once"""
+    """with which it goes to the commanded velocity, along x and y; 0: at once"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -170,7 +174,7 @@ class StartNoise:
 
 @dataclass(frozen=True, config=STRICT)
 class HaltConfig:
-    """At zero command the clock stays at the next change of feet, both of them on the ground."""
+    """At zero velocity the clock stays at the next change of feet, both of them on the ground."""
 
     below: NonNegative[MetresPerSecond]
     """it stays once the low-passed velocity is less than this; 0: never, step in place"""
@@ -210,7 +214,7 @@ class PlantConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class EnvConfig:
-    """What a controller of the robot sees and commands, and what ends an episode."""
+    """Observations and actions of a policy, and what ends an episode."""
 
     control_period: Positive[Seconds]
     """time between two outputs of the policy; timestep × substeps"""
@@ -235,3 +239,59 @@ class EnvConfig:
     def plant(self) -> PlantConfig:
         """The part for controllers other than the policy."""
         return PlantConfig(self.control_period, self.physics, self.termination, self.estimation)
+
+
+@dataclass(frozen=True, config=STRICT)
+class SensingConfig:
+    """Standard deviations of white noise on what a controller receives about the robot."""
+
+    joint_position: NonNegative[Radians]
+    slide_position: NonNegative[Metres]
+    joint_velocity: NonNegative[RadiansPerSecond]
+    slide_velocity: NonNegative[MetresPerSecond]
+    angular_velocity: NonNegative[RadiansPerSecond]
+    orientation: NonNegative[Radians]
+    """of the base about each axis, and with it the direction of gravity"""
+    linear_velocity: NonNegative[MetresPerSecond]
+    base_height: NonNegative[Metres]
+
+
+@dataclass(frozen=True, config=STRICT)
+class PushConfig:
+    """Change of the base's horizontal velocity in a random direction."""
+
+    speed: NonNegative[MetresPerSecond]
+    """change of the base's horizontal velocity; 0: no pushes"""
+    interval: Positive[Seconds]
+    """time from the start and between pushes, a multiple of env.control_period"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class GroundConfig:
+    """Grid of random heights."""
+
+    amplitude: NonNegative[Metres]
+    """heights are uniform within ± this; 0: flat ground"""
+    cell: Positive[Metres]
+    """edge of its square cells"""
+    period: Positive[Metres]
+    """the ground repeats itself, a multiple of cell"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class DisturbanceConfig:
+    """What is drawn per robot and episode, uniformly in the intervals, and what happens in it."""
+
+    sensing: SensingConfig
+    delay: Interval[Seconds]
+    """from the controller's output to the drives, multiples of env.physics.timestep"""
+    motor_gain: Interval[Positive[Factor]]
+    """achieved over demanded torque, each drive its own"""
+    mass: Interval[Positive[Factor]]
+    """of all links over the nominal one, one value per robot"""
+    centre_of_mass: NonNegative[Metres]
+    """of the base: largest shift along each axis"""
+    friction: Interval[Positive[Factor]] | None
+    """of the feet on the ground; null: robot.contact.friction"""
+    push: PushConfig
+    ground: GroundConfig

@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.disturbance import DisturbanceConfig
-from slider.config.env import StartNoise
+from slider.config.env import DisturbanceConfig, StartNoise
 from slider.config.types import (
     STRICT,
     Count,
@@ -31,12 +30,12 @@ class SpeedsConfig:
     table1: Distinct[Some[MetresPerSecond]]
     """of Table 1"""
     top: Positive[MetresPerSecond]
-    """the highest one, of gaits, training commands and the viewer"""
+    """the highest one, of gaits, trainings and the viewer"""
 
 
 @dataclass(frozen=True, config=STRICT)
 class Segment:
-    """A constant command, until the next segment."""
+    """A constant velocity, until the next segment."""
 
     name: Name
     time: Seconds
@@ -56,13 +55,13 @@ class CaseConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class ProfileConfig:
-    """Commands that change during a rollout; see ``docs/how-to/evaluate.md``.
+    """Velocities that change during a rollout; see ``docs/how-to/evaluate.md``.
 
     ``rows`` and ``cases`` are not in the section of a single evaluation, which has its own case.
     """
 
     ramp: Seconds
-    """how long a command takes to get from one segment's to the next one's; 0: a step"""
+    """duration of the change from a segment's velocity to the next one's; 0: a step"""
     warm_up: Seconds
     """start of each segment that does not count for its errors"""
     window: Positive[Seconds]
@@ -75,10 +74,10 @@ class ProfileConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class EvaluationConfig:
-    """A protocol: every controller, command, trial and robot; see ``docs/explanation/method.md``.
+    """A protocol: every controller, velocity, trial and robot; see ``docs/explanation/method.md``.
 
     ``controllers`` and ``speeds`` say which evaluations there are; they are not in the section
-    of a single one, which would otherwise be redone with every new command. A protocol has either
+    of a single one, which would otherwise be redone with every new speed. A protocol has either
     ``speeds``, constant forward velocities, or a ``profile``.
     """
 
@@ -91,9 +90,9 @@ class EvaluationConfig:
     warm_up: Seconds
     """start of mse_steady and of the tracked mean velocity"""
     tracking_tolerance: NonNegative[MetresPerSecond]
-    """tracked: |mean v − command| ≤ max(this, tracking_relative · command)"""
+    """tracked: |mean v − speed| ≤ max(this, tracking_relative · speed)"""
     tracking_relative: Factor
-    """the same relative to the command"""
+    """the same relative to the commanded speed"""
     seed: Seed
     """of the first trial"""
     start: StartNoise
@@ -103,7 +102,7 @@ class EvaluationConfig:
     speeds: Distinct[list[MetresPerSecond]] = field(default_factory=list)
     """constant forward velocities; none with a profile"""
     profile: ProfileConfig | None = None
-    """commands that change; null: constant ones"""
+    """velocities that change; null: constant ones"""
 
 
 @dataclass(frozen=True, config=STRICT)

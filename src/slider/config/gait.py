@@ -49,7 +49,7 @@ def axis_size(axis: Axis | list[float]) -> int:
 
 @dataclass(frozen=True, config=STRICT)
 class GridBlock:
-    """A block of commands; an axis may be a list of values."""
+    """A block of velocities; an axis may be a list of values."""
 
     vx: Axis | Distinct[Some[MetresPerSecond]]
     """commanded forward velocities"""
@@ -66,7 +66,7 @@ class GridBlock:
 
 @dataclass(frozen=True, config=STRICT)
 class GridConfig(GridBlock):
-    """The commands of the library: one block, and further ones beside it."""
+    """The velocities of the library: one block, and further ones beside it."""
 
     extra: list[GridBlock] = field(default_factory=list)
     """further blocks"""
@@ -175,7 +175,7 @@ Nodes = Annotated[Odd[int], Field(ge=5, le=201)]
 
 @dataclass(frozen=True, config=STRICT)
 class FormulationConfig:
-    """What a gait is, the same for all commands; see ``docs/explanation/method.md``."""
+    """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
 
     nodes: Nodes
     """collocation nodes per step"""
@@ -216,7 +216,7 @@ class SolveConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class GaitConfig(SolveConfig, FormulationConfig):
-    """One gait per command of the grid."""
+    """One gait per velocity of the grid."""
 
     grid: GridConfig
 

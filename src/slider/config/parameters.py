@@ -1,14 +1,12 @@
-"""The robot's parameters as a list, found by walking its configuration, and robots that differ."""
+"""The numbers of the robot as a list, and robots that differ in one of them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeGuard
+from typing import Any
 
-from slider.config.constraint_text import kind_at
 from slider.config.convert import from_dict, to_dict
 from slider.config.robot import RobotConfig
-
-PROVENANCE = "provenance"
+from slider.core.files import flatten
 
 
 @dataclass(frozen=True)
@@ -19,37 +17,32 @@ class Parameter:
         path: dotted, below ``robot``.
         value: the numbers, one for a scalar.
         provenance: tag of the longest matching path; empty without one.
-        unit: such as ``kg m²``; ``-`` of a share or a factor.
     """
 
     path: str
     value: tuple[float, ...]
     provenance: str
-    unit: str
-
-    @property
-    def zero(self) -> bool:
-        """Whether no factor changes it."""
-        return not any(self.value)
 
 
 def parameters(robot: RobotConfig) -> list[Parameter]:
     """All numbers and vectors of a robot, in the order of its configuration."""
     values = to_dict(robot)
-    tags = values.pop(PROVENANCE)
-    return [
-        Parameter(path, numbers, tag(tags, path), kind_at(RobotConfig, path.split(".")).unit)
-        for path, numbers in _leaves(values)
-    ]
+    tags = values.pop("provenance")
+    numbers = {
+        path: tuple(map(float, value)) if isinstance(value, tuple) else (value,)
+        for path, value in flatten(values).items()
+        if isinstance(value, float | tuple)
+    }
+    return [Parameter(path, value, tag(tags, path)) for path, value in numbers.items()]
 
 
 def choose(
-    found: Sequence[Parameter], tags: Sequence[str], paths: Sequence[str]
+    items: Sequence[Parameter], tags: Sequence[str], paths: Sequence[str]
 ) -> list[Parameter]:
     """Parameters with one of the tags, at or below one of the paths if there are any."""
     return [
         item
-        for item in found
+        for item in items
         if item.provenance in tags and (not paths or any(_within(item.path, p) for p in paths))
     ]
 
@@ -84,18 +77,3 @@ def _times(value: Any, factor: float) -> Any:
     if isinstance(value, (list, tuple)):
         return [_times(item, factor) for item in value]
     return float(f"{value * factor:.12g}")
-
-
-def _leaves(node: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, tuple[float, ...]]]:
-    for name, value in node.items():
-        path = f"{prefix}{name}"
-        if isinstance(value, Mapping):
-            yield from _leaves(value, f"{path}.")
-        elif isinstance(value, (list, tuple)) and value and all(map(_is_number, value)):
-            yield path, tuple(float(item) for item in value)
-        elif _is_number(value):
-            yield path, (float(value),)
-
-
-def _is_number(value: Any) -> TypeGuard[float]:
-    return isinstance(value, (int, float)) and not isinstance(value, bool)

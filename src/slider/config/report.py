@@ -44,7 +44,7 @@ class VideoConfig:
     seed: Seed
     """of the start's noise"""
     speeds: Distinct[list[MetresPerSecond]] = field(default_factory=list)
-    """one video per controller and command"""
+    """one video per controller and speed"""
 
     @property
     def cameras(self) -> tuple[str, ...]:

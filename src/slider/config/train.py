@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import DisturbanceConfig
 from slider.config.types import (
     STRICT,
     Count,
@@ -30,7 +30,7 @@ WARP = "slider.env.warp.physics"
 
 @dataclass(frozen=True, config=STRICT)
 class CurriculumConfig:
-    """Commands grow with success: their ranges are a share of the configured ones."""
+    """Velocities grow with success: their ranges are a share of the configured ones."""
 
     start: Positive[Share]
     """share at the start; 1: no curriculum"""
@@ -50,13 +50,13 @@ class VelocitiesConfig:
     period: Seconds
     """mean time between changes; 0: never within an episode"""
     standing_fraction: Share
-    """share of zero commands"""
+    """share of zero velocities"""
     curriculum: CurriculumConfig
 
 
 @dataclass(frozen=True, config=STRICT)
 class GuideConfig:
-    """Which gait guides a command between those of the library."""
+    """Which gait guides a velocity between those of the library."""
 
     gait: Literal["interpolated", "nearest"]
     """between the gaits of the library; interpolated: at the reference velocity"""
@@ -170,7 +170,7 @@ class SelectionConfig:
     speeds: Distinct[Some[MetresPerSecond]]
     """forward velocities of the checks"""
     robots: Count
-    """per command"""
+    """per speed"""
     seed: Seed
     """of the starts, the same ones in every check"""
     duration: Positive[Seconds]

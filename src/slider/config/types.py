@@ -1,7 +1,7 @@
 """What values of the configuration may be: bounds, units, and their combinations.
 
-The schema combines them, ``Positive[Metres]``, and says under each field what it means. Upper
-bounds are generous: they refuse what is no length, no time and no count at all, such as 1e30.
+The schema combines them, ``Positive[Metres]``, with a text under each field. Upper bounds are
+generous: they refuse what cannot be a length, time or count, such as 1e30.
 """
 
 from collections.abc import Callable

@@ -3,10 +3,11 @@
 Each failure is one line. Stages get checked values and need none of this.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+import json
+import re
+from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
-from slider.config.checks import distinct, multiple, named, one_of, ordered, period, require
 from slider.config.control import (
     ONBOARD,
     PAPER_LABELS,
@@ -16,23 +17,21 @@ from slider.config.control import (
     AnyControl,
     MpcConfig,
 )
-from slider.config.disturbance import DisturbanceConfig
-from slider.config.env import EnvConfig, PhysicsConfig
-from slider.config.evaluation import (
-    CaseConfig,
-    EvaluationConfig,
-    ProfileConfig,
-    SeedBlock,
-    SeedsConfig,
-)
-from slider.config.gait import Axis, GaitConfig, GridBlock, GridConfig, Posture, StepTime, axis_size
+from slider.config.env import DisturbanceConfig, EnvConfig
+from slider.config.evaluation import EvaluationConfig, ProfileConfig, SeedBlock, Segment
+from slider.config.gait import Axis, GaitConfig, axis_size
 from slider.config.parameters import choose, parameters
-from slider.config.report import ReportConfig
 from slider.config.robot import LEG_DRIVES, LEG_JOINTS, RobotConfig
-from slider.config.schema import Config
-from slider.config.studies import ScalingConfig, StudyConfig
-from slider.config.train import NetworkConfig, SelectionConfig, TrainConfig
-from slider.config.verification import RegulatorConfig
+from slider.config.schema import Config, ScalingConfig, StudyConfig
+from slider.config.train import TrainConfig
+from slider.core.errors import one_of, require
+
+NAME = re.compile(r"[a-z][a-z0-9_]*")
+"""Of a target, a file or a row: it reads the same to a shell, on any disk, in a table."""
+MAX_GRID = 5000  # velocities
+MAX_CELLS = 400  # of the ground, in each direction
+LEAST_RATE = 200  # of a controller [Hz]
+_RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
 
 
 def validate(config: Config) -> None:
@@ -41,100 +40,98 @@ def validate(config: Config) -> None:
     Raises:
         UserError: names the key, what was expected and what was found.
     """
-    check_robot(config.robot)
-    check_gait(config.gait)
-    check_env(config.env)
-    check_trainings(config)
-    check_controls(config.control, config.env)
-    check_protocols(config)
-    check_regulator(config.verification.replay.regulator)
-    check_report(config.report, config.env.control_period)
-    check_seeds(config)
-    check_studies(config)
+    _robot(config.robot)
+    _gait(config.gait)
+    _env(config.env)
+    _trainings(config)
+    _controls(config.control, config.env)
+    _protocols(config)
+    regulator = config.verification.replay.regulator
+    shares, speeds = regulator.forward, regulator.speeds
+    key, expected = "verification.replay.regulator.forward", "one share for each of the `speeds`"
+    require(len(shares) == len(speeds), key, expected, f"{shares} at {speeds}")
+    _frame_rate(config.report.video.frame_rate, config.env.control_period)
+    _seeds(config)
+    _studies(config)
 
 
-def check_robot(robot: RobotConfig) -> None:
-    """Every joint and drive, ranges that are not empty, legs that reach, tags of what there is."""
-    check_names("robot.joints", robot.joints, LEG_JOINTS)
-    check_names("robot.drives", robot.drives, LEG_DRIVES)
-    check_names("robot.gains", robot.gains, LEG_DRIVES)
+def _ordered(key: str, lower: float, upper: float) -> None:
+    require(lower <= upper, key, "lower ≤ upper", f"{lower} > {upper}")
+
+
+def _multiple(key: str, value: float, step: float) -> None:
+    steps = value / step
+    require(abs(steps - round(steps)) < 1e-6, key, f"a multiple of {step:g}", value)
+
+
+def _warm_up(key: str, warm_up: float, duration: float, period: float) -> None:
+    """A control period or more is left after the warm-up [s]."""
+    latest = duration - period
+    require(warm_up <= latest + 1e-9, f"{key}.warm_up", f"a time in [0, {latest:g}] s", warm_up)
+
+
+def _distinct(key: str, names: list[str]) -> None:
+    require(len(set(names)) == len(names), key, "each name once", names)
+
+
+def _named(key: str, names: Iterable[str]) -> None:
+    """Each a name that nobody must quote."""
+    expected = "names of small letters, digits and _ after a letter"
+    for name in names:
+        require(NAME.fullmatch(name) is not None, key, expected, json.dumps(name))
+
+
+def _complete(key: str, names: Iterable[str], expected: Iterable[str]) -> None:
+    """Exactly the expected names, in any order."""
+    names, expected = tuple(names), tuple(expected)
+    require(set(names) == set(expected), key, ", ".join(expected), ", ".join(names))
+
+
+def _robot(robot: RobotConfig) -> None:
+    """Every joint and drive, ranges that are not empty, legs that reach, tags of parameters."""
+    _complete("robot.joints", robot.joints, LEG_JOINTS)
+    _complete("robot.drives", robot.drives, LEG_DRIVES)
+    _complete("robot.gains", robot.gains, LEG_DRIVES)
     for name, joint in robot.joints.items():
-        found = f"{joint.lower} and {joint.upper}"
-        require(joint.lower < joint.upper, f"robot.joints.{name}", "lower < upper", found)
+        bounds = f"{joint.lower} and {joint.upper}"
+        require(joint.lower < joint.upper, f"robot.joints.{name}", "lower < upper", bounds)
     length, knee = robot.geometry.leg_length, robot.virtual_knee
     reach = knee.thigh_length + knee.shank_length
     expected = f"thigh + shank longer than the leg ({length} m)"
     require(reach > length, "robot.virtual_knee", expected, reach)
     paths = [f"{item.path}." for item in parameters(robot)]
     for group in robot.provenance:
-        known = any(path.startswith(f"{group}.") for path in paths)
-        require(known, "robot.provenance", "keys below robot that hold numbers", group)
+        tags_numbers = any(path.startswith(f"{group}.") for path in paths)
+        require(tags_numbers, "robot.provenance", "keys below robot that hold numbers", group)
 
 
-def check_names(key: str, found: Iterable[str], expected: Iterable[str]) -> None:
-    """Exactly the expected ones, in any order."""
-    found, expected = tuple(found), tuple(expected)
-    require(set(found) == set(expected), key, ", ".join(expected), ", ".join(found))
-
-
-MAX_GRID = 5000
-
-
-def check_gait(gait: GaitConfig) -> None:
+def _gait(gait: GaitConfig) -> None:
     """A grid that can be solved, and limits that leave room between them."""
-    _grid(gait.grid)
-    _step_time(gait.step_time)
-    ordered("gait.touchdown.down", gait.touchdown.down_min, gait.touchdown.down_max)
-    _posture(gait.posture)
-
-
-def check_regulator(regulator: RegulatorConfig) -> None:
-    """One share forwards for each speed."""
-    shares, speeds = regulator.forward, regulator.speeds
-    expected = "one share for each of the `speeds`"
-    found = f"{shares} at {speeds}"
-    key = "verification.replay.regulator.forward"
-    require(len(shares) == len(speeds), key, expected, found)
-
-
-def _grid(grid: GridConfig) -> None:
-    size = _block("gait.grid", grid)
-    size += sum(_block(f"gait.grid.extra[{i}]", block) for i, block in enumerate(grid.extra))
-    require(size <= MAX_GRID, "gait.grid", f"at most {MAX_GRID} commands", size)
-
-
-def _block(key: str, block: GridBlock) -> int:
-    return _axis(f"{key}.vx", block.vx) * _axis(f"{key}.vy", block.vy) * len(block.yaw_rate)
-
-
-def _axis(key: str, axis: Axis | list[float]) -> int:
-    if isinstance(axis, Axis):
-        possible = axis.start <= axis.stop
-        require(possible, key, "start ≤ stop, or a list", f"{axis.start} > {axis.stop}")
-    return axis_size(axis)
-
-
-def _step_time(time: StepTime) -> None:
-    key = "gait.step_time"
-    ordered(key, time.lower, time.upper)
+    size = 0
+    extra = {f"gait.grid.extra[{index}]": block for index, block in enumerate(gait.grid.extra)}
+    for key, block in {"gait.grid": gait.grid, **extra}.items():
+        for name, axis in (("vx", block.vx), ("vy", block.vy)):
+            if isinstance(axis, Axis):
+                bounds = f"{axis.start} > {axis.stop}"
+                possible = axis.start <= axis.stop
+                require(possible, f"{key}.{name}", "start ≤ stop, or a list", bounds)
+        size += axis_size(block.vx) * axis_size(block.vy) * len(block.yaw_rate)
+    require(size <= MAX_GRID, "gait.grid", f"at most {MAX_GRID} velocities", size)
+    time, key = gait.step_time, "gait.step_time"
+    _ordered(key, time.lower, time.upper)
     within = time.lower <= time.value <= time.upper
     require(within, f"{key}.value", f"from {time.lower} to {time.upper} s", time.value)
-
-
-def _posture(posture: Posture) -> None:
-    key = "gait.posture"
+    _ordered("gait.touchdown.down", gait.touchdown.down_min, gait.touchdown.down_max)
+    posture, key = gait.posture, "gait.posture"
     clearance = posture.clearance + posture.clearance_margin
     expected = f"with its margin less than swing_height ({posture.swing_height} m)"
     require(clearance < posture.swing_height, f"{key}.clearance", expected, clearance)
-    ordered(f"{key}.knee", posture.knee_min, posture.knee_max)
+    _ordered(f"{key}.knee", posture.knee_min, posture.knee_max)
     separation = posture.foot_separation_min, posture.foot_separation_max
-    ordered(f"{key}.foot_separation", *separation)
+    _ordered(f"{key}.foot_separation", *separation)
 
 
-MAX_CELLS = 400
-
-
-def check_env(env: EnvConfig) -> None:
+def _env(env: EnvConfig) -> None:
     """Steps that fill the control period, and a clock where something needs it."""
     period = env.physics.timestep * env.physics.substeps
     expected = f"timestep × substeps = control_period ({env.control_period} s)"
@@ -145,192 +142,159 @@ def check_env(env: EnvConfig) -> None:
         expected = f"a value > {estimator.lifted}"
         possible = estimator.loaded > estimator.lifted
         require(possible, "env.onboard.estimator.loaded", expected, estimator.loaded)
-    check_names("env.action.scale", env.action.scale, LEG_JOINTS)
-    possible = env.phase.enabled or env.action.offset == "nominal"
-    require(possible, "env.action.offset", "nominal where there is no phase", env.action.offset)
-    halt = env.phase.halt
-    expected = f"a value ≥ {halt.below}"
-    require(halt.above >= halt.below, "env.phase.halt.above", expected, halt.above)
-    possible = env.phase.enabled or not (env.phase.mirror or halt.below > 0)
+    _complete("env.action.scale", env.action.scale, LEG_JOINTS)
+    offset, phase = env.action.offset, env.phase
+    possible = phase.enabled or offset == "nominal"
+    require(possible, "env.action.offset", "nominal where there is no phase", offset)
+    least = phase.halt.below
+    possible = phase.halt.above >= least
+    require(possible, "env.phase.halt.above", f"a value ≥ {least}", phase.halt.above)
+    possible = phase.enabled or not (phase.mirror or least > 0)
     require(possible, "env.phase", "a clock for mirror and halt", "none")
 
 
-def check_disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:
+def _disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:
     """Times that the simulation can hit, and ground that repeats."""
-    for name in ("lower", "upper"):
-        delay = getattr(disturbance.delay, name)
-        multiple(f"{key}.delay.{name}", delay, env.physics.timestep)
-    multiple(f"{key}.push.interval", disturbance.push.interval, env.control_period)
+    _multiple(f"{key}.delay.lower", disturbance.delay.lower, env.physics.timestep)
+    _multiple(f"{key}.delay.upper", disturbance.delay.upper, env.physics.timestep)
+    _multiple(f"{key}.push.interval", disturbance.push.interval, env.control_period)
     ground = disturbance.ground
-    multiple(f"{key}.ground.period", ground.period, ground.cell)
+    _multiple(f"{key}.ground.period", ground.period, ground.cell)
     cells = round(ground.period / ground.cell)
     require(cells <= MAX_CELLS, f"{key}.ground.period", f"at most {MAX_CELLS} cells", cells)
 
 
-def check_trainings(config: Config) -> None:
-    """All trainings and their disturbances."""
+def _trainings(config: Config) -> None:
+    """All trainings and their disturbances; all that follow one another have one network."""
     walking, standing = config.train.walking, config.train.standing
     starts = standing.reset.reference_fraction
     expected = "0 (pre-training has no guide to start on)"
     require(starts == 0, "train.standing.reset.reference_fraction", expected, starts)
     for key, train in config.trainings.items():
         if train is not standing or config.train.pretraining:
-            _same_network(walking.network, train.network, key)
+            for name in ("hidden", "activation"):
+                own, other = getattr(walking.network, name), getattr(train.network, name)
+                expected = f"{own}, as train.walking.network has it"
+                require(other == own, f"{key}.network.{name}", expected, other)
         _train(train, config.env, key)
-        _machine(train, config, key)
-        check_disturbance(train.disturbance, config.env, f"{key}.disturbance")
+        _processor(train, config.env, key)
+        _disturbance(train.disturbance, config.env, f"{key}.disturbance")
 
 
-def _machine(train: TrainConfig, config: Config, key: str) -> None:
-    """Physics, device and precision that go together."""
-    own = {
-        "disturbance.ground.amplitude > 0": train.disturbance.ground.amplitude > 0,
-        "env.sensing=onboard": config.env.sensing == "onboard",
-    }
-    for setting, chosen in own.items():
-        possible = train.simulator == "mujoco" or not chosen
-        require(possible, f"{key}.simulator", f"mujoco with {setting}", train.simulator)
-    possible = train.simulator == "mujoco_warp" or train.device == "cpu"
-    require(possible, f"{key}.device", f"cpu with simulator={train.simulator}", train.device)
-    possible = train.device == "cuda" or train.gpus == 1
-    require(possible, f"{key}.gpus", f"1 with device={train.device}", train.gpus)
-
-
-def _same_network(walking: NetworkConfig, other: NetworkConfig, key: str) -> None:
-    """One training goes on with the weights of the other."""
-    for name in ("hidden", "activation"):
-        own, found = getattr(walking, name), getattr(other, name)
-        expected = f"{own}, as train.walking.network has it"
-        require(found == own, f"{key}.network.{name}", expected, found)
+def _processor(train: TrainConfig, env: EnvConfig, key: str) -> None:
+    """Physics, ground and device that go together."""
+    simulator, device = train.simulator, train.device
+    possible = simulator == "mujoco" or train.disturbance.ground.amplitude == 0
+    expected = "mujoco with disturbance.ground.amplitude > 0"
+    require(possible, f"{key}.simulator", expected, simulator)
+    possible = simulator == "mujoco" or env.sensing == "true_state"
+    require(possible, f"{key}.simulator", "mujoco with env.sensing=onboard", simulator)
+    possible = simulator == "mujoco_warp" or device == "cpu"
+    require(possible, f"{key}.device", f"cpu with simulator={simulator}", device)
+    possible = device == "cuda" or train.gpus == 1
+    require(possible, f"{key}.gpus", f"1 with device={device}", train.gpus)
 
 
 def _train(train: TrainConfig, env: EnvConfig, key: str) -> None:
+    """Episodes, batches, bounds of the action noise and checks that can be."""
     length, least = train.episode_length, env.control_period
     require(length >= least, f"{key}.episode_length", f"a value ≥ {least}", length)
-    _symmetry(train, env, f"{key}.ppo.symmetry")
-    _mini_batches(train, key)
-    _network(train.network, f"{key}.network")
-    _selection(train.selection, env, f"{key}.selection")
-
-
-def _selection(selection: SelectionConfig, env: EnvConfig, key: str) -> None:
-    most = selection.fall_weight / 2
-    expected = f"0 to {most:g}, half of fall_weight: a robot that fell costs most"
-    possible = selection.flight_weight <= most
-    require(possible, f"{key}.flight_weight", expected, selection.flight_weight)
-    period(f"{key}.warm_up", selection.warm_up, selection.duration, env.control_period)
-
-
-def _network(network: NetworkConfig, key: str) -> None:
-    expected = f"at least {network.std_min} (std_min)"
-    for name in ("std_max", "std_final"):
-        bound = getattr(network, name)
-        require(bound >= network.std_min, f"{key}.{name}", expected, bound)
-
-
-def _symmetry(train: TrainConfig, env: EnvConfig, key: str) -> None:
     possible = train.ppo.symmetry == "none" or not env.phase.mirror
     expected = "none where env.phase.mirror shows the network left stance only"
-    require(possible, key, expected, train.ppo.symmetry)
-
-
-def _mini_batches(train: TrainConfig, key: str) -> None:
-    batch, found = train.robots * train.steps_per_iteration, train.ppo.mini_batches
+    require(possible, f"{key}.ppo.symmetry", expected, train.ppo.symmetry)
+    batch, mini_batches = train.robots * train.steps_per_iteration, train.ppo.mini_batches
     size = "at least 2 samples (robots × steps_per_iteration)"
     require(batch > 1, f"{key}.robots", size, batch)
     expected = f"1 to {batch} (robots × steps_per_iteration)"
-    require(found <= batch, f"{key}.ppo.mini_batches", expected, found)
+    require(mini_batches <= batch, f"{key}.ppo.mini_batches", expected, mini_batches)
+    least = train.network.std_min
+    for name in ("std_max", "std_final"):
+        bound = getattr(train.network, name)
+        require(bound >= least, f"{key}.network.{name}", f"at least {least} (std_min)", bound)
+    selection, key = train.selection, f"{key}.selection"
+    most = selection.fall_weight / 2
+    expected = f"0 to {most:g}, half of fall_weight: a robot that fell costs most"
+    weight = selection.flight_weight
+    require(weight <= most, f"{key}.flight_weight", expected, weight)
+    _warm_up(key, selection.warm_up, selection.duration, env.control_period)
 
 
-LEAST_RATE = 200  # [Hz]
-_TAKEN = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
-
-
-def check_controls(controls: Mapping[str, AnyControl], env: EnvConfig) -> None:
+def _controls(controls: Mapping[str, AnyControl], env: EnvConfig) -> None:
     """Every controller beside the policy; people tell them apart by their labels."""
-    named("control", controls)
+    _named("control", controls)
     labels = {POLICY_LABEL: POLICY, **{label: name for name, label in PAPER_LABELS.items()}}
     for name, control in controls.items():
-        key = f"control.{name}"
-        require(name not in _TAKEN, key, f"another name than {', '.join(_TAKEN)}", name)
+        key, label = f"control.{name}", control.label
+        expected = f"another name than {', '.join(_RESERVED)}"
+        require(name not in _RESERVED, key, expected, name)
         require(not name.endswith(ONBOARD), key, f"a name that does not end with {ONBOARD}", name)
-        _label(control.label, labels, f"{key}.label")
-        labels[control.label] = name
+        require(bool(label.strip()), f"{key}.label", "a label", "none")
+        one_line = label.isprintable() and label == label.strip()
+        require(one_line, f"{key}.label", "one line of text", repr(label))
+        owner = labels.setdefault(label, name)
+        expected = f"another label than that of {owner} (a file without one inherits it)"
+        require(owner == name, f"{key}.label", expected, label)
         _control(control, env, key)
 
 
-def _label(label: str, taken: Mapping[str, str], key: str) -> None:
-    """One line of text that no other controller has; ``taken`` are labels with their owners."""
-    require(bool(label.strip()), key, "a label", "none")
-    require(label.isprintable() and label == label.strip(), key, "one line of text", repr(label))
-    owner = taken.get(label)
-    expected = f"another label than that of {owner} (a file without one inherits it)"
-    require(label not in taken, key, expected, label)
-
-
 def _control(control: AnyControl, env: EnvConfig, key: str) -> None:
-    _substeps(control.substeps, env.physics, f"{key}.substeps")
+    """Short ticks that end with steps of the physics, and limits in order."""
+    physics = env.physics
+    divides = physics.substeps % control.substeps == 0
+    expected = f"a divisor of env.physics.substeps ({physics.substeps})"
+    require(divides, f"{key}.substeps", expected, control.substeps)
+    tick = physics.timestep * control.substeps
+    expected = f"a control rate of at least {LEAST_RATE} Hz"
+    possible = 1 / tick > LEAST_RATE - 0.1
+    require(possible, f"{key}.substeps", expected, f"{1 / tick:.0f} Hz")
     if isinstance(control, MpcConfig):
         step, planner = control.step, control.planner
-        ordered(f"{key}.step", step.time_min, step.time)
-        ordered(f"{key}.step", step.time, step.time_max)
-        ordered(f"{key}.planner.width_min", planner.width_min, planner.width_max)
+        _ordered(f"{key}.step", step.time_min, step.time)
+        _ordered(f"{key}.step", step.time, step.time_max)
+        _ordered(f"{key}.planner.width_min", planner.width_min, planner.width_max)
     if control.observer is not None:
-        period = env.physics.timestep * control.substeps
-        multiple(f"{key}.observer.delay", control.observer.delay, period)
+        _multiple(f"{key}.observer.delay", control.observer.delay, tick)
 
 
-def _substeps(substeps: int, physics: PhysicsConfig, key: str) -> None:
-    """Ticks of the controller end with steps of the physics, and are short."""
-    divides = physics.substeps % substeps == 0
-    require(divides, key, f"a divisor of env.physics.substeps ({physics.substeps})", substeps)
-    rate = 1 / (physics.timestep * substeps)
-    expected = f"a control rate of at least {LEAST_RATE} Hz"
-    require(rate > LEAST_RATE - 0.1, key, expected, f"{rate:.0f} Hz")
-
-
-def check_protocols(config: Config) -> None:
+def _protocols(config: Config) -> None:
     """All protocols and their disturbances; that of Table 1 has no profile."""
-    named("protocols", config.protocols)
-    expected = "none (the commands of Table 1 are constant; see protocols)"
+    _named("protocols", config.protocols)
+    expected = "none (the velocities of Table 1 are constant; see protocols)"
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():
         _protocol(protocol, (POLICY, *config.control), key, config.env.control_period)
-        check_disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
+        _disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
 
 
 def _protocol(
-    protocol: EvaluationConfig, controllers: Iterable[str], key: str, control_period: float
+    protocol: EvaluationConfig, controllers: Iterable[str], key: str, period: float
 ) -> None:
-    _commands(protocol, control_period, key)
-    for name in protocol.controllers:
-        one_of(f"{key}.controllers", name.removesuffix(ONBOARD), controllers)
-    period(f"{key}.warm_up", protocol.warm_up, protocol.duration, control_period)
-
-
-def _commands(protocol: EvaluationConfig, control_period: float, key: str) -> None:
-    """Either constant ones or a profile."""
+    """Either constant speeds or a profile, of controllers that there are."""
     speeds, profile = protocol.speeds, protocol.profile
     if profile is None:
         require(len(speeds) > 0, f"{key}.speeds", "at least one speed", "none")
-        return
-    require(not speeds, f"{key}.speeds", "none with a profile", speeds)
-    _profile(profile, protocol.duration, control_period, f"{key}.profile")
+    else:
+        require(not speeds, f"{key}.speeds", "none with a profile", speeds)
+        _profile(profile, protocol.duration, period, f"{key}.profile.cases")
+    for name in protocol.controllers:
+        one_of(f"{key}.controllers", name.removesuffix(ONBOARD), controllers)
+    _warm_up(key, protocol.warm_up, protocol.duration, period)
 
 
-def _profile(profile: ProfileConfig, duration: float, control_period: float, key: str) -> None:
+def _profile(profile: ProfileConfig, duration: float, period: float, key: str) -> None:
     names = [case.name for case in profile.cases]
-    distinct(f"{key}.cases", names, "each name once")
+    _distinct(key, names)
     possible = profile.rows == "cases" or len(names) == 1
-    require(possible, f"{key}.cases", "one case where rows are its segments", names)
-    shortest = max(profile.ramp, profile.warm_up) + control_period
+    require(possible, key, "one case where rows are its segments", names)
+    shortest = max(profile.ramp, profile.warm_up) + period
     for index, case in enumerate(profile.cases):
-        _segments(case, duration, shortest, f"{key}.cases[{index}].segments")
+        _segments(case.segments, duration, shortest, f"{key}[{index}].segments")
 
 
-def _segments(case: CaseConfig, duration: float, shortest: float, key: str) -> None:
-    distinct(key, [segment.name for segment in case.segments], "each name once")
-    times = [segment.time for segment in case.segments]
+def _segments(segments: list[Segment], duration: float, shortest: float, key: str) -> None:
+    """Names each once, and starts that rise from 0 s with room for ramp and warm-up [s]."""
+    _distinct(key, [segment.name for segment in segments])
+    times = [segment.time for segment in segments]
     require(times[0] == 0.0, f"{key}[0].time", "0 s", times[0])
     for index, (start, end) in enumerate(pairwise(times), start=1):
         require(start < end, f"{key}[{index}].time", f"later than {start:g} s", end)
@@ -340,93 +304,75 @@ def _segments(case: CaseConfig, duration: float, shortest: float, key: str) -> N
         require(length >= shortest - 1e-9, f"{key}[{index}]", expected, f"{length:g} s")
 
 
-def check_report(report: ReportConfig, control_period: float) -> None:
-    """Frames of the videos; whoever lays out the jobs knows which sections there are."""
-    _frame_rate(report.video.frame_rate, control_period, "report.video.frame_rate")
+def _frame_rate(rate: int, period: float) -> None:
+    """Every frame of a video shows the end of a control step."""
+    steps = 1.0 / (period * rate)
+    expected = f"a divisor of the control rate ({1 / period:g} 1/s)"
+    possible = steps >= 1 and abs(steps - round(steps)) < 1e-9
+    require(possible, "report.video.frame_rate", expected, rate)
 
 
-def _frame_rate(rate: int, control_period: float, key: str) -> None:
-    """Every frame shows the end of a control step."""
-    steps = 1.0 / (control_period * rate)
-    expected = f"a divisor of the control rate ({1 / control_period:g} 1/s)"
-    require(steps >= 1 and abs(steps - round(steps)) < 1e-9, key, expected, rate)
+def _seeds(config: Config) -> None:
+    """Every evaluation is of one block; checkpoints and variants are chosen in development."""
+    final, development = config.seeds.final, config.seeds.development
+    _ordered("seeds.final", final.first, final.last)
+    _ordered("seeds.development", development.first, development.last)
+    apart = final.last < development.first or development.last < final.first
+    require(apart, "seeds.final", f"no seed of seeds.development ({development})", final)
+    for key, protocol in config.evaluations.items():
+        _within(f"{key}.seed", protocol.seed, protocol.trials, final, development)
+    for name, study in config.study.items():
+        key, training, rollouts = f"study.{name}", study.training, study.evaluation
+        if rollouts is not None:
+            # Trained variants are there to be chosen from; other policies are only reported.
+            compared = training is not None and len(study.run) > 1
+            blocks = (development,) if compared else (final, development)
+            _within(f"{key}.evaluation.seed", rollouts.seed, rollouts.trials, *blocks)
+        for index, seed in enumerate(training.seeds if training else ()):
+            _not_final(f"{key}.training.seeds[{index}]", seed, final)
+    for key, train in config.trainings.items():
+        _not_final(f"{key}.seed", train.seed, final)
+        _within(f"{key}.selection.seed", train.selection.seed, 1, development)
 
 
-def check_studies(config: Config) -> None:
+def _within(key: str, first: int, trials: int, *blocks: SeedBlock) -> None:
+    """All trials draw from one of the blocks."""
+    drawn = SeedBlock(first, first + trials - 1)
+    inside = any(drawn.first in block and drawn.last in block for block in blocks)
+    require(inside, key, f"seeds within {' or '.join(map(str, blocks))}", drawn)
+
+
+def _not_final(key: str, seed: int, final: SeedBlock) -> None:
+    """A training must not see the disturbed robots of a reported trial."""
+    require(seed not in final, key, f"none of seeds.final ({final})", seed)
+
+
+def _studies(config: Config) -> None:
     """Variants and parameters that exist, and results to compare."""
-    named("study", config.study)
+    _named("study", config.study)
     for name, study in config.study.items():
         key = f"study.{name}"
-        named(f"{key}.variants", study.variants)
+        _named(f"{key}.variants", study.variants)
         for variant in study.run:
             one_of(f"{key}.run", variant, study.variants)
         if study.scaling is not None:
-            _scaling(study.scaling, config, f"{key}.scaling")
-        compared = study.gaits or study.evaluation is not None
-        require(compared, key, "gaits=true or an evaluation", "neither")
-        possible = study.gaits or study.starts is None
-        require(possible, f"{key}.starts", "null without gaits", "starts")
-        possible = study.evaluation is not None or study.training is None
-        require(possible, f"{key}.training", "null without an evaluation", "a training")
+            _scaling(study.scaling, config.robot, f"{key}.scaling")
+        _study(study, key)
 
 
-def _scaling(scaling: ScalingConfig, config: Config, key: str) -> None:
-    items = parameters(config.robot)
-    for tag in scaling.provenance:
+def _study(study: StudyConfig, key: str) -> None:
+    compared = study.gaits or study.evaluation is not None
+    require(compared, key, "gaits=true or an evaluation", "neither")
+    possible = study.gaits or study.starts is None
+    require(possible, f"{key}.starts", "null without gaits", "starts")
+    possible = study.evaluation is not None or study.training is None
+    require(possible, f"{key}.training", "null without an evaluation", "a training")
+
+
+def _scaling(scaling: ScalingConfig, robot: RobotConfig, key: str) -> None:
+    items, tags = parameters(robot), scaling.provenance
+    for tag in tags:
         one_of(f"{key}.provenance", tag, dict.fromkeys(item.provenance for item in items))
-    expected = f"numbers of the robot tagged {' or '.join(scaling.provenance)}"
+    expected = f"numbers of the robot tagged {' or '.join(tags)}"
     for path in scaling.parameters:
-        require(
-            bool(choose(items, scaling.provenance, [path])), f"{key}.parameters", expected, path
-        )
-
-
-def check_seeds(config: Config) -> None:
-    """Every evaluation is of one block; checkpoints and variants are chosen in development."""
-    seeds = config.seeds
-    _apart(seeds)
-    for key, protocol in config.evaluations.items():
-        blocks = (seeds.final, seeds.development)
-        _within(f"{key}.seed", protocol.seed, protocol.trials, blocks)
-    for name, study in config.study.items():
-        _study(study, seeds, f"study.{name}")
-    for key, train in config.trainings.items():
-        _training(train, seeds, key)
-
-
-def _apart(seeds: SeedsConfig) -> None:
-    for name in ("final", "development"):
-        block: SeedBlock = getattr(seeds, name)
-        ordered(f"seeds.{name}", block.first, block.last)
-    apart = seeds.final.last < seeds.development.first or seeds.development.last < seeds.final.first
-    expected = f"no seed of seeds.development ({seeds.development})"
-    require(apart, "seeds.final", expected, seeds.final)
-
-
-def _within(key: str, first: int, trials: int, blocks: Sequence[SeedBlock]) -> None:
-    """All trials draw from one of the blocks."""
-    found = SeedBlock(first, first + trials - 1)
-    inside = any(found.first in block and found.last in block for block in blocks)
-    expected = f"seeds within {' or '.join(map(str, blocks))}"
-    require(inside, key, expected, found)
-
-
-def _study(study: StudyConfig, seeds: SeedsConfig, key: str) -> None:
-    """Trained variants are there to be chosen from; other policies are only reported."""
-    training, rollouts = study.training, study.evaluation
-    if rollouts is not None:
-        compared = training is not None and len(study.run) > 1
-        blocks = (seeds.development,) if compared else (seeds.final, seeds.development)
-        _within(f"{key}.evaluation.seed", rollouts.seed, rollouts.trials, blocks)
-    for index, seed in enumerate(training.seeds if training else ()):
-        _not_final(f"{key}.training.seeds[{index}]", seed, seeds)
-
-
-def _training(train: TrainConfig, seeds: SeedsConfig, key: str) -> None:
-    _not_final(f"{key}.seed", train.seed, seeds)
-    _within(f"{key}.selection.seed", train.selection.seed, 1, (seeds.development,))
-
-
-def _not_final(key: str, seed: int, seeds: SeedsConfig) -> None:
-    """A training on the disturbed robots of a reported trial would know them."""
-    require(seed not in seeds.final, key, f"none of seeds.final ({seeds.final})", seed)
+        require(bool(choose(items, tags, [path])), f"{key}.parameters", expected, path)

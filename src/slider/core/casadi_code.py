@@ -6,7 +6,6 @@ points before the first use; without a compiler, or with one that changes a bit,
 evaluates. Where a compilation fails, the next pipeline run tries again.
 """
 
-import fcntl
 import os
 import platform
 import shlex
@@ -15,13 +14,14 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
+from filelock import FileLock, Timeout
 
 from slider.core import files
 from slider.core.job import Job
@@ -50,8 +50,11 @@ def interpreted(facts: Any, derive: Callable[[], Functions]) -> Functions:
 class Compiled:
     """Compiled functions in a job's cache; compiles them where that pays, one job at a time.
 
-    ``worth`` jobs must wait for a compilation to pay, and while one compiles the others interpret.
-    Where it pays for one job alone, the others wait. ``subject`` says what the functions are of.
+    Args:
+        job: its ``cache`` holds the libraries.
+        subject: of the functions, for the line of progress.
+        worth: jobs that must wait for a compilation to pay. While one compiles the others
+            interpret; where it pays for one job alone, the others wait.
     """
 
     def __init__(self, job: Job, subject: str, worth: int = 1) -> None:
@@ -64,55 +67,43 @@ class Compiled:
             return derive()
         machine = sys.platform, platform.machine()
         path = self._job.cache / f"{files.digest_value([facts, *machine])}.so"
-        if (known := _known(path, self._run)) is not None:
-            return _load(path, known) or derive()
-        made = derive()
+        if (names := self._names(path)) is not None:
+            return _load(path, names) or derive()
+        functions = derive()
         compiler = _compiler()
         if self._job.waiting < self._worth or not compiler:
-            return made
-        with _alone(path, wait=self._worth == 1) as alone:
-            if not alone:
-                return made
-            if (known := _known(path, self._run)) is None:
-                known = self._compile(path, made, compiler)
-        return _load(path, known) or made
+            return functions
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(Timeout), FileLock(path.with_suffix(".lock"), -1 if self._worth == 1 else 0):
+            if (names := self._names(path)) is None:
+                names = self._compile(path, functions, compiler)
+        return _load(path, names or []) or functions
+
+    def _names(self, path: Path) -> list[str] | None:
+        """Functions of a library, none if this pipeline run cannot have one; None: not tried."""
+        with suppress(OSError, ValueError, KeyError, TypeError):
+            note = files.read_json(path.with_suffix(".json"))
+            if note["functions"]:
+                return note["functions"] if path.is_file() else None
+            return [] if note["failed_in"] in (None, self._run) else None
+        return None
 
     def _compile(self, path: Path, functions: Functions, compiler: Sequence[str]) -> list[str]:
         """Compile, compare and keep functions; names of those kept, and a note of them."""
-        start, names = time.perf_counter(), list(functions)
+        start, names, failed_in = time.perf_counter(), list(functions), None
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            built = _build(functions, Path(folder), compiler)
-            loaded = _load(built, names) if built else {}
-            outcome = "interpreted, as they did not compile"
-            if loaded and not _agree(functions, loaded):
-                outcome = "interpreted, as the compiler changes bits"
-                names = []
-            elif built and loaded:
-                built.replace(path)
+            library = _build(functions, Path(folder), compiler)
+            loaded = _load(library, names) if library else {}
+            if not library or not loaded:
+                outcome, names, failed_in = "interpreted, as they did not compile", [], self._run
+            elif not _agree(functions, loaded):
+                outcome, names = "interpreted, as the compiler changes bits", []
+            else:
+                library.replace(path)
                 outcome = f"compiled in {time.perf_counter() - start:.1f} s"
-        digest = files.digest_file(path) if loaded and names else ""
-        note = {"sha256": digest, "functions": names, "failed_in": None if loaded else self._run}
-        files.write_json(_note(path), note)
+        files.write_json(path.with_suffix(".json"), {"functions": names, "failed_in": failed_in})
         self._job.progress(f"functions of the {self._subject}: {outcome}")
-        return names if digest else []
-
-
-def _note(path: Path) -> Path:
-    return path.with_suffix(".json")
-
-
-def _known(path: Path, run: str) -> list[str] | None:
-    """Names of the functions of a whole library, none if there can be none in a pipeline run.
-
-    None: unknown.
-    """
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        note = files.read_json(_note(path))
-        if note["failed_in"] == run:
-            return []
-        if not note["functions"] or note["sha256"] == files.digest_file(path):
-            return note["functions"]
-    return None
+        return names
 
 
 def _load(path: Path, names: list[str]) -> Functions:
@@ -121,19 +112,6 @@ def _load(path: Path, names: list[str]) -> Functions:
         return {name: ca.external(name, str(path.resolve())) for name in names}
     except RuntimeError:
         return {}
-
-
-@contextmanager
-def _alone(path: Path, wait: bool) -> Iterator[bool]:
-    """Whether no other job compiles this library; ``wait`` until none does."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.with_suffix(".lock").open("w", encoding="utf-8") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-        except OSError:
-            yield False
-        else:
-            yield True
 
 
 def _compiler() -> list[str]:
@@ -161,18 +139,15 @@ def _build(functions: Functions, folder: Path, compiler: Sequence[str]) -> Path 
 
 
 def _agree(functions: Functions, compiled: Functions) -> bool:
-    """Tell whether each function gives the same bits in both ways, at random points."""
+    """Tell whether each function gives the same bits in both ways, at points of both signs."""
     rng = np.random.default_rng(0)
-    return all(
-        _same_bits(one.call(point), compiled[name].call(point))
-        for name, one in functions.items()
-        for point in (_point(one, size, rng) for size in _SIZES)
-    )
-
-
-def _point(function: ca.Function, size: float, rng: np.random.Generator) -> list[np.ndarray]:
-    """Arguments of both signs."""
-    return [rng.uniform(-size, size, function.size_in(i)) for i in range(function.n_in())]
+    for name, function in functions.items():
+        for size in _SIZES:
+            shapes = map(function.size_in, range(function.n_in()))
+            point = [rng.uniform(-size, size, shape) for shape in shapes]
+            if not _same_bits(function.call(point), compiled[name].call(point)):
+                return False
+    return True
 
 
 def _same_bits(ones: list[ca.DM], others: list[ca.DM]) -> bool:

@@ -12,9 +12,8 @@ Columns = dict[str, np.ndarray]
 
 def write(columns: Columns, path: Path) -> None:
     """Write columns of equal length; flags become 0 and 1."""
-    rows = [",".join(columns)]
-    rows += [",".join(map(_text, values)) for values in zip(*columns.values(), strict=True)]
-    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    rows = np.column_stack([*columns.values()])
+    np.savetxt(path, rows, "%.9g", delimiter=",", header=",".join(columns), comments="")
 
 
 def read(path: Path, expected: Iterable[str] = (), flags: Iterable[str] = ()) -> Columns:
@@ -30,9 +29,3 @@ def read(path: Path, expected: Iterable[str] = (), flags: Iterable[str] = ()) ->
     values = np.array([[float(text or "nan") for text in row.split(",")] for row in rows])
     columns: Columns = dict(zip(header.split(","), values.T, strict=True))
     return columns | {name: columns[name].astype(bool) for name in flags}
-
-
-def _text(value: np.generic) -> str:
-    if isinstance(value, (np.bool_, np.integer)):
-        return str(int(value))
-    return f"{float(value):.9g}"

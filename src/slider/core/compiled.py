@@ -6,14 +6,15 @@ Products of matrices are those of SciPy's BLAS (``slider.core.machine.kernels``)
 from the environment or from ``.numba_config.yaml``, such as ``NUMBA_DISABLE_JIT``, do not apply.
 
 The cache lies in ``NUMBA_CACHE_DIR``, or beside the source, where Python keeps its bytecode.
-Numba checks neither the constants of other modules nor damage: each function has a folder named
-after its source and constants, with the digests of its files. Jobs that start at once compile each
-for itself. Where nothing can be written, every process compiles.
+Numba does not compare constants that come from other modules, so each function has a folder named
+after its source and constants. Jobs that start at once compile each for itself. Where nothing can
+be written, every process compiles.
 """
 
 import hashlib
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cached_property, partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -21,14 +22,12 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy as np
 
-from slider.core import files
 from slider.core.machine import cpuinfo
 
 F = TypeVar("F", bound=Callable[..., Any])
 _SETTINGS = cast(Any, numba).config  # without type stubs
 _TARGET = "haswell", "+avx,+avx2,+bmi,+bmi2,+fma,+lzcnt,+movbe,+popcnt,+sse4.2"
 _njit: Any = partial(numba.njit, error_model="numpy")
-_DIGESTS = "digests.json"
 
 
 def compiled(function: F) -> F:
@@ -67,29 +66,19 @@ class _Compiled:
         update_wrapper(self, function)
 
     def __call__(self, *arguments: Any) -> Any:
-        signatures = len(self.dispatcher.overloads)
-        try:
-            result = self.dispatcher(*arguments)
-        except OSError:  # the machine code is there, but cannot be written
-            return self.dispatcher(*arguments)
-        if len(self.dispatcher.overloads) > signatures and self._folder.is_dir():
-            _write_digests(self._folder)
-        return result
+        return self.dispatcher(*arguments)
 
     @cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher, with a cache where one can be written."""
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError:
+        folder = self._folder()
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+        if not os.access(folder, os.W_OK):  # numba would take another folder
             return _njit(self._function)
-        if not os.access(self._folder, os.W_OK):  # numba would take another folder
-            return _njit(self._function)
-        _drop_damaged(self._folder)
-        _SETTINGS.CACHE_DIR = str(self._folder)
+        _SETTINGS.CACHE_DIR = str(folder)
         return _njit(self._function, cache=True)
 
-    @cached_property
     def _folder(self) -> Path:
         source = Path(self._function.__code__.co_filename)
         values = self._function.__globals__.items()
@@ -98,25 +87,3 @@ class _Compiled:
         digest = hashlib.sha256(source.read_bytes() + repr(plain).encode()).hexdigest()
         parent = Path(os.environ.get("NUMBA_CACHE_DIR") or source.parent / "__pycache__")
         return parent / f"{source.stem}.{self._function.__qualname__}-{digest[:16]}"
-
-
-def _cache_files(folder: Path) -> list[Path]:
-    """Numba's indices and machine code below a folder."""
-    return sorted(folder.glob("*/*.nb[ic]"))
-
-
-def _write_digests(folder: Path) -> None:
-    paths = _cache_files(folder)
-    files.write_json(folder / _DIGESTS, {path.name: files.digest_file(path) for path in paths})
-
-
-def _drop_damaged(folder: Path) -> None:
-    """Remove the files of a cache, if one of them is not as it was written."""
-    try:
-        digests = files.read_json(folder / _DIGESTS)
-        intact = all(digests[p.name] == files.digest_file(p) for p in _cache_files(folder))
-    except (OSError, ValueError, KeyError, TypeError):
-        intact = False
-    if not intact:
-        for path in _cache_files(folder):
-            path.unlink(missing_ok=True)

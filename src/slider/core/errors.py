@@ -3,8 +3,9 @@
 import errno
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 
 class UserError(Exception):
@@ -14,11 +15,23 @@ class UserError(Exception):
     """
 
 
+def require(condition: bool, key: str, expected: str, found: Any) -> None:
+    """Raise a ``UserError`` about the value of a key unless a condition holds."""
+    if not condition:
+        raise UserError(f"{key}: expected {expected}, found {found}")
+
+
+def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
+    """Raise a ``UserError`` unless the value of a key is a member of ``allowed``."""
+    options = tuple(allowed)
+    require(value in options, key, f"one of {', '.join(map(str, options))}", value)
+
+
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _OF_PLACES = (errno.ENOTDIR, errno.EEXIST)  # a file where a folder must be
 _OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
 _FOLDERS = ("reports", ".snakemake")
-# What numpy and torch say of a full disk, without its number.
+# Messages of numpy and torch about a full disk, which lack its number.
 _SHORT = re.compile(
     r"requested and \d+ written|PytorchStreamWriter failed|inline_container.*unexpected pos"
 )
@@ -30,21 +43,21 @@ def is_read_only(error: BaseException) -> bool:
 
 
 def not_written(error: BaseException, place: Path) -> UserError | None:
-    """What to say if an error comes from a place that cannot be written, else nothing.
+    """Line about an error that comes from a place that cannot be written; None for other errors.
 
     ``place`` is named where the error names none. A missing right counts below ``place`` and the
     other folders that the pipeline writes: elsewhere it may be that of a program.
     """
-    for found in _chain(error):
-        if isinstance(found, OSError):
-            where = found.filename2 or found.filename
-            if found.errno in _OF_PLACES and _is_ours(where, place):
+    for cause in _chain(error):
+        if isinstance(cause, OSError):
+            where = cause.filename2 or cause.filename
+            if cause.errno in _OF_PLACES and _is_ours(where, place):
                 expected = f"expected to write {where}, found a file in the place of a folder"
                 return UserError(f"{expected}: run `slider store verify`")
-            own = found.errno in _OF_RIGHTS and _is_ours(where, place)
-            if own or found.errno in _OF_DISKS:
-                return UserError(f"expected to write {where or place}, found: {found.strerror}")
-        if _SHORT.search(str(found)):
+            denied = cause.errno in _OF_RIGHTS and _is_ours(where, place)
+            if denied or cause.errno in _OF_DISKS:
+                return UserError(f"expected to write {where or place}, found: {cause.strerror}")
+        if _SHORT.search(str(cause)):
             return UserError(f"expected to write {place}, found: No space left on device")
     return None
 

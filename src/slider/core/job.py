@@ -35,20 +35,8 @@ class Tracker(Protocol):
         """Record a file as an artefact of the run."""
 
 
-class NoTracker:
+class NoTracker(Tracker):
     """Records nothing."""
-
-    def log_params(self, params: Mapping[str, Any]) -> None:
-        """Do nothing."""
-
-    def log_metrics(self, metrics: Mapping[str, float], step: int) -> None:
-        """Do nothing."""
-
-    def log_table(self, table: Mapping[str, Sequence[Any]], name: str) -> None:
-        """Do nothing."""
-
-    def log_file(self, path: Path) -> None:
-        """Do nothing."""
 
 
 def _silent(message: str) -> None:

@@ -43,12 +43,12 @@ def kernels() -> str:
 
 
 def processor() -> str:
-    """Its name; Linux says it in a file only, elsewhere Python knows."""
+    """Name of the processor, from ``/proc/cpuinfo`` where there is one."""
     return cpuinfo("model name") or platform.processor() or platform.machine()
 
 
 def cpuinfo(field: str) -> str:
-    """What Linux says about the first core, such as its ``flags``; else nothing."""
+    """Field of the first core in ``/proc/cpuinfo``, such as ``flags``; empty without one."""
     if _CPUINFO.is_file():
         for line in _CPUINFO.read_text(encoding="utf-8").splitlines():
             name, _, value = line.partition(":")

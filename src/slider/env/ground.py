@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from slider.config.disturbance import GroundConfig
+from slider.config.env import GroundConfig
 from slider.core.arrays import Array, namespace, zeros
 
 

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from slider.config.disturbance import SensingConfig
-from slider.config.env import OnboardConfig
+from slider.config.env import OnboardConfig, SensingConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.disturbance.disturber import turned, with_noise

@@ -1,7 +1,7 @@
 """The terms of a configuration together: whether they exist and fit, and what they need."""
 
-from slider.config.constraint_text import Kind, kind, kind_at
 from slider.config.env import EnvConfig
+from slider.config.reference import Kind, kind, kind_at
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import UserError

@@ -6,8 +6,8 @@ module draws nothing, so that the jobs are laid out without what draws.
 
 from typing import NamedTuple
 
-from slider.config.checks import one_of
 from slider.config.schema import Config
+from slider.core.errors import one_of
 
 OPTIONAL = "?"
 PROTOCOLS = ("robust", "sweep", "joystick", "heldout")

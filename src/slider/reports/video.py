@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from slider.config.convert import from_dict
-from slider.config.disturbance import DisturbanceConfig
-from slider.config.env import StartNoise
+from slider.config.env import DisturbanceConfig, StartNoise
 from slider.config.report import VideoConfig
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.control import ObserverConfig
-from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import DisturbanceConfig
 from slider.config.types import Interval
 from slider.control.model_based import build_controller
 from slider.control.whole_body.observer import Observer, rotation_between, turned

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from slider.config.disturbance import SensingConfig
+from slider.config.env import SensingConfig
 from slider.env.disturbance.disturber import with_noise
 from slider.env.state import RobotState
 from slider.robot import names

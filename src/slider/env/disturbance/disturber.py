@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import mujoco
 import numpy as np
 
-from slider.config.disturbance import SensingConfig
+from slider.config.env import SensingConfig
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.core.arrays import Array, asarray, namespace, zeros

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import DisturbanceConfig
 from slider.core.arrays import Array, namespace
 from slider.env.starts import NUMPY
 

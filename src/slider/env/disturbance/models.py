@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import mujoco
 import numpy as np
 
-from slider.config.disturbance import DisturbanceConfig
+from slider.config.env import DisturbanceConfig
 from slider.config.types import Interval
 from slider.robot import names
 

@@ -10,7 +10,7 @@ cannot notice; the world that controllers and metrics see goes on.
 import mujoco
 import numpy as np
 
-from slider.config.disturbance import GroundConfig
+from slider.config.env import GroundConfig
 from slider.config.robot import RobotConfig
 from slider.env.ground import UnevenGround
 from slider.robot import names

@@ -12,8 +12,7 @@ import mujoco
 import numpy as np
 import torch
 
-from slider.config.disturbance import DisturbanceConfig
-from slider.config.env import PhysicsConfig
+from slider.config.env import DisturbanceConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.env.disturbance.disturber import Disturber, build_plant
 from slider.env.disturbance.draws import Disturbance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from slider.hzd.poincare import (
+from slider.hzd.walk import (
     chain,
     differences,
     limit_cycles,

@@ -17,10 +17,10 @@ from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.hzd import walk
 from slider.hzd.gains import FootPlacement
-from slider.hzd.poincare import limit_cycles
 from slider.hzd.stability import RECORDS, run, run_basin, run_maps
 from slider.hzd.stage import collect_placement, run_gaits
 from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
+from slider.hzd.walk import limit_cycles
 from slider.robot.names import VELOCITY
 from tests.gait.gaits import config
 from tests.hzd.sample import CLOCK, COMMANDS, HIP, folder, library, steps

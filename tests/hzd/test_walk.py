@@ -8,10 +8,10 @@ import pytest
 from slider.config.hzd import ImpactGrid
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.hzd.feedback import regulate
-from slider.hzd.perturbed import Placement, invariance, portrait, steps_until_return
 from slider.hzd.plans import motion, start
-from slider.hzd.poincare import chain, differences, multipliers
+from slider.hzd.return_map import Placement, invariance, portrait, steps_until_return
 from slider.hzd.step import PHASES, ClosedLoop, _Steps
+from slider.hzd.walk import chain, differences, multipliers
 from tests.hzd.sample import (
     CLOCK,
     HIP,

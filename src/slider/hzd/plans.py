@@ -9,9 +9,8 @@ from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.errors import UserError
 from slider.gait.outputs import JOINTS, ROLL
 from slider.gait.rooted import NUM
-from slider.hzd.constraints import StepConstraints
+from slider.hzd.constraints import NodeTable, StepConstraints
 from slider.hzd.model import RootedModel
-from slider.hzd.polynomials import NodeTable
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
 from slider.robot.names import velocity_text

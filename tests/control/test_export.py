@@ -22,7 +22,7 @@ from slider.control.export import (
     save_onnx,
     write_files,
 )
-from slider.control.policy_file import PolicyNetwork, load_policy
+from slider.control.policy import PolicyNetwork, load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics

@@ -8,9 +8,9 @@ import torch
 from rsl_rl.models import MLPModel
 from tensordict import TensorDict
 
-from slider.control.policy import PolicyController
-from slider.control.policy_file import (
+from slider.control.policy import (
     Policy,
+    PolicyController,
     PolicyNetwork,
     from_actor,
     load_policy,

@@ -33,8 +33,7 @@ from slider.control import (
     TORCH_EXPORT,
 )
 from slider.control.layout import INPUT, OUTPUT, describe, reference_table
-from slider.control.policy import PolicyController
-from slider.control.policy_file import Policy, PolicyNetwork, load_policy
+from slider.control.policy import Policy, PolicyController, PolicyNetwork, load_policy
 from slider.core.errors import UserError
 from slider.core.files import digest_file
 from slider.core.job import Inputs, Job, Section, Summary

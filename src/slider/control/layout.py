@@ -10,7 +10,7 @@ import numpy as np
 
 from slider.config.convert import to_dict
 from slider.control import REFERENCE
-from slider.control.policy_file import Policy
+from slider.control.policy import Policy
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
 from slider.library.lookup import JointTable, StepTimes

@@ -13,8 +13,7 @@ from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
-from slider.control.policy import PolicyController, agent_of
-from slider.control.policy_file import Policy
+from slider.control.policy import Policy, PolicyController, agent_of
 from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode, Frame
 from slider.env.interface import AgentInterface

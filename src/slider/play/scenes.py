@@ -11,7 +11,7 @@ from slider.config.hzd import enforced_section
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.control.hzd.gaits import EnforcedGaits
-from slider.control.policy_file import load_policy
+from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.library.reader import GaitLibrary
 from slider.play.motion import Motion, Replay, simulate_agent, simulate_model_based, simulate_policy

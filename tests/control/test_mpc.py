@@ -7,7 +7,7 @@ import pytest
 
 from slider.config.env import StartNoise
 from slider.config.robot import RobotConfig
-from slider.control.mpc.steps import advance_swing, mpc_controller, swing_at_rest
+from slider.control.mpc import advance_swing, mpc_controller, swing_at_rest
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.memory import OFF, STAND, WALK
 from slider.control.whole_body.references import ReferenceVelocity

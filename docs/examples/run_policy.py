@@ -1,6 +1,6 @@
 """Run an exported policy in plain MuJoCo: no part of the package slider is needed.
 
-    pip install mujoco onnxruntime
+    pip install "mujoco>=3.12" onnxruntime
     python run_policy.py reports/policy --command 0.6 0 0 --seconds 10
 
 Everything comes from four files of the export: policy.onnx, policy.json, reference.npy and
@@ -185,7 +185,13 @@ def observe(data: mujoco.MjData) -> dict[str, np.ndarray]:
 def start(folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The robot at rest in its nominal pose."""
     layout = json.loads((folder / "policy.json").read_text())
-    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    try:
+        model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    except ValueError as error:
+        oldest = layout["simulation"]["mujoco"]
+        raise SystemExit(
+            f"robot.xml: expected MuJoCo {oldest} or newer, found {mujoco.__version__}: {error}"
+        ) from None
     data = mujoco.MjData(model)
     data.qpos[2] = layout["observation"]["nominal_height"]
     data.qpos[7:] = [joint["nominal"] for joint in layout["action"]["joints"]]

@@ -71,21 +71,6 @@ def test_literal_settings_walk_slower_than_the_command():
     assert 0.085 < clearance < 0.115
 
 
-@pytest.mark.parametrize("setting", ["literal", "tuned"])
-def test_starts_from_the_protocols_starts(setting):
-    recording, controller = walk((0.6, 0.0, 0.0), setting, noise=True)
-    assert recording.survived.all()
-    assert (controller.memory.mode == WALK).all()
-
-
-def test_steps_in_place_sideways_and_turns():
-    recording, _ = walk((0.0, -0.15, 0.4))
-    assert recording.survived.all()
-    np.testing.assert_allclose(steady(recording)[1], -0.15, atol=0.04)
-    turned = np.unwrap(recording.yaw, axis=0)[-1] - recording.yaw[50]
-    np.testing.assert_allclose(turned / (SECONDS - 1.02), 0.4, atol=0.05)
-
-
 def test_walks_on_a_plant_that_is_not_its_nominal_model():
     robot = robot_config()
     base = replace(robot.links.base, mass=1.2 * robot.links.base.mass, com=(0.01, 0.0, 0.06))

@@ -28,8 +28,9 @@ from slider.robot.names import (
 from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
-VERSION = 8
+VERSION = 9
 INPUT, OUTPUT = "observations", "actions"
+OLDEST_MUJOCO = "3.12"  # that reads robot.xml: its motors are DC motors; 3.8 refuses them
 
 _PROCEDURE = [
     "start: clock.phase = 0, previous action = 0, filtered, reference and expected velocity = 0, "
@@ -73,6 +74,7 @@ def describe(policy: Policy, provenance: dict[str, Any]) -> dict[str, Any]:
         "simulation": {
             "timestep": policy.env.physics.timestep,
             "substeps": policy.env.physics.substeps,
+            "mujoco": OLDEST_MUJOCO,
         },
         "training": dict(policy.facts),
         "provenance": provenance,

@@ -14,7 +14,7 @@ from slider.control.hzd.gaits import EnforcedGaits, GaitTables, at_phase
 from slider.control.hzd.steps import hzd_controller
 from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import WalkingController
-from slider.control.whole_body.memory import OFF, STAND, WALK
+from slider.control.whole_body.memory import WALK
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
@@ -60,13 +60,6 @@ def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
 
 
-def test_stands_at_zero_command():
-    recording, controller = go((2.0, (0.0, 0.0, 0.0)))
-    assert recording.survived.all()
-    assert (controller.memory.mode == STAND).all()
-    assert np.abs(recording.velocity[-25:]).max() < 0.02
-
-
 def walked(controller: WalkingController, physics: BatchedPhysics, steps: int) -> np.ndarray:
     job = Job(Path(mkdtemp()))
     return walk(controller, physics, config().env, library(), steps, job)["walked"]
@@ -86,15 +79,6 @@ def test_without_foot_placement_they_fall():
 def _nothing() -> dict[str, np.ndarray]:
     gains = FootPlacement.load(placement_folder()).gains
     return {"gains": np.zeros_like(gains)}
-
-
-def test_a_fallen_robot_is_switched_off():
-    controller, physics = controlled(1)
-    physics.reset(np.zeros(1, int), *at_rest(robot_config(), STILL, np.random.default_rng(0), 1))
-    controller.reset(physics.read(), np.array([[0.4, 0.0, 0.0]]))
-    controller.give_up(np.array([True]))
-    assert (controller.memory.mode == OFF).all()
-    assert not controller.control(physics.read()).any()
 
 
 def test_a_gait_of_the_library_is_that_gait():

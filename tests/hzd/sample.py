@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.stages.gaits import gait_library
 from slider.config.hzd import HzdConfig
 from slider.core.job import Job
+from slider.core.rows import take
 from slider.gait import stage as gait_stage
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
@@ -60,7 +61,7 @@ def steps() -> tuple[StepPlan, StepPlan]:
 
 def one(gait: int) -> list[StepPlan]:
     """Both steps of a gait alone."""
-    return [plan.of(np.array([gait])) for plan in steps()]
+    return [take(plan, np.array([gait])) for plan in steps()]
 
 
 @shared.shared

@@ -40,15 +40,6 @@ class NodeTable:
     slopes: np.ndarray
     curvatures: np.ndarray | None = None
 
-    @property
-    def orders(self) -> list[np.ndarray]:
-        """The arrays that there are."""
-        return [a for a in (self.values, self.slopes, self.curvatures) if a is not None]
-
-    def of(self, rows: np.ndarray) -> "NodeTable":
-        """The tables of some of the robots, in a given order."""
-        return NodeTable(*(array[rows] for array in self.orders))
-
     def at(self, phase: np.ndarray) -> Orders:
         """Hermite interpolation (n, m) at phases (n,), and its derivatives.
 

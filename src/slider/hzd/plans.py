@@ -7,6 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.errors import UserError
+from slider.core.rows import take
 from slider.gait.outputs import JOINTS, ROLL
 from slider.gait.rooted import NUM
 from slider.hzd.constraints import NodeTable, StepConstraints
@@ -47,19 +48,6 @@ class StepPlan:
         """Least forward velocity of the hip (n,), as a share of its mean's magnitude."""
         way = np.ptp(self.hip.values[:, [0, -1], 0], axis=1)
         return self.hip.slopes[..., 0].min(axis=1) / way
-
-    def of(self, rows: np.ndarray) -> "StepPlan":
-        """The steps of some of the gaits, in a given order."""
-        return StepPlan(
-            self.coefficients[rows],
-            self.roll.of(rows),
-            self.hip.of(rows),
-            self.ankle.of(rows),
-            self.placement[rows],
-            self.duration[rows],
-            self.clock[rows],
-            self.lengths,
-        )
 
     def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
         """Virtual constraints of these steps."""
@@ -123,7 +111,7 @@ def _along(
     """Place of the hip, and effort of the stance ankle."""
     n, phase = len(plan.duration), np.linspace(0.0, 1.0, _NODES)
     rows = np.repeat(np.arange(n), _NODES)
-    q, rate, turn = motion(plan.of(rows), np.tile(phase, n), config)
+    q, rate, turn = motion(take(plan, rows), np.tile(phase, n), config)
     _, _, slope, bend = model.constrained(q, rate)
     orders = (
         model.measure(q, rate).hip,

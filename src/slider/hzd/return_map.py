@@ -16,6 +16,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from slider.config.hzd import BasinConfig, ImpactGrid
+from slider.core.rows import take
 from slider.gait.outputs import YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.feedback import Regulator, regulate
@@ -116,7 +117,7 @@ def return_maps(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray)
 
 
 def _observe(loop: ClosedLoop, plan: StepPlan, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return observed(loop, loop.step(plan.of(rows), z[:, :STATE], z[:, STATE:]))
+    return observed(loop, loop.step(take(plan, rows), z[:, :STATE], z[:, STATE:]))
 
 
 @dataclass(frozen=True)
@@ -149,9 +150,9 @@ def invariance(
     worst = []
     for plan, after, point in zip(steps, steps[::-1], points, strict=True):
         rows, x = perturbed(loop, point, grid)
-        impact = loop.step(plan.of(rows), x).landed
+        impact = loop.step(take(plan, rows), x).landed
         landed = impact.state
-        following = after.of(rows)
+        following = take(after, rows)
         free = loop.step(following, landed, anchored=False)
         anchored = loop.step(following, landed)
         cycle = loop.step(plan, point)
@@ -222,7 +223,7 @@ def steps_until_return(
         if not len(going):
             break
         step = (count - 1) % 2
-        plan = steps[step].of(np.zeros(len(x), int))
+        plan = take(steps[step], np.zeros(len(x), int))
         flow = loop.step(plan, x, _displaced(placement, step, x))
         x = flow.landed.state
         error = np.abs(x - walk.points[count % 2])[:, _PLANE]

@@ -14,6 +14,7 @@ from slider.config.convert import from_dict
 from slider.config.hzd import BasinConfig, ImpactGrid, StabilityConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.rows import take
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.return_map import (
     Invariance,
@@ -64,7 +65,7 @@ def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> d
     walks, periodic, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
     for gaits in (np.flatnonzero(periodic & clock), np.flatnonzero(periodic & ~clock)):
         if len(gaits):
-            maps = return_maps(loop, [plan.of(gaits) for plan in steps], points[:, gaits])
+            maps = return_maps(loop, [take(plan, gaits) for plan in steps], points[:, gaits])
             walks |= dict(zip(gaits.tolist(), maps, strict=True))
     return walks
 

@@ -21,6 +21,7 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from slider.config.hzd import StabilityConfig
+from slider.core.rows import take
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.model import Measured
@@ -74,7 +75,7 @@ def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray
 
 
 def _landed(loop: ClosedLoop, plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return loop.step(plan.of(rows), x).landed.state
+    return loop.step(take(plan, rows), x).landed.state
 
 
 def linearise(
@@ -167,8 +168,8 @@ def _observe(
     loop: ClosedLoop, plan: StepPlan, after: StepPlan, z: np.ndarray, rows: np.ndarray
 ) -> np.ndarray:
     """``observed``, then ξ at the middle of the step after, of states and displacements."""
-    flow = loop.step(plan.of(rows), z[:, :STATE], z[:, STATE:])
-    onward = loop.part(after.of(rows), flow.landed.state, middle(loop))
+    flow = loop.step(take(plan, rows), z[:, :STATE], z[:, STATE:])
+    onward = loop.part(take(after, rows), flow.landed.state, middle(loop))
     return np.concatenate([observed(loop, flow), _coordinates(loop.model.measure(*onward))], axis=1)
 
 

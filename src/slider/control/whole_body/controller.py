@@ -15,22 +15,11 @@ import numpy as np
 from slider.config.control import ModelBasedConfig
 from slider.config.robot import RobotConfig
 from slider.control.whole_body.entry import Entry
-from slider.control.whole_body.memory import (
-    FEET,
-    LEFT,
-    OFF,
-    RIGHT,
-    STAND,
-    SWAY,
-    WALK,
-    Memory,
-    Sway,
-    scatter,
-    take,
-)
+from slider.control.whole_body.memory import FEET, LEFT, OFF, RIGHT, STAND, SWAY, WALK, Memory, Sway
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.control.whole_body.references import natural_frequency
 from slider.control.whole_body.tasks import BodyControl, Solved
+from slider.core.rows import scatter, take
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names

@@ -15,6 +15,7 @@ import numpy as np
 
 from slider.config.robot import RobotConfig
 from slider.core.compiled import compiled, part
+from slider.core.rows import consecutive, take
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, build_spec, nominal_qpos
 
@@ -62,10 +63,8 @@ class Dynamics:
     foot_bias: np.ndarray
 
     def take(self, index: np.ndarray) -> "Dynamics":
-        """The terms of some of the robots, in their order."""
-        if len(index) == len(self.qvel) and index.dtype != bool:
-            return self  # all of them
-        return Dynamics(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+        """The terms of some of the robots, with increasing indices (n,)."""
+        return take(self, consecutive(index))
 
 
 class NominalModel:

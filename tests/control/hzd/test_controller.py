@@ -114,6 +114,12 @@ def test_a_step_depends_on_no_other_robot():
         np.testing.assert_array_equal(alone.hip.values[0], together.hip.values[row])
 
 
+def test_a_controller_that_walks_by_gaits_needs_them():
+    whole = config()
+    with pytest.raises(UserError, match=r"^controller: expected gaits to walk by, found none$"):
+        build_controller(robot_config(), whole.control["hzd"], whole.env.physics, 1)
+
+
 def test_foot_placement_of_another_phase_is_refused():
     whole = config("hzd.phase=time")
     section = enforced_section(whole.hzd)

@@ -66,14 +66,6 @@ def test_predicts_the_true_state_at_which_the_torques_will_act(delay):
         )
 
 
-def test_a_delay_that_it_does_not_know_shows():
-    settings = disturbance(delay=Interval(DELAY, DELAY))
-    true, _, estimated = run(settings, ObserverConfig(0.0, 0.3, 0.2))
-    late = round(DELAY / 0.005)
-    error = estimated[TICKS - late - 1].qvel - true[TICKS - 1].qvel
-    assert np.abs(error).max() > 0.1
-
-
 def test_is_less_noisy_than_the_sensors():
     """Not for the light feet, which the random torques throw about on the ground."""
     sensing = config("evaluation=robust").evaluation.disturbance.sensing

@@ -112,6 +112,13 @@ def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, tu
         assert STEPS * policy.env.control_period > 2 * policy.times.step_time.max()
 
 
+@pytest.mark.parametrize("name", ["default", "paper"])
+def test_it_computes_every_term_of_a_configuration(name):
+    more = config(f"env/observation={name}").env.observation.terms.keys() - COMPUTED
+    if more:
+        pytest.skip(f"docs/examples/run_policy.py computes no {', '.join(sorted(more))}")
+
+
 def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
     write_files(written(tmp_path), {}, tmp_path)
     example = load_example()

@@ -115,7 +115,12 @@ def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
     save_torch(policy.network, layout, out / TORCH_EXPORT)
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")
     np.save(out / REFERENCE, reference_table(policy).positions)
-    (out / MODEL).write_text(_model_xml(policy))
+    physics = policy.env.physics
+    options = SimulationOptions(
+        physics.timestep, physics.solver_iterations, physics.line_search_iterations
+    )
+    spec = build_spec(policy.robot, options)
+    (out / MODEL).write_text(_with_all_digits(spec, Transmission.of(policy.robot)))
     if policy_file.resolve() != (out / POLICY_FILE).resolve():
         shutil.copyfile(policy_file, out / POLICY_FILE)
     return policy
@@ -202,20 +207,10 @@ def save_onnx(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> 
     path.write_bytes(model.SerializeToString(deterministic=True))
 
 
-def _model_xml(policy: Policy) -> str:
-    """MJCF of the simulated robot, ground and sensors."""
-    physics = policy.env.physics
-    options = SimulationOptions(
-        physics.timestep, physics.solver_iterations, physics.line_search_iterations
-    )
-    spec = build_spec(policy.robot, options)
+def _with_all_digits(spec: mujoco.MjSpec, motors: Transmission) -> str:
+    """MJCF with all digits of the tendons' coefficients and motors' parameters: MuJoCo has six."""
     model = spec.compile()
-    return _with_all_digits(spec.to_xml(), Transmission.of(policy.robot), model)
-
-
-def _with_all_digits(xml: str, motors: Transmission, model: mujoco.MjModel) -> str:
-    """MuJoCo writes six digits; coefficients of tendons and parameters of motors need them all."""
-    root = ElementTree.fromstring(xml)
+    root = ElementTree.fromstring(spec.to_xml())
     for tendon in root.iter("fixed"):
         row = motors.matrix[MOTORS.index(tendon.attrib["name"])]
         for joint in tendon.iter("joint"):

@@ -37,7 +37,7 @@ def build(dynamics: Dynamics, feet: np.ndarray, acceleration=(0.0, 0.0, 0.0), se
     body = WholeBody(robot_config(), settings)
     zero = np.zeros(COUNT)
     parts = [
-        motion.com(dynamics, np.tile(acceleration, (COUNT, 1)), np.ones(3)),
+        (dynamics.com_jacobian, acceleration - dynamics.com_bias, np.ones(3)),
         motion.base(dynamics, zero, zero),
         motion.stance(dynamics, feet, np.zeros(feet.shape)),
     ]

@@ -62,8 +62,9 @@ class Observer:
         if self._acting is not None:
             self._simulate([self._acting])
             self._correct(measured)
-        if not self._under_way:
-            return self._now(measured)
+        if not self._under_way:  # the contact flags are those that are measured
+            self._model.reset(self._robots, self._qpos, self._qvel)
+            return replace(self._model.read(), foot_forces=measured.foot_forces)
         qpos, qvel = self._qpos, self._qvel
         self._simulate(self._under_way)
         self._qpos, self._qvel = qpos, qvel
@@ -89,11 +90,6 @@ class Observer:
         qpos[:, 3:7] = turned(self._qpos[:, 3:7], position * turn)
         self._qpos = qpos
         self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
-
-    def _now(self, measured: RobotState) -> RobotState:
-        """The estimate, with the contact flags that are measured: nothing is under way."""
-        self._model.reset(self._robots, self._qpos, self._qvel)
-        return replace(self._model.read(), foot_forces=measured.foot_forces)
 
 
 class ObservingController:

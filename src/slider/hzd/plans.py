@@ -21,7 +21,7 @@ _NODES = 41
 
 @dataclass(frozen=True)
 class StepPlan:
-    """What one step of n gaits asks for, in reflected coordinates.
+    """References of one step of n gaits, in reflected coordinates.
 
     Attributes:
         coefficients: of the virtual legs (n, 10, degree + 1) [rad].

@@ -26,7 +26,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import velocity_text
 
 POINTS = "points.npy"
-"""x* (G, 2, 22) of the gaits' limit cycles at the sections; not numbers where there is none."""
+"""x* (G, 2, 22) of the gaits' limit cycles at the sections; NaN where there is none."""
 BY_HIP = 1  # the second kind of gains
 
 
@@ -128,7 +128,7 @@ def closed_loop(library: GaitLibrary, config: StabilityConfig, job: Job) -> Clos
 def indices(
     gaits: GaitLibrary | FootPlacement, velocities: Sequence[Sequence[float]]
 ) -> np.ndarray:
-    """Places of the velocities that there are."""
+    """Indices of the velocities that the gaits have."""
     places = {tuple(v): k for k, v in enumerate(gaits.velocities.tolist())}
     return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)
 

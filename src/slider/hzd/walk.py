@@ -57,8 +57,8 @@ class ZeroDynamics:
 def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray, np.ndarray]:
     """Limit cycles of n gaits with one kind of phase: points (2, n, 22), and which converged (n,).
 
-    Where there is none the points are not numbers. What a walk from the collocated gait misses is
-    one more direction of the return map, whose image is that of the zero dynamics.
+    Points are NaN where there is none. The error of a walk from the collocated gait is one more
+    direction of the return map, whose image is that of the zero dynamics.
     """
     maps = [partial(_landed, loop, plan) for plan in steps]
     first, *points = orbits(maps, start(steps[0], loop.config))
@@ -191,9 +191,9 @@ def by_phase(seen: np.ndarray) -> np.ndarray:
 def differences(
     function: Map, points: np.ndarray, size: float, directions: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A function's values (G, m) at points (G, d) and its derivatives (G, m, k): central ones.
+    """Evaluate a function (G, m) at points (G, d), and its central differences (G, m, k).
 
-    They are along directions (G, d, k), by default the coordinates; all are moved by ``size``.
+    The differences are along directions (G, d, k), by default the coordinates, of length ``size``.
     """
     count, d = points.shape
     if directions is None:
@@ -216,7 +216,7 @@ def limit_cycles(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points (k, G, d) of the cycles of ``maps`` near ``start`` (G, d), and which converged (G,).
 
-    Broyden's method on x_0: (I − DP)(x − x_0) = P(x_0) − x_0, DP corrected by what each step meets.
+    Broyden's method on x_0: (I − DP)(x − x_0) = P(x_0) − x_0, DP corrected by each step's residual.
     ``slopes`` (G, d, d) are DP of the whole cycle at the start, in the directions that P leads to.
     """
     points = orbits(maps, start)
@@ -260,8 +260,8 @@ def multipliers(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
 def restrict(now: np.ndarray, onward: np.ndarray) -> np.ndarray:
     """Derivatives (k, ..., r, m) of a cycle's maps on a manifold that attracts within one map.
 
-    What the rest of a map depends on alone are r numbers; F_j are their derivatives at section j.
-    A perturbation off the manifold counts as the one on it that has the same future.
+    The future of a point depends on r numbers alone; F_j are their derivatives at section j. A
+    perturbation off the manifold is replaced by the one on it that has the same future.
 
     Args:
         now: F_j E_j (k, ..., r, r), with tangents x = E_j ξ of the manifold at the sections.

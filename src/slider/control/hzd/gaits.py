@@ -145,7 +145,7 @@ class EnforcedGaits:
 
 
 def _table(orders: np.ndarray) -> NodeTable:
-    """Of values with two derivatives (n, nodes, 3)."""
+    """Table of values with two derivatives (n, nodes, 3)."""
     return NodeTable(*(orders[:, :, k, None] for k in range(3)))
 
 

@@ -48,14 +48,14 @@ class Entry:
         return np.stack([self._forward(sway), sideways], axis=1)
 
     def _forward(self, sway: Sway) -> np.ndarray:
-        """The pendulum with its centre of pressure in ``centre``, from rest."""
+        """Pendulum from rest with its centre of pressure in ``centre``: (n, 3)."""
         omega, phase = self._omega, self._omega * sway.elapsed
         cosh, sinh = np.cosh(phase), np.sinh(phase)
         unit = np.stack([1 - cosh, -omega * sinh, -(omega**2) * cosh], axis=-1)
         return sway.centre[:, None] * unit
 
     def _sideways(self, sway: Sway) -> np.ndarray:
-        """A quintic to the middle with the speed of the orbit there; past its end straight on."""
+        """Quintic to the middle with the orbit's speed there, past its end straight on: (n, 3)."""
         duration = np.full(len(sway.elapsed), self._config.duration)
         goal = np.tile([0.0, self._speed, 0.0], (len(duration), 1))
         late = sway.elapsed > duration
@@ -66,7 +66,7 @@ class Entry:
     def done(
         self, sway: Sway, position: np.ndarray, velocity: np.ndarray, foot: np.ndarray
     ) -> np.ndarray:
-        """Robots (n,) that can take their first step, or have to.
+        """Whether robots can take their first step, or have to (n,).
 
         They can, when the centre of mass goes towards the stance foot with the orbit's energy and
         forward as planned; they have to, when their time is over and they could not stop any

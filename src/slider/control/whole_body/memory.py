@@ -36,13 +36,13 @@ class Sway:
 
     @classmethod
     def zeros(cls, n: int) -> "Sway":
-        """Of n robots that have not begun."""
+        """Sways of n robots that have not begun."""
         return cls(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), np.zeros(n), np.zeros(n))
 
 
 @dataclass
 class Memory:
-    """Memory of N robots; methods take and give the rows of some of them, ``robots`` (n,).
+    """Memory of N robots; arguments and results of methods are of some of them, ``robots`` (n,).
 
     Attributes:
         velocity: (N, 3) commanded vx, vy [m/s], yaw rate [rad/s].

@@ -2,8 +2,8 @@
 
 A Luenberger observer with the nominal robot in MuJoCo, contacts included: each tick it simulates
 the torques that act now, moves its estimate towards what is measured, and simulates the torques
-that are still under way. It has the delay and the torques it sent, and neither the plant's
-masses, motors and friction nor its pushes.
+that are still under way. It has the delay and the torques that it sent, but not the
+plant's masses, motors, friction and pushes.
 """
 
 from collections import deque
@@ -99,7 +99,7 @@ class ObservingController:
         self._controller, self._observer = controller, observer
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew; see :class:`WalkingController`."""
+        """Start observer and controller; see :class:`WalkingController`."""
         self._observer.reset(state)
         self._controller.reset(state, velocity)
 

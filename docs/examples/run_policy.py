@@ -25,7 +25,7 @@ class Policy:
     def __init__(self, folder: Path) -> None:
         if not (folder / "policy.json").is_file():
             raise SystemExit(f"expected policy.json and the files that it names in {folder}")
-        self.layout = json.loads((folder / "policy.json").read_text())
+        self.layout = json.loads((folder / "policy.json").read_text(encoding="utf-8"))
         self.session = onnxruntime.InferenceSession(
             str(folder / "policy.onnx"), providers=["CPUExecutionProvider"]
         )
@@ -184,7 +184,7 @@ def observe(data: mujoco.MjData) -> dict[str, np.ndarray]:
 
 def start(folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
     """The robot at rest in its nominal pose."""
-    layout = json.loads((folder / "policy.json").read_text())
+    layout = json.loads((folder / "policy.json").read_text(encoding="utf-8"))
     try:
         model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
     except ValueError as error:

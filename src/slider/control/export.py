@@ -113,14 +113,16 @@ def write_files(policy_file: Path, origin: dict[str, Any], out: Path) -> Policy:
     layout = describe(policy, {"policy_sha256": digest_file(policy_file), **origin})
     save_onnx(policy.network, layout, out / ONNX)
     save_torch(policy.network, layout, out / TORCH_EXPORT)
-    (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n")
+    (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n", encoding="utf-8")
     np.save(out / REFERENCE, reference_table(policy).positions)
     physics = policy.env.physics
     options = SimulationOptions(
         physics.timestep, physics.solver_iterations, physics.line_search_iterations
     )
     spec = build_spec(policy.robot, options)
-    (out / MODEL).write_text(_with_all_digits(spec, Transmission.of(policy.robot)))
+    (out / MODEL).write_text(
+        _with_all_digits(spec, Transmission.of(policy.robot)), encoding="utf-8"
+    )
     if policy_file.resolve() != (out / POLICY_FILE).resolve():
         shutil.copyfile(policy_file, out / POLICY_FILE)
     return policy

@@ -57,7 +57,7 @@ def per_step(eigenvalues: np.ndarray) -> list[float]:
 
 def write_csv(path: Path, rows: Sequence[Values]) -> None:
     """One line per gait; several values of one column are separated by blanks."""
-    with path.open("w", newline="") as file:
+    with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([*VELOCITY, *QUANTITIES])
         for row in rows:
@@ -74,7 +74,7 @@ def write_markdown(path: Path, rows: Sequence[Values]) -> None:
         head = ["vx [m/s]", *(f"{row['vx']:g}" for row in straight)]
         body = [[f"`{n}`", *(_text(row.get(n), 3) for row in straight)] for n in _OVER_SPEED]
         lines += ["", "At vy = 0:", "", *_grid(head, body)]
-    path.write_text("\n".join(lines) + "\n")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _range(name: str, rows: Sequence[Values]) -> list[str]:

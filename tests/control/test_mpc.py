@@ -22,7 +22,7 @@ SETTLED = 6.0  # the integral action needs some strides [s]
 
 
 def walk(
-    command: tuple[float, float, float] | np.ndarray,
+    velocity: tuple[float, float, float] | np.ndarray,
     setting: str = "tuned",
     plant: RobotConfig | None = None,
     seconds: float = SECONDS,
@@ -35,12 +35,12 @@ def walk(
     controller = mpc_controller(robot_config(), control, physics.period)
     spread = whole.evaluation.start if noise else StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     start = at_rest(robot_config(), spread, np.random.default_rng(7), COUNT)
-    velocity = np.tile(command, (COUNT, 1)) if np.ndim(command) == 1 else np.asarray(command)
-    return roll_out(controller, physics, whole.env, start, velocity, seconds), controller
+    velocities = np.tile(velocity, (COUNT, 1)) if np.ndim(velocity) == 1 else np.asarray(velocity)
+    return roll_out(controller, physics, whole.env, start, velocities, seconds), controller
 
 
 def profile(*segments: tuple[float, tuple[float, float, float]]) -> np.ndarray:
-    """Commands (S, COUNT, 3) of segments: how long [s], and what."""
+    """Velocities (S, COUNT, 3) of segments: how long [s], and what."""
     return np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
 
 
@@ -129,12 +129,12 @@ def test_torques_stay_within_the_limits():
 def test_stands_still_goes_sideways_and_turning_and_stops(setting):
     """At 0.4 m/s with 0.1 m/s to the left, then with 0.3 rad/s; both ends on both feet."""
     still, sideways, turning = (0.0, 0.0, 0.0), (0.4, 0.1, 0.0), (0.4, 0.0, 0.3)
-    command = profile((1.0, still), (5.0, sideways), (3.0, turning), (2.5, still))
-    recording, controller = walk(command, setting, seconds=11.5, noise=True)
+    velocities = profile((1.0, still), (5.0, sideways), (3.0, turning), (2.5, still))
+    recording, controller = walk(velocities, setting, seconds=11.5, noise=True)
     assert recording.survived.all()
     steps = np.cumsum([50, 250, 150, 125])
     contact = recording.foot_forces > CONTACT_FORCE
-    assert contact[25:50].all(), "it stands before a command to go"
+    assert contact[25:50].all(), "it stands before it is commanded to go"
     leftward = recording.velocity[steps[1] - 90 : steps[1], :, 1].mean()
     np.testing.assert_allclose(leftward, 0.1, atol=0.04)
     yaw = np.unwrap(recording.yaw, axis=0)
@@ -147,8 +147,8 @@ def test_stands_still_goes_sideways_and_turning_and_stops(setting):
 
 
 def test_the_reference_goes_from_the_old_command_to_the_new_one():
-    command = profile((1.5, (0.6, 0.0, 0.0)), (0.1, (0.0, 0.1, 0.0)))
-    _, controller = walk(command, seconds=1.6)
+    velocities = profile((1.5, (0.6, 0.0, 0.0)), (0.1, (0.0, 0.1, 0.0)))
+    _, controller = walk(velocities, seconds=1.6)
     memory = controller.memory
     np.testing.assert_allclose(memory.previous[:, 0], 0.6)
     since = memory.walked - memory.changed

@@ -21,12 +21,12 @@ from slider.library.reader import STORE, GaitLibrary
 from tests import shared
 from tests.gait.gaits import config, section
 
-COMMANDS = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
+VELOCITIES = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
 CLOCK, HIP = range(2)
 
 
 @shared.shared
-def folder(velocities: tuple[tuple[float, float, float], ...] = tuple(COMMANDS)) -> Path:
+def folder(velocities: tuple[tuple[float, float, float], ...] = tuple(VELOCITIES)) -> Path:
     """Object folder of a library."""
     root = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     gaits = []
@@ -98,6 +98,6 @@ def placement_folder() -> Path:
 
     out = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     (spec, *_) = stability_jobs(config(), library_job(config()))["foot_placement"].inputs["gaits"]
-    velocities = {"velocities": [list(velocity) for velocity in COMMANDS]}
+    velocities = {"velocities": [list(velocity) for velocity in VELOCITIES]}
     stage.run_gaits(spec.section | velocities, {"library": [folder()]}, out, Job(out))
     return out

@@ -191,8 +191,8 @@ def test_gains_over_the_phase_ask_for_the_same_step(gait):
     for k in (0, 10, 14, 20):
         at = loop().model.measure(flow.q[k], flow.v[k])
         seen = coordinates(at)
-        wanted = -gains[0, k] @ (seen - zero(gait).orbit[0, 0, k])
-        np.testing.assert_allclose(wanted, b[0], rtol=0.02, atol=1e-2 * np.abs(b).max())
+        expected = -gains[0, k] @ (seen - zero(gait).orbit[0, 0, k])
+        np.testing.assert_allclose(expected, b[0], rtol=0.02, atol=1e-2 * np.abs(b).max())
     assert not gains[..., 3].any() or gait == CLOCK
 
 

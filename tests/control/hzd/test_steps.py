@@ -18,7 +18,7 @@ from slider.robot.knee_map import KneeLengths
 from slider.robot.mjcf import nominal_qpos
 from tests.control.hzd.test_controller import controlled, gaits
 from tests.env.synthetic import config, robot_config
-from tests.hzd.sample import CLOCK, COMMANDS, HIP, library, walks
+from tests.hzd.sample import CLOCK, HIP, VELOCITIES, library, walks
 
 COUNT = 2
 ROBOTS = np.arange(COUNT)
@@ -184,7 +184,7 @@ def test_a_perturbed_step_ends_as_in_the_return_map(gait):
     start[1][:, 1] += push
     physics.reset(ROBOTS, *start)
     state = physics.read()
-    controller.start_on_gait(state, np.tile(COMMANDS[gait], (COUNT, 1)), np.zeros(COUNT))
+    controller.start_on_gait(state, np.tile(VELOCITIES[gait], (COUNT, 1)), np.zeros(COUNT))
     memory, ends = controller.memory, np.zeros((COUNT, 4))
     for _ in range(120):
         before = memory.steps.copy()

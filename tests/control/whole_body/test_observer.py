@@ -116,12 +116,12 @@ def test_walks_with_noise_and_delay_that_stop_the_controller_without():
         delay=Interval(DELAY, DELAY), sensing=whole.evaluation.disturbance.sensing
     )
     start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
-    command = np.tile((0.4, 0.0, 0.0), (COUNT, 1))
+    velocities = np.tile((0.4, 0.0, 0.0), (COUNT, 1))
     survivors = {}
     for setting in ("tuned", "observer"):
         control = whole.control[f"mpc_wbc_{setting}"]
         controller = build_controller(robot_config(), control, whole.env.physics, COUNT)
-        recording = roll_out(controller, plant(settings), whole.env, start, command, 4.0)
+        recording = roll_out(controller, plant(settings), whole.env, start, velocities, 4.0)
         survivors[setting] = int(recording.survived.sum())
     assert survivors["observer"] == COUNT
     assert survivors["tuned"] < COUNT

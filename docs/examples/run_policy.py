@@ -188,9 +188,9 @@ def start(folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
     try:
         model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
     except ValueError as error:
-        oldest = layout["simulation"]["mujoco"]
+        oldest, reason = layout["simulation"]["mujoco"], str(error).splitlines()[0]
         raise SystemExit(
-            f"robot.xml: expected MuJoCo {oldest} or newer, found {mujoco.__version__}: {error}"
+            f"robot.xml: expected MuJoCo {oldest} or newer, found {mujoco.__version__}: {reason}"
         ) from None
     data = mujoco.MjData(model)
     data.qpos[2] = layout["observation"]["nominal_height"]

@@ -1,6 +1,6 @@
 """Run an exported policy in plain MuJoCo: no part of the package slider is needed.
 
-    pip install mujoco onnxruntime
+    pip install "mujoco>=3.12" onnxruntime
     python run_policy.py reports/policy --command 0.6 0 0 --seconds 10 --onboard
 
 Everything comes from four files of the export: policy.onnx, policy.json, reference.npy and
@@ -26,7 +26,7 @@ class Policy:
     def __init__(self, folder: Path) -> None:
         if not (folder / "policy.json").is_file():
             raise SystemExit(f"expected policy.json and the files that it names in {folder}")
-        self.layout = json.loads((folder / "policy.json").read_text())
+        self.layout = json.loads((folder / "policy.json").read_text(encoding="utf-8"))
         self.session = onnxruntime.InferenceSession(
             str(folder / "policy.onnx"), providers=["CPUExecutionProvider"]
         )
@@ -292,7 +292,14 @@ class Simulation:
 
     def __init__(self, folder: Path, layout: dict) -> None:
         self.layout = layout
-        self.model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+        try:
+            self.model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+        except ValueError as error:
+            oldest, reason = layout["simulation"]["mujoco"], str(error).splitlines()[0]
+            raise SystemExit(
+                f"robot.xml: expected MuJoCo {oldest} or newer, found {mujoco.__version__}: "
+                f"{reason}"
+            ) from None
         self.data = mujoco.MjData(self.model)
         self.data.qpos[2] = layout["observation"]["nominal_height"]
         self.data.qpos[7:] = [joint["nominal"] for joint in layout["action"]["joints"]]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import torch
 
-from slider.control.policy_file import Policy, PolicyNetwork, save_policy
+from slider.control.policy import Policy, PolicyNetwork, save_policy
 from slider.env.interface import AgentInterface
 from tests.env.synthetic import config, gait_table
 

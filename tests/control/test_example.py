@@ -1,6 +1,8 @@
 """The documented program without this package does what the package does."""
 
+import ast
 import importlib.util
+import json
 import subprocess
 import sys
 from dataclasses import replace
@@ -152,6 +154,26 @@ def test_it_computes_its_terms_and_names_one_that_it_cannot(tmp_path):
     outside.layout["observation"]["terms"][3] |= {"name": "smell", "meaning": "how it smells"}
     with pytest.raises(SystemExit, match="expected a value of smell here: how it smells"):
         outside.targets(state, VELOCITY)
+
+
+def test_it_is_a_program_of_python_3_8():
+    """Grammar, and annotations that are not evaluated."""
+    tree = ast.parse(EXAMPLE.read_text(), feature_version=(3, 8))
+    features = [node for node in tree.body if isinstance(node, ast.ImportFrom)]
+    assert features[0].module == "__future__"
+    called = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    assert not called & {"removeprefix", "removesuffix", "pairwise", "bit_count"}
+    strict = [node for node in ast.walk(tree) if isinstance(node, ast.keyword)]
+    assert not [node for node in strict if node.arg == "strict"], "of zip, since 3.10"
+
+
+def test_a_model_that_mujoco_cannot_read_names_the_version_that_can(tmp_path):
+    write_files(written(tmp_path), {}, tmp_path)
+    model = tmp_path / "robot.xml"
+    model.write_text(model.read_text().replace('gaintype="dcmotor"', 'gaintype="future"'))
+    oldest = json.loads((tmp_path / "policy.json").read_text())["simulation"]["mujoco"]
+    with pytest.raises(SystemExit, match=rf"^robot.xml: expected MuJoCo {oldest} or newer, found"):
+        load_example().start(tmp_path)
 
 
 def test_it_runs_as_a_program_without_the_package(tmp_path):

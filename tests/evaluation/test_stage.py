@@ -10,7 +10,7 @@ import torch
 from slider.config.convert import to_dict
 from slider.config.parameters import scaled
 from slider.control.model_based import build_plant
-from slider.control.policy_file import Policy, PolicyNetwork, save_policy
+from slider.control.policy import Policy, PolicyNetwork, save_policy
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.stages.gaits import gait_library
 from slider.config.hzd import HzdConfig
 from slider.core.job import Job
+from slider.core.rows import take
 from slider.gait import stage as gait_stage
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
@@ -20,12 +21,12 @@ from slider.library.reader import STORE, GaitLibrary
 from tests import shared
 from tests.gait.gaits import config, section
 
-COMMANDS = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
+VELOCITIES = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
 CLOCK, HIP = range(2)
 
 
 @shared.shared
-def folder(velocities: tuple[tuple[float, float, float], ...] = tuple(COMMANDS)) -> Path:
+def folder(velocities: tuple[tuple[float, float, float], ...] = tuple(VELOCITIES)) -> Path:
     """Object folder of a library."""
     root = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     gaits = []
@@ -60,7 +61,7 @@ def steps() -> tuple[StepPlan, StepPlan]:
 
 def one(gait: int) -> list[StepPlan]:
     """Both steps of a gait alone."""
-    return [plan.of(np.array([gait])) for plan in steps()]
+    return [take(plan, np.array([gait])) for plan in steps()]
 
 
 @shared.shared
@@ -97,6 +98,6 @@ def placement_folder() -> Path:
 
     out = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
     (spec, *_) = stability_jobs(config(), library_job(config()))["foot_placement"].inputs["gaits"]
-    velocities = {"velocities": [list(velocity) for velocity in COMMANDS]}
+    velocities = {"velocities": [list(velocity) for velocity in VELOCITIES]}
     stage.run_gaits(spec.section | velocities, {"library": [folder()]}, out, Job(out))
     return out

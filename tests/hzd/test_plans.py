@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from slider.core.errors import UserError
+from slider.core.rows import take
 from slider.hzd import plans as module
 from slider.hzd.constraints import phase_of
 from slider.hzd.plans import plans
@@ -35,7 +36,7 @@ def test_a_hip_that_turns_back_is_named(monkeypatch):
 
 
 def test_a_robot_that_is_lost_has_no_place_and_does_not_disturb_the_others():
-    table = steps()[0].hip.of(np.array([HIP, HIP]))
+    table = take(steps()[0].hip, np.array([HIP, HIP]))
     found = phase_of(table, np.array([np.nan, table.at(np.full(2, 0.3))[0][0, 0]]))
     assert np.isnan(found[0])
     assert found[1] == pytest.approx(0.3, abs=1e-9)

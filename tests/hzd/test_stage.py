@@ -17,20 +17,20 @@ from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.hzd import walk
 from slider.hzd.gains import FootPlacement
-from slider.hzd.poincare import limit_cycles
 from slider.hzd.stability import RECORDS, run, run_basin, run_maps
 from slider.hzd.stage import collect_placement, run_gaits
 from slider.hzd.summary import CSV, MARKDOWN, QUANTITIES
+from slider.hzd.walk import limit_cycles
 from slider.robot.names import VELOCITY
 from tests.gait.gaits import config
-from tests.hzd.sample import CLOCK, COMMANDS, HIP, folder, library, steps
+from tests.hzd.sample import CLOCK, HIP, VELOCITIES, folder, library, steps
 
 HOLE = (0.9, 0.0, 0.0)
 
 
 def jobs() -> dict[str, JobSpec]:
     code = Code("", "", {})
-    solves = [JobSpec("gait", "", code, {"velocity": list(v)}) for v in [*COMMANDS, HOLE]]
+    solves = [JobSpec("gait", "", code, {"velocity": list(v)}) for v in [*VELOCITIES, HOLE]]
     return stability_jobs(config(), JobSpec("library", "", code, {}, {"gaits": solves}))
 
 
@@ -50,7 +50,7 @@ def placed(
 def chunk(tmp_path_factory) -> Path:
     """Of both gaits, the faster one first, and of a hole."""
     out = tmp_path_factory.mktemp("chunk")
-    assert placed(out, *COMMANDS[::-1], HOLE) == []
+    assert placed(out, *VELOCITIES[::-1], HOLE) == []
     return out
 
 
@@ -59,7 +59,7 @@ def maps(chunk, tmp_path_factory) -> Path:
     """Return maps of the same gaits."""
     (spec,) = jobs()["stability"].inputs["gaits"]
     out = tmp_path_factory.mktemp("maps")
-    velocities = [list(v) for v in [*COMMANDS[::-1], HOLE]]
+    velocities = [list(v) for v in [*VELOCITIES[::-1], HOLE]]
     inputs = {"library": [folder()], "gaits": [chunk]}
     run_maps({**spec.section, "velocities": velocities}, inputs, out, Job(out))
     return out
@@ -98,7 +98,7 @@ def test_compiled_functions_give_the_same_bytes_and_are_found_again(chunk, tmp_p
     for name in ("first", "second"):
         out = tmp_path / name
         out.mkdir()
-        said.append(placed(out, *COMMANDS[::-1], HOLE, cache=tmp_path / "cache"))
+        said.append(placed(out, *VELOCITIES[::-1], HOLE, cache=tmp_path / "cache"))
         for path in chunk.iterdir():
             assert path.read_bytes() == (out / path.name).read_bytes(), path.name
     assert len(said[0]) == 4
@@ -109,7 +109,7 @@ def test_compiled_functions_give_the_same_bytes_and_are_found_again(chunk, tmp_p
 def test_the_table_has_a_line_per_gait(maps, tmp_path):
     assert run({}, {"gaits": [maps]}, tmp_path, Job(tmp_path)) == {"gaits": 2, "stable": 2}
     rows = list(csv.DictReader((tmp_path / CSV).read_text().splitlines()))
-    assert [tuple(float(row[name]) for name in VELOCITY) for row in rows] == COMMANDS
+    assert [tuple(float(row[name]) for name in VELOCITY) for row in rows] == VELOCITIES
     assert [len(row["eigenvalues"].split()) for row in rows] == [4, 3]
     assert rows[0]["hip_share"] == ""
     assert "| `spectral_radius` | 1/step |" in (tmp_path / MARKDOWN).read_text()
@@ -132,7 +132,7 @@ def test_a_job_of_holes_has_tables_of_no_gaits(chunk, tmp_path):
 def test_a_gait_without_limit_cycle_has_the_gaits_own_footholds_and_says_so(tmp_path, monkeypatch):
     monkeypatch.setattr(walk, "limit_cycles", partial(limit_cycles, rounds=2))  # 20 find none, too
     said = placed(
-        tmp_path, COMMANDS[CLOCK], linearisation={"difference": 1e-5, "tolerance": 1e-300}
+        tmp_path, VELOCITIES[CLOCK], linearisation={"difference": 1e-5, "tolerance": 1e-300}
     )
     expected = "gait (0.2, 0) m/s: no foot placement by time: expected a limit cycle, found none"
     assert said == [expected]
@@ -143,7 +143,7 @@ def test_a_basin_and_its_walks(tmp_path):
     (spec,) = jobs()["foot_placement"].inputs["gaits"]
     basin = {"roll": {"lower": -0.02, "upper": 0.02}, "roll_rate": {"lower": -0.2, "upper": 0.2}}
     basin |= {"points": 2, "steps": 2, "returned": [0.02, 0.1]}
-    section = {"hzd": spec.section["hzd"], "basin": basin, "velocity": list(COMMANDS[HIP])}
+    section = {"hzd": spec.section["hzd"], "basin": basin, "velocity": list(VELOCITIES[HIP])}
     found = run_basin(section, {"library": [folder()]}, tmp_path, Job(tmp_path))
     assert found["with"] > found["without"] == 0
     assert np.load(tmp_path / "with.npy").shape == (2, 2)

@@ -1,212 +1,119 @@
-"""Steps, limit cycles, return maps and invariance of two real gaits, executed."""
-
-from dataclasses import replace
+"""Return maps whose derivatives are known: a rimless wheel, linear maps of known rank."""
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from slider.config.hzd import ImpactGrid
-from slider.gait.outputs import ANKLE, YAW, output_matrix
-from slider.hzd.feedback import regulate
-from slider.hzd.perturbed import Placement, invariance, portrait, steps_until_return
-from slider.hzd.plans import motion, start
-from slider.hzd.poincare import chain, differences, multipliers
-from slider.hzd.step import PHASES, ClosedLoop, _Steps
-from tests.hzd.sample import (
-    CLOCK,
-    HIP,
-    dynamics,
-    library,
-    loop,
-    one,
-    points,
-    settings,
-    steps,
-    walks,
-    zero,
+from slider.hzd.walk import (
+    chain,
+    differences,
+    limit_cycles,
+    multipliers,
+    restrict,
 )
 
-NUM = 11
-BOTH = [CLOCK, HIP]
+GRAVITY_OVER_LENGTH = 9.81
+SPOKES, SLOPE = np.pi / 8, 0.08  # half the angle between spokes, inclination [rad]
 
 
-def coordinates(at) -> np.ndarray:
-    """ξ (4,) of a single state."""
-    return np.r_[at.com[0, 1], at.com_rate[0, 1], at.com_rate[0, 0], at.com[0, 0]]
+def rimless_wheel(x, _):
+    """Rates (n, 1) just after an impact to those after the next one, by integration."""
+    return np.array([[_roll_over(rate)] for (rate,) in x])
 
 
-def test_the_hip_table_is_the_hip_of_the_gait_between_its_nodes():
-    phase = np.full(2, 0.413)
-    for plan in steps():
-        q, rate, turn = motion(plan, phase, settings())
-        _, _, slope, bend = loop().model.constrained(q, rate)
-        expected = (
-            loop().model.measure(q, rate).hip,
-            (slope * rate).sum(axis=1),
-            bend + (slope * turn).sum(axis=1),
-        )
-        for found, value in zip(plan.hip.at(phase), expected, strict=True):
-            np.testing.assert_allclose(found[:, 0], value, atol=1e-6)
+def _roll_over(rate: float) -> float:
+    def derivative(_, state):
+        return [state[1], GRAVITY_OVER_LENGTH * np.sin(state[0])]
+
+    def guard(_, state):
+        return state[0] - (SLOPE + SPOKES)
+
+    guard.terminal = True
+    start = [SLOPE - SPOKES, rate]
+    exact = {"rtol": 1e-12, "atol": 1e-12, "max_step": 0.02}
+    found = solve_ivp(derivative, (0, 5), start, "DOP853", events=guard, **exact)
+    return np.cos(2 * SPOKES) * found.y[1, -1]
 
 
-def test_a_step_from_the_collocated_gait_ends_where_the_gait_does():
-    """Up to the collocation's error of the roll, which the integration does not have."""
-    flow = loop().step(steps()[0], start(steps()[0], settings()))
-    assert flow.alive.all()
-    np.testing.assert_allclose(flow.phase, 1.0, atol=1e-3)
-    np.testing.assert_allclose(flow.time, library().step_time[:, 0], atol=1e-3)
-    np.testing.assert_allclose(flow.landed.state, start(steps()[1], settings()), atol=1e-2)
+def test_the_rimless_wheel_has_the_multiplier_of_the_textbook():
+    """ω⁺² = cos² 2α (ω² + 4 (g/l) sin α sin γ); McGeer 1990, section 3."""
+    start = np.array([[1.15]])
+    _, slopes = differences(rimless_wheel, start, 1e-5)
+    points, found = limit_cycles([rimless_wheel], start, slopes, 1e-10)
+    share = np.cos(2 * SPOKES) ** 2
+    gain = 4 * GRAVITY_OVER_LENGTH * np.sin(SPOKES) * np.sin(SLOPE)
+    assert found.all()
+    np.testing.assert_allclose(points[0, 0, 0] ** 2, share / (1 - share) * gain, rtol=1e-9)
+    for size in (1e-4, 5e-5):
+        _, slope = differences(rimless_wheel, points[0], size)
+        np.testing.assert_allclose(slope, [[[share]]], rtol=1e-7)
 
 
-@pytest.mark.parametrize("ankle", ["free", "driven"])
-@pytest.mark.parametrize("gait", BOTH)
-def test_accelerations_are_those_of_efforts_that_meet_the_outputs(gait, ankle):
-    """M q̈ + h = B u; ÿ = −k_p y − k_d ẏ with the s̈ that q̈ gives; what the ankle does."""
-    plan, config = one(gait)[0], replace(settings(), ankle=ankle)
-    rng = np.random.default_rng(gait)
-    phase = np.array([0.6])
-    q, rate, _ = motion(plan, phase, config)
-    q = q + 0.01 * rng.standard_normal(q.shape)
-    v = rate / plan.duration + 0.1 * rng.standard_normal(q.shape)
-    model = loop().model
-    _, _, slope, bend = model.constrained(q, v)
-    _, hip_slope, hip_bend = (float(order[0, 0]) for order in plan.hip.at(phase))
-    nominal = 1 / plan.duration[0]
-    speed = nominal if gait == CLOCK else float(slope[0] @ v[0]) / hip_slope
+def test_a_cycle_of_linear_maps_is_found_for_each_system():
+    rng = np.random.default_rng(0)
+    turns, shifts = rng.standard_normal((2, 4, 3, 3)), rng.standard_normal((2, 4, 3))
 
-    size = 1e-5
-    moved = _advanced(plan, phase, q, v, size, config) - _advanced(plan, phase, q, v, -size, config)
-    found = moved[NUM : 2 * NUM] / (2 * size) * speed
-    turn = 0.0
-    if gait == HIP:
-        turn = (float(slope[0] @ found + bend[0]) - hip_bend * speed**2) / hip_slope
-    desired, first, second = (order[0] for order in motion(plan, phase, config))
-    rows = np.delete(output_matrix(config.outputs), YAW, axis=1)
-    y, y_rate = rows @ (q[0] - desired), rows @ (v[0] - first * speed)
-    missed = rows @ (found - second * speed**2 - first * turn) + config.kp * y + config.kd * y_rate
-    mass, bias = dynamics(model, q[0], v[0])
-    efforts = mass @ found + bias
-    kept = np.ones(10, bool)
-    kept[ANKLE] = ankle == "driven" and gait == CLOCK
-    np.testing.assert_allclose(missed[kept], 0.0, atol=1e-4)
-    np.testing.assert_allclose(efforts[0], 0.0, atol=1e-4)
-    if ankle == "free":
-        own = plan.ankle.at(phase)[0][0, 0]
-        np.testing.assert_allclose(efforts[1 + ANKLE], own, atol=1e-4)
-    elif gait == HIP:
-        np.testing.assert_allclose(turn, -config.rate_gain * (speed - nominal), atol=1e-4)
+    def mapped(step):
+        return lambda x, k: np.einsum("nij,nj->ni", turns[step][k], x) + shifts[step][k]
+
+    maps = [mapped(0), mapped(1)]
+    points, found = limit_cycles(maps, np.zeros((4, 3)), turns[1] @ turns[0], 1e-10)
+    assert found.all()
+    everyone = np.arange(4)
+    np.testing.assert_allclose(maps[0](points[0], everyone), points[1], atol=1e-9)
+    np.testing.assert_allclose(maps[1](points[1], everyone), points[0], atol=1e-9)
+    slopes = [differences(f, p, 1e-3)[1] for f, p in zip(maps, points, strict=True)]
+    np.testing.assert_allclose(chain(slopes), turns[1] @ turns[0], atol=1e-9)
 
 
-def _advanced(plan, phase, q, v, width, config):
-    steps_ = _Steps(loop().model, config, plan, plan.constraints(config))
-    return steps_._advance(phase, np.c_[q, v, 0.0], np.array([width]))[0]
+def test_a_cycle_is_found_with_slopes_that_are_only_near():
+    """Broyden's correction: with the slopes alone half of the error would stay at each round."""
+    seen = []
+
+    def mapped(x, _):
+        seen.append(len(x))
+        return 3.0 * x - 4.0 + 0.1 * (x - 2.0) ** 2
+
+    points, found = limit_cycles([mapped], np.array([[2.5], [2.0]]), np.full((2, 1, 1), 5.0), 1e-12)
+    assert found.all()
+    np.testing.assert_allclose(points[0], 2.0, atol=1e-11)
+    assert seen[0] == 2, "both starts"
+    assert set(seen[1:]) == {1}, "the one that is there stays"
+    assert len(seen) < 10
 
 
-def test_outputs_stay_zero_on_the_limit_cycle_and_after_any_impact_with_re_anchoring():
-    """Without it an impact leaves them at more than 0.1 rad/s, and a step ends with a rest."""
-    grid = ImpactGrid([-0.02, 0.0, 0.02], [-0.1, 0.0, 0.1])
-    found = invariance(loop(), steps(), points(), grid)
-    assert (found.orbit < 1e-8).all()
-    assert (found.anchored < 1e-6).all()
-    assert (found.impact > 0.1).all()
-    assert (found.free > 1e3 * found.anchored).all()
-    assert (found.settle < 0.01).all()
+def test_no_cycle_is_no_error():
+    maps = [lambda x, _: x + 1.0 + x**2]
+    _, found = limit_cycles(maps, np.array([[0.5], [np.nan]]), np.full((2, 1, 1), 2.0), 1e-9)
+    assert not found.any()
 
 
-def test_joints_as_outputs_are_invariant_too():
-    config = replace(settings(), outputs="joints", phase="time")
-    other = ClosedLoop(loop().model, config)
-    clocks = [replace(plan, clock=np.full(2, True)) for plan in steps()]
-    grid = ImpactGrid([0.002], [-0.01])
-    found = invariance(other, clocks, points(), grid)
-    assert (found.anchored < 1e-6).all()
+def test_derivatives_along_directions_are_products_with_them():
+    rng = np.random.default_rng(3)
+    slope, directions = rng.standard_normal((2, 5, 4)), rng.standard_normal((2, 4, 3))
+    points = rng.standard_normal((2, 4))
+    values, found = differences(
+        lambda x, k: np.einsum("nij,nj->ni", slope[k], x), points, 1e-3, 50.0 * directions
+    )
+    np.testing.assert_allclose(values, np.einsum("nij,nj->ni", slope, points), rtol=1e-12)
+    np.testing.assert_allclose(found, 50.0 * slope @ directions, rtol=1e-9)
 
 
-@pytest.mark.parametrize("gait", BOTH)
-def test_the_walk_returns_to_its_points(gait):
-    found = walks()[gait]
-    for step in range(2):
-        flow = loop().step(one(gait)[step], found.points[step][None])
-        np.testing.assert_allclose(flow.landed.state[0], found.points[1 - step], atol=1e-8)
-        middle = loop().model.measure(flow.q[10], flow.v[10])
-        seen = coordinates(middle)
-        np.testing.assert_allclose(zero(gait).orbit[step, 0, 10], seen, atol=1e-8)
-
-
-@pytest.mark.parametrize("gait", BOTH)
-def test_the_return_map_has_the_rank_of_the_zero_dynamics(gait):
-    found = walks()[gait]
-    rank = 4 if gait == CLOCK else 3
-    for derivative in found.derivatives:
-        values = np.linalg.svd(derivative, compute_uv=False)
-        assert values[rank] < 1e-3 * values[0]
-    assert found.maps.shape == (2, rank, rank)
-    whole, restricted = multipliers(found.derivatives), np.linalg.eigvals(chain(found.maps))
-    order = np.argsort(-np.abs(restricted))
-    np.testing.assert_allclose(np.abs(restricted[order]), np.abs(whole[:rank]), atol=1e-4)
-
-
-@pytest.mark.parametrize("gait", BOTH)
-def test_a_few_directions_give_the_foot_placement_of_the_whole_return_map(gait):
-    """22 columns of its derivative, from section to section, against those that count."""
-    found = regulate(zero(gait), 0, settings().feedback)
-    for name in ("gains", "phase_gains"):
-        expected = getattr(walks()[gait].regulator, name)
-        np.testing.assert_allclose(getattr(found, name), expected, atol=1e-5)
-    np.testing.assert_allclose(zero(gait).maps[:, 0], walks()[gait].maps, atol=1e-5)
-
-
-@pytest.mark.parametrize("gait", BOTH)
-def test_foot_placement_stabilises_the_executed_walk(gait):
-    """The closed loop's own differences have the eigenvalues of A − B K."""
-    found, plans = walks()[gait], one(gait)
-    assert np.abs(multipliers(found.derivatives)[0]) > 2.0
-    placement = Placement(found, 1.0)
-    executed = []
-    for step, plan in enumerate(plans):
-
-        def walked(x, rows, step=step, plan=plan):
-            return loop().step(plan.of(rows), x, placement.displacement(step, x)).landed.state
-
-        executed.append(differences(walked, found.points[step][None], 1e-5)[1][0])
-    expected = np.abs(np.linalg.eigvals(chain(found.closed))).max()
-    assert expected < 0.6
-    np.testing.assert_allclose(np.abs(multipliers(executed)[0]), expected, atol=2e-3)
+@pytest.mark.parametrize("period", [1, 2])
+def test_the_restriction_has_the_multipliers_that_are_not_zero(period):
+    """Maps H F of rank 2 in five dimensions, and tangents that are not their image."""
+    rng = np.random.default_rng(period)
+    futures = rng.standard_normal((period, 2, 5))
+    derivatives = rng.standard_normal((period, 5, 2)) @ futures
+    tangents = rng.standard_normal((period, 5, 2))
+    now = futures @ tangents
+    found = restrict(now, np.roll(futures, -1, axis=0) @ derivatives @ tangents)
     np.testing.assert_allclose(
-        np.abs(multipliers(found.closed_derivatives)[0]), expected, atol=1e-4
+        np.sort(np.abs(np.linalg.eigvals(chain(found)))),
+        np.sort(np.abs(multipliers(derivatives)[:2])),
+        rtol=1e-9,
     )
-
-
-@pytest.mark.parametrize("gait", BOTH)
-def test_gains_over_the_phase_ask_for_the_same_step(gait):
-    """A perturbed walk whose foot is displaced by b measures ξ(s) with b = −K(s) (ξ − ξ*)."""
-    found, plan = walks()[gait], one(gait)[0]
-    gains, size = found.regulator.phase_gains, 1e-4
-    rows = np.delete(output_matrix(settings().outputs), YAW, axis=1)
-    turn = np.linalg.svd(rows)[2][-1]
-    x = found.points[0] + size * np.r_[turn, 3.0 * turn]
-    b = Placement(found, 1.0).displacement(0, x[None])
-    flow = loop().step(plan, x[None], b)
-    for k in (0, 10, 14, 20):
-        at = loop().model.measure(flow.q[k], flow.v[k])
-        seen = coordinates(at)
-        wanted = -gains[0, k] @ (seen - zero(gait).orbit[0, 0, k])
-        np.testing.assert_allclose(wanted, b[0], rtol=0.02, atol=1e-2 * np.abs(b).max())
-    assert not gains[..., 3].any() or gait == CLOCK
-
-
-def test_perturbed_walks_come_back_with_foot_placement_and_fall_without():
-    found = walks()[HIP]
-    basin = replace(
-        settings().basin,
-        roll=replace(settings().basin.roll, lower=-0.02, upper=0.02),
-        roll_rate=replace(settings().basin.roll_rate, lower=-0.2, upper=0.2),
-        points=3,
-    )
-    placement = Placement(found, 0.25)
-    back = steps_until_return(loop(), one(HIP), found, basin, placement)
-    assert (back > 0).all()
-    assert (steps_until_return(loop(), one(HIP), found, basin, None) < 0).sum() >= 5
-    cycle = portrait(loop(), one(HIP), found, found.points[0], 4, None)
-    assert cycle.shape == (4 * len(PHASES), 2)
-    np.testing.assert_allclose(cycle[:42], cycle[42:], atol=1e-6)
+    projection = np.linalg.solve(now, futures)
+    state, onward = rng.standard_normal(5), np.roll(projection, -1, axis=0)
+    for z, after, a, whole in zip(projection, onward, found, derivatives, strict=True):
+        np.testing.assert_allclose(after @ (whole @ state), a @ (z @ state), rtol=1e-9)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from slider.control import POLICY_FILE
-from slider.control.policy import PolicyController, agent_of
-from slider.control.policy_file import load_policy
+from slider.control.policy import PolicyController, agent_of, load_policy
 from slider.env.guide import Guide
 from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics

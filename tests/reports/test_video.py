@@ -13,7 +13,7 @@ import torch
 from pipeline.rendering import find_renderer
 from slider.config.compose import compose
 from slider.config.convert import to_dict
-from slider.control.policy_file import Policy, PolicyNetwork, save_policy
+from slider.control.policy import Policy, PolicyNetwork, save_policy
 from slider.env.observations import Observer
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import gait_table

@@ -7,7 +7,7 @@ import pytest
 
 from slider.config.convert import to_dict
 from slider.control import POLICY_FILE
-from slider.control.policy_file import load_policy
+from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, Section
 from slider.env.terms import uses_library

@@ -12,7 +12,7 @@ import torch
 
 from slider.config.train import TrainConfig
 from slider.control import POLICY_FILE
-from slider.control.policy_file import load_policy
+from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
 from slider.env.task import Task

@@ -14,9 +14,9 @@ from slider.bench import timed
 from slider.config.control import HzdControlConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
+from slider.control.footsteps import FootstepPlanner
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
-from slider.control.mpc.footsteps import FootstepPlanner
 from slider.control.whole_body.model import NominalModel
 from slider.control.whole_body.problem import WholeBody
 from slider.core.errors import UserError

@@ -71,7 +71,7 @@ def _export(file: Path, origin: dict[str, Any], out: Path) -> None:
 
 def _show(file: Path, origin: dict[str, Any], as_json: bool) -> None:
     from slider.control.layout import describe
-    from slider.control.policy_file import load_policy
+    from slider.control.policy import load_policy
 
     layout = describe(load_policy(file), origin)
     print(json.dumps(layout, indent=1) if as_json else "\n".join(summary_lines(layout)))

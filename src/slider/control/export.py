@@ -35,8 +35,7 @@ from slider.control import (
     TORCH_EXPORT,
 )
 from slider.control.layout import INPUT, OUTPUT, describe, reference_table
-from slider.control.policy import PolicyController
-from slider.control.policy_file import Policy, PolicyNetwork, load_policy
+from slider.control.policy import Policy, PolicyController, PolicyNetwork, load_policy
 from slider.core.errors import UserError
 from slider.core.files import digest_file
 from slider.core.job import Inputs, Job, Section, Summary
@@ -137,7 +136,14 @@ def write_files(
     save_torch(policy.network, layout, out / TORCH_EXPORT)
     (out / LAYOUT).write_text(json.dumps(layout, indent=1) + "\n", encoding="utf-8")
     np.save(out / REFERENCE, reference_table(policy).positions)
-    (out / MODEL).write_text(_model_xml(policy), encoding="utf-8")
+    physics = policy.env.physics
+    options = SimulationOptions(
+        physics.timestep, physics.solver_iterations, physics.line_search_iterations
+    )
+    spec = build_spec(policy.robot, options)
+    (out / MODEL).write_text(
+        _with_all_digits(spec, Transmission.of(policy.robot)), encoding="utf-8"
+    )
     if policy_file.resolve() != (out / POLICY_FILE).resolve():
         shutil.copyfile(policy_file, out / POLICY_FILE)
     return policy
@@ -224,20 +230,10 @@ def save_onnx(network: PolicyNetwork, layout: Mapping[str, Any], path: Path) -> 
     path.write_bytes(model.SerializeToString(deterministic=True))
 
 
-def _model_xml(policy: Policy) -> str:
-    """MJCF of the simulated robot, ground and sensors."""
-    physics = policy.env.physics
-    options = SimulationOptions(
-        physics.timestep, physics.solver_iterations, physics.line_search_iterations
-    )
-    spec = build_spec(policy.robot, options)
+def _with_all_digits(spec: mujoco.MjSpec, motors: Transmission) -> str:
+    """MJCF with all digits of the tendons' coefficients and motors' parameters: MuJoCo has six."""
     model = spec.compile()
-    return _with_all_digits(spec.to_xml(), Transmission.of(policy.robot), model)
-
-
-def _with_all_digits(xml: str, motors: Transmission, model: mujoco.MjModel) -> str:
-    """MuJoCo writes six digits; coefficients of tendons and parameters of motors need them all."""
-    root = ElementTree.fromstring(xml)
+    root = ElementTree.fromstring(spec.to_xml())
     for tendon in root.iter("fixed"):
         row = motors.matrix[MOTORS.index(tendon.attrib["name"])]
         for joint in tendon.iter("joint"):

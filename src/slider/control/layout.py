@@ -11,7 +11,7 @@ import numpy as np
 from slider.config.convert import to_dict
 from slider.config.env import EstimatorConfig
 from slider.control import REFERENCE
-from slider.control.policy_file import Policy
+from slider.control.policy import Policy
 from slider.env.estimator import SlidingLeg
 from slider.env.interface import AgentInterface
 from slider.env.observations import TERMS, VELOCITY_ERROR_RANGE
@@ -32,6 +32,7 @@ from slider.robot.transmission import Transmission, by_motor
 FORMAT = "slider-policy-layout"
 VERSION = 9
 INPUT, OUTPUT = "observations", "actions"
+OLDEST_MUJOCO = "3.12"  # that reads robot.xml: its motors are DC motors; 3.8 refuses them
 
 _PROCEDURE = [
     "start: clock.phase = 0, previous action = 0, filtered, reference and expected velocity = 0, "
@@ -79,6 +80,7 @@ def describe(
         "simulation": {
             "timestep": policy.env.physics.timestep,
             "substeps": policy.env.physics.substeps,
+            "mujoco": OLDEST_MUJOCO,
         },
         "training": dict(policy.facts),
         "provenance": provenance,

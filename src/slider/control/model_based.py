@@ -7,7 +7,7 @@ from slider.config.env import PhysicsConfig, PlantConfig
 from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.hzd.steps import hzd_controller
-from slider.control.mpc.steps import mpc_controller
+from slider.control.mpc import mpc_controller
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.observer import Observer, ObservingController
 from slider.core.errors import UserError

@@ -1,21 +1,195 @@
-"""The learned policy as a controller, and the agent's side of a policy from a file."""
+"""A trained policy: its network, the file with everything to run it, and the controller."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import chdir
+from dataclasses import asdict, dataclass
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
+from torch import nn
 
-from slider.config.convert import to_dict
+from slider.config.convert import from_dict, to_dict
 from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
-from slider.control.policy_file import Policy
 from slider.core.errors import UserError
 from slider.core.files import flatten
 from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.state import RobotState
+from slider.library.lookup import JointTable, StepTimes
+from slider.robot.names import JOINTS
 
+FORMAT = "slider-policy"
+VERSION = 7
 _ALL = slice(None)  # robots
+UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
+ACTIVATIONS: dict[str, type[nn.Module]] = {
+    "elu": nn.ELU,
+    "relu": nn.ReLU,
+    "tanh": nn.Tanh,
+}
+
+
+class PolicyNetwork(nn.Module):
+    """Deterministic policy: observations (N, num_observations) → actions (N, num_actions)."""
+
+    mean: torch.Tensor
+    std: torch.Tensor
+
+    def __init__(
+        self, num_observations: int, num_actions: int, hidden: Sequence[int], activation: str
+    ) -> None:
+        super().__init__()
+        self.register_buffer("mean", torch.zeros(num_observations))
+        self.register_buffer("std", torch.ones(num_observations))
+        sizes = [num_observations, *hidden, num_actions]
+        layers: list[nn.Module] = []
+        for inputs, outputs in pairwise(sizes):
+            layers += [nn.Linear(inputs, outputs), ACTIVATIONS[activation]()]
+        self.mlp = nn.Sequential(*layers[:-1])
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        """Actions of observations, normalised with the statistics of training."""
+        return self.mlp((observations - self.mean) / self.std)
+
+
+def from_actor(
+    state: Mapping[str, torch.Tensor], hidden: Sequence[int], activation: str, epsilon: float
+) -> PolicyNetwork:
+    """Copy an rsl-rl actor's parameters.
+
+    Args:
+        state: ``state_dict`` of an ``MLPModel`` with observation normalisation.
+        hidden: widths of its hidden layers.
+        activation: name of its activation.
+        epsilon: added by its normaliser to the standard deviation.
+
+    An observation that did not vary in training is not scaled: otherwise a velocity that is new to
+    the policy would reach its first layer a hundred times as large as it is.
+    """
+    weights = {k.removeprefix("mlp."): v for k, v in state.items() if k.startswith("mlp.")}
+    num_observations = weights["0.weight"].shape[1]
+    num_actions = weights[f"{2 * len(hidden)}.bias"].shape[0]  # an activation after each layer
+    with torch.random.fork_rng(devices=[]):  # initial weights, overwritten below
+        network = PolicyNetwork(num_observations, num_actions, hidden, activation)
+    network.mlp.load_state_dict({k: v.clone() for k, v in weights.items()})
+    network.mean.copy_(state["obs_normalizer._mean"].squeeze(0))
+    std = state["obs_normalizer._std"].squeeze(0)
+    network.std.copy_(torch.where(std < UNVARIED, 1.0, std) + epsilon)
+    return network.eval()
+
+
+@dataclass(frozen=True)
+class Policy:
+    """A trained policy.
+
+    Attributes:
+        network: with its normaliser.
+        observations: name → width of the observation terms, in order.
+        times: step times of the gait library for the clock, or None without a clock.
+        robot: of the training; gains, limits and drives.
+        env: of the training; control period, scales, clips, phase clock.
+        facts: origin of the weights: seed, iteration and the score that selected them.
+        reference: joint positions of the gaits, where actions are about the gait.
+    """
+
+    network: PolicyNetwork
+    hidden: tuple[int, ...]
+    activation: str
+    observations: dict[str, int]
+    times: StepTimes | None
+    robot: RobotConfig
+    env: EnvConfig
+    facts: Mapping[str, float]
+    reference: JointTable | None = None
+
+
+def save_policy(policy: Policy, path: Path) -> None:
+    """Write a policy file; loadable with ``torch.load(path, weights_only=True)``."""
+    reference = None
+    if policy.reference is not None:
+        positions = torch.from_numpy(policy.reference.positions)
+        reference = {**_tensors(policy.reference.times), "positions": positions}
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "joints": list(JOINTS),
+        "hidden": list(policy.hidden),
+        "activation": policy.activation,
+        "observations": policy.observations,
+        "state": policy.network.state_dict(),
+        "times": None if policy.times is None else _tensors(policy.times),
+        "robot": to_dict(policy.robot),
+        "env": to_dict(policy.env),
+        "facts": dict(policy.facts),
+        "reference": reference,
+    }
+    save(content, path)
+
+
+def save(content: Any, path: Path) -> None:
+    """Write a file with torch, whose bytes else depend on whether the folder's name is ASCII."""
+    with chdir(path.parent):
+        torch.save(content, path.name)
+
+
+def load_policy(path: Path) -> Policy:
+    """Read a policy file.
+
+    Raises:
+        UserError: not a policy file of this project, or of another version or robot.
+    """
+    content = _read(path)
+    hidden = tuple(content["hidden"])
+    sizes = content["observations"]
+    network = PolicyNetwork(sum(sizes.values()), len(JOINTS), hidden, content["activation"])
+    network.load_state_dict(content["state"])
+    return Policy(
+        network=network.eval(),
+        hidden=hidden,
+        activation=content["activation"],
+        observations=sizes,
+        times=None if content["times"] is None else _times(content["times"]),
+        robot=from_dict(RobotConfig, content["robot"]),
+        env=from_dict(EnvConfig, content["env"]),
+        facts=content["facts"],
+        reference=_reference(content["reference"]),
+    )
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        content = torch.load(path, weights_only=True)
+    except FileNotFoundError:
+        raise UserError(f"expected a policy file at {path}, found none") from None
+    except Exception:  # torch raises pickle, zip and runtime errors for foreign files
+        raise UserError(f"{path}: expected a policy file of this project") from None
+    format_name = content.get("format") if isinstance(content, dict) else type(content).__name__
+    if format_name != FORMAT:
+        raise UserError(f"{path}: expected format {FORMAT}, found {format_name}")
+    if content["version"] != VERSION:
+        raise UserError(f"{path}: expected version {VERSION}, found {content['version']}")
+    if tuple(content["joints"]) != JOINTS:
+        raise UserError(f"{path}: expected the joints {', '.join(JOINTS)}")
+    return content
+
+
+def _tensors(times: StepTimes) -> dict[str, torch.Tensor]:
+    return {name: torch.from_numpy(np.array(value)) for name, value in asdict(times).items()}
+
+
+def _times(tensors: dict[str, torch.Tensor]) -> StepTimes:
+    return StepTimes(**{name: value.numpy() for name, value in tensors.items()})
+
+
+def _reference(tensors: dict[str, torch.Tensor] | None) -> JointTable | None:
+    """Gaits under the actions; None in a policy about the nominal pose."""
+    if tensors is None:
+        return None
+    positions = tensors.pop("positions").numpy()
+    return JointTable(_times(tensors), positions)
 
 
 class PolicyController:

@@ -14,8 +14,7 @@ from scipy.linalg import block_diag, solve_discrete_are
 
 from slider.config.hzd import FootPlacementConfig
 from slider.core.errors import UserError
-from slider.hzd.poincare import multipliers
-from slider.hzd.walk import COORDINATES, ZeroDynamics
+from slider.hzd.walk import COORDINATES, ZeroDynamics, multipliers
 
 _WEIGHTS = ("position", "velocity", "velocity", "position")  # of the coordinates
 _AXES = {0: (2, 3), 1: (0, 1)}  # coordinates that displacements forward and leftward answer

@@ -22,7 +22,7 @@ class FootPlacement:
         phases: (S,) in [0, 1].
         gains: K(s) (G, 2, 2, S, 2, 4) of steps by time and by the hip: forward and leftward
             displacement [-], [s], [s], [-]. By the hip those for c_x are zero. Slow gaits have
-            those by time twice but for that, fast ones those by the hip.
+            the gains by time twice, with that exception; fast ones those by the hip twice.
         orbit: ξ*(s) (G, 2, S, 4) on the limit cycle [m], [m/s], [m/s], [m].
         placement: D (G, 2, 10, 2): joints, stance leg first, that displace the swing sole
             [rad/m, m/m].
@@ -39,13 +39,13 @@ class FootPlacement:
     hip: np.ndarray
 
     def save(self, folder: Path) -> None:
-        """One ``.npy`` per array."""
+        """Write one ``.npy`` per array."""
         for field in fields(self):
             np.save(folder / f"{field.name}.npy", getattr(self, field.name))
 
     @classmethod
     def load(cls, folder: Path) -> "FootPlacement":
-        """What ``save`` wrote.
+        """Read the arrays that ``save`` wrote.
 
         Raises:
             UserError: an array is missing.

@@ -7,11 +7,11 @@ from scipy.interpolate import CubicSpline
 
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.core.errors import UserError
+from slider.core.rows import take
 from slider.gait.outputs import JOINTS, ROLL
 from slider.gait.rooted import NUM
-from slider.hzd.constraints import StepConstraints
+from slider.hzd.constraints import NodeTable, StepConstraints
 from slider.hzd.model import RootedModel
-from slider.hzd.polynomials import NodeTable
 from slider.library.reader import GaitLibrary
 from slider.robot.knee_map import KneeLengths
 from slider.robot.names import velocity_text
@@ -21,7 +21,7 @@ _NODES = 41
 
 @dataclass(frozen=True)
 class StepPlan:
-    """What one step of n gaits asks for, in reflected coordinates.
+    """References of one step of n gaits, in reflected coordinates.
 
     Attributes:
         coefficients: of the virtual legs (n, 10, degree + 1) [rad].
@@ -48,19 +48,6 @@ class StepPlan:
         """Least forward velocity of the hip (n,), as a share of its mean's magnitude."""
         way = np.ptp(self.hip.values[:, [0, -1], 0], axis=1)
         return self.hip.slopes[..., 0].min(axis=1) / way
-
-    def of(self, rows: np.ndarray) -> "StepPlan":
-        """The steps of some of the gaits, in a given order."""
-        return StepPlan(
-            self.coefficients[rows],
-            self.roll.of(rows),
-            self.hip.of(rows),
-            self.ankle.of(rows),
-            self.placement[rows],
-            self.duration[rows],
-            self.clock[rows],
-            self.lengths,
-        )
 
     def constraints(self, config: VirtualConstraintsConfig) -> StepConstraints:
         """Virtual constraints of these steps."""
@@ -124,7 +111,7 @@ def _along(
     """Place of the hip, and effort of the stance ankle."""
     n, phase = len(plan.duration), np.linspace(0.0, 1.0, _NODES)
     rows = np.repeat(np.arange(n), _NODES)
-    q, rate, turn = motion(plan.of(rows), np.tile(phase, n), config)
+    q, rate, turn = motion(take(plan, rows), np.tile(phase, n), config)
     _, _, slope, bend = model.constrained(q, rate)
     orders = (
         model.measure(q, rate).hip,

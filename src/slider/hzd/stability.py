@@ -14,22 +14,23 @@ from slider.config.convert import from_dict
 from slider.config.hzd import BasinConfig, ImpactGrid, StabilityConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.hzd.perturbed import (
+from slider.core.rows import take
+from slider.hzd.plans import StepPlan, plans
+from slider.hzd.return_map import (
     Invariance,
     Placement,
+    ReturnMap,
     axes,
     invariance,
     perturbed,
     portrait,
+    return_maps,
     steps_until_return,
 )
-from slider.hzd.plans import StepPlan, plans
-from slider.hzd.poincare import multipliers
-from slider.hzd.return_map import ReturnMap, return_maps
 from slider.hzd.stage import POINTS, closed_loop, indices, load_library
 from slider.hzd.step import ClosedLoop
 from slider.hzd.summary import CSV, MARKDOWN, per_step, write_csv, write_markdown
-from slider.hzd.walk import find_cycles
+from slider.hzd.walk import find_cycles, multipliers
 from slider.library.reader import GaitLibrary
 from slider.robot.names import VELOCITY, velocity_text
 
@@ -66,7 +67,7 @@ def _walks(loop: ClosedLoop, steps: Sequence[StepPlan], points: np.ndarray) -> d
     walks, periodic, clock = {}, np.isfinite(points).all(axis=(0, 2)), steps[0].clock
     for gaits in (np.flatnonzero(periodic & clock), np.flatnonzero(periodic & ~clock)):
         if len(gaits):
-            maps = return_maps(loop, [plan.of(gaits) for plan in steps], points[:, gaits])
+            maps = return_maps(loop, [take(plan, gaits) for plan in steps], points[:, gaits])
             walks |= dict(zip(gaits.tolist(), maps, strict=True))
     return walks
 

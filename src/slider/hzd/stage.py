@@ -15,6 +15,7 @@ from slider.config.hzd import StabilityConfig
 from slider.core.casadi_code import Compiled
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
+from slider.core.rows import take
 from slider.hzd.feedback import regulate
 from slider.hzd.gains import FootPlacement
 from slider.hzd.model import RootedModel
@@ -25,7 +26,7 @@ from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import velocity_text
 
 POINTS = "points.npy"
-"""x* (G, 2, 22) of the gaits' limit cycles at the sections; not numbers where there is none."""
+"""x* (G, 2, 22) of the gaits' limit cycles at the sections; NaN where there is none."""
 BY_HIP = 1  # the second kind of gains
 
 
@@ -77,7 +78,7 @@ def _placed(
     """Place feet of the gaits (n,) that have a limit cycle which foot placement stabilises."""
     if not len(gaits):
         return {}
-    steps, result = [plan.of(gaits) for plan in steps], {}
+    steps, result = [take(plan, gaits) for plan in steps], {}
     points, converged = find_cycles(loop, steps)
     walks = linearise(loop, steps, points)
     for k, gait in enumerate(gaits.tolist()):
@@ -127,7 +128,7 @@ def closed_loop(library: GaitLibrary, config: StabilityConfig, job: Job) -> Clos
 def indices(
     gaits: GaitLibrary | FootPlacement, velocities: Sequence[Sequence[float]]
 ) -> np.ndarray:
-    """Places of the velocities that there are."""
+    """Indices of the velocities that the gaits have."""
     places = {tuple(v): k for k, v in enumerate(gaits.velocities.tolist())}
     return np.array([places[tuple(v)] for v in velocities if tuple(v) in places], dtype=int)
 
@@ -156,5 +157,5 @@ def _tables(
         gains,
         orbit,
         np.stack([p.placement for p in steps], axis=1),
-        np.stack([np.concatenate(p.hip.orders, axis=2) for p in steps], axis=1),
+        np.stack([np.concatenate(list(vars(p.hip).values()), axis=2) for p in steps], axis=1),
     )

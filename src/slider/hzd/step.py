@@ -39,7 +39,7 @@ _GUARD = 0.5  # phase from which a swing foot can land
 _STAGES = DOP853.n_stages
 _A, _B, _C = DOP853.A[:_STAGES, :_STAGES], DOP853.B, DOP853.C[:_STAGES]
 _NEWTON = 6
-_LOST = 1e9  # no entry of a robot that walks is as great
+_LOST = 1e9  # greater than any entry of a robot that walks
 _SLOWEST = 0.05  # of the gait's phase rate: a robot whose hip turns back has fallen
 
 

@@ -1,9 +1,9 @@
-"""What is known of a gait's stability: quantities, their table, and the table for people."""
+"""Quantities of the gaits' stability: columns of the CSV file, and the report in Markdown."""
 
 import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -13,39 +13,29 @@ Values = Mapping[str, Any]
 CSV, MARKDOWN = "stability.csv", "stability.md"
 
 
-class Quantity(NamedTuple):
-    """A column.
-
-    Attributes:
-        unit: of its values.
-        meaning: in the table for people.
-    """
-
-    unit: str
-    meaning: str
-
-
-QUANTITIES = {
-    "phase": Quantity("-", "hip or time"),
-    "spectral_radius": Quantity("1/step", "of the full return map, without foot placement"),
-    "eigenvalues": Quantity("1/step", "moduli of the restricted map's, without foot placement"),
-    "closed_eigenvalues": Quantity("1/step", "the same with it"),
-    "closed_spectral_radius": Quantity("1/step", "of the full return map with it"),
-    "gain_position": Quantity(
-        "-", "displacement of the right foot to the left per lateral position, at the start"
+QUANTITIES: dict[str, tuple[str, str]] = {
+    "phase": ("-", "hip or time"),
+    "spectral_radius": ("1/step", "of the full return map, without foot placement"),
+    "eigenvalues": ("1/step", "moduli of the restricted map's, without foot placement"),
+    "closed_eigenvalues": ("1/step", "the same with it"),
+    "closed_spectral_radius": ("1/step", "of the full return map with it"),
+    "gain_position": (
+        "-",
+        "displacement of the right foot to the left per lateral position, at the start",
     ),
-    "gain_lateral": Quantity("s", "the same per lateral velocity"),
-    "gain_forward": Quantity("s", "its displacement forward per forward velocity"),
-    "difference": Quantity("-", "change of the derivatives with twice the difference"),
-    "invariance_orbit": Quantity("rad, m, 1/s", "‖(y, ẏ)‖ on the limit cycle"),
-    "invariance_impact": Quantity("rad, m, 1/s", "after perturbed impacts, not re-anchored"),
-    "invariance_free": Quantity("rad, m, 1/s", "at the end of the step after, not re-anchored"),
-    "invariance_anchored": Quantity("rad, m, 1/s", "at the end of the step after, re-anchored"),
-    "settle_angle": Quantity("rad", "by which the ankle lays a foot flat after these impacts"),
-    "hip_share": Quantity("-", "least forward velocity of the hip, share of its mean"),
-    "decoupling": Quantity("rad/s², m/s²", "least singular value of the decoupling matrix"),
-    "condition": Quantity("-", "its greatest condition number"),
+    "gain_lateral": ("s", "the same per lateral velocity"),
+    "gain_forward": ("s", "its displacement forward per forward velocity"),
+    "difference": ("-", "change of the derivatives with twice the difference"),
+    "invariance_orbit": ("rad, m, 1/s", "‖(y, ẏ)‖ on the limit cycle"),
+    "invariance_impact": ("rad, m, 1/s", "after perturbed impacts, not re-anchored"),
+    "invariance_free": ("rad, m, 1/s", "at the end of the step after, not re-anchored"),
+    "invariance_anchored": ("rad, m, 1/s", "at the end of the step after, re-anchored"),
+    "settle_angle": ("rad", "by which the ankle lays a foot flat after these impacts"),
+    "hip_share": ("-", "least forward velocity of the hip, share of its mean"),
+    "decoupling": ("rad/s², m/s²", "least singular value of the decoupling matrix"),
+    "condition": ("-", "its greatest condition number"),
 }
+"""Unit and meaning of each column."""
 _OVER_SPEED = (
     "spectral_radius",
     "closed_spectral_radius",
@@ -88,10 +78,9 @@ def write_markdown(path: Path, rows: Sequence[Values]) -> None:
 
 
 def _range(name: str, rows: Sequence[Values]) -> list[str]:
-    about = QUANTITIES[name]
-    found = [np.max(row[name]) for row in rows if row.get(name) is not None]
-    numbers = [f"{f(found):.3g}" for f in (np.min, np.median, np.max)] if found else ["–"] * 3
-    return [f"`{name}`", about.unit, about.meaning, *numbers]
+    values = [np.max(row[name]) for row in rows if row.get(name) is not None]
+    numbers = [f"{f(values):.3g}" for f in (np.min, np.median, np.max)] if values else ["–"] * 3
+    return [f"`{name}`", *QUANTITIES[name], *numbers]
 
 
 def _text(value: Any, digits: int) -> str:

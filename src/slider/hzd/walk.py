@@ -7,9 +7,13 @@ in the frame of the stance sole: r = 3 where the hip's place is the phase; with 
 the ankle is free, 2 where it is driven. Per step ξ⁺ = A ξ + B b, b the displacement of the swing
 foot. States of the same ξ at mid-step have the same future, so that r + 2 directions are enough:
 those of the zero dynamics and b, followed from a section to the middle of the step after.
+
+A cycle of period k are maps P_0 … P_{k−1}, from section to section, and points
+x_{j+1} = P_j(x_j), x_k = x_0; for a walk a map is one step. G systems are treated at once: a map
+takes points (G, d) and the system that each belongs to (G,), and gives points (G, d).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,13 +21,14 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from slider.config.hzd import StabilityConfig
+from slider.core.rows import take
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.model import Measured
 from slider.hzd.plans import StepPlan, motion, start
-from slider.hzd.poincare import differences, limit_cycles, orbits, restrict
 from slider.hzd.step import PHASES, ClosedLoop, Flow
 
+Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
 COORDINATES = ("com_y", "com_y_rate", "com_x_rate", "com_x")
 STATE = 2 * NUM
 _MOVES = 2  # directions of b
@@ -52,8 +57,8 @@ class ZeroDynamics:
 def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray, np.ndarray]:
     """Limit cycles of n gaits with one kind of phase: points (2, n, 22), and which converged (n,).
 
-    Where there is none the points are not numbers. What a walk from the collocated gait misses is
-    one more direction of the return map, whose image is that of the zero dynamics.
+    Points are NaN where there is none. The error of a walk from the collocated gait is one more
+    direction of the return map, whose image is that of the zero dynamics.
     """
     maps = [partial(_landed, loop, plan) for plan in steps]
     first, *points = orbits(maps, start(steps[0], loop.config))
@@ -70,7 +75,7 @@ def find_cycles(loop: ClosedLoop, steps: Sequence[StepPlan]) -> tuple[np.ndarray
 
 
 def _landed(loop: ClosedLoop, plan: StepPlan, x: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    return loop.step(plan.of(rows), x).landed.state
+    return loop.step(take(plan, rows), x).landed.state
 
 
 def linearise(
@@ -163,8 +168,8 @@ def _observe(
     loop: ClosedLoop, plan: StepPlan, after: StepPlan, z: np.ndarray, rows: np.ndarray
 ) -> np.ndarray:
     """``observed``, then ξ at the middle of the step after, of states and displacements."""
-    flow = loop.step(plan.of(rows), z[:, :STATE], z[:, STATE:])
-    onward = loop.part(after.of(rows), flow.landed.state, middle(loop))
+    flow = loop.step(take(plan, rows), z[:, :STATE], z[:, STATE:])
+    onward = loop.part(take(after, rows), flow.landed.state, middle(loop))
     return np.concatenate([observed(loop, flow), _coordinates(loop.model.measure(*onward))], axis=1)
 
 
@@ -181,3 +186,87 @@ def _coordinates(at: Measured) -> np.ndarray:
 def by_phase(seen: np.ndarray) -> np.ndarray:
     """Values (2, n, 4 S, m) as (2, n, S, 4, m)."""
     return seen.reshape(*seen.shape[:2], len(PHASES), len(COORDINATES), -1)
+
+
+def differences(
+    function: Map, points: np.ndarray, size: float, directions: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Evaluate a function (G, m) at points (G, d), and its central differences (G, m, k).
+
+    The differences are along directions (G, d, k), by default the coordinates, of length ``size``.
+    """
+    count, d = points.shape
+    if directions is None:
+        directions = np.broadcast_to(np.eye(d), (count, d, d))
+    lengths = np.linalg.norm(directions, axis=1)[:, None]
+    moves = size * (directions / lengths).transpose(0, 2, 1)
+    starts = points[:, None] + np.concatenate([np.zeros((count, 1, d)), moves, -moves], axis=1)
+    each = starts.shape[1]
+    images = function(starts.reshape(-1, d), np.repeat(np.arange(count), each))
+    values, ahead, behind = np.split(images.reshape(count, each, -1), [1, 1 + each // 2], axis=1)
+    return values[:, 0], (ahead - behind).transpose(0, 2, 1) / (2 * size) * lengths
+
+
+def limit_cycles(
+    maps: Sequence[Map],
+    start: np.ndarray,
+    slopes: np.ndarray,
+    tolerance: float,
+    rounds: int = 20,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points (k, G, d) of the cycles of ``maps`` near ``start`` (G, d), and which converged (G,).
+
+    Broyden's method on x_0: (I − DP)(x − x_0) = P(x_0) − x_0, DP corrected by each step's residual.
+    ``slopes`` (G, d, d) are DP of the whole cycle at the start, in the directions that P leads to.
+    """
+    points = orbits(maps, start)
+    residual = np.eye(start.shape[1]) - slopes
+    for _ in range(rounds):
+        missed = points[-1] - points[0]
+        going = np.flatnonzero((np.abs(missed) > tolerance).any(axis=1))
+        if not len(going):
+            break
+        ahead = np.linalg.solve(residual[going], missed[going, :, None])[..., 0]
+        points[:, going] = orbits(maps, points[0, going] + ahead, going)
+        left = (points[-1] - points[0])[going] / (ahead**2).sum(axis=1, keepdims=True)
+        residual[going] -= left[:, :, None] * ahead[:, None]
+    converged = (np.abs(points[-1] - points[0]) <= tolerance).all(axis=1)
+    return points[:-1], np.asarray(converged)
+
+
+def orbits(maps: Sequence[Map], start: np.ndarray, systems: np.ndarray | None = None) -> np.ndarray:
+    """Points (k + 1, n, d): starts of some systems, by default of all, and their images in turn."""
+    systems = np.arange(len(start)) if systems is None else systems
+    points = [start]
+    for step in maps:
+        points.append(step(points[-1], systems))
+    return np.stack(points)
+
+
+def chain(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
+    """Product of derivatives (..., d, d), the first map's to the right."""
+    product = derivatives[0]
+    for derivative in derivatives[1:]:
+        product = derivative @ product
+    return product
+
+
+def multipliers(derivatives: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
+    """Eigenvalues of a whole cycle (d,), greatest modulus first."""
+    eigenvalues = np.linalg.eigvals(chain(derivatives))
+    return eigenvalues[np.argsort(-np.abs(eigenvalues))]
+
+
+def restrict(now: np.ndarray, onward: np.ndarray) -> np.ndarray:
+    """Derivatives (k, ..., r, m) of a cycle's maps on a manifold that attracts within one map.
+
+    The future of a point depends on r numbers alone; F_j are their derivatives at section j. A
+    perturbation off the manifold is replaced by the one on it that has the same future.
+
+    Args:
+        now: F_j E_j (k, ..., r, r), with tangents x = E_j ξ of the manifold at the sections.
+        onward: of F at the next section, along m directions at this one (k, ..., r, m). Along E_j
+            they give A_j, ξ_{j+1} = A_j ξ_j, whose product has the multipliers of the whole cycle
+            that are not zero.
+    """
+    return np.linalg.solve(np.roll(now, -1, axis=0), onward)

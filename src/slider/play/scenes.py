@@ -18,8 +18,7 @@ from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
-from slider.control.policy import PolicyController, agent_of
-from slider.control.policy_file import load_policy
+from slider.control.policy import PolicyController, agent_of, load_policy
 from slider.core.errors import UserError
 from slider.env.disturbance.draws import Disturbance
 from slider.env.episode import Episode, Frame

@@ -11,7 +11,7 @@ import torch
 from rsl_rl.runners import OnPolicyRunner
 
 from slider.control import POLICY_FILE
-from slider.control.policy_file import UNVARIED, Policy, from_actor, save, save_policy
+from slider.control.policy import UNVARIED, Policy, from_actor, save, save_policy
 from slider.core.job import Job
 from slider.env.task import Task
 from slider.env.vec_env import WalkingEnv

@@ -14,7 +14,7 @@ from slider.control.hzd.gaits import EnforcedGaits, GaitTables, at_phase
 from slider.control.hzd.steps import hzd_controller
 from slider.control.model_based import build_controller
 from slider.control.whole_body.controller import WalkingController
-from slider.control.whole_body.memory import OFF, STAND, WALK
+from slider.control.whole_body.memory import WALK
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
@@ -23,7 +23,7 @@ from slider.env.starts import at_rest
 from slider.evaluation.gait_walks import walk
 from slider.hzd.gains import FootPlacement
 from tests.env.synthetic import config, robot_config
-from tests.hzd.sample import COMMANDS, folder, library, placement_folder
+from tests.hzd.sample import VELOCITIES, folder, library, placement_folder
 
 COUNT = 2
 STILL = StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -47,9 +47,9 @@ def controlled(count: int, enforced: EnforcedGaits | None = None):
 def go(*segments: tuple[float, tuple[float, float, float]], noise: StartNoise = STILL):
     controller, physics = controlled(COUNT)
     start = at_rest(robot_config(), noise, np.random.default_rng(7), COUNT)
-    command = np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
+    velocities = np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
     seconds = sum(t for t, _ in segments)
-    recording: Recording = roll_out(controller, physics, config().env, start, command, seconds)
+    recording: Recording = roll_out(controller, physics, config().env, start, velocities, seconds)
     return recording, controller
 
 
@@ -60,27 +60,20 @@ def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
 
 
-def test_stands_at_zero_command():
-    recording, controller = go((2.0, (0.0, 0.0, 0.0)))
-    assert recording.survived.all()
-    assert (controller.memory.mode == STAND).all()
-    assert np.abs(recording.velocity[-25:]).max() < 0.02
-
-
 def walked(controller: WalkingController, physics: BatchedPhysics, steps: int) -> np.ndarray:
     job = Job(Path(mkdtemp()))
     return walk(controller, physics, config().env, library(), steps, job)["walked"]
 
 
 def test_gaits_walk_from_their_first_sample():
-    assert walked(*controlled(len(COMMANDS)), steps=40).tolist() == [40, 40]
+    assert walked(*controlled(len(VELOCITIES)), steps=40).tolist() == [40, 40]
 
 
 def test_without_foot_placement_they_fall():
     """The roll's return map has an eigenvalue above one."""
     tables = GaitTables.of(library(), replace(FootPlacement.load(placement_folder()), **_nothing()))
     blind = replace(gaits(), gaits=tables)
-    assert walked(*controlled(len(COMMANDS), blind), steps=40).max() < 40
+    assert walked(*controlled(len(VELOCITIES), blind), steps=40).max() < 40
 
 
 def _nothing() -> dict[str, np.ndarray]:
@@ -88,19 +81,10 @@ def _nothing() -> dict[str, np.ndarray]:
     return {"gains": np.zeros_like(gains)}
 
 
-def test_a_fallen_robot_is_switched_off():
-    controller, physics = controlled(1)
-    physics.reset(np.zeros(1, int), *at_rest(robot_config(), STILL, np.random.default_rng(0), 1))
-    controller.reset(physics.read(), np.array([[0.4, 0.0, 0.0]]))
-    controller.give_up(np.array([True]))
-    assert (controller.memory.mode == OFF).all()
-    assert not controller.control(physics.read()).any()
-
-
 def test_a_gait_of_the_library_is_that_gait():
-    commands = np.array(COMMANDS)
+    velocities = np.array(VELOCITIES)
     for side in range(2):
-        steps = gaits().gaits.at(commands, np.full(len(commands), side))
+        steps = gaits().gaits.at(velocities, np.full(len(velocities), side))
         expected = library().arrays["coefficients"][:, side]
         np.testing.assert_allclose(steps.coefficients, expected, atol=1e-12)
         np.testing.assert_allclose(steps.duration, library().step_time[:, side], atol=1e-12)
@@ -120,14 +104,20 @@ def test_foot_placement_of_other_gaits_is_refused():
 
 def test_a_step_depends_on_no_other_robot():
     """To the bit: robots that have failed leave, and change no others."""
-    commands = np.random.default_rng(0).uniform((0.1, 0.0, 0.0), (0.7, 0.2, 0.0), (5, 3))
+    velocities = np.random.default_rng(0).uniform((0.1, 0.0, 0.0), (0.7, 0.2, 0.0), (5, 3))
     stance = np.array([0, 1, 1, 0, 1])
-    together = gaits().gaits.at(commands, stance)
+    together = gaits().gaits.at(velocities, stance)
     for row in range(5):
-        alone = gaits().gaits.at(commands[[row]], stance[[row]])
+        alone = gaits().gaits.at(velocities[[row]], stance[[row]])
         for name in ("duration", "coefficients", "gains", "orbit", "placement"):
             np.testing.assert_array_equal(getattr(alone, name)[0], getattr(together, name)[row])
         np.testing.assert_array_equal(alone.hip.values[0], together.hip.values[row])
+
+
+def test_a_controller_that_walks_by_gaits_needs_them():
+    whole = config()
+    with pytest.raises(UserError, match=r"^controller: expected gaits to walk by, found none$"):
+        build_controller(robot_config(), whole.control["hzd"], whole.env.physics, 1)
 
 
 def test_foot_placement_of_another_phase_is_refused():
@@ -146,7 +136,7 @@ def test_walks_behind_the_observer():
     physics = BatchedPhysics(robot_config(), plant, COUNT, 1, "torque")
     controller = build_controller(robot_config(), settings, whole.env.physics, COUNT, gaits())
     start = at_rest(robot_config(), STILL, np.random.default_rng(7), COUNT)
-    command = np.tile((0.4, 0.05, 0.0), (COUNT, 1))
-    recording = roll_out(controller, physics, whole.env, start, command, 5.0)
+    velocities = np.tile((0.4, 0.05, 0.0), (COUNT, 1))
+    recording = roll_out(controller, physics, whole.env, start, velocities, 5.0)
     assert recording.survived.all()
     np.testing.assert_allclose(recording.velocity[-84:, :, 0].mean(), 0.4, atol=0.06)

@@ -5,11 +5,7 @@ import numpy as np
 import pytest
 
 from slider.control.whole_body.model import NominalModel
-from slider.robot.mjcf import SimulationOptions, build_model
 from tests.env.synthetic import (
-    TORQUE_LIMITS,
-    joint_efforts,
-    motor_angles,
     random_pose,
     robot_config,
 )
@@ -88,59 +84,6 @@ def test_biases_are_the_accelerations_without_joint_acceleration(nominal, poses)
         (case.foot_jacobians @ poses[1][:, None, :, None])[..., 0] for case in (ahead, behind)
     ]
     np.testing.assert_allclose(dynamics.foot_bias, (speeds[0] - speeds[1]) / (2 * EPS), atol=1e-5)
-
-
-def test_equations_of_motion_are_mujocos(nominal, poses):
-    """M q̈ + h = Sᵀτ with MuJoCo's own accelerations in the air."""
-    dynamics = nominal.evaluate(*poses)
-    data = mujoco.MjData(nominal.model)
-    rng = np.random.default_rng(0)
-    for i in range(4):
-        data.qpos[:], data.qvel[:] = poses[0][i] + [0, 0, 5, *np.zeros(16)], poses[1][i]
-        torques = data.ctrl[:] = rng.uniform(-5, 5, 10)
-        mujoco.mj_forward(nominal.model, data)
-        force = dynamics.mass_matrix[i] @ data.qacc + dynamics.bias[i]
-        np.testing.assert_allclose(force[:6], 0.0, atol=1e-6)
-        np.testing.assert_allclose(force[6:], joint_efforts(torques), atol=1e-6)
-
-
-def test_the_mass_matrix_is_the_plants_and_has_the_rotors(nominal, poses):
-    """Rotors add Σ J (∂motor angle/∂joint)²: 2 J/r² on the slide, 2 J/n² on the ankle."""
-    plant = build_model(robot_config(), SimulationOptions(actuation="position"))
-    bare = build_model(robot_config(), SimulationOptions())
-    bare.tendon_armature[:] = 0.0
-    bare.dof_armature[:] = 0.0
-    leg = [0.02, 0.02, 0.02, 2 * 6.25e-4 / 0.025**2, 2 * 6.25e-4 / 0.35**2, 0.001]
-    rotors = np.diag([0.0] * 6 + leg * 2)
-    found = nominal.evaluate(*poses).mass_matrix
-    for i in range(4):
-        for model, added in ((plant, 0.0), (bare, rotors)):
-            data, mass = mujoco.MjData(model), np.zeros((18, 18))
-            data.qpos[:] = poses[0][i]
-            mujoco.mj_forward(model, data)
-            mujoco.mj_fullM(model, data, mass)
-            np.testing.assert_allclose(found[i], mass + added, atol=1e-12)
-
-
-def test_the_model_with_torques_moves_like_the_plant_with_positions(nominal, poses):
-    """Torques of the motors' position loops, computed here, give the same accelerations."""
-    plant = build_model(robot_config(), SimulationOptions(actuation="position"))
-    kp = np.array([80.0, 200.0, 200.0, 1.875, 1.875] * 2)
-    kd = np.array([2.5, 5.0, 5.0, 0.047, 0.047] * 2)
-    rng = np.random.default_rng(0)
-    for qpos, qvel in zip(*poses, strict=True):
-        targets = qpos[7:] + 0.01 * rng.standard_normal(12)
-        angle, speed = motor_angles(qpos[7:]), motor_angles(qvel[6:])
-        torques = kp * (motor_angles(targets) - angle) - kd * speed
-        assert (np.abs(torques) < TORQUE_LIMITS).all(), "no limit is in the way"
-        accelerations = []
-        for model, inputs in ((plant, motor_angles(targets)), (nominal.model, torques)):
-            data = mujoco.MjData(model)
-            data.qpos[:], data.qvel[:], data.ctrl[:] = qpos + [0, 0, 5, *np.zeros(16)], qvel, inputs
-            mujoco.mj_forward(model, data)
-            np.testing.assert_allclose(data.actuator_force, torques, atol=1e-9)
-            accelerations.append(data.qacc.copy())
-        np.testing.assert_allclose(accelerations[0], accelerations[1], rtol=1e-9, atol=1e-9)
 
 
 def test_height_of_the_pendulum(nominal):

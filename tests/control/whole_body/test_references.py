@@ -10,23 +10,11 @@ from slider.control.whole_body.references import quintic
 OMEGA = references.natural_frequency(0.65)
 
 
-def test_natural_frequency():
-    assert references.natural_frequency(9.81) == pytest.approx(1.0)
-    assert references.natural_frequency(0.65) == pytest.approx(3.8849, abs=1e-4)
-
-
 @pytest.mark.parametrize("state", [(0.1, -0.3), (-0.12, 0.7)])
 def test_step_map_is_the_integral_of_the_pendulum(state):
     found = references.step_map(OMEGA, 0.37) @ state
     path = solve_ivp(lambda t, x: [x[1], OMEGA**2 * x[0]], (0, 0.37), state, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(found, path.y[:, -1], rtol=1e-8)
-
-
-def test_step_maps_are_stacked_and_compose():
-    times = np.array([0.1, 0.25])
-    maps = references.step_map(OMEGA, times)
-    assert maps.shape == (2, 2, 2)
-    np.testing.assert_allclose(maps[0] @ maps[1], references.step_map(OMEGA, 0.35), rtol=1e-12)
 
 
 @pytest.mark.parametrize("time", [0.25, 0.4])

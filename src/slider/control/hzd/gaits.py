@@ -15,8 +15,8 @@ from slider.config.convert import from_dict
 from slider.config.hzd import VirtualConstraintsConfig
 from slider.control.hzd.motion import side_of
 from slider.core.errors import UserError
+from slider.hzd.constraints import NodeTable
 from slider.hzd.gains import FootPlacement
-from slider.hzd.polynomials import NodeTable
 from slider.library.mesh import VelocityMesh
 from slider.library.reader import STORE, GaitLibrary
 from slider.robot.names import SIDES
@@ -145,7 +145,7 @@ class EnforcedGaits:
 
 
 def _table(orders: np.ndarray) -> NodeTable:
-    """Of values with two derivatives (n, nodes, 3)."""
+    """Table of values with two derivatives (n, nodes, 3)."""
     return NodeTable(*(orders[:, :, k, None] for k in range(3)))
 
 

@@ -9,10 +9,11 @@ from slider.config.robot import RobotConfig
 from slider.control.hzd.gaits import EnforcedGaits, GaitSteps, at_phase
 from slider.control.hzd.motion import Motion, hip, motion, section, side_of
 from slider.control.whole_body.controller import PlantModel, WalkingController
-from slider.control.whole_body.memory import WALK, Memory, consecutive, scatter, take
+from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.references import ReferenceVelocity
 from slider.control.whole_body.tasks import Part, Solved
+from slider.core.rows import consecutive, scatter, take
 from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, output_matrix
 from slider.hzd.constraints import StepConstraints, phase_of, phase_rate

@@ -1,26 +1,53 @@
 """Walking with a whole-body QP: entry, modes and stance are shared, the way of stepping differs.
 
 At zero velocity the robot stands on both feet. At another it sways into the sideways orbit and
-walks. Back at zero it steps until the capture point lies between the feet.
+walks. Back at zero it steps until the capture point lies between the feet:
+STAND → SWAY → WALK → STAND. Where a mode or a step ends is decided once per tick.
 
 The controller receives the true state, contact flags and a nominal model of the robot, or the
 estimate of an observer; ``docs/explanation/baseline.md`` compares this with the policy's input.
 """
 
+from typing import Protocol
+
 import numpy as np
 
 from slider.config.control import ModelBasedConfig
 from slider.config.robot import RobotConfig
-from slider.control.whole_body.memory import LEFT, OFF, STAND, SWAY, WALK, Memory, take
+from slider.control.whole_body.entry import Entry
+from slider.control.whole_body.memory import FEET, LEFT, OFF, RIGHT, STAND, SWAY, WALK, Memory, Sway
 from slider.control.whole_body.model import Dynamics, NominalModel
-from slider.control.whole_body.modes import Entry, Modes, Stepping
 from slider.control.whole_body.references import natural_frequency
 from slider.control.whole_body.tasks import BodyControl, Solved
+from slider.core.rows import scatter, take
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names
 
 _GIVE_UP_TILT = 1.2  # [rad]; beyond it, or without a solution, the drives are switched off
+
+
+class Stepping(Protocol):
+    """A way of stepping, for the robots (n,) of a memory that walk."""
+
+    def reset(self, count: int) -> None:
+        """Forget the steps of ``count`` robots."""
+
+    def set_velocity(self, memory: Memory, velocity: np.ndarray) -> None:
+        """Go with ``velocity`` (N, 3) from now on."""
+
+    def begin(
+        self, memory: Memory, robots: np.ndarray, dynamics: Dynamics, stance: np.ndarray
+    ) -> None:
+        """A new step on the feet ``stance`` (n,)."""
+
+    def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
+        """Whether the steps are over (n,), where ``contact`` (n,) is that of the swing feet."""
+        ...
+
+    def torques(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> Solved:
+        """Torques of this tick."""
+        ...
 
 
 class PlantModel:
@@ -56,12 +83,12 @@ class WalkingController:
     def __init__(self, plant: PlantModel, stepping: Stepping) -> None:
         self._period, self._model = plant.period, plant.model
         self._entry, self._body, self._stepping = plant.entry, plant.body, stepping
-        self._modes = Modes(plant.entry, stepping, plant.omega, plant.reach)
+        self._omega, self._reach = plant.omega, plant.reach
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
         """Start on both feet; ``velocity`` (N, 3) is vx, vy [m/s], yaw rate [rad/s]."""
         robots, dynamics = self._start(state, velocity, state.yaw)
-        self._modes.sway(self.memory, robots, dynamics)
+        self._begin_sway(robots, dynamics)
 
     def start_on_gait(self, state: RobotState, velocity: np.ndarray, heading: np.ndarray) -> None:
         """Start in the first step of a walk on the left foot, at ``velocity`` (N, 3).
@@ -99,7 +126,7 @@ class WalkingController:
         if len(active):
             dynamics = self._model.evaluate(state.qpos[active], state.qvel[active])
             contact = state.foot_forces[active] > CONTACT_FORCE
-            self._modes.switch(memory, active, dynamics, contact)
+            self._switch(active, dynamics, contact)
             torques[active] = self._drive(active, dynamics, contact)
             memory.heading[active] += memory.yaw_rate(active) * self._period
         memory.tick += 1
@@ -129,3 +156,84 @@ class WalkingController:
     def _walk(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> Solved:
         """Assume the stance foot in contact, whatever its ``contact``."""
         return self._stepping.torques(self.memory, robots, dynamics)
+
+    def _begin_sway(self, robots: np.ndarray, dynamics: Dynamics) -> None:
+        """A sway from here, towards the foot that is still in the air."""
+        middle = self.memory.to_heading(dynamics.foot_positions.mean(axis=1)[:, :2], robots)
+        position = self.memory.to_heading(dynamics.com[:, :2], robots)
+        height = dynamics.foot_positions[:, :, 2]
+        side = np.where(height[:, LEFT] >= height[:, RIGHT], 1.0, -1.0)
+        sway = self._entry.begin(middle, position, side, self.memory.velocity[robots, 0])
+        scatter(self.memory.sway, robots, sway)
+
+    def _switch(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
+        """Switch the robots that are due; ``contact`` (n, 2) of the feet."""
+        self._go(robots, dynamics)
+        self._leave_sway(robots, dynamics)
+        self._leave_step(robots, dynamics, contact)
+
+    def _go(self, robots: np.ndarray, dynamics: Dynamics) -> None:
+        """STAND → SWAY where the commanded velocity is not zero."""
+        stands = self.memory.mode[robots] == STAND
+        index = np.flatnonzero(stands & ~self.memory.commanded_to_stand(robots))
+        if len(index):
+            self.memory.mode[robots[index]] = SWAY
+            self._begin_sway(robots[index], dynamics.take(index))
+
+    def _leave_sway(self, robots: np.ndarray, dynamics: Dynamics) -> None:
+        """SWAY → WALK."""
+        sways = np.flatnonzero(self.memory.mode[robots] == SWAY)
+        if not len(sways):
+            return
+        index = sways[self._sway_ends(robots[sways], dynamics.take(sways))]
+        self.memory.mode[robots[index]] = WALK
+        stance = _first_stance(take(self.memory.sway, robots[index]))
+        self._stepping.begin(self.memory, robots[index], dynamics.take(index), stance)
+
+    def _sway_ends(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
+        """Whether they can take the first step (n,); those that took too long sway again."""
+        sway = take(self.memory.sway, robots)
+        position = self.memory.to_heading(dynamics.com[:, :2], robots)
+        velocity = self.memory.to_heading(dynamics.com_velocity[:, :2], robots)
+        support = dynamics.foot_positions[np.arange(len(robots)), _first_stance(sway), :2]
+        done = self._entry.done(sway, position, velocity, self.memory.to_heading(support, robots))
+        self._entry.restart(sway, position, velocity)
+        scatter(self.memory.sway, robots, sway)
+        return done
+
+    def _leave_step(self, robots: np.ndarray, dynamics: Dynamics, contact: np.ndarray) -> None:
+        """WALK → STAND, or the next step."""
+        walks = np.flatnonzero(self.memory.mode[robots] == WALK)
+        landing = contact[walks, 1 - self.memory.stance[robots[walks]]]
+        index = walks[self._stepping.end(self.memory, robots[walks], landing)]
+        stops = self.memory.commanded_to_stand(robots[index])
+        if stops.any():
+            standing = index[stops]
+            stops[stops] = self._can_stop(robots[standing], dynamics.take(standing))
+            self._stop(robots[index[stops]], dynamics.take(index[stops]))
+            index = index[~stops]
+        if not len(index):
+            return
+        stance = 1 - self.memory.stance[robots[index]]
+        self._stepping.begin(self.memory, robots[index], dynamics.take(index), stance)
+
+    def _can_stop(self, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
+        """Where the capture point is between the feet and within their length."""
+        capture = dynamics.com[:, :2] + dynamics.com_velocity[:, :2] / self._omega
+        feet = [self.memory.to_heading(dynamics.foot_positions[:, i, :2], robots) for i in FEET]
+        place = self.memory.to_heading(capture, robots)
+        apart = np.abs(feet[LEFT] - feet[RIGHT])[:, 0]
+        ahead = np.abs(place - 0.5 * (feet[LEFT] + feet[RIGHT]))[:, 0]
+        between = (place[:, 1] < feet[LEFT][:, 1]) & (place[:, 1] > feet[RIGHT][:, 1])
+        beside = (apart < self._reach) & (ahead < self._reach / 2)
+        return between & beside
+
+    def _stop(self, robots: np.ndarray, dynamics: Dynamics) -> None:
+        if len(robots):
+            self.memory.mode[robots] = STAND
+            self.memory.forget_walk(robots)
+            self._begin_sway(robots, dynamics)
+
+
+def _first_stance(sway: Sway) -> np.ndarray:
+    return np.where(sway.side > 0, LEFT, RIGHT)

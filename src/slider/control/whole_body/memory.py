@@ -1,11 +1,9 @@
-"""State of a controller for N robots between ticks, and rows of it; its other parts have none.
+"""State of a controller for N robots between ticks; its other parts have none.
 
 Feet are numbered left, right; modes are on both feet (STAND, SWAY), stepping (WALK) and OFF.
 """
 
-import copy
-from dataclasses import dataclass, fields, is_dataclass
-from typing import Any, TypeVar
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,8 +13,6 @@ from slider.robot.kinematics import turn_to_heading
 SWAY, WALK, OFF, STAND = 0, 1, 2, 3
 LEFT, RIGHT = 0, 1
 FEET = np.array([LEFT, RIGHT])
-
-T = TypeVar("T")
 
 
 @dataclass
@@ -40,13 +36,13 @@ class Sway:
 
     @classmethod
     def zeros(cls, n: int) -> "Sway":
-        """Of n robots that have not begun."""
+        """Sways of n robots that have not begun."""
         return cls(np.zeros((n, 2)), np.zeros(n), np.zeros((n, 3)), np.zeros(n), np.zeros(n))
 
 
 @dataclass
 class Memory:
-    """Memory of N robots; methods take and give the rows of some of them, ``robots`` (n,).
+    """Memory of N robots; arguments and results of methods are of some of them, ``robots`` (n,).
 
     Attributes:
         velocity: (N, 3) commanded vx, vy [m/s], yaw rate [rad/s].
@@ -130,33 +126,3 @@ class Memory:
     def to_world(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
         """Forward, left (n, 2) → world."""
         return turn_to_heading(vectors, -self.heading[robots])
-
-
-def consecutive(indices: np.ndarray) -> np.ndarray | slice:
-    """The rows ``indices`` (n,), increasing, as a slice if none is left out."""
-    gapless = len(indices) and indices[-1] - indices[0] == len(indices) - 1
-    return slice(indices[0], indices[-1] + 1) if gapless else indices
-
-
-def take(batch: T, indices: np.ndarray | slice) -> T:
-    """Rows of all arrays of a dataclass, nested dataclasses included; a slice copies none."""
-    rows = copy.copy(batch)
-    for name, value in _parts(batch):
-        part = value[indices] if isinstance(value, np.ndarray) else take(value, indices)
-        object.__setattr__(rows, name, part)
-    return rows
-
-
-def scatter(batch: T, indices: np.ndarray, rows: T) -> None:
-    """Overwrite the rows ``indices`` of all arrays with those of another batch."""
-    for name, value in _parts(batch):
-        if isinstance(value, np.ndarray):
-            value[indices] = getattr(rows, name)
-        else:
-            scatter(value, indices, getattr(rows, name))
-
-
-def _parts(batch: Any) -> list[tuple[str, Any]]:
-    """Arrays and nested dataclasses."""
-    parts = [(item.name, getattr(batch, item.name)) for item in fields(batch)]
-    return [(n, v) for n, v in parts if isinstance(v, np.ndarray) or is_dataclass(v)]

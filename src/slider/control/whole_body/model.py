@@ -15,6 +15,7 @@ import numpy as np
 
 from slider.config.robot import RobotConfig
 from slider.core.compiled import compiled, part
+from slider.core.rows import consecutive, take
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, build_spec, nominal_qpos
 
@@ -62,26 +63,26 @@ class Dynamics:
     foot_bias: np.ndarray
 
     def take(self, index: np.ndarray) -> "Dynamics":
-        """The terms of some of the robots, in their order."""
-        if len(index) == len(self.qvel) and index.dtype != bool:
-            return self  # all of them
-        return Dynamics(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+        """The terms of some of the robots, with increasing indices (n,)."""
+        return take(self, consecutive(index))
 
 
 class NominalModel:
-    """Evaluates the nominal model, without the plant's perturbations and contacts."""
+    """Evaluates the nominal model, without the plant's perturbations and contacts.
+
+    Attributes:
+        model: of one robot.
+        mass: of the robot [kg].
+        nominal_height: of the centre of mass above the soles in the nominal pose [m].
+    """
 
     def __init__(self, robot: RobotConfig) -> None:
         self.model = build_model(robot, SimulationOptions(actuation="torque"))
         self.mass = float(self.model.body_subtreemass[_BASE_BODY])
         self._copies = _Copies(robot)
         self._damping = self.model.dof_damping.reshape(NUM_DOFS, -1)[:, 0].copy()
-        self.nominal_height = self._standing_com_height(robot)
-
-    def _standing_com_height(self, robot: RobotConfig) -> float:
-        """Height of the centre of mass above the soles in the nominal pose [m]."""
-        qpos = nominal_qpos(robot)[None]
-        return float(self.evaluate(qpos, np.zeros((1, NUM_DOFS))).com[0, 2])
+        standing = self.evaluate(nominal_qpos(robot)[None], np.zeros((1, NUM_DOFS)))
+        self.nominal_height = float(standing.com[0, 2])
 
     def evaluate(self, qpos: np.ndarray, qvel: np.ndarray) -> Dynamics:
         """Terms at positions (n, 19) and velocities (n, 18)."""
@@ -149,20 +150,18 @@ class _Copies:
 
         The copies that are left over in the last call have terms of robots before.
         """
-        for start in range(0, len(qvel), _COPIES):
-            batch = slice(start, start + _COPIES)
-            self._move(slice(len(qvel[batch])), qpos[batch], qvel[batch])
-            yield start
-
-    def _move(self, copies: slice, qpos: np.ndarray, qvel: np.ndarray) -> None:
         model, data = self._model, self._data
-        self._qpos[copies], self._qvel[copies] = qpos, qvel
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_tendon(model, data)
-        mujoco.mj_makeM(model, data)  # with the capstan rotors' inertia
-        mujoco.mj_comVel(model, data)
-        mujoco.mj_rne(model, data, 0, data.qfrc_bias)
+        for start in range(0, len(qvel), _COPIES):
+            count = min(_COPIES, len(qvel) - start)
+            self._qpos[:count] = qpos[start : start + count]
+            self._qvel[:count] = qvel[start : start + count]
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_tendon(model, data)
+            mujoco.mj_makeM(model, data)  # with the capstan rotors' inertia
+            mujoco.mj_comVel(model, data)
+            mujoco.mj_rne(model, data, 0, data.qfrc_bias)
+            yield start
 
 
 def _repeated(robot: RobotConfig) -> mujoco.MjModel:

@@ -2,8 +2,8 @@
 
 A Luenberger observer with the nominal robot in MuJoCo, contacts included: each tick it simulates
 the torques that act now, moves its estimate towards what is measured, and simulates the torques
-that are still under way. It has the delay and the torques it sent, and neither the plant's
-masses, motors and friction nor its pushes.
+that are still under way. It has the delay and the torques that it sent, but not the
+plant's masses, motors, friction and pushes.
 """
 
 from collections import deque
@@ -62,8 +62,9 @@ class Observer:
         if self._acting is not None:
             self._simulate([self._acting])
             self._correct(measured)
-        if not self._under_way:
-            return self._now(measured)
+        if not self._under_way:  # the contact flags are those that are measured
+            self._model.reset(self._robots, self._qpos, self._qvel)
+            return replace(self._model.read(), foot_forces=measured.foot_forces)
         qpos, qvel = self._qpos, self._qvel
         self._simulate(self._under_way)
         self._qpos, self._qvel = qpos, qvel
@@ -90,11 +91,6 @@ class Observer:
         self._qpos = qpos
         self._qvel = self._qvel + velocity * (measured.qvel - self._qvel)
 
-    def _now(self, measured: RobotState) -> RobotState:
-        """The estimate, with the contact flags that are measured: nothing is under way."""
-        self._model.reset(self._robots, self._qpos, self._qvel)
-        return replace(self._model.read(), foot_forces=measured.foot_forces)
-
 
 class ObservingController:
     """The controller behind its observer, whose estimates it receives."""
@@ -103,7 +99,7 @@ class ObservingController:
         self._controller, self._observer = controller, observer
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew; see :class:`WalkingController`."""
+        """Start observer and controller; see :class:`WalkingController`."""
         self._observer.reset(state)
         self._controller.reset(state, velocity)
 

@@ -79,7 +79,7 @@ class BodyControl:
         lift = task.kp * error - task.kd * dynamics.com_velocity[:, 2]
         acceleration = np.concatenate([flat, lift[:, None]], axis=1)
         return [
-            self.com(dynamics, acceleration, weight),
+            (dynamics.com_jacobian, acceleration - dynamics.com_bias, weight),
             self.base(dynamics, memory.heading[robots], memory.yaw_rate(robots)),
         ]
 
@@ -88,10 +88,6 @@ class BodyControl:
     ) -> Solved:
         """Torques for tasks in ``parts`` on ``feet`` (n, k), of which those ``loaded`` carry."""
         return self._whole_body.solve(self._whole_body.build(dynamics, join(parts), feet, loaded))
-
-    def com(self, dynamics: Dynamics, acceleration: np.ndarray, weight: np.ndarray) -> Part:
-        """Centre of mass with a desired acceleration (n, 3) [m/s²]."""
-        return dynamics.com_jacobian, acceleration - dynamics.com_bias, weight
 
     def base(self, dynamics: Dynamics, heading: np.ndarray, yaw_rate: np.ndarray) -> Part:
         """Base upright, looking along ``heading`` (n,) [rad] that turns with ``yaw_rate`` (n,)."""

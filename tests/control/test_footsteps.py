@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
+from slider.control.footsteps import FootstepPlanner, Pendulum
 from slider.control.whole_body import references
 from tests.env.synthetic import config
 

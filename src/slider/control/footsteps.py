@@ -76,13 +76,11 @@ class FootstepPlanner:
         duration = pendulum.duration + self._changes
         lengths, cost = self.solve(pendulum, duration - pendulum.elapsed)
         cost = cost + self._config.time_weight * (duration - self._step.time) ** 2
-        cost[1:] = np.where(self._allowed(duration[1:], pendulum.elapsed), cost[1:], np.inf)
+        in_range = (duration >= self._step.time_min) & (duration <= self._step.time_max)
+        allowed = in_range & (duration - pendulum.elapsed >= 2 * self._config.lock)
+        cost[1:] = np.where(allowed[1:], cost[1:], np.inf)  # the planned duration always is
         best = cost.argmin(axis=0), np.arange(cost.shape[1])
         return Plan(lengths[best][:, :, 0], duration[best], cost[best])
-
-    def _allowed(self, duration: np.ndarray, elapsed: np.ndarray) -> np.ndarray:
-        in_range = (duration >= self._step.time_min) & (duration <= self._step.time_max)
-        return in_range & (duration - elapsed >= 2 * self._config.lock)
 
     def solve(self, pendulum: Pendulum, remaining: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Lengths of the next steps (…, n, 2, N) [m] and cost (…, n), for times left (…, n) [s]."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.control.whole_body import references
-from slider.control.whole_body.modes import Entry
+from slider.control.whole_body.entry import Entry
 from tests.env.synthetic import config
 
 OMEGA, TUNED = references.natural_frequency(0.65), config().control["mpc_wbc_tuned"]

@@ -9,7 +9,7 @@ import numpy as np
 
 from slider.config.control import MpcConfig, SwingConfig
 from slider.config.robot import RobotConfig
-from slider.control.mpc.footsteps import FootstepPlanner, Pendulum
+from slider.control.footsteps import FootstepPlanner, Pendulum
 from slider.control.whole_body.controller import PlantModel, WalkingController
 from slider.control.whole_body.memory import LEFT, Memory
 from slider.control.whole_body.model import Dynamics

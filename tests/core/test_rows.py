@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from slider.control.whole_body.memory import consecutive, scatter, take
+from slider.core.rows import consecutive, scatter, take
 
 
 @dataclass(frozen=True)
@@ -22,13 +22,6 @@ class Outer:
 
 def outer() -> Outer:
     return Outer("steps", np.arange(4.0), Inner(np.arange(8.0).reshape(4, 2)))
-
-
-def test_rows_are_taken_as_copies():
-    some = take(outer(), np.array([2, 0]))
-    assert some.name == "steps"
-    assert some.numbers.tolist() == [2.0, 0.0]
-    assert some.inner.values.tolist() == [[4.0, 5.0], [0.0, 1.0]]
 
 
 def test_consecutive_rows_are_not_copied():

@@ -5,8 +5,8 @@ import pytest
 import torch
 
 from slider.config.train import CurriculumConfig, Interval, VelocitiesConfig
-from slider.env.commands import Curriculum, Random, VelocitySampler
 from slider.env.interface import FLOAT64
+from slider.env.velocities import Curriculum, Random, VelocitySampler
 
 COUNT = 20000
 

@@ -8,10 +8,9 @@ import mujoco
 import numpy as np
 
 from slider.env import terminations
-from slider.env.disturbance.terrain import SKIN
-from slider.env.ground import FLAT, UnevenGround
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
+from slider.env.terrain import FLAT, SKIN, UnevenGround
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
 from tests.env.synthetic import disturbed_physics, make_arrays, make_view, robot_config, stand

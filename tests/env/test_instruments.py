@@ -6,7 +6,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.env.ground import FLAT
 from slider.env.instruments import (
     CONTACT_FORCE,
     LIFT_TIME,
@@ -19,6 +18,7 @@ from slider.env.instruments import (
     touchdowns,
 )
 from slider.env.physics import BatchedPhysics
+from slider.env.terrain import FLAT
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import nominal_qpos

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from slider.env.task import Task, task_of
+from slider.env.vec_env import Task, task_of
 from tests.env.synthetic import config
 from tests.library.gaits import write_store
 

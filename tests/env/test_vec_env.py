@@ -13,8 +13,7 @@ from slider.env.declaration import Needs
 from slider.env.guide import Guide
 from slider.env.interface import FLOAT64
 from slider.env.rewards import Lyapunov, Reward, RewardView
-from slider.env.task import Task
-from slider.env.vec_env import WalkingEnv
+from slider.env.vec_env import Task, WalkingEnv
 from slider.library.lookup import GaitTable
 from slider.robot.kinematics import standing_height
 from tests.env.synthetic import (

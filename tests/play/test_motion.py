@@ -7,7 +7,7 @@ import pytest
 
 from slider.cli import main
 from slider.config.compose import compose
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.library.reader import GaitLibrary
 from slider.play import loop
 from slider.play.loop import Control

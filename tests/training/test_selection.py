@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from slider.config.train import SelectionConfig
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
-from slider.env.task import Task
+from slider.env.vec_env import Task
 from slider.training import selection
 from slider.training.selection import Selector
 from tests.env.synthetic import config, gait_table, make_contacts, stand

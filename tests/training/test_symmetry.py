@@ -7,7 +7,7 @@ from tensordict import TensorDict
 
 from slider.core.job import NoTracker
 from slider.env.interface import FLOAT64
-from slider.env.task import Task
+from slider.env.vec_env import Task
 from slider.training.ppo import runner_config, with_reflections
 from slider.training.trainer import Trainer
 from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose

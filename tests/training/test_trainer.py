@@ -15,7 +15,7 @@ from slider.control import POLICY_FILE
 from slider.control.policy_file import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
-from slider.env.task import Task
+from slider.env.vec_env import Task
 from slider.training import checkpoint
 from slider.training.checkpoint import BEFORE, CHECKPOINT
 from slider.training.selection import Score

@@ -14,13 +14,11 @@ from mujoco import rollout
 from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
-from slider.env.disturbance import models
-from slider.env.disturbance.disturber import Disturber, build_plant
-from slider.env.disturbance.draws import Disturbance
-from slider.env.ground import FLAT
+from slider.env import randomization
+from slider.env.disturbance import Disturbance, Disturber, build_plant
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
-from slider.env.reading import SPEED_LIMIT, SensorIndex, columns_of, read
-from slider.env.state import RobotState
+from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, columns_of, read_state
+from slider.env.terrain import FLAT
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
@@ -74,8 +72,8 @@ class BatchedPhysics:
         self._disturber: Disturber | None = None
         if disturbance is not None:
             robots = None
-            if models.vary(disturbance.config):
-                robots = models.RandomizedModels(self.model, disturbance.config, num_robots)
+            if randomization.vary(disturbance.config):
+                robots = randomization.RandomizedModels(self.model, disturbance.config, num_robots)
                 self.models = robots.models
             self._disturber = Disturber(
                 disturbance, robot, self.model, actuation, num_robots, robots
@@ -229,7 +227,7 @@ class BatchedPhysics:
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
-        state = read(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
+        state = read_state(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
         return state if self._disturber is None else self._disturber.in_world(state)
 
     def measure(self, state: RobotState) -> RobotState:

@@ -11,7 +11,7 @@ from slider.config.env import EnvConfig, PlantConfig
 from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.config.robot import RobotConfig
 from slider.core.job import Job, Section, Summary
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out

@@ -14,7 +14,7 @@ from slider.control.model_based import build_controller, build_plant
 from slider.control.policy import PolicyController, agent_of
 from slider.control.policy_file import load_policy
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.evaluation.protocol import Simulated, evaluate, read_protocol
 

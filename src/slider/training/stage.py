@@ -11,7 +11,7 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.config.train import WARP, TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.task import Task, task_of
+from slider.env.vec_env import Task, task_of
 from slider.library.reader import STORE
 from slider.training import checkpoint
 from slider.training.distributed import device_of, launch, rank

@@ -13,8 +13,7 @@ from rsl_rl.runners import OnPolicyRunner
 from slider.control import POLICY_FILE
 from slider.control.policy_file import UNVARIED, Policy, from_actor, save_policy
 from slider.core.job import Job
-from slider.env.task import Task
-from slider.env.vec_env import WalkingEnv
+from slider.env.vec_env import Task, WalkingEnv
 from slider.training import checkpoint
 from slider.training.annealed_ppo import AnnealedPPO
 from slider.training.distributed import device_of, rank, wait_for_all

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from slider.config.types import Interval
-from slider.env.disturbance.disturber import DelayLine
+from slider.env.disturbance import DelayLine
 from slider.robot import names
 from slider.robot.mjcf import Actuation
 from tests.env.synthetic import disturbed_physics, stand

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 from slider.core.arrays import asarray
-from slider.env.disturbance.disturber import Disturber
-from slider.env.disturbance.draws import Disturbance, Draws
-from slider.env.disturbance.models import drawn
+from slider.env.disturbance import Disturbance, Disturber, Draws
 from slider.env.interface import FLOAT64
+from slider.env.randomization import drawn
 from slider.env.starts import NUMPY
 from slider.robot import names
 from slider.robot.mjcf import Actuation

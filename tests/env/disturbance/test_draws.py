@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from slider.env.disturbance.draws import NOISE, PUSH, Draws
+from slider.env.disturbance import NOISE, PUSH, Draws
 from slider.env.starts import NUMPY
 
 TORCH: Any = torch.zeros(0)

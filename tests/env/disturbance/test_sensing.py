@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.disturbance import SensingConfig
-from slider.env.disturbance.disturber import with_noise
+from slider.env.disturbance import with_noise
 from slider.env.state import RobotState
 from slider.robot import names
 from tests.env.synthetic import disturbed_physics, make_arrays, stand

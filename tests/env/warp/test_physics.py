@@ -9,15 +9,15 @@ import pytest
 import torch
 
 from slider.core.errors import UserError
-from slider.env.disturbance.draws import Disturbance, Draws
-from slider.env.disturbance.models import COLUMNS
+from slider.env.disturbance import Disturbance, Draws
 from slider.env.physics import BatchedPhysics
+from slider.env.randomization import COLUMNS
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import config, make_physics, robot_config
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
-from slider.env.warp.physics import WarpModels, WarpPhysics
+from slider.env.warp import WarpModels, WarpPhysics
 
 N = 6
 SINK = 5e-4  # [m]; a foot that just touches is a contact in one precision and not in the other

@@ -1,31 +1,90 @@
-"""Everything that disturbs the robots of a batch, as the physics applies it."""
+"""What disturbs the robots of a batch: late drives, pushes, uneven ground, noisy sensors.
+
+Random numbers are functions of a seed, a use and a time rather than of one generator: the
+disturbance of a robot at a time depends neither on the rate of its controller nor on which other
+disturbances are on.
+"""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import astuple, replace
+from dataclasses import astuple, dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
 import mujoco
 import numpy as np
 
-from slider.config.disturbance import SensingConfig
+from slider.config.disturbance import DisturbanceConfig, SensingConfig
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env.disturbance import models, terrain
-from slider.env.disturbance.draws import GROUND, NOISE, PUSH, ROBOT, Disturbance, Draws
-from slider.env.ground import FLAT, Ground, random_tile
+from slider.env import randomization, terrain
 from slider.env.starts import NUMPY, multiply_quaternions
 from slider.env.state import RobotState
+from slider.env.terrain import FLAT, Ground
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
 from slider.robot.names import JOINTS, NUM_JOINTS
 from slider.robot.transmission import Transmission
 
+ROBOT, NOISE, PUSH, GROUND = range(4)  # uses of random numbers
+_STREAM = 81  # keeps these generators apart from others of the same seed
 _PLACE = 2  # columns of the place on the ground, then one of the delay, then the model's
 _NOISE = 2 * NUM_JOINTS + 10  # standard normal numbers of sensor noise per robot
 _SLIDES = np.array([name.endswith("slide") for name in JOINTS])
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What disturbs N robots.
+
+    Attributes:
+        config: which disturbances, how large.
+        seeds: the robots come in blocks of the same size, one for each seed.
+    """
+
+    config: DisturbanceConfig
+    seeds: tuple[int, ...]
+
+
+class Draws:
+    """Random numbers for ``count`` robots in blocks, each with its own seed.
+
+    They are arrays of NumPy, or tensors on the device of ``like``: each library has its own.
+    """
+
+    def __init__(self, seeds: tuple[int, ...], count: int, like: Array = NUMPY) -> None:
+        if count % len(seeds):
+            raise ValueError(f"expected {count} robots in {len(seeds)} blocks of the same size")
+        self._seeds, self._block, self._like = seeds, count // len(seeds), like
+
+    def uniform(self, use: int, time: int, columns: int) -> Array:
+        """Numbers (N, columns) in [0, 1) for a use at a time."""
+        return self._draw(use, time, columns, "uniform", "rand")
+
+    def normal(self, use: int, time: int, columns: int) -> Array:
+        """Standard normal numbers (N, columns) for a use at a time."""
+        return self._draw(use, time, columns, "standard_normal", "randn")
+
+    def _draw(self, use: int, time: int, columns: int, of_numpy: str, of_torch: str) -> Array:
+        """By a method of NumPy's generators, or a function of torch."""
+        shape, like, xp = (self._block, columns), self._like, namespace(self._like)
+        if isinstance(like, np.ndarray):
+            return xp.concat([getattr(g, of_numpy)(size=shape) for g in self.generators(use, time)])
+        draw = partial(getattr(xp, of_torch), shape, dtype=like.dtype, device=like.device)
+        generator, blocks = xp.Generator(device=like.device), []
+        for key in self._keys(use, time):
+            generator.manual_seed(int(np.random.SeedSequence(key).generate_state(1, np.uint64)[0]))
+            blocks.append(draw(generator=generator))
+        return xp.concat(blocks)
+
+    def generators(self, use: int, time: int) -> list[np.random.Generator]:
+        """One generator of NumPy per seed."""
+        return [np.random.default_rng(key) for key in self._keys(use, time)]
+
+    def _keys(self, use: int, time: int) -> list[list[int]]:
+        return [[seed, _STREAM, use, time] for seed in self._seeds]
 
 
 def build_plant(
@@ -41,7 +100,7 @@ def build_plant(
 def _tile(disturbance: Disturbance) -> np.ndarray:
     """Heights of the ground: one for all robots, of the first seed."""
     generator = Draws(disturbance.seeds[:1], 1).generators(GROUND, 0)[0]
-    return random_tile(disturbance.config.ground, generator)
+    return terrain.random_tile(disturbance.config.ground, generator)
 
 
 class Models(Protocol):
@@ -58,7 +117,7 @@ class Models(Protocol):
         """Of the robots (N,) [kg]."""
 
     def draw(self, index: Any, uniform: Any, /) -> None:
-        """Draw robots ``index`` again by numbers (N, ``models.COLUMNS``) in [0, 1)."""
+        """Draw robots ``index`` again by numbers (N, ``randomization.COLUMNS``) in [0, 1)."""
 
 
 class Disturber:
@@ -110,7 +169,7 @@ class Disturber:
 
     def begin(self, index: Array, qpos: Array) -> Array:
         """Draw robots ``index`` anew; return where positions (n, 19) put them in the simulation."""
-        uniform = self._draws.uniform(ROBOT, self._episodes, _PLACE + 1 + models.COLUMNS)
+        uniform = self._draws.uniform(ROBOT, self._episodes, _PLACE + 1 + randomization.COLUMNS)
         self._episodes += 1
         self._age[index] = 0.0
         if self._robots is not None:

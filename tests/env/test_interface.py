@@ -51,15 +51,6 @@ def test_the_same_action_in_right_stance_gives_mirrored_targets():
     assert np.abs(expected - left.act(action.copy())).max() > 0.05
 
 
-def test_without_a_mirror_phase_does_not_matter():
-    action = np.random.default_rng(0).uniform(-1, 1, (3, NUM_JOINTS))
-    agent = make_agent(3, "env.phase.mirror=false", "env.action.offset=nominal")
-    agent.reset(np.arange(3), make_state(3), phase=np.array([0.1, 0.6, 0.9]))
-    targets = agent.act(np.tile(action[0], (3, 1)))
-    np.testing.assert_array_equal(targets[0], targets[1])
-    np.testing.assert_array_equal(targets[0], targets[2])
-
-
 def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
     """A policy that sees a mirrored robot half a walk later does the mirrored thing."""
     rng = np.random.default_rng(2)
@@ -106,17 +97,6 @@ def test_upper_feet_are_passive(phase):
     expected = np.tile(agent.nominal[UPPER_FEET], (3, 1))
     np.testing.assert_array_equal(targets[:, UPPER_FEET], expected)
     np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)
-
-
-def test_the_previous_action_is_the_one_before():
-    agent = at_phase(0.1, 1)
-    agent.act(np.full((1, NUM_JOINTS), 0.2))
-    agent.act(np.full((1, NUM_JOINTS), -0.4))
-    assert agent.action[0, 0] == pytest.approx(-0.4)
-    assert agent.previous_action[0, 0] == pytest.approx(0.2)
-    agent.reset(np.array([0]), make_state(1))
-    assert not agent.action.any()
-    assert not agent.previous_action.any()
 
 
 def test_the_clock_keeps_the_librarys_pace_and_wraps():
@@ -227,14 +207,6 @@ def test_resetting_one_robot_leaves_the_others():
     np.testing.assert_allclose(agent.heading_target, [0.7, 0.1])
 
 
-def test_the_papers_agent_has_no_clock():
-    agent = make_agent(2, *PAPER)
-    agent.reset(np.arange(2), make_state(2))
-    agent.advance(make_state(2))
-    assert agent.clock is None
-    assert agent.observe(make_state(2)).shape == (2, 235)
-
-
 def test_a_clock_needs_step_times():
     settings = config("experiment=test")
     with pytest.raises(UserError) as error:
@@ -301,9 +273,3 @@ def test_the_clock_halts_by_the_filtered_velocity_of_the_robot():
     for _ in range(30):
         agent.advance(fast)
     np.testing.assert_array_equal(agent.view(fast).halted, [False, True])
-
-
-def test_a_residual_action_needs_the_gaits():
-    settings = config("experiment=test", "env.action.offset=gait")
-    with pytest.raises(UserError, match=r"env\.action\.offset=gait: expected the gaits"):
-        AgentInterface(settings.robot, settings.env, 2, gait_table().times)

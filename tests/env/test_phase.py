@@ -75,14 +75,6 @@ def test_steps_until_it_is_slow_and_again_when_it_is_pushed():
     assert np.ptp(run(clock, STAND, 30, mean_speed=0.3)) > 0.5, "still too fast to stand"
 
 
-def test_a_command_ends_the_halt_at_once():
-    clock = make_clock(HALT, 0.0, speed=0.0)
-    assert clock.halted[0]
-    phases = run(clock, GO, 2)
-    assert not clock.halted[0]
-    assert 0.0 < phases[0] < phases[1]
-
-
 def test_a_start_at_a_change_of_feet_may_stand_at_once():
     assert make_clock(HALT, 0.0, speed=0.1).halted[0]
     assert make_clock(HALT, 0.5, speed=0.1).halted[0]

@@ -242,17 +242,6 @@ def test_no_plan_is_laid_out_with_a_mistake(overrides, message, capsys, tmp_path
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    "command",
-    [("play", "zero", "--headless", "--set"), ("benchmark-training",), ("benchmark-control",)],
-)
-def test_other_doors_refuse_a_mistake(command, capsys):
-    mistake = "+env.termination.terms.boredom=1.0"
-    assert main([*command, mistake, "--conf", str(CONF)]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.endswith("found boredom")
-
-
 def test_a_term_that_counts_needs_its_clock_and_its_library():
     whole = config("env/phase=none", "env.action.offset=nominal", "~env.observation.terms.phase")
     walking = whole.train.walking

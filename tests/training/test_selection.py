@@ -77,20 +77,6 @@ def test_score_by_hand(monkeypatch):
     assert score.flight == pytest.approx(0.25)
 
 
-def test_where_all_fall_the_score_is_that_of_falls(monkeypatch):
-    score = score_of(monkeypatch, recorded([0.2, 0.2, 2.0, 2.0], [False] * 4))
-    assert score.known() == {"value": SETTINGS.fall_weight, "success": 0.0}
-
-
-def test_staying_up_at_the_wrong_speed_beats_falling(monkeypatch):
-    def value(speed: float, survivors: int) -> float:
-        alive = [index < survivors for index in range(4)]
-        return score_of(monkeypatch, recorded([speed] * 4, alive)).value
-
-    assert value(9.0, 4) < value(0.4, 1) < value(9.0, 1) < SETTINGS.fall_weight
-    assert value(1.0, 4) < value(9.0, 4)
-
-
 def test_the_same_network_has_the_same_score():
     selector = make_selector(replace(SETTINGS, speeds=[0.0], duration=0.5, robots=4))
     first, second = selector.score(nothing), selector.score(nothing)

@@ -40,8 +40,8 @@ def _stop_timers() -> None:
 class BatchedPhysics:
     """Steps ``num_robots`` copies of the robot.
 
-    Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
-    torques of them. See :class:`SimulationOptions`.
+    Inputs are desired joint positions or joint efforts, which the transmission maps to motor angles
+    or torques. See :class:`SimulationOptions`.
     A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
     :meth:`measure`. Without ``instruments`` it is faster but has no :meth:`contacts`. Robots that
     :meth:`retire` stay where they are until they are placed anew.
@@ -123,7 +123,7 @@ class BatchedPhysics:
     def reset(self, index: Array, qpos: Array, qvel: Array) -> None:
         """Place robots ``index`` at positions (n, 19) and velocities (n, 18).
 
-        Tensors on the processor are as welcome as arrays.
+        Arguments are arrays, or tensors on the processor.
         """
         index, qpos, qvel = np.asarray(index), np.asarray(qpos), np.asarray(qvel)
         if self._disturber is not None:
@@ -134,7 +134,7 @@ class BatchedPhysics:
         self._diverged[index] = self._retired[index] = False
 
     def retire(self, robots: np.ndarray) -> None:
-        """Simulate ``robots`` (N,) no longer."""
+        """Stop simulating ``robots`` (N,)."""
         self._retired |= robots
 
     def step(self, inputs: Array) -> None:
@@ -187,7 +187,7 @@ class BatchedPhysics:
         return late | wild | fast
 
     def loads(self) -> DriveLoads:
-        """What the motors did in the last :meth:`step`, at each of its simulation steps."""
+        """Loads of the motors in the last :meth:`step`, at each of its simulation steps."""
         states, sensors = self._series
         speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
         return loads(self._motors, sensors.take(self._index.torques, 2), speeds)
@@ -235,7 +235,7 @@ class BatchedPhysics:
         return state if self._disturber is None else self._disturber.measure(state)
 
     def restart_disturbances(self) -> None:
-        """Let the same disturbances follow as after construction."""
+        """Restart the sequence of disturbances."""
         if self._disturber is not None:
             self._disturber.restart()
 

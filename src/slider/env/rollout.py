@@ -25,10 +25,10 @@ class Controller(Protocol):
     """Maps the state of N robots to the plant's inputs, once per step of the plant."""
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew for N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
+        """Start an episode of N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
 
     def set_velocity(self, velocity: np.ndarray) -> None:
-        """From the next call of ``control`` on, go with ``velocity`` (N, 3)."""
+        """Track ``velocity`` (N, 3) from the next call of ``control`` on."""
 
     def control(self, state: RobotState) -> np.ndarray:
         """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
@@ -40,7 +40,7 @@ class GivesUp(Controller, Protocol):
     """A controller that takes time, so that robots that have failed are not simulated further."""
 
     def give_up(self, robots: np.ndarray) -> None:
-        """Control ``robots`` (N,) no longer; their inputs are zero."""
+        """Stop controlling ``robots`` (N,); their inputs are zero."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Recording:
 
     Attributes:
         period: control period [s].
-        command: (S, N, 3) vx, vy [m/s], yaw rate [rad/s] that each step was made with.
+        command: (S, N, 3) vx, vy [m/s], yaw rate [rad/s] of each step.
         alive: (S, N) not failed up to and including this step.
         velocity: (S, N, 2) forward and leftward velocity of the base [m/s].
         yaw: (S, N) [rad].
@@ -152,7 +152,7 @@ def roll_out(
 
 
 class StepRecord(NamedTuple):
-    """What happened while the plant was stepped: robots (N,) that blew up, loads, contacts."""
+    """Record of some steps of the plant: robots (N,) that blew up, loads, contacts."""
 
     diverged: np.ndarray
     loads: DriveLoads
@@ -162,10 +162,10 @@ class StepRecord(NamedTuple):
 def run_ticks(
     controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
 ) -> tuple[RobotState, StepRecord]:
-    """Ask the controller and step the plant ``ticks`` times.
+    """Call the controller and step the plant ``ticks`` times.
 
     Returns:
-        The state afterwards, and what happened on the way.
+        The state afterwards, and the record of the steps.
     """
     diverged = np.zeros(physics.num_robots, dtype=bool)
     loads: list[DriveLoads] = []
@@ -180,19 +180,15 @@ def run_ticks(
 
 
 def _row(alive: np.ndarray, state: RobotState) -> dict[str, np.ndarray]:
+    feet = state.foot_positions.copy()
+    feet[..., 2] -= state.ground.height(feet[..., :2])
     return {
         "alive": alive,
         "velocity": state.heading_velocity,
         "yaw": state.yaw,
         "position": state.base_position[:, :2],
-        "foot_positions": _above_ground(state).astype(np.float32),
+        "foot_positions": feet.astype(np.float32),
     }
-
-
-def _above_ground(state: RobotState) -> np.ndarray:
-    positions = state.foot_positions.copy()
-    positions[..., 2] -= state.ground.height(positions[..., :2])
-    return positions
 
 
 @dataclass(frozen=True)

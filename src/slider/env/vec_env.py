@@ -134,7 +134,7 @@ class WalkingEnv(VecEnv):
         return int(self._diverged.item())
 
     def check(self) -> None:
-        """Look for errors of the simulation so far; this may wait for a device.
+        """Check the simulation for errors so far; this may wait for a device.
 
         Raises:
             UserError: names the robots.
@@ -179,13 +179,13 @@ class WalkingEnv(VecEnv):
         return self._observations, reward.float(), (fell | timed_out).long(), extras
 
     def _read(self) -> RobotState:
-        """The true state; the measured one is kept."""
+        """Read the true state and store the measured one."""
         state = self.physics.read()
         self._measured = self.physics.measure(state).tensors(self._like)
         return state.tensors(self._like)
 
     def _end_episodes(self, fell: torch.Tensor) -> torch.Tensor:
-        """Start robots that fell or whose time is over; return those (N,) that did not fall."""
+        """Reset robots that fell or timed out; return those (N,) that timed out."""
         self.episode_length_buf += 1
         timed_out = (self.episode_length_buf >= self.max_episode_length) & ~fell
         ended = fell | timed_out

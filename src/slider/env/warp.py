@@ -105,7 +105,7 @@ class Simulation:
         self._launch(self._advance)
 
     def derive(self) -> None:
-        """Make what follows from varied masses and inertias follow, as ``mj_setConst`` does."""
+        """Compute what depends on varied masses and inertias, as ``mj_setConst`` does."""
         assert self._derive is not None, "nothing is varied"
         self._launch(self._derive)
 
@@ -282,7 +282,7 @@ class WarpPhysics:
         return state if self._disturber is None else self._disturber.measure(state)
 
     def restart_disturbances(self) -> None:
-        """Let the same disturbances follow as after construction."""
+        """Restart the sequence of disturbances."""
         if self._disturber is not None:
             self._disturber.restart()
 

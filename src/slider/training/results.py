@@ -1,4 +1,4 @@
-"""What a training found, read from its folder here alone."""
+"""Results of a training, read from its folder."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -36,8 +36,8 @@ class Score:
     speed_error: float
     flight: float
 
-    def known(self) -> dict[str, float]:
-        """The values that are numbers: some need survivors."""
+    def numbers(self) -> dict[str, float]:
+        """The values that are not NaN; some need survivors."""
         return {name: value for name, value in asdict(self).items() if not math.isnan(value)}
 
 

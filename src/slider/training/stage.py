@@ -40,7 +40,7 @@ def _run(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) ->
 
 
 def _train(task: Task, start: Path | None, out: Path, job: Job) -> tuple[Summary, dict[str, Any]]:
-    """The part of one process; its facts, of which the first process writes files."""
+    """Train in one process; the first one exports. Return summary and volatile facts."""
     trainer = Trainer(task, job, simulator(task.train))
     if start is not None:
         trainer.start_from(start)

@@ -49,16 +49,6 @@ def test_heights_are_those_of_mujocos_height_field():
         assert abs(here) <= AMPLITUDE
 
 
-def test_it_repeats_and_each_robot_has_its_own_part():
-    physics = stand(disturbed_physics(COUNT, SETTING))
-    ground = physics.read().ground
-    points = np.random.default_rng(0).uniform(-9.0, 9.0, (COUNT, 7, 2))
-    heights = ground.height(points)
-    np.testing.assert_allclose(ground.height(points + [4.0, -8.0]), heights, atol=1e-12)
-    same = ground.height(np.zeros((COUNT, 2)))
-    assert len(np.unique(same.round(9))) == COUNT
-
-
 def lowest_clearance(state) -> np.ndarray:
     """Of heel and toe of both feet above the ground (N,) [m]."""
     ends = foot_ends(robot_config().geometry, state.rotation, state.joint_positions)

@@ -198,19 +198,6 @@ def test_disturbed_robots_are_those_of_mujoco_by_the_same_numbers(disturbed, mon
     assert np.abs(np.diff(other.qpos, axis=0)).max(axis=1).min() > 1e-3, "the robots do not differ"
 
 
-def test_a_restart_brings_the_same_disturbances_back(disturbed):
-    def run() -> torch.Tensor:
-        place(disturbed, *stance())
-        for _ in range(6):
-            disturbed.step(torch.zeros((N, NUM_JOINTS)))
-        return disturbed.measure(disturbed.read()).qpos
-
-    first = run()
-    disturbed.restart_disturbances()
-    assert torch.equal(run(), first)
-    assert ((run() - first).abs().max(dim=1).values > 1e-3).all(), "and another episode is another"
-
-
 def test_a_blow_up_is_found_and_stays_alone(physics):
     targets = torch.zeros((N, NUM_JOINTS))
     physics.step(targets)

@@ -1,25 +1,20 @@
-"""Pushes, seeds, and that nothing happens where nothing is asked for."""
+"""Pushes, delays, noise and seeds; nothing happens where nothing is asked for."""
 
-# pyright: reportAttributeAccessIssue=false
-
-from collections import defaultdict
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+import torch
 
-from slider.core.arrays import asarray
-from slider.env.disturbance import Disturbance, Disturber, Draws
-from slider.env.interface import FLOAT64
-from slider.env.randomization import drawn
+from slider.config.types import Interval
+from slider.env.disturbance import NOISE, PUSH, DelayLine, Disturbance, Disturber, Draws
 from slider.env.starts import NUMPY
 from slider.robot import names
 from slider.robot.mjcf import Actuation
 from tests.env.synthetic import (
     config,
     disturbed_physics,
-    make_arrays,
     make_physics,
     random_pose,
     stand,
@@ -51,79 +46,10 @@ def run(physics, steps: int = 12) -> np.ndarray:
     return np.stack(rows)
 
 
-def make_disturber(
-    count: int,
-    *settings: str,
-    actuation: Actuation = "position",
-    robots: Any = None,
-    like: Any = NUMPY,
-) -> Disturber:
+def make_disturber(count: int, *settings: str) -> Disturber:
     whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
     disturbance = Disturbance(whole.evaluation.disturbance, (1,))
-    model = make_physics(1).model
-    return Disturber(disturbance, whole.robot, model, actuation, count, robots, like)
-
-
-class Gains:
-    """Robots of which only the motors are asked."""
-
-    def __init__(self, like: Any) -> None:
-        self.motor_gain = asarray(np.ones((COUNT, len(names.MOTORS))), like)
-        self.masses = self.motor_gain.sum(axis=1)
-
-    def draw(self, index: Any, uniform: Any) -> None:
-        settings = config(f"evaluation.disturbance.{EVERYTHING[3]}").evaluation.disturbance
-        self.motor_gain[index] = drawn(settings, uniform[index]).gain
-
-
-class Numbers(Draws):
-    """Those of NumPy, as tensors."""
-
-    def uniform(self, use: int, time: int, columns: int) -> Any:
-        return asarray(super().uniform(use, time, columns), FLOAT64)
-
-    def normal(self, use: int, time: int, columns: int) -> Any:
-        return asarray(super().normal(use, time, columns), FLOAT64)
-
-
-def disturb(disturber: Disturber, like: Any) -> dict[str, list[Any]]:
-    """What a disturber makes of positions, velocities, inputs and states; some begin anew."""
-    rng, some = np.random.default_rng(2), np.arange(0, COUNT, 2)
-    qpos, qvel = (asarray(values, like) for values in random_pose(rng, COUNT))
-    control = asarray(rng.standard_normal((14, COUNT, 4, len(names.MOTORS))), like)
-    state = make_arrays(COUNT)
-    state = state if like is NUMPY else state.tensors(like)
-    disturber.restart()
-    found = defaultdict(list, begun=[disturber.begin(np.arange(COUNT), qpos)])
-    for step in range(14):
-        if step == 3:
-            found["begun"].append(disturber.begin(some, qpos[some]))
-        pushed = 1.0 * qvel
-        disturber.push(pushed)
-        found["pushed"].append(pushed)
-        found["driven"].append(disturber.drive(control[step]))
-        seen = disturber.measure(state)
-        found["seen"] += [seen.qpos, seen.qvel]
-    return found
-
-
-@pytest.mark.parametrize("actuation", ["position", "torque"])
-def test_arrays_and_tensors_are_disturbed_alike_by_the_same_numbers(actuation: Actuation):
-    """Drives, pushes, delays and noise."""
-    arrays, tensors = (
-        make_disturber(COUNT, *EVERYTHING[:-1], actuation=actuation, robots=Gains(like), like=like)
-        for like in (NUMPY, FLOAT64)
-    )
-    tensors._draws = Numbers((1,), COUNT)
-    expected = disturb(arrays, NUMPY)
-    found = disturb(tensors, FLOAT64)
-    for name, values in expected.items():
-        for one, other in zip(found[name], values, strict=True):
-            np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12, err_msg=name)
-    pushed = np.stack(expected["pushed"])
-    first = (pushed != pushed[0]).any(axis=2).argmax(axis=0)
-    np.testing.assert_array_equal(first, [8, 5] * (COUNT // 2), "those that begin anew wait longer")
-    assert len(set(arrays._delay.steps.tolist())) > 2, "delays do not differ"
+    return Disturber(disturbance, whole.robot, make_physics(1).model, "position", count)
 
 
 def test_a_push_changes_the_velocity_of_the_base_once_per_interval():
@@ -162,14 +88,6 @@ def momentum(physics) -> np.ndarray:
     return np.array(result)
 
 
-def test_pushes_come_at_their_times_and_not_before():
-    rows = run(disturbed_physics(50, "push={speed: 0.5, interval: 0.1}"), 6)
-    calm = run(disturbed_physics(50), 6)
-    np.testing.assert_array_equal(rows[:5], calm[:5])
-    speed = np.linalg.norm(rows[5, :, 19:21] - calm[5, :, 19:21], axis=1)
-    assert (speed > 0.1).all()
-
-
 def test_nothing_asked_for_is_bit_identical_to_no_disturbance():
     plain, off = make_physics(COUNT), disturbed_physics(COUNT)
     start = random_pose(np.random.default_rng(0), COUNT)
@@ -183,13 +101,6 @@ def test_nothing_asked_for_is_bit_identical_to_no_disturbance():
     state = off.read()
     assert off.measure(state) is state
     np.testing.assert_array_equal(plain.masses, off.masses)
-
-
-def test_the_seed_decides():
-    one, same = (run(disturbed_physics(COUNT, *EVERYTHING)) for _ in range(2))
-    other = run(disturbed_physics(COUNT, *EVERYTHING, seeds=(2,)))
-    np.testing.assert_array_equal(one, same)
-    assert (np.abs(one - other).max(axis=(0, 2)) > 1e-3).all()
 
 
 def test_a_restart_brings_the_same_disturbances_back():
@@ -218,12 +129,93 @@ def test_one_disturbance_does_not_move_the_draws_of_another():
     np.testing.assert_array_equal(alone.masses, together.masses)
 
 
-def test_robust_is_what_the_issue_lists():
-    robust = config("evaluation=robust").evaluation.disturbance
-    assert (robust.delay.lower, robust.delay.upper) == (0.02, 0.02)
-    for interval in (robust.mass, robust.motor_gain):
-        assert (interval.lower, interval.upper) == (0.9, 1.1)
-    assert robust.centre_of_mass == 0.02
-    assert robust.friction is not None
-    assert (robust.friction.lower, robust.friction.upper) == (0.5, 1.2)
-    assert (robust.push.speed, robust.push.interval) == (0.5, 3.0)
+TIMESTEP = 0.005
+EVERY = np.arange(1)
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+@pytest.mark.parametrize("late", [0, 1, 3, 4, 6])
+def test_shifts_by_simulation_steps_whatever_the_rate_of_the_controller(late, substeps):
+    line = DelayLine(Interval(late * TIMESTEP, late * TIMESTEP), TIMESTEP, 1, 1)
+    line.draw(EVERY, np.array([0.3]))
+    line.fill(EVERY, np.array([[-1.0]]))
+    issued = np.repeat(np.arange(24 // substeps), substeps).astype(float)
+    calls = issued.reshape(-1, 1, substeps, 1)
+    arrived = np.concatenate([line.pass_on(call)[0, :, 0] for call in calls])
+    np.testing.assert_array_equal(arrived, np.concatenate([[-1.0] * late, issued])[:24])
+
+
+def test_each_robot_has_its_own_delay_and_all_of_them_occur():
+    line = DelayLine(Interval(0.0, 0.03), TIMESTEP, 7, 1)
+    line.draw(np.arange(7), np.arange(7) / 7 + 0.01)
+    np.testing.assert_array_equal(line.steps, np.arange(7))
+    line.fill(np.arange(7), np.zeros((7, 1)))
+    arrived = np.concatenate(
+        [line.pass_on(np.full((7, 4, 1), float(k)))[:, :, 0] for k in (1, 2, 3)], axis=1
+    )
+    np.testing.assert_array_equal((arrived == 0).sum(axis=1), line.steps)
+
+
+@pytest.mark.parametrize("actuation", ["position", "torque"])
+def test_physics_with_delay_is_physics_with_shifted_inputs(actuation: Actuation):
+    late, steps = 3, 40
+    rng = np.random.default_rng(0)
+    size = 0.02 if actuation == "position" else 3.0
+    inputs = size * rng.standard_normal((steps, 2, names.NUM_JOINTS))
+    delayed = disturbed_physics(
+        2, "delay={lower: 0.015, upper: 0.015}", actuation=actuation, substeps=1
+    )
+    prompt = disturbed_physics(2, actuation=actuation, substeps=1)
+    shifted = np.concatenate([np.zeros((late, 2, names.NUM_JOINTS)), inputs])
+    stand(delayed), stand(prompt)
+    for k in range(steps):
+        delayed.step(inputs[k])
+        prompt.step(shifted[k])
+        np.testing.assert_array_equal(delayed.qpos, prompt.qpos)
+        np.testing.assert_array_equal(delayed.read().motor_torques, prompt.read().motor_torques)
+    assert np.abs(delayed.qvel).max() > 0.1, "nothing moved: the comparison would prove little"
+
+
+def test_the_pose_is_held_or_no_torque_given_before_the_first_input_arrives():
+    setting, inputs = "delay={lower: 0.02, upper: 0.02}", np.full((1, names.NUM_JOINTS), 0.05)
+    torque = stand(disturbed_physics(1, setting, actuation="torque"))
+    bent = torque.qpos.copy()
+    bent[:, 7:] += 0.05
+    torque.reset(np.arange(1), bent, np.zeros((1, 18)))
+    torque.step(inputs)
+    np.testing.assert_allclose(torque.read().motor_torques, 0.0, atol=1e-9)
+    torque.step(inputs)
+    assert np.abs(torque.read().motor_torques).max() > 0.01
+    position, held = stand(disturbed_physics(1, setting)), stand(disturbed_physics(1))
+    position.step(inputs), held.step(np.zeros_like(inputs))
+    np.testing.assert_array_equal(position.qpos, held.qpos)
+
+
+TORCH: Any = torch.zeros(0)
+
+
+@pytest.mark.parametrize("kind", ["uniform", "normal"])
+@pytest.mark.parametrize("like", [NUMPY, TORCH], ids=["numpy", "torch"])
+def test_a_block_of_robots_depends_on_its_own_seed_use_and_time_only(like, kind):
+    def draw(seeds: tuple[int, ...], count: int, use: int = PUSH, time: int = 7) -> np.ndarray:
+        values = getattr(Draws(seeds, count, like), kind)(use, time, 4)
+        assert values.dtype == like.dtype
+        return np.array(values)
+
+    both = draw((1, 2), 6)
+    np.testing.assert_array_equal(both[3:], draw((2,), 3))
+    np.testing.assert_array_equal(both, draw((1, 2), 6))
+    others = draw((1,), 3), draw((2,), 3, time=8), draw((2,), 3, use=NOISE)
+    assert all((both[3:] != other).all() for other in others)
+
+
+@pytest.mark.parametrize("like", [NUMPY, TORCH], ids=["numpy", "torch"])
+def test_distributions(like):
+    draws = Draws((3,), 4000, like)
+    uniform, normal = (
+        np.array(values) for values in (draws.uniform(0, 0, 1), draws.normal(0, 0, 1))
+    )
+    assert 0.0 <= uniform.min() < 0.01 < 0.99 < uniform.max() < 1.0
+    assert uniform.mean() == pytest.approx(0.5, abs=0.02)
+    assert normal.mean() == pytest.approx(0.0, abs=0.05)
+    assert normal.std() == pytest.approx(1.0, abs=0.05)

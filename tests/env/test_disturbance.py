@@ -111,18 +111,6 @@ def test_a_restart_brings_the_same_disturbances_back():
     assert np.abs(run(physics) - first).max() > 1e-3, "and another episode is another one"
 
 
-def test_a_block_of_robots_depends_on_its_own_seed_only():
-    """So trial k is the same however many trials there are."""
-    settings = EVERYTHING[:-1]  # the ground is that of the first seed
-    both = run(disturbed_physics(COUNT, *settings, seeds=(1, 2)))
-    second = run(disturbed_physics(COUNT // 2, *settings, seeds=(2,)), 0 + 12)
-    masses = disturbed_physics(COUNT, *settings, seeds=(1, 2))
-    alone = disturbed_physics(COUNT // 2, *settings, seeds=(2,))
-    stand(masses), stand(alone)
-    np.testing.assert_array_equal(masses.masses[COUNT // 2 :], alone.masses)
-    assert both.shape[1] == 2 * second.shape[1]
-
-
 def test_one_disturbance_does_not_move_the_draws_of_another():
     alone = stand(disturbed_physics(COUNT, "mass={lower: 0.9, upper: 1.1}"))
     together = stand(disturbed_physics(COUNT, *EVERYTHING))

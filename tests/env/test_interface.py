@@ -25,7 +25,6 @@ from tests.env.synthetic import (
 
 UPPER_FEET = [i for i, name in enumerate(JOINTS) if name.endswith("upper_foot")]
 HALT = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
-PAPER = ("env=paper", "train/standing=paper", "train/walking=paper")
 
 
 def at_phase(phase: float, count: int = 3) -> AgentInterface:
@@ -40,15 +39,6 @@ def test_targets_of_an_action_in_left_stance():
     scale = config("experiment=test").env.action.scale
     expected = np.array([scale[name.split("_", 1)[1]] for name in JOINTS]) * action
     np.testing.assert_allclose(agent.act(action.copy()), expected, atol=1e-12)
-
-
-def test_the_same_action_in_right_stance_gives_mirrored_targets():
-    action = np.random.default_rng(0).uniform(-3, 3, (3, NUM_JOINTS))
-    left, right = at_phase(0.1), at_phase(0.6)
-    expected = left.act(action.copy())[:, PERMUTATION] * SIGN
-    np.testing.assert_allclose(right.act(action.copy()), expected, atol=1e-12)
-    np.testing.assert_allclose(right.action, left.action[:, PERMUTATION] * SIGN, atol=1e-12)
-    assert np.abs(expected - left.act(action.copy())).max() > 0.05
 
 
 def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
@@ -158,20 +148,6 @@ def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
         np.testing.assert_allclose(agent.reference_velocity[1], [1.0 - risen, 0.1], atol=1e-12)
         expected = expected + 0.02 / 0.5 * (agent.reference_velocity[0].numpy() - expected)
         np.testing.assert_allclose(agent.expected_velocity[0], expected, atol=1e-12)
-
-
-def test_a_robot_that_lags_does_not_hold_its_reference_back():
-    """At a zero command a running robot meets the gait of standing, not one of its own speed."""
-    agent = make_agent(1, "env.action.offset=gait", "env.reference.acceleration=2.0")
-    running = make_state(1, heading_velocity=[[1.0, 0.0]])
-    agent.set_velocity_command(np.array([0]), np.array([[1.0, 0.0, 0.0]]))
-    agent.reset(np.array([0]), running, phase=0.3, velocity=np.array([[1.0, 0.0]]))
-    agent.set_velocity_command(np.array([0]), np.zeros((1, 3)))
-    for _ in range(26):
-        agent.advance(running)
-    np.testing.assert_array_equal(agent.reference_velocity, [[0.0, 0.0]])
-    gait = gait_table().at(np.zeros((1, 3)), agent.clock.phase.numpy())[:, :NUM_JOINTS]
-    np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), gait, atol=1e-12)
 
 
 def test_without_acceleration_and_filters_everything_passes_at_once():

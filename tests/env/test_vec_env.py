@@ -13,7 +13,6 @@ from slider.env.guide import Guide
 from slider.env.rewards import Lyapunov, Reward, RewardView
 from slider.env.vec_env import Task, WalkingEnv, task_of
 from slider.library.lookup import GaitTable
-from slider.robot.kinematics import standing_height
 from tests.env.synthetic import (
     config,
     gait_table,
@@ -78,19 +77,6 @@ def test_builds_resets_and_steps(experiment, training, agent):
     assert env.total_diverged == 0
     if agent == "random":
         assert falls > 0, "a random agent falls within a second"
-
-
-def test_a_fall_is_no_time_out_and_is_counted():
-    env = build(settings("experiment=test"))
-    generator = torch.Generator().manual_seed(1)
-    seen = 0
-    for _ in range(60):
-        _, _, done, extras = env.step(actions("random", generator))
-        assert not extras["time_outs"].any()
-        rate = float(done.float().mean()) / 0.02
-        assert extras["log"]["/episode/falls_per_second"] == pytest.approx(rate)
-        seen += int(done.sum())
-    assert seen > 0
 
 
 def test_a_fall_at_the_time_limit_is_no_time_out():
@@ -183,22 +169,6 @@ def test_starts_on_the_reference(share, spread):
     np.testing.assert_allclose(state.heading_velocity, reference[:, 24:26], atol=1e-9)
     np.testing.assert_allclose(env.agent.filtered_velocity, command[:, :2])
     assert not state.base_position[:, :2].any()
-
-
-def test_starts_on_the_reference_have_no_foot_inside_the_ground():
-    """With the default's noise, over many episodes."""
-    whole = settings("experiment=default", "train.walking.reset.reference_fraction=1.0")
-    env = build(whole)
-    geometry, lowest = whole.robot.geometry, []
-    for _ in range(100):
-        state = env.physics.read()
-        heights = standing_height(geometry, state.rotation, state.joint_positions)
-        lowest.append(state.base_position[:, 2] - heights)
-        env.episode_length_buf[:] = env.max_episode_length
-        env.step(torch.zeros(NUM_ENVS, 12))
-    assert np.size(lowest) == 600
-    assert (np.array(lowest) < -0.001).mean() == 0.0
-    assert np.ptp(lowest) > 0.01, "not all at rest on the ground"
 
 
 def test_robots_at_rest_with_a_zero_command_are_halted_and_those_on_the_gait_step_on():
@@ -300,16 +270,6 @@ def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     np.testing.assert_allclose(yaw, expected, atol=1e-4)  # attitudes are blended as quaternions
     np.testing.assert_allclose(command[:, 3], expected - yaw, atol=1e-9)
     assert np.ptp(yaw) > 0.05
-
-
-def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
-    env = build(settings("experiment=test", "train.walking.velocities.period=0.0"))
-    for _ in range(5):
-        _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
-        assert not done.any()
-        error = (env.agent.filtered_velocity[:, 0] - env.agent.command[:, 0]).abs().numpy()
-        assert extras["log"]["/episode/speed_error"] == pytest.approx(error.mean())
-    assert error.mean() > 0.01
 
 
 class Watched(Reward):

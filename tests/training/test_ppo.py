@@ -49,12 +49,6 @@ def test_scalars_against_the_clock_are_dropped():
     assert curve == [{"iteration": 2, "Train/mean_reward": 3.0}]  # the same on any machine
 
 
-@pytest.mark.parametrize(("precision", "mixed"), [("bfloat16", True), ("float32", False)])
-def test_precision(precision, mixed):
-    settings = runner_config(_with_precision(precision), NoTracker(), [])
-    assert settings["algorithm"]["use_mixed_precision"] is mixed
-
-
 def test_a_training_does_not_choose_its_precision():
     with pytest.raises(ValueError, match="expected float32 or bfloat16, found auto"):
         runner_config(_with_precision("auto"), NoTracker(), [])

@@ -175,13 +175,6 @@ def test_a_damaged_checkpoint_is_set_aside(tmp_path, damaged, goes_on_from, star
     assert trainer._job.volatile.get("resumed", False) is (goes_on_from > 0)
 
 
-def test_the_last_chunk_is_shorter_rather_than_past_the_target(tmp_path):
-    selection = replace(config(*TINY).train.walking.selection, interval=2)
-    run = trained(tmp_path, iterations=3, selection=selection)
-    assert run.iterations == [0, 1, 2]
-    assert [row.split(",")[0] for row in run.rows(SELECTION)] == ["2", "3"]
-
-
 def test_same_seed_same_policy(tmp_path):
     runs = [trained(tmp_path / str(k), iterations=2, seed=seed) for k, seed in enumerate((1, 1, 2))]
     assert same(actor(runs[0].trainer), actor(runs[1].trainer))

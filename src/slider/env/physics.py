@@ -44,7 +44,7 @@ class BatchedPhysics:
     or torques. See :class:`SimulationOptions`.
     A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
     :meth:`measure`. Without ``instruments`` it is faster but has no :meth:`contacts`. Robots that
-    :meth:`retire` stay where they are until they are placed anew.
+    :meth:`retire` stay where they are until their next :meth:`reset`.
     """
 
     def __init__(

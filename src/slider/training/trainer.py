@@ -63,7 +63,7 @@ class Trainer:
             last.mul_(self._task.train.network.output_scale)
 
     def start_from(self, weights: Path) -> None:
-        """Initialise actor, critic and normalisers; the action noise starts anew.
+        """Initialise actor, critic and normalisers; the action noise keeps its initial size.
 
         Observations that did not vary in the other training, such as the commands of one that
         stands, start with a standard deviation of 1.

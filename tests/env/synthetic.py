@@ -13,7 +13,7 @@ from slider.config.env import PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.core.arrays import tensors
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.guide import Guide
 from slider.env.instruments import CONTACT_FORCE, Contacts
 from slider.env.interface import FLOAT64, AgentInterface

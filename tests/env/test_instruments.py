@@ -6,19 +6,18 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.env.ground import FLAT
 from slider.env.instruments import (
     CONTACT_FORCE,
     LIFT_TIME,
     TOUCH_TIME,
     DriveLoads,
-    join,
     loads,
     observe,
     over,
     touchdowns,
 )
 from slider.env.physics import BatchedPhysics
+from slider.env.terrain import FLAT
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos
@@ -81,15 +80,6 @@ def test_they_move_as_the_foots_material_does_there():
         np.testing.assert_allclose(
             velocities[robot, 0, foot, end], jacobian @ qvel[robot], atol=1e-9
         )
-
-
-def test_the_middle_of_the_foot_is_between_its_ends():
-    """To the second order of the tilt: the lowest points of a tilted capsule are elsewhere."""
-    physics = stand(make_physics(2), seconds=0.2)
-    positions, velocities = physics.foot_ends()
-    state = physics.read()
-    np.testing.assert_allclose(positions[:, -1].mean(axis=2), state.foot_positions, atol=1e-6)
-    np.testing.assert_allclose(velocities[:, -1].mean(axis=2), state.foot_velocities, atol=1e-6)
 
 
 def test_loaded_ends_are_the_simulators_contacts():
@@ -210,20 +200,6 @@ def test_touchdowns_without_bounces(spans, expected):
     assert not found[:, 0, 1].any()
 
 
-def test_bounces_are_told_by_time_not_by_steps():
-    """Up for 24 ms in steps of 1 ms."""
-    forces = left_foot((10, 40), (64, 100))
-    assert touchdowns(forces, 0.001).sum() == 1
-    assert touchdowns(forces, TIMESTEP).sum() == 2
-
-
-def test_robots_and_feet_are_told_apart():
-    one, other = left_foot((20, 25), (30, 60)), left_foot((40, 90))[..., ::-1]
-    both = np.concatenate([one, other], axis=1)
-    found = touchdowns(both, TIMESTEP)
-    assert np.argwhere(found).tolist() == [[20, 0, 0], [40, 1, 1]]
-
-
 def feet(heights: list[list[float]], forces: list[float]):
     """Contacts of one robot in one step, of heights (foot, end) [m] and forces [N]."""
     ends = np.zeros((1, 1, 2, 2, 3))
@@ -239,13 +215,6 @@ def test_loaded_ends_are_those_that_sank_in_or_the_lower_one():
     assert found.loaded[0, 0].tolist() == [[False, True], [False, False]]
     np.testing.assert_allclose(found.speeds, 0.5, rtol=1e-6)
     np.testing.assert_allclose(found.leg_distance, [[0.1]], rtol=1e-6)
-
-
-def test_stretches_of_time_are_joined_in_order():
-    first, second = (feet([[0, 0], [0, 0]], [force, 0.0]) for force in (10.0, 20.0))
-    joined = join([first, second])
-    np.testing.assert_array_equal(joined.forces[:, 0, 0], [10.0, 20.0])
-    assert joined.loaded.shape == (2, 1, 2, 2)
 
 
 def test_loads_by_hand():

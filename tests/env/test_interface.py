@@ -25,7 +25,6 @@ from tests.env.synthetic import (
 
 UPPER_FEET = [i for i, name in enumerate(JOINTS) if name.endswith("upper_foot")]
 HALT = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
-PAPER = ("env=paper", "train/standing=paper", "train/walking=paper")
 
 
 def at_phase(phase: float, count: int = 3) -> AgentInterface:
@@ -40,24 +39,6 @@ def test_targets_of_an_action_in_left_stance():
     scale = config("experiment=test").env.action.scale
     expected = np.array([scale[name.split("_", 1)[1]] for name in JOINTS]) * action
     np.testing.assert_allclose(agent.act(action.copy()), expected, atol=1e-12)
-
-
-def test_the_same_action_in_right_stance_gives_mirrored_targets():
-    action = np.random.default_rng(0).uniform(-3, 3, (3, NUM_JOINTS))
-    left, right = at_phase(0.1), at_phase(0.6)
-    expected = left.act(action.copy())[:, PERMUTATION] * SIGN
-    np.testing.assert_allclose(right.act(action.copy()), expected, atol=1e-12)
-    np.testing.assert_allclose(right.action, left.action[:, PERMUTATION] * SIGN, atol=1e-12)
-    assert np.abs(expected - left.act(action.copy())).max() > 0.05
-
-
-def test_without_a_mirror_phase_does_not_matter():
-    action = np.random.default_rng(0).uniform(-1, 1, (3, NUM_JOINTS))
-    agent = make_agent(3, "env.phase.mirror=false", "env.action.offset=nominal")
-    agent.reset(np.arange(3), make_state(3), phase=np.array([0.1, 0.6, 0.9]))
-    targets = agent.act(np.tile(action[0], (3, 1)))
-    np.testing.assert_array_equal(targets[0], targets[1])
-    np.testing.assert_array_equal(targets[0], targets[2])
 
 
 def test_a_mirrored_robot_is_driven_to_a_mirrored_place():
@@ -106,17 +87,6 @@ def test_upper_feet_are_passive(phase):
     expected = np.tile(agent.nominal[UPPER_FEET], (3, 1))
     np.testing.assert_array_equal(targets[:, UPPER_FEET], expected)
     np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)
-
-
-def test_the_previous_action_is_the_one_before():
-    agent = at_phase(0.1, 1)
-    agent.act(np.full((1, NUM_JOINTS), 0.2))
-    agent.act(np.full((1, NUM_JOINTS), -0.4))
-    assert agent.action[0, 0] == pytest.approx(-0.4)
-    assert agent.previous_action[0, 0] == pytest.approx(0.2)
-    agent.reset(np.array([0]), make_state(1))
-    assert not agent.action.any()
-    assert not agent.previous_action.any()
 
 
 def test_the_clock_keeps_the_librarys_pace_and_wraps():
@@ -180,20 +150,6 @@ def test_the_reference_goes_to_the_command_with_a_constant_acceleration():
         np.testing.assert_allclose(agent.expected_velocity[0], expected, atol=1e-12)
 
 
-def test_a_robot_that_lags_does_not_hold_its_reference_back():
-    """At a zero command a running robot meets the gait of standing, not one of its own speed."""
-    agent = make_agent(1, "env.action.offset=gait", "env.reference.acceleration=2.0")
-    running = make_state(1, heading_velocity=[[1.0, 0.0]])
-    agent.set_velocity_command(np.array([0]), np.array([[1.0, 0.0, 0.0]]))
-    agent.reset(np.array([0]), running, phase=0.3, velocity=np.array([[1.0, 0.0]]))
-    agent.set_velocity_command(np.array([0]), np.zeros((1, 3)))
-    for _ in range(26):
-        agent.advance(running)
-    np.testing.assert_array_equal(agent.reference_velocity, [[0.0, 0.0]])
-    gait = gait_table().at(np.zeros((1, 3)), agent.clock.phase.numpy())[:, :NUM_JOINTS]
-    np.testing.assert_allclose(agent.act(np.zeros((1, NUM_JOINTS))), gait, atol=1e-12)
-
-
 def test_without_acceleration_and_filters_everything_passes_at_once():
     agent = make_agent(1, "env.observation.velocity_filter=0", "env.reference.acceleration=0")
     agent.reset(np.array([0]), make_state(1))
@@ -225,14 +181,6 @@ def test_resetting_one_robot_leaves_the_others():
     assert agent.heading_target[1] == pytest.approx(0.7)
     agent.reset(np.array([1]), moving, heading=np.array([0.1]))
     np.testing.assert_allclose(agent.heading_target, [0.7, 0.1])
-
-
-def test_the_papers_agent_has_no_clock():
-    agent = make_agent(2, *PAPER)
-    agent.reset(np.arange(2), make_state(2))
-    agent.advance(make_state(2))
-    assert agent.clock is None
-    assert agent.observe(make_state(2)).shape == (2, 235)
 
 
 def test_a_clock_needs_step_times():
@@ -301,9 +249,3 @@ def test_the_clock_halts_by_the_filtered_velocity_of_the_robot():
     for _ in range(30):
         agent.advance(fast)
     np.testing.assert_array_equal(agent.view(fast).halted, [False, True])
-
-
-def test_a_residual_action_needs_the_gaits():
-    settings = config("experiment=test", "env.action.offset=gait")
-    with pytest.raises(UserError, match=r"env\.action\.offset=gait: expected the gaits"):
-        AgentInterface(settings.robot, settings.env, 2, gait_table().times)

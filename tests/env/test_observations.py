@@ -7,7 +7,6 @@ import pytest
 import torch
 
 from slider.config.env import HeightScan, ObservationConfig
-from slider.core.errors import UserError
 from slider.env.observations import TERMS, Observer
 from slider.env.state import View
 from tests.env.synthetic import (
@@ -79,17 +78,6 @@ def test_the_papers_layout():
     assert sum(layout.values()) == 235
 
 
-def test_the_default_layout_matches_what_is_computed():
-    settings = config("experiment=default").env.observation
-    see = Observer(settings)
-    values = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
-    assert values.shape == (COUNT, see.size)
-    assert values.dtype == torch.float32
-    assert see.layout["command"] == 4
-    assert see.layout["joint_positions"] == 12
-    assert see.size == sum(see.layout.values())
-
-
 @pytest.mark.parametrize("name", TERMS)
 def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
     see = observer(name)
@@ -101,16 +89,6 @@ def test_a_reflected_term_is_that_of_the_mirrored_robot(name):
     turned = (see.permutation != np.arange(see.size)).any() or (see.sign < 0.0).any()
     if turned and name != "height_scan":  # of flat ground
         assert (reflected - plain).abs().max() > 1e-2
-
-
-def test_reflecting_twice_changes_nothing():
-    see = observer(*TERMS)
-    both = torch.ones(COUNT, dtype=torch.bool)
-    there = see(physical_view(False), both)
-    back = see(physical_view(True), both)
-    plain = see(physical_view(False), torch.zeros(COUNT, dtype=torch.bool))
-    np.testing.assert_allclose(back, plain, atol=1e-6)
-    assert (there - plain).abs().max() > 0.1
 
 
 def test_only_the_asked_robots_are_reflected():
@@ -160,8 +138,3 @@ def test_scale_then_clip():
     values = see(view, torch.zeros(1, dtype=torch.bool))
     expected = np.clip(0.5 * np.linspace(-30, 30, 12), -10, 10)
     np.testing.assert_allclose(values[0], expected, rtol=1e-6)
-
-
-def test_an_unknown_term_is_one_line():
-    with pytest.raises(UserError, match=r"env.observation.terms: expected some of .*found nose"):
-        observer("joint_positions", "nose")

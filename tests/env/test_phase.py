@@ -6,7 +6,7 @@ import torch
 
 from slider.config.env import HaltConfig
 from slider.env.interface import FLOAT64
-from slider.env.phase import Clock, standing
+from slider.env.phase import Clock
 from tests.env.synthetic import STEP_TIME, gait_table
 
 PERIOD = 0.02
@@ -75,14 +75,6 @@ def test_steps_until_it_is_slow_and_again_when_it_is_pushed():
     assert np.ptp(run(clock, STAND, 30, mean_speed=0.3)) > 0.5, "still too fast to stand"
 
 
-def test_a_command_ends_the_halt_at_once():
-    clock = make_clock(HALT, 0.0, speed=0.0)
-    assert clock.halted[0]
-    phases = run(clock, GO, 2)
-    assert not clock.halted[0]
-    assert 0.0 < phases[0] < phases[1]
-
-
 def test_a_start_at_a_change_of_feet_may_stand_at_once():
     assert make_clock(HALT, 0.0, speed=0.1).halted[0]
     assert make_clock(HALT, 0.5, speed=0.1).halted[0]
@@ -92,8 +84,3 @@ def test_a_start_at_a_change_of_feet_may_stand_at_once():
     walking = make_clock(HALT, 0.0, speed=0.0)
     walking.reset(slice(None), 0.0, tensor(GO), torch.zeros(1))
     assert not walking.halted[0]
-
-
-def test_standing_is_an_exact_zero():
-    commands = np.array([[0, 0, 0, 1], [0, 1e-9, 0, 0], [0, 0, -0.1, 0]])
-    np.testing.assert_array_equal(standing(commands), [True, False, False])

@@ -155,31 +155,6 @@ def test_retired_robots_stay_and_the_others_go_on(differ):
     assert (some.qpos[1] != start[0][1]).any()
 
 
-def test_a_huge_target_is_bounded_by_the_motors():
-    physics = make_physics(2)
-    targets = np.zeros((2, NUM_JOINTS))
-    targets[1] = 1e6
-    for _ in range(10):
-        physics.step(targets)
-    state = physics.read()
-    assert not state.diverged.any()
-    assert (np.abs(state.motor_torques[1]) <= TORQUE_LIMITS + 1e-9).all()
-    assert np.abs(state.motor_torques[1] / TORQUE_LIMITS).max() > 0.9, "asked for nothing"
-
-
-def test_reset_clears_what_the_last_life_left():
-    physics = simulate(1)
-    physics.qpos[3] = np.nan
-    physics.step(np.zeros((6, NUM_JOINTS)))
-    assert physics.read().diverged[3]
-    qpos, qvel = random_pose(np.random.default_rng(5), 1)
-    physics.reset(np.array([3]), qpos, qvel)
-    state = physics.read()
-    assert not state.diverged[3]
-    assert state.foot_forces[3].sum() == 0.0
-    np.testing.assert_array_equal(physics.qpos[3], qpos[0])
-
-
 def test_blow_ups_write_no_log_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     physics = make_physics(2)
@@ -196,12 +171,3 @@ def test_a_base_faster_than_anything_real_counts_as_blown_up():
     physics.qvel[:, 2] = [900.0, 1100.0]
     physics.step(np.zeros((2, NUM_JOINTS)))
     assert physics.read().diverged.tolist() == [False, True]
-
-
-def test_mujoco_takes_no_times():
-    physics = make_physics(1)
-    data = mujoco.MjData(physics.model)
-    mujoco.mj_step(physics.model, data)
-    timer = data.timer[mujoco.mjtTimer.mjTIMER_STEP]
-    assert timer.number == 1
-    assert timer.duration == 0.0

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import torch
+from scipy.linalg import eigh, expm, solve_continuous_are
 
 from slider.config.train import RewardConfig, RewardTerm
-from slider.core.errors import UserError
 from slider.env.guide import Guide, observed_channels
-from slider.env.rewards import TERMS, Reward, RewardView
+from slider.env.rewards import TERMS, Lyapunov, Reward, RewardView
 from slider.env.state import View
 from slider.library.lookup import GaitTable
 from slider.robot.names import CHANNELS, JOINTS, MOTORS, NUM_CHANNELS
@@ -328,26 +328,6 @@ def test_clf_decrease(before, now, expected):
     np.testing.assert_allclose(found, [expected], rtol=1e-9, atol=2e-4 if before > now else 1e-12)
 
 
-def test_nothing_is_asked_of_the_first_step_of_an_episode():
-    view = seen(off_the_gait("left_hip_pitch", 5.0, 5.0))
-    np.testing.assert_array_equal(view.outputs_before, np.full((1, 2, 10), np.inf))
-    np.testing.assert_array_equal(TERMS["clf_decrease"].function(view, **CLF, **RATES), [0.0])
-
-
-def test_clf_rewards_are_bounded():
-    now, before = moving_view(), moving_view()
-    before.state.joint_positions[:] += 0.01
-    both = seen(now, before)
-    for values in (
-        TERMS["clf_value"].function(both, **CLF),
-        TERMS["clf_decrease"].function(both, **CLF, **RATES),
-    ):
-        assert values.shape == (40,)
-        assert (values >= 0.0).all()
-        assert (values <= 1.0).all()
-        assert np.ptp(values) > 0.01
-
-
 def brute_force(view: View, keep: np.ndarray) -> np.ndarray:
     """Distance to the nearest of the 42 samples of the nearest gait, one robot at a time."""
     gaits, observed = library(), observed_channels(view).numpy()
@@ -415,18 +395,6 @@ def test_the_nearest_gait_guides_at_its_own_velocity():
     assert (near != commands[:, :3]).any()
 
 
-def test_guide_nearest_is_zero_on_a_sample():
-    sample = library().samples[3, 17]
-    state = make_state(
-        1,
-        joint_positions=sample[:12],
-        joint_velocities=sample[12:24],
-        heading_velocity=sample[24:],
-    )
-    view = make_view(state, command=[[0.41, 0.09, 0, 0]])
-    assert value("guide_nearest", view, "nearest", masked=0.0)[0] == pytest.approx(0.0, abs=2e-3)
-
-
 def test_observed_channels_follow_the_names():
     state = make_state(
         1,
@@ -467,19 +435,6 @@ def test_the_printed_reward():
     assert len(parts) == 7
 
 
-def test_paper_adds_nothing_and_paper_alive_a_constant():
-    view = moving_view()
-    fell = np.arange(40) < 5
-    plain = Reward(config(PAPER_EXPERIMENT).train.walking.reward)
-    both = [plain(RewardView(view, make_guide()), f)[0] for f in (fell, ~fell)]
-    np.testing.assert_array_equal(both[0], both[1])
-    settings = config("experiment=paper_alive").train.walking.reward
-    nobody = np.zeros(40, dtype=bool)
-    alive = Reward(settings)(RewardView(view, make_guide()), nobody)[0]
-    expected = settings.scale * (both[0] + settings.terms["alive"].weight)
-    np.testing.assert_allclose(alive, expected, rtol=1e-9)
-
-
 def simple(**settings: float) -> Reward:
     terms = {"alive": RewardTerm(2.0), "height_tanh": RewardTerm(-10.0)}
     return Reward(RewardConfig(terms, **{"scale": 1.0, "floor": -1e9, "on_fall": 0.0, **settings}))
@@ -499,41 +454,58 @@ def test_floor_then_scale_then_fall():
     np.testing.assert_allclose(parts["height_tanh"], -10.0 * np.tanh([0.1, 0.6]))
 
 
-@pytest.mark.parametrize(
-    ("terms", "message"),
-    [
-        ({"glory": RewardTerm(1.0)}, "expected some of alive, .*; found glory"),
-        ({"height": RewardTerm(1.0)}, r"height.params: expected width, found none"),
-        ({"alive": RewardTerm(1.0, {"width": 1.0})}, r"alive.params: expected none, found width"),
-        (
-            {"yaw_rate": RewardTerm(1.0, {"widht": 1.0})},
-            r"yaw_rate.params: expected width, found widht",
-        ),
-        (
-            {"heading": RewardTerm(1.0, {"width": 0.0})},
-            "width: expected greater than 0, found 0.0",
-        ),
-        (
-            {"feet_close": RewardTerm(1.0, {"least": -0.1})},
-            "least: expected greater than 0, found -0.1",
-        ),
-        (
-            {"airborne": RewardTerm(1.0, {"unloaded": -1.0})},
-            "unloaded: expected greater than or equal to 0, found -1.0",
-        ),
-        (
-            {"guide_nearest": RewardTerm(1.0, {"masked": 2.0})},
-            "masked: expected less than or equal to 1, found 2.0",
-        ),
-    ],
-)
-def test_unknown_terms_and_parameters_are_one_line(terms, message):
-    with pytest.raises(UserError, match=message) as error:
-        Reward(RewardConfig(terms, 1.0, 0.0, 0.0))
-    assert "\n" not in str(error.value)
+CASES = [(20.0, 2.0), (1.0, 0.0), (7.3, 11.0)]
+F, G = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]])
 
 
-def test_a_guide_term_needs_a_library():
-    reward = Reward(RewardConfig({"guide_phase": RewardTerm(1.0, {"width": 1.0})}, 1.0, 0.0, 0.0))
-    with pytest.raises(UserError, match="expected a gait library"):
-        reward(RewardView(make_view(make_state(1)), None), np.zeros(1, dtype=bool))
+def weights(clf: Lyapunov) -> tuple[np.ndarray, np.ndarray]:
+    """Q and R in seconds."""
+    return np.diag([1.0, clf.rate_weight / clf.bandwidth**2]), np.array([[clf.bandwidth**-4.0]])
+
+
+def in_seconds(clf: Lyapunov) -> np.ndarray:
+    """P of (y, ẏ), whose V is the cost of the LQR [s]."""
+    scale = np.diag([1.0, 1.0 / clf.bandwidth])
+    return scale @ clf.matrix @ scale / clf.bandwidth
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_p_solves_the_riccati_equation(case):
+    clf = Lyapunov(*case)
+    q, r = weights(clf)
+    np.testing.assert_allclose(in_seconds(clf), solve_continuous_are(F, G, q, r), rtol=1e-9)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_many_outputs_are_blocks(case):
+    """V of three outputs is that of the Riccati equation of all three together."""
+    clf, three = Lyapunov(*case), np.eye(3)
+    q, r = weights(clf)
+    whole = solve_continuous_are(*(np.kron(three, block) for block in (F, G, q, r)))
+    error = np.random.default_rng(0).standard_normal((5, 2, 3))
+    eta = error.transpose(0, 2, 1).reshape(5, 6)
+    expected = clf.bandwidth * np.einsum("ni,ij,nj->n", eta, whole, eta)
+    np.testing.assert_allclose(clf.value(error), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_v_decreases_along_the_closed_loop_of_the_lqr(case):
+    """V̇ ≤ −λV with the greatest λ that Q and P allow, which some state attains."""
+    clf = Lyapunov(*case)
+    (q, r), p = weights(clf), in_seconds(clf)
+    gain = np.linalg.solve(r, G.T @ p)
+    decay = eigh(q + gain.T @ r @ gain, p, eigvals_only=True)[0]
+    assert decay > 0.1 * clf.bandwidth
+    poles = np.linalg.eigvals(F - G @ gain)
+    np.testing.assert_allclose(np.prod(poles).real, clf.bandwidth**2)
+    np.testing.assert_allclose(-poles.sum().real, clf.bandwidth * np.sqrt(clf.rate_weight + 2.0))
+    period = 0.02 / clf.bandwidth
+    step = expm((F - G @ gain) * period)
+    eta = np.random.default_rng(1).standard_normal((400, 2)) * [1.0, clf.bandwidth]
+    ratios = []
+    for _ in range(100):
+        after = eta @ step.T
+        ratios.append(clf.value(after[:, :, None]) / clf.value(eta[:, :, None]))
+        eta = after
+    assert np.max(ratios) <= np.exp(-decay * period) * (1 + 1e-9)
+    assert np.max(ratios) > np.exp(-1.01 * decay * period)

@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from slider.config.env import EnvConfig
 from slider.env.physics import BatchedPhysics
@@ -75,29 +74,6 @@ def record(physics: BatchedPhysics | None = None, env: EnvConfig | None = None) 
     )
 
 
-def test_shapes_and_period():
-    recording = record()
-    assert recording.period == 0.02
-    assert recording.alive.shape == recording.yaw.shape == (20, COUNT)
-    assert recording.velocity.shape == recording.foot_forces.shape == (20, COUNT, 2)
-    assert recording.foot_positions.shape == (20, COUNT, 2, 3)
-    np.testing.assert_array_equal(recording.command[:, :, 0], 0.3)
-    assert recording.position.shape == (20, COUNT, 2)
-    assert recording.timestep == 0.005
-    assert recording.contacts.forces.shape == recording.contacts.loaded.shape[:3] == (80, COUNT, 2)
-    assert recording.contacts.leg_distance.shape == (80, COUNT)
-
-
-def test_contacts_are_seen_between_control_steps():
-    """The thrown robot lands in some simulation step, and is there at the control steps as well."""
-    recording = record()
-    forces = recording.contacts.forces[:, 1].sum(axis=1)
-    landing = np.flatnonzero((forces[1:] > 0) & (forces[:-1] == 0)) + 1
-    assert len(landing)
-    assert landing[0] % 4 != 3, "not at a control step's last"
-    np.testing.assert_array_equal(recording.foot_forces, recording.contacts.forces[3::4])
-
-
 def test_the_controller_is_called_once_per_period_with_the_latest_state():
     controller, shares = Stiff(), []
     command = np.zeros((COUNT, 3))
@@ -113,16 +89,6 @@ def test_the_controller_is_called_once_per_period_with_the_latest_state():
             controller.seen[k + 1].heading_velocity, recording.velocity[k]
         )
     np.testing.assert_allclose(shares, np.arange(1, 21) / 20)
-
-
-def test_a_robot_falls_in_the_step_in_which_it_is_too_low():
-    high = environment(base_height=0.7)  # only a robot thrown upwards is above this, for a while
-    recording = record(env=high)
-    assert not recording.alive[0, 0], "standing is below 0.7 m"
-    assert recording.alive[5, 1], "thrown upwards is above"
-    assert not recording.survived[1], "and falls back"
-    changes = np.diff(recording.alive.astype(int), axis=0)
-    assert (changes <= 0).all()
 
 
 def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
@@ -142,37 +108,11 @@ def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
     np.testing.assert_array_equal(recording.survived, [True, False])
 
 
-def test_a_blow_up_counts_as_a_fall_for_ever():
-    physics = make_physics(COUNT)
-    step = physics.step
-    calls = []
-
-    def spoiling(targets: np.ndarray) -> None:
-        calls.append(targets)
-        if len(calls) == 5:
-            physics.qvel[3, 6:] = 1e9
-        step(targets)
-
-    physics.step = spoiling
-    recording = record(physics)
-    np.testing.assert_array_equal(recording.diverged, [False, False, False, True])
-    np.testing.assert_array_equal(recording.alive[:, 3], np.arange(20) < 4)
-    assert np.isfinite(recording.velocity).all()
-
-
 def test_the_same_start_gives_the_same_recording():
     physics = make_physics(COUNT)
     first, second = record(physics), record(physics)  # nothing is left of the first
     for name in ("alive", "velocity", "yaw", "foot_forces", "foot_positions", "diverged"):
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name), err_msg=name)
-
-
-def test_standing_is_survived():
-    recording = record()
-    assert recording.survived[0]
-    assert np.abs(recording.velocity[:, 0]).max() < 0.1
-    weight = 9.81 * make_physics(1).model.body_mass.sum()
-    assert recording.foot_forces[10:, 0].sum(axis=1).mean() == pytest.approx(weight, rel=0.05)
 
 
 def test_a_plant_with_shorter_steps_asks_more_often_and_is_recorded_as_often():
@@ -186,14 +126,6 @@ def test_a_plant_with_shorter_steps_asks_more_often_and_is_recorded_as_often():
         np.testing.assert_array_equal(
             controller.seen[4 * (k + 1)].heading_velocity, recording.velocity[k]
         )
-
-
-def test_torques_of_zero_let_the_legs_slide():
-    settings = replace(config("experiment=test").env.physics, substeps=1)
-    physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque")
-    loose = roll_out(Stiff(), physics, environment(), starts(), np.zeros((COUNT, 3)), 1.0)
-    assert record().survived[0]
-    assert not loose.survived[0], "a position drive holds its place, a torque drive does not"
 
 
 def test_generalised_coordinates_of_a_state_are_the_plants():
@@ -216,16 +148,6 @@ def test_the_controller_is_told_of_changes_only():
     for step, velocity in controller.commanded:
         np.testing.assert_array_equal(velocity, commands[step])
     np.testing.assert_array_equal(recording.command, commands)
-
-
-def test_positions_are_the_integral_of_velocities():
-    recording = record()
-    turned = recording.yaw[:, 3]
-    assert np.abs(turned).max() < 0.02  # so that heading and world agree
-    way = np.cumsum(recording.velocity[:, 3, 0]) * recording.period
-    np.testing.assert_allclose(
-        recording.position[1:, 3, 0] - recording.position[0, 3, 0], way[1:] - way[0], atol=5e-3
-    )
 
 
 def test_the_controller_is_told_the_measured_state_and_the_recording_is_true():
@@ -260,15 +182,6 @@ def test_power_is_that_of_the_torques_that_were_achieved():
             np.testing.assert_allclose(found, np.mean(power, axis=0), rtol=1e-9)
         first[gain] = recording.power[0]
     assert (first[1.0] > 1.2 * first[0.5]).all()
-
-
-def test_weight_is_that_of_the_robots_that_were_drawn():
-    weak = disturbed_physics(COUNT, "motor_gain={lower: 0.5, upper: 0.5}", "mass.upper=1.3")
-    start = tuple(values[[0] * COUNT] for values in starts())
-    recording = roll_out(Stiff(), weak, environment(), start, np.zeros((COUNT, 3)), 0.2)
-    assert recording.weight.shape == (COUNT,)
-    np.testing.assert_allclose(recording.weight, weak.masses * 9.81)
-    assert np.ptp(recording.weight) > 1.0
 
 
 def test_a_robot_that_blew_up_within_a_control_step_is_lost():

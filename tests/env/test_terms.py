@@ -119,13 +119,6 @@ def test_a_reworded_meaning_is_exported_anew_and_trains_nothing(monkeypatch):
     assert changed == {"policy_export"}
 
 
-def test_a_documented_parameter_has_its_bounds(documented):
-    term, _ = overridden(documented)
-    message = r"reward.terms.knock.params.limit: expected a number in \(0, 100\] m/s, found 0"
-    with pytest.raises(UserError, match=message):
-        checked(config("experiment=test", term.replace("0.6", "0.0")))
-
-
 def test_a_name_is_taken_once():
     with pytest.raises(ValueError, match="expected a new name for a term, found alive again"):
         reward()(rewards.alive)
@@ -169,38 +162,13 @@ MISTAKES = [
         "train.walking.reward.terms.heading.params.width=0",
         "heading.params.width: expected a number in (0, 10000] rad², found 0",
     ),
-    (
-        "train.walking.reward.terms.forward_velocity_filtered.params.relative=-1",
-        "forward_velocity_filtered.params.relative: expected a number in [0, 1e9], found -1",
-    ),
     ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms: expected"),
-    ("+train.standing.reward.terms.glory={weight: 0}", "train.standing.reward.terms: expected"),
-    (
-        "+train.walking.reward.terms.upright.params.x=1",
-        "params: expected width, found width, x",
-    ),
     ("+train.walking.reward.terms.effort.params.x=1", "effort.params: expected none, found x"),
     ("~train.walking.reward.terms.heading.params.width", "params: expected width, found none"),
     (
         "train.walking.reward.terms.heading.params.width=abc",
         'heading.params.width: expected a number, found "abc"',
     ),
-    (
-        "+train.walking.reward.terms.clf_value="
-        "{weight: 1.0, params: {bandwidth: 0.0, rate_weight: 2.0, eta_max: 0.5}}",
-        "clf_value.params.bandwidth: expected a number in (0, 10000] rad/s, found 0",
-    ),
-    (
-        "+train.walking.reward.terms.clf_value="
-        "{weight: 1.0, params: {bandwidth: 20.0, rate_weight: -2.0, eta_max: 0.5}}",
-        "clf_value.params.rate_weight: expected a number in [0, 1e9], found -2",
-    ),
-    (
-        "+train.walking.reward.terms.clf_decrease={weight: -1.0, params: "
-        "{bandwidth: 20.0, rate_weight: 2.0, eta_max: 0.5, eta_dot_max: 5.0, decay: -1.0}}",
-        "clf_decrease.params.decay: expected a number in [0, 10000] 1/s, found -1",
-    ),
-    ("env.termination.terms.tilt=abc", 'terms.tilt: expected a number, found "abc"'),
     ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
     ("+env.termination.terms.boredom=1.0", "env.termination.terms: expected some of"),
     (
@@ -215,11 +183,6 @@ def test_every_mistake_is_one_line(override, message, capsys):
     assert main(["config", override, "--conf", str(CONF)]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
-
-
-def test_a_mistake_of_a_fine_tuning_names_it():
-    with pytest.raises(UserError, match=r"finetuning\.reward\.terms: expected .*; found glory"):
-        checked(config("finetuning=robust", "+finetuning.reward.terms.glory={weight: 1.0}"))
 
 
 @pytest.mark.parametrize(
@@ -240,17 +203,6 @@ def test_no_plan_is_laid_out_with_a_mistake(overrides, message, capsys, tmp_path
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(message)
     assert not list(tmp_path.iterdir())
-
-
-@pytest.mark.parametrize(
-    "command",
-    [("play", "zero", "--headless", "--set"), ("benchmark-training",), ("benchmark-control",)],
-)
-def test_other_doors_refuse_a_mistake(command, capsys):
-    mistake = "+env.termination.terms.boredom=1.0"
-    assert main([*command, mistake, "--conf", str(CONF)]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.endswith("found boredom")
 
 
 def test_a_term_that_counts_needs_its_clock_and_its_library():

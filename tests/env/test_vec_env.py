@@ -1,5 +1,6 @@
 """Every variant of the environment builds, resets and steps, with agents that know nothing."""
 
+import dataclasses
 from dataclasses import replace
 
 import numpy as np
@@ -8,23 +9,17 @@ import torch
 
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
-from slider.core.errors import UserError
-from slider.env.declaration import Needs
 from slider.env.guide import Guide
-from slider.env.interface import FLOAT64
 from slider.env.rewards import Lyapunov, Reward, RewardView
-from slider.env.task import Task
-from slider.env.vec_env import WalkingEnv
+from slider.env.vec_env import Task, WalkingEnv, task_of
 from slider.library.lookup import GaitTable
-from slider.robot.kinematics import standing_height
 from tests.env.synthetic import (
     config,
     gait_table,
     make_guide,
-    make_library,
-    step_time,
     turning_library,
 )
+from tests.library.gaits import write_store
 
 EXPERIMENTS = ("default", "turning", "omni", "robust", "paper", "paper_alive", "smoke", "test")
 NUM_ENVS = 6
@@ -84,19 +79,6 @@ def test_builds_resets_and_steps(experiment, training, agent):
         assert falls > 0, "a random agent falls within a second"
 
 
-def test_a_fall_is_no_time_out_and_is_counted():
-    env = build(settings("experiment=test"))
-    generator = torch.Generator().manual_seed(1)
-    seen = 0
-    for _ in range(60):
-        _, _, done, extras = env.step(actions("random", generator))
-        assert not extras["time_outs"].any()
-        rate = float(done.float().mean()) / 0.02
-        assert extras["log"]["/episode/falls_per_second"] == pytest.approx(rate)
-        seen += int(done.sum())
-    assert seen > 0
-
-
 def test_a_fall_at_the_time_limit_is_no_time_out():
     env = build(settings("experiment=test"))
     for _ in range(3):
@@ -123,21 +105,6 @@ def test_episodes_end_at_their_length():
         ended.append(done.numpy())
     when = np.argwhere(np.array(ended)).tolist()
     assert when == [[0, 5], [5, 3], [5, 4], [9, 0], [9, 1], [9, 2]]
-
-
-def test_a_fall_is_punished_once():
-    plain = settings("experiment=test", "train.walking.reward.on_fall=0.0")
-    punished = settings("experiment=test", "train.walking.reward.on_fall=-50.0")
-    one, other = build(plain), build(punished)
-    generators = [torch.Generator().manual_seed(2) for _ in range(2)]
-    falls = 0
-    for _ in range(50):
-        _, first, done, _ = one.step(actions("random", generators[0]))
-        _, second, again, _ = other.step(actions("random", generators[1]))
-        np.testing.assert_array_equal(done, again)
-        np.testing.assert_allclose(second - first, -50.0 * done, atol=1e-4)
-        falls += int(done.sum())
-    assert falls > 0
 
 
 def test_observations_after_an_end_are_those_of_the_new_episode():
@@ -204,38 +171,6 @@ def test_starts_on_the_reference(share, spread):
     assert not state.base_position[:, :2].any()
 
 
-def test_starts_on_the_reference_have_no_foot_inside_the_ground():
-    """With the default's noise, over many episodes."""
-    whole = settings("experiment=default", "train.walking.reset.reference_fraction=1.0")
-    env = build(whole)
-    geometry, lowest = whole.robot.geometry, []
-    for _ in range(100):
-        state = env.physics.read()
-        heights = standing_height(geometry, state.rotation, state.joint_positions)
-        lowest.append(state.base_position[:, 2] - heights)
-        env.episode_length_buf[:] = env.max_episode_length
-        env.step(torch.zeros(NUM_ENVS, 12))
-    assert np.size(lowest) == 600
-    assert (np.array(lowest) < -0.001).mean() == 0.0
-    assert np.ptp(lowest) > 0.01, "not all at rest on the ground"
-
-
-@pytest.mark.parametrize(("share", "error"), [(1.0, -0.08), (0.0, 0.0)])
-def test_on_the_gait_robots_head_along_its_course_and_at_rest_where_they_look(share, error):
-    guide = make_guide()
-    straight = guide.states
-
-    def turned(*arguments):
-        qpos, qvel = straight(*arguments)
-        qpos[:, 3:7] = torch.tensor([np.cos(0.04), 0.0, 0.0, np.sin(0.04)])
-        return qpos, qvel
-
-    guide.states = turned  # type: ignore[method-assign]
-    start = (f"train.walking.reset.reference_fraction={share}", "env.start.tilt=0.0")
-    env = build(settings("experiment=test", *start), guide=guide)
-    np.testing.assert_allclose(env.agent.command[:, 3], error, atol=1e-9)
-
-
 def test_robots_at_rest_with_a_zero_command_are_halted_and_those_on_the_gait_step_on():
     halt = ("env.phase.halt.below=0.2", "env.phase.halt.above=0.4")
     stand = "train.walking.velocities.standing_fraction=1.0"
@@ -274,30 +209,6 @@ def test_commands_are_seen_and_change():
     limits = whole.train.walking.velocities.vx
     assert (before != after).any(axis=1).mean() > 0.5
     assert ((after[:, 0] >= limits.lower) & (after[:, 0] <= limits.upper)).all()
-
-
-def test_unknown_terms_are_refused_at_once():
-    for override, key, found in (
-        ("+env.termination.terms.boredom=1.0", "env.termination.terms", "boredom"),
-        ("+train.walking.reward.terms.glory={weight: 1.0}", "reward.terms", "glory"),
-    ):
-        with pytest.raises(UserError) as error:
-            build(settings("experiment=test", override))
-        assert str(error.value).startswith(f"{key}: expected some of ")
-        assert str(error.value).endswith(f"; found {found}")
-
-
-def test_what_is_observed_is_the_state_after_the_resets():
-    env = build(settings("experiment=test"))
-    fallen = 0
-    for _ in range(40):
-        env.physics.qpos[0, 2] = 0.2  # falls in every step
-        _, _, done, _ = env.step(torch.zeros(env.num_envs, 12))
-        fallen += int(done.sum())
-        fresh = env.physics.read()
-        expected = env.agent.observe(fresh.tensors(FLOAT64))
-        np.testing.assert_array_equal(env.get_observations()["policy"].numpy(), expected)
-    assert fallen >= 40
 
 
 def test_disturbances_spoil_what_the_agent_sees_and_not_the_start_of_the_others():
@@ -340,21 +251,6 @@ def test_every_episode_meets_another_robot():
     np.testing.assert_array_equal(np.flatnonzero(env.physics.masses != before), [2])
 
 
-def test_a_library_of_one_gait_guides_at_every_command():
-    """Outside of the grid its border counts: with one velocity, that gait."""
-    library = make_library(((0.33, 0.0),))
-    table = GaitTable.from_library(library)
-    whole = settings("experiment=default")
-    walking, guide = whole.train.walking, Guide(library, table)
-    env = WalkingEnv(Task(whole.robot, whole.env, walking, table.times, guide, table.joints))
-    for _ in range(20):
-        observations, reward, _, _ = env.step(torch.zeros(NUM_ENVS, 12))
-        assert torch.isfinite(observations["policy"]).all()
-        assert torch.isfinite(reward).all()
-    commands = np.array([(0.0, 0.0, 0.0), (3.0, 0.0, 0.0)])
-    np.testing.assert_array_equal(table.times.at(commands), step_time(0.33))
-
-
 def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     """The heading target is the course of the walk at the phase of the start."""
     library = turning_library()
@@ -374,16 +270,6 @@ def test_robots_that_start_on_a_turning_gait_are_on_their_course():
     np.testing.assert_allclose(yaw, expected, atol=1e-4)  # attitudes are blended as quaternions
     np.testing.assert_allclose(command[:, 3], expected - yaw, atol=1e-9)
     assert np.ptp(yaw) > 0.05
-
-
-def test_the_logged_speed_error_is_that_of_the_low_passed_forward_velocity():
-    env = build(settings("experiment=test", "train.walking.velocities.period=0.0"))
-    for _ in range(5):
-        _, _, done, extras = env.step(torch.zeros(NUM_ENVS, 12))
-        assert not done.any()
-        error = (env.agent.filtered_velocity[:, 0] - env.agent.command[:, 0]).abs().numpy()
-        assert extras["log"]["/episode/speed_error"] == pytest.approx(error.mean())
-    assert error.mean() > 0.01
 
 
 class Watched(Reward):
@@ -419,8 +305,42 @@ def test_the_decrease_of_v_is_over_a_control_step_and_not_over_a_reset():
     assert violated > NUM_ENVS
 
 
-def test_errors_are_kept_only_for_terms_that_look_back():
-    env = build(settings("experiment=test"))
-    assert Needs.HISTORY not in env._reward.needs
-    env.step(torch.zeros(NUM_ENVS, 12))
-    assert np.isinf(env._outputs).all()
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    return write_store(tmp_path_factory.mktemp("library"), [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)])
+
+
+def make(library, *overrides: str, guided: bool = True) -> Task:
+    whole = config("experiment=test", *overrides)
+    return task_of(whole.robot, whole.env, whole.train.walking, library, guided)
+
+
+def test_actions_about_the_gait_get_the_gaits(library):
+    assert make(library, "env.action.offset=nominal").reference is None
+    reference = make(library, "env.action.offset=gait").reference
+    assert reference is not None
+    assert reference.positions.shape == (3, 1, 1, 42, 12)
+
+
+def test_only_a_guided_training_gets_a_guide(library):
+    whole, unguided = make(library), make(library, guided=False)
+    assert whole.guide is not None
+    assert unguided.guide is None
+    assert unguided.reference is not None, "its actions are about the gait all the same"
+    assert dataclasses.replace(whole, guide=None, times=None, reference=None) == (
+        dataclasses.replace(unguided, times=None, reference=None)
+    )
+
+
+def test_the_clock_runs_at_its_own_pace_or_at_that_of_the_gaits(library):
+    commands = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)])
+    clocks = {
+        "env/phase=clock": [0.42, 0.37],  # as the gaits were written
+        "env.phase.step_time=0.3": [0.3, 0.3],
+    }
+    for override, expected in clocks.items():
+        times = make(library, override).times
+        assert times is not None
+        np.testing.assert_allclose(times.at(commands), expected)
+    assert make(library, "env/phase=none").times is None
+    assert make(None, "env/phase=clock").times is None

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.stages import table1_jobs
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.evaluation import stage
@@ -53,27 +52,6 @@ def test_walks_and_its_records_are_those_of_the_policy(tmp_path, controller, spe
     np.testing.assert_allclose(found.robots.columns["touchdown_rate"], 1 / step.time, atol=0.7)
     assert found.controller == controller
     assert found.robots.success.value == 1.0
-
-
-def jobs(*overrides: str) -> dict:
-    found = table1_jobs(config(*overrides))["table1"].inputs["evaluations"]
-    return {(job.section["controller"], job.section["speed"]): job for job in found}
-
-
-def test_both_settings_are_jobs_of_their_own_that_need_no_training():
-    found = jobs()
-    names = {controller for controller, _ in found}
-    assert names == {"policy", "hzd", "mpc_wbc_literal", "mpc_wbc_tuned"}
-    assert len(found) == 4 * len(config().evaluation.speeds)
-    for (controller, _), job in found.items():
-        assert (job.stage == "baseline") == (controller in config().control)
-        assert bool(job.inputs) == (controller in ("policy", "hzd"))
-
-
-def test_a_setting_reruns_only_its_own_jobs():
-    before, after = jobs(), jobs("control.mpc_wbc_tuned.step.apex=0.08", "env.action.clip=3.0")
-    changed = {key[0] for key, job in before.items() if job.recipe != after[key].recipe}
-    assert changed == {"policy", "mpc_wbc_tuned"}  # the policy for its actions
 
 
 def test_walks_disturbed_robots(tmp_path):

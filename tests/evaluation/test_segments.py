@@ -39,11 +39,6 @@ def test_ramps_lead_from_one_command_to_the_next():
     assert not values[:50].any()
 
 
-def test_windows_leave_the_start_of_each_segment_out():
-    steps = windows(case(), 0.5, 3.0, PERIOD)
-    assert steps == [slice(25, 50), slice(75, 100), slice(125, 150)]
-
-
 @pytest.mark.parametrize(("time", "step"), [(0.02, 1), (0.025, 1), (0.035, 2), (0.58, 29)])
 def test_a_segment_begins_at_the_nearest_control_step(time, step):
     """Command and window alike."""

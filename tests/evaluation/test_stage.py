@@ -15,9 +15,9 @@ from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
 from slider.env.starts import at_rest
-from slider.evaluation import protocol, results, stage
-from slider.evaluation.protocol import read_protocol
+from slider.evaluation import results, stage
 from slider.evaluation.results import Evaluation
+from slider.evaluation.stage import read_protocol
 from slider.robot.mjcf import nominal_qpos
 from tests.env.synthetic import config, gait_table, make_agent, stand
 
@@ -112,13 +112,13 @@ def test_where_all_fall_there_are_no_errors(walking, tmp_path, recwarn):
 
 def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, monkeypatch):
     seen = []
-    real = protocol.roll_out
+    real = stage.roll_out
 
     def spying(controller, physics, env, start, command, *rest):
         seen.append((start, command))
         return real(controller, physics, env, start, command, *rest)
 
-    monkeypatch.setattr(protocol, "roll_out", spying)
+    monkeypatch.setattr(stage, "roll_out", spying)
     run(walking, tmp_path / "slow", speed=0.2)
     run(walking, tmp_path / "fast", speed=3.0)
     run(walking, tmp_path / "later", speed=0.2, seed=config(*WHOLE).evaluation.seed + 1)
@@ -210,7 +210,7 @@ def test_disturbances_are_repeatable_and_belong_to_the_trial(walking, tmp_path):
 def test_policy_and_baseline_meet_the_same_robots():
     """Same masses, whatever the drives and the control rate."""
     whole = config(*WHOLE, "evaluation=robust", "evaluation.trials=2", "evaluation.robots=3")
-    test = protocol.Protocol("policy", 0.2, None, whole.robot, whole.evaluation)
+    test = stage.Protocol("policy", 0.2, None, whole.robot, whole.evaluation)
     count, control = test.count, whole.control["mpc_wbc_tuned"]
     slow = BatchedPhysics(whole.robot, whole.env.physics, count, disturbance=test.disturbance)
     fast = build_plant(whole.robot, whole.env.plant, control, count, disturbance=test.disturbance)
@@ -220,13 +220,13 @@ def test_policy_and_baseline_meet_the_same_robots():
 
 
 def test_traces_are_mean_and_spread_of_the_survivors(walking, tmp_path, monkeypatch):
-    recordings, real = [], protocol.roll_out
+    recordings, real = [], stage.roll_out
 
     def spying(*arguments):
         recordings.append(real(*arguments))
         return recordings[0]
 
-    monkeypatch.setattr(protocol, "roll_out", spying)
+    monkeypatch.setattr(stage, "roll_out", spying)
     run(walking, tmp_path / "out")
     forward = recordings[0].velocity[:, recordings[0].survived, 0]
     assert forward.shape[1] > 1
@@ -257,24 +257,15 @@ def test_on_another_robot_the_policy_keeps_its_own_model(walking):
     np.testing.assert_array_equal(agent.nominal, nominal_qpos(robot)[7:])
 
 
-def test_narrower_joints_of_the_plant_do_not_narrow_the_targets(walking):
-    """The stops of the plant hold the joint; the targets are those of the policy's own robot."""
-    robot = config("experiment=test").robot
-    narrow = scaled(robot, "joints.hip_pitch.upper", 0.01)
-    actions = torch.full((TRIALS * ROBOTS, 12), 5.0)
-    targets = [on(one, walking).controller.agent.act(actions) for one in (robot, narrow)]
-    np.testing.assert_array_equal(*targets)
-
-
 def test_on_another_robot_starts_are_those_of_the_plant(walking, tmp_path, monkeypatch):
     seen = []
-    real = protocol.roll_out
+    real = stage.roll_out
 
     def spying(controller, physics, env, start, *rest):
         seen.append(start[0])
         return real(controller, physics, env, start, *rest)
 
-    monkeypatch.setattr(protocol, "roll_out", spying)
+    monkeypatch.setattr(stage, "roll_out", spying)
     robot = config("experiment=test").robot
     for name, one in (("own", robot), ("long", scaled(robot, "geometry.leg_length", 1.05))):
         (tmp_path / name).mkdir()

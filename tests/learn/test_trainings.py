@@ -12,7 +12,7 @@ from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
-from slider.env.task import Task
+from slider.env.vec_env import Task
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.training.trainer import Trainer

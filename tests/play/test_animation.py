@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from pipeline.rendering import find_renderer
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.play import animation
 from tests.env.synthetic import CONF
 

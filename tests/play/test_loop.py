@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.play import loop, window
 from slider.play.loop import PUSH, Control
 

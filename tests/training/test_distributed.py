@@ -18,7 +18,7 @@ from slider.training.trainer import Trainer
 from tests.training.test_trainer import actor, same, task
 
 pytest.importorskip("mujoco_warp", reason="no extra gpu")
-from slider.env.warp.physics import WarpPhysics
+from slider.env.warp import WarpPhysics
 
 SIMULATE = partial(WarpPhysics, device="cpu")
 

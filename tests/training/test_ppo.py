@@ -1,13 +1,24 @@
-"""Our configuration reaches rsl-rl, its scalars reach the tracker, a call per iteration."""
+"""PPO: settings, scalars, noise, averaged actor and reflected samples."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
+import torch
+from tensordict import TensorDict
 
 from slider.config.train import TrainConfig
 from slider.core.job import NoTracker
-from slider.training.annealed_ppo import AnnealedPPO, NoiseBound
-from slider.training.ppo import TrackerLogWriter, runner_config
-from tests.env.synthetic import config
-from tests.training.test_trainer import Notes, task, trained
+from slider.env.interface import FLOAT64
+from slider.env.vec_env import Task
+from slider.training.ppo import (
+    TrackerLogWriter,
+    runner_config,
+    with_reflections,
+)
+from slider.training.trainer import Trainer
+from tests.env.synthetic import PERMUTATION, SIGN, config, gait_table, make_guide, mirror_pose
+from tests.training.test_trainer import TINY, Notes, Run, actor, job, same, task, trained
 
 
 def test_one_call_per_step():
@@ -38,70 +49,6 @@ def test_scalars_against_the_clock_are_dropped():
     assert curve == [{"iteration": 2, "Train/mean_reward": 3.0}]  # the same on any machine
 
 
-def test_a_training_logs_once_per_iteration_and_once_per_check(tmp_path):
-    notes = trained(tmp_path, iterations=3).notes
-    steps = [step for step, metrics in notes.metrics if "episode/falls_per_second" in metrics]
-    assert steps == [0, 1, 2]
-    assert [step for step, _ in notes.series("selection/value")] == [1, 2, 3]
-    assert len(notes.metrics) == 6
-    rewards = {name for _, metrics in notes.metrics for name in metrics if "reward/" in name}
-    assert {f"reward/{name}" for name in task().train.reward.active} <= rewards
-    assert all(
-        isinstance(value, float) for _, metrics in notes.metrics for value in metrics.values()
-    )
-
-
-def test_our_settings_in_rsl_rls_words():
-    """Every value of the paper's configuration arrives where rsl-rl looks for it."""
-    train = config("experiment=paper", "train.walking.ppo.precision=float32").train.walking
-    settings = runner_config(train, NoTracker(), [])
-    own, network = train.ppo, train.network
-    model = {
-        "class_name": "MLPModel",
-        "hidden_dims": [256, 256, 256],
-        "activation": network.activation,
-        "obs_normalization": True,
-    }
-    noise = {
-        "class_name": "GaussianDistribution",
-        "init_std": network.initial_std,
-        "std_type": "log",
-        "std_range": (network.std_min, network.std_max),
-    }
-    assert settings["critic"] == model
-    assert settings["actor"] == {**model, "distribution_cfg": noise}
-    assert settings["num_steps_per_env"] == train.steps_per_iteration
-    assert settings["algorithm"] == {
-        "class_name": AnnealedPPO,
-        "actor_ema": own.actor_ema,
-        "noise": NoiseBound(
-            first=network.std_max,
-            last=network.std_final,
-            start=network.anneal_from,
-            updates=train.iterations,
-        ),
-        "num_learning_epochs": own.epochs,
-        "num_mini_batches": own.mini_batches,
-        "clip_param": own.clip,
-        "gamma": own.gamma,
-        "lam": own.lam,
-        "value_loss_coef": own.value_coefficient,
-        "entropy_coef": own.entropy_coefficient,
-        "learning_rate": own.learning_rate,
-        "schedule": own.schedule,
-        "desired_kl": own.desired_kl,
-        "max_grad_norm": own.max_grad_norm,
-        "use_mixed_precision": False,
-        "symmetry_cfg": None,
-    }
-
-
-@pytest.mark.parametrize(("precision", "mixed"), [("bfloat16", True), ("float32", False)])
-def test_precision(precision, mixed):
-    settings = runner_config(_with_precision(precision), NoTracker(), [])
-    assert settings["algorithm"]["use_mixed_precision"] is mixed
-
-
 def test_a_training_does_not_choose_its_precision():
     with pytest.raises(ValueError, match="expected float32 or bfloat16, found auto"):
         runner_config(_with_precision("auto"), NoTracker(), [])
@@ -109,3 +56,110 @@ def test_a_training_does_not_choose_its_precision():
 
 def _with_precision(precision: str) -> TrainConfig:
     return config(f"train.walking.ppo.precision={precision}").train.walking
+
+
+@pytest.mark.parametrize("actor_ema", [0.0, 0.9])
+def test_the_average_of_the_actor_is_exported(tmp_path, actor_ema):
+    """Weights after each update enter an average, which is what is judged, kept and resumed."""
+    ppo = replace(config(*TINY).train.walking.ppo, actor_ema=actor_ema)
+    trainer = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
+    seen, update = [], trainer.algorithm.update
+
+    def watched():
+        losses = update()
+        seen.append(actor(trainer))
+        return losses
+
+    trainer.algorithm.update = watched  # type: ignore[method-assign]
+    trainer.run()
+    expected = seen[0]
+    for later in seen[1:]:
+        expected = {k: actor_ema * v + (1 - actor_ema) * later[k] for k, v in expected.items()}
+    found = trainer.algorithm.averaged_actor.state_dict()
+    for name in ("mlp.0.weight", "mlp.4.bias", "obs_normalizer._mean"):
+        torch.testing.assert_close(found[name], expected[name])
+    assert same(found, actor(trainer)) == (actor_ema == 0.0)
+    resumed = trained(tmp_path, iterations=3, ppo=ppo).trainer
+    assert same(resumed.algorithm.averaged_actor.state_dict(), found)
+
+
+def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
+    network = replace(
+        config(*TINY).train.walking.network,
+        initial_std=0.5,
+        std_max=0.4,
+        std_final=0.1,
+        anneal_from=0.5,
+    )
+    train = {"iterations": 4, "network": network}
+    trainer = Trainer(task(**train), job(tmp_path))
+    seen, update = [], trainer.algorithm.update
+
+    def watched():
+        losses = update()
+        seen.append(actor(trainer)["distribution.log_std_param"].exp().max().item())
+        return losses
+
+    trainer.algorithm.update = watched  # type: ignore[method-assign]
+    trainer.run()
+    assert seen == pytest.approx([0.4, 0.4, 0.2, 0.1], rel=1e-5)
+    # the share of the iterations counts what was done before
+    resumed = trained(tmp_path, **{**train, "iterations": 8})
+    noise = actor(resumed.trainer)["distribution.log_std_param"].exp()
+    assert noise.max().item() == pytest.approx(0.1)
+    assert resumed.iterations == [4, 5, 6, 7]
+
+
+UNMIRRORED = (*TINY, "env.phase.mirror=false")
+
+
+def make_run(folder, *overrides: str) -> Run:
+    whole, table = config(*UNMIRRORED, *overrides), gait_table()
+    walking, made = whole.train.walking, job(folder)
+    task = Task(whole.robot, whole.env, walking, table.times, make_guide(), table.joints)
+    return Run(Trainer(task, made), made)
+
+
+def test_reflections_follow_the_originals(tmp_path):
+    """Half of the robots are put where the others are in a mirror, half a walk later."""
+    env = make_run(tmp_path).trainer.env
+    half = env.num_envs // 2
+    index = np.arange(env.num_envs)
+    pose = mirror_pose(env.physics.qpos[:half].copy(), env.physics.qvel[:half].copy())
+    both = [
+        np.concatenate([own[:half], other])
+        for own, other in zip((env.physics.qpos, env.physics.qvel), pose, strict=True)
+    ]
+    env.physics.reset(index, *both)
+    command = np.tile([0.4, 0.05, 0.1], (env.num_envs, 1))
+    command[half:] *= [1, -1, -1]
+    state = env.physics.read().tensors(FLOAT64)
+    env.agent.set_velocity_command(index, torch.tensor(command))
+    phase = torch.linspace(0.1, 0.4, half)
+    env.agent.reset(index, state, torch.cat([phase, phase + 0.5]).double())
+    env.agent.refresh_heading(state)
+    values = env.agent.observe(state)
+    seen = TensorDict({"policy": values}, batch_size=[env.num_envs])
+    action = torch.randn(half, 12)
+    observations, actions = with_reflections(env, seen[:half], action)
+    assert observations is not None
+    assert actions is not None
+    assert observations.batch_size == (2 * half,)
+    assert torch.equal(observations["policy"][:half], seen["policy"][:half])
+    np.testing.assert_allclose(observations["policy"], seen["policy"], atol=1e-5)
+    np.testing.assert_allclose(actions[half:], action.numpy()[:, PERMUTATION] * SIGN, atol=1e-6)
+    assert np.abs(observations["policy"][:half] - observations["policy"][half:]).max() > 0.1
+
+
+@pytest.mark.parametrize("kind", ["augmentation", "loss"])
+def test_it_changes_what_is_learned(tmp_path, kind):
+    plain, symmetric = (
+        make_run(tmp_path / name, f"train.walking.ppo.symmetry={name}") for name in ("none", kind)
+    )
+    for run in (plain, symmetric):
+        run.trainer.run()
+    assert not same(actor(plain.trainer), actor(symmetric.trainer))
+    losses = symmetric.notes.series("Loss/symmetry")
+    assert [step for step, _ in losses] == symmetric.iterations
+    assert all(np.isfinite(value) and value > 0 for _, value in losses)
+    assert not plain.notes.series("Loss/symmetry")

@@ -7,10 +7,10 @@ import pytest
 import torch
 
 from slider.config.train import SelectionConfig
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
-from slider.env.task import Task
+from slider.env.vec_env import Task
 from slider.training import selection
 from slider.training.selection import Selector
 from tests.env.synthetic import config, gait_table, make_contacts, stand
@@ -76,20 +76,6 @@ def test_score_by_hand(monkeypatch):
     assert score.success == 0.75
     assert score.speed_error == pytest.approx(0.1)
     assert score.flight == pytest.approx(0.25)
-
-
-def test_where_all_fall_the_score_is_that_of_falls(monkeypatch):
-    score = score_of(monkeypatch, recorded([0.2, 0.2, 2.0, 2.0], [False] * 4))
-    assert score.known() == {"value": SETTINGS.fall_weight, "success": 0.0}
-
-
-def test_staying_up_at_the_wrong_speed_beats_falling(monkeypatch):
-    def value(speed: float, survivors: int) -> float:
-        alive = [index < survivors for index in range(4)]
-        return score_of(monkeypatch, recorded([speed] * 4, alive)).value
-
-    assert value(9.0, 4) < value(0.4, 1) < value(9.0, 1) < SETTINGS.fall_weight
-    assert value(1.0, 4) < value(9.0, 4)
 
 
 def test_the_same_network_has_the_same_score():

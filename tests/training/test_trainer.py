@@ -1,6 +1,5 @@
 """Training survives being killed, repeats itself and keeps the best policy."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +14,7 @@ from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.errors import UserError
 from slider.core.job import Job, NoTracker
-from slider.env.task import Task
+from slider.env.vec_env import Task
 from slider.training import checkpoint
 from slider.training.checkpoint import BEFORE, CHECKPOINT
 from slider.training.selection import Score
@@ -136,17 +135,6 @@ def test_a_resumed_training_meets_other_commands_and_disturbances(tmp_path):
     np.testing.assert_array_equal(one.agent.command, other.agent.command)
 
 
-def test_a_resumed_training_spreads_its_resets(tmp_path):
-    """Nobody falls in a training that went far: of one age, all would time out at once."""
-    ages = [
-        trained(tmp_path, iterations=iterations).trainer.env.episode_length_buf.max().item()
-        for iterations in (1, 2)
-    ]
-    steps = task().train.steps_per_iteration
-    assert ages[0] == steps
-    assert ages[1] > 2 * steps
-
-
 def test_the_checkpoint_restores_networks_and_optimiser(tmp_path):
     first = trained(tmp_path, iterations=2).trainer
     assert not same(actor(first), actor(Trainer(task(), job(tmp_path))))
@@ -187,19 +175,6 @@ def test_a_damaged_checkpoint_is_set_aside(tmp_path, damaged, goes_on_from, star
     assert trainer._job.volatile.get("resumed", False) is (goes_on_from > 0)
 
 
-def test_a_kill_between_two_checkpoints_leaves_the_one_before(tmp_path):
-    trained(tmp_path, iterations=2)
-    (tmp_path / CHECKPOINT).unlink()
-    assert trained(tmp_path, iterations=2).iterations == [1]
-
-
-def test_the_last_chunk_is_shorter_rather_than_past_the_target(tmp_path):
-    selection = replace(config(*TINY).train.walking.selection, interval=2)
-    run = trained(tmp_path, iterations=3, selection=selection)
-    assert run.iterations == [0, 1, 2]
-    assert [row.split(",")[0] for row in run.rows(SELECTION)] == ["2", "3"]
-
-
 def test_same_seed_same_policy(tmp_path):
     runs = [trained(tmp_path / str(k), iterations=2, seed=seed) for k, seed in enumerate((1, 1, 2))]
     assert same(actor(runs[0].trainer), actor(runs[1].trainer))
@@ -213,16 +188,6 @@ def test_same_seed_same_policy(tmp_path):
     assert set(files[0]) == {POLICY_FILE, WEIGHTS, SELECTION, CURVE}
 
 
-def test_the_learning_curve_has_every_reward_term(tmp_path):
-    trained(tmp_path, iterations=2).trainer.export(tmp_path)
-    header, *rows = (tmp_path / CURVE).read_text().splitlines()
-    columns = header.split(",")
-    assert columns[0] == "iteration"
-    assert {f"reward/{name}" for name in task().train.reward.active} <= set(columns)
-    assert [row.split(",")[0] for row in rows] == ["0", "1"]
-    assert {len(row.split(",")) for row in rows} == {len(columns)}
-
-
 def test_what_people_follow_is_tracked(tmp_path):
     """Reward terms, steps per second, survival, tracking error and blow-ups, by iteration."""
     notes = trained(tmp_path, iterations=2).notes
@@ -232,24 +197,6 @@ def test_what_people_follow_is_tracked(tmp_path):
         assert [step for step, _ in notes.series(name)] == [0, 1], name
     for name in ("selection/success", "selection/speed_error", "selection/value"):
         assert [step for step, _ in notes.series(name)] == [1, 2], name
-
-
-@pytest.mark.parametrize(
-    ("success", "end"),
-    [(0.5, "success 50 %, speed error 0.125 m/s, score 3.000"), (0.0, "success 0 %")],
-)
-def test_progress_is_one_line_with_time_left_and_success(tmp_path, success, end):
-    """A speed error only where robots survived."""
-    lines: list[str] = []
-    trainer = Trainer(task(iterations=2), replace(job(tmp_path), progress=lines.append))
-    score = Score(value=3.0, success=success, speed_error=0.125, flight=0.0)
-    trainer.selector.score = lambda network: score  # type: ignore[method-assign]
-    trainer.run()
-    number = r"\d+\.\d"
-    for iteration, text in enumerate(lines, start=1):
-        pattern = rf"iteration {iteration}/2, {number} k steps/s, {number} min left, {end}"
-        assert re.fullmatch(pattern, text), text
-    assert len(lines) == 2
 
 
 def test_start_from_copies_weights_but_not_the_noise(tmp_path):
@@ -280,20 +227,6 @@ def test_start_from_copies_weights_but_not_the_noise(tmp_path):
         assert not unvaried.all()
         for name in scales:
             assert torch.equal(new[name], torch.where(unvaried, 1.0, old[name]))
-
-
-def test_walking_begins_as_standing_ends(tmp_path):
-    """A command, which standing never saw, enters the network as it is."""
-    trained(tmp_path / "standing", "standing", iterations=2).trainer.export(tmp_path)
-    walking = Trainer(task(), job(tmp_path / "walking"))
-    walking.start_from(tmp_path / WEIGHTS)
-    seen = walking.env.get_observations()
-    layout = walking.env.agent.observer.layout
-    first = sum(list(layout.values())[: list(layout).index("command")])
-    command = seen["policy"][:, first : first + 3]
-    assert command[:, 0].max() > 0.5  # m/s
-    normalised = walking.algorithm.get_policy().obs_normalizer(seen["policy"])
-    torch.testing.assert_close(normalised[:, first : first + 3], command, rtol=0.02, atol=0)
 
 
 def test_the_best_policy_is_exported_not_the_last(tmp_path):
@@ -337,19 +270,6 @@ def test_the_exported_policy_is_the_one_that_was_judged(tmp_path):
     assert trainer.selector.score(policy.network).value == facts["value"]
 
 
-def test_first_actions_are_small(tmp_path):
-    network = task().train.network
-    small, large = (
-        Trainer(task(network=replace(network, output_scale=scale)), job(tmp_path / str(scale)))
-        for scale in (network.output_scale, 1.0)
-    )
-    weights = [actor(trainer)["mlp.4.weight"] for trainer in (small, large)]
-    torch.testing.assert_close(weights[0], network.output_scale * weights[1])
-    observations = small.env.get_observations()
-    with torch.inference_mode():
-        assert small.algorithm.get_policy()(observations).abs().max() < 0.5
-
-
 def test_no_iterations_still_give_a_policy(tmp_path):
     trainer = trained(tmp_path, iterations=0).trainer
     trainer.export(tmp_path)
@@ -376,18 +296,6 @@ def test_an_error_of_the_simulation_ends_the_training_before_its_checkpoint(tmp_
     with pytest.raises(UserError, match="expected no overflow"):
         trainer.run()
     assert not list(tmp_path.glob("checkpoint*"))
-
-
-def test_trains_on_disturbed_robots_and_repeats_itself(tmp_path):
-    """Uneven ground and late drives as well; another policy than without."""
-    overrides = (
-        "train/walking/disturbance=robust",
-        "train.walking.disturbance.ground.amplitude=0.01",
-    )
-    rough = config(*TINY, *overrides).train.walking.disturbance
-    one, again = (trained(tmp_path / name, disturbance=rough).trainer for name in ("one", "again"))
-    assert same(actor(one), actor(again))
-    assert not same(actor(one), actor(trained(tmp_path / "calm").trainer))
 
 
 def test_threads_change_no_weight(tmp_path):

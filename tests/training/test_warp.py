@@ -9,7 +9,7 @@ from slider.config.convert import to_dict
 from slider.control import POLICY_FILE
 from slider.control.policy import load_policy
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.task import task_of
+from slider.env.vec_env import task_of
 from slider.evaluation import stage as evaluation
 from slider.library.reader import STORE
 from slider.training.results import CURVE

@@ -29,7 +29,7 @@ from slider.library.choose import add_library_arguments, library_path
 
 if TYPE_CHECKING:
     from slider.config.schema import Config
-    from slider.env.task import Task
+    from slider.env.vec_env import Task
 
 _RECORDED = 24  # control steps
 _HEADER = (
@@ -144,7 +144,7 @@ def measure(
 ) -> Throughput:
     """Measure the walking training with ``num_envs`` robots."""
     from slider.core.machine import device, precision
-    from slider.env.task import task_of
+    from slider.env.vec_env import task_of
 
     walking = config.train.walking
     where = device(walking.device)

@@ -24,7 +24,7 @@ from slider.config.types import (
     Some,
 )
 
-WARP = "slider.env.warp.physics"
+WARP = "slider.env.warp"
 """Module of MuJoCo Warp's physics; its code is in the section of the trainings that use it."""
 
 

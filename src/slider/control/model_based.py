@@ -11,7 +11,7 @@ from slider.control.mpc import mpc_controller
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.observer import Observer, ObservingController
 from slider.core.errors import UserError
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 
 ModelBased = WalkingController | ObservingController

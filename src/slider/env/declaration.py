@@ -1,4 +1,4 @@
-"""What every term says of itself: types of its parameters, and what it needs."""
+"""Declaration of terms: their function, the types of its parameters, and what it needs."""
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
@@ -11,9 +11,9 @@ from slider.core.errors import UserError
 
 
 class Needs(Flag):
-    """What a term reads that not every training has or keeps.
+    """What a term reads that not every training has.
 
-    The clock's phase, gaits of the library, the outputs of the control step before.
+    ``CLOCK``: phase; ``LIBRARY``: gaits; ``HISTORY``: outputs of the previous control step.
     """
 
     NOTHING = 0
@@ -24,11 +24,11 @@ class Needs(Flag):
 
 @dataclass(frozen=True)
 class Term:
-    """A pure function, by whose name the configuration calls the term.
+    """A pure function, under whose name the configuration lists the term.
 
     Attributes:
-        function: of what it looks at, and of its parameters; an array with a row per robot.
-        needs: without which it is worth nothing.
+        function: maps a view or state and parameters to an array with a row per robot.
+        needs: what it reads.
     """
 
     function: Callable[..., Array]
@@ -37,30 +37,25 @@ class Term:
     @property
     def parameters(self) -> dict[str, Any]:
         """Types of its parameters in order, with their units and bounds."""
-        found = inspect.get_annotations(self.function)
-        return {name: found[name] for name in list(inspect.signature(self.function).parameters)[1:]}
+        hints = inspect.get_annotations(self.function)
+        return {name: hints[name] for name in list(inspect.signature(self.function).parameters)[1:]}
 
 
 AnyTerm = TypeVar("AnyTerm", bound=Term)
-Function = TypeVar("Function", bound=Callable[..., Array])
+Function = Callable[..., Array]
 
 
-def register(
-    terms: dict[str, AnyTerm], make: Callable[[Function], AnyTerm]
-) -> Callable[[Function], Function]:
-    """A decorator that adds the term of a function to ``terms``, and leaves the function as it is.
+def register(terms: dict[str, AnyTerm], term: AnyTerm) -> Function:
+    """Add a term to ``terms`` under the name of its function; return the function.
 
-    It raises a ValueError at a name that is taken.
+    Raises:
+        ValueError: the name is taken.
     """
-
-    def add(function: Function) -> Function:
-        name, term = function.__name__, make(function)
-        if name in terms:
-            raise ValueError(f"expected a new name for a term, found {name} again")
-        terms[name] = term
-        return function
-
-    return add
+    name = term.function.__name__
+    if name in terms:
+        raise ValueError(f"expected a new name for a term, found {name} again")
+    terms[name] = term
+    return term.function
 
 
 def check_names(terms: Mapping[str, Term], names: Iterable[str], key: str) -> None:

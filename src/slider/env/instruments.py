@@ -1,4 +1,4 @@
-"""What metrics need of every simulation step: contacts, distance of the legs, loads of the motors.
+"""Contacts, distance of the legs and loads of the motors at every simulation step, for metrics.
 
 Touchdowns and the motors' peaks fall between control steps.
 """
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slider.env.ground import Ground
+from slider.env.terrain import Ground
 from slider.robot.transmission import Transmission
 
 CONTACT_FORCE = 5.0  # a foot with more than this on it is on the ground [N]
@@ -66,12 +66,12 @@ def observe(
 
 
 def join(parts: Sequence[Contacts]) -> Contacts:
-    """Contacts of stretches of time, one after the other."""
+    """Concatenate the contacts of stretches of time."""
     return Contacts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
 
 def in_contact(forces: np.ndarray, timestep: float) -> np.ndarray:
-    """Which feet are on the ground (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
+    """Feet on the ground (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
 
     Bounces are left out: neither gaps of less than ``LIFT_TIME`` count nor, after that, contacts of
     less than ``TOUCH_TIME``.
@@ -81,19 +81,19 @@ def in_contact(forces: np.ndarray, timestep: float) -> np.ndarray:
 
 
 def touchdowns(forces: np.ndarray, timestep: float) -> np.ndarray:
-    """Where a foot comes down (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
+    """Touchdowns of the feet (T, N, 2), of forces (T, N, 2) [N] every ``timestep`` [s].
 
-    Bounces are left out; see :func:`in_contact`. A foot that is down at first does not come down.
+    Bounces are left out; see :func:`in_contact`. A foot that is down at first has no touchdown.
     """
     return landings(in_contact(forces, timestep))
 
 
 def landings(contact: np.ndarray) -> np.ndarray:
-    """Where a foot that is down, ``contact`` (T, N, 2), was up one simulation step before."""
-    found = contact.copy()
-    found[1:] &= ~contact[:-1]
-    found[:1] = False
-    return found
+    """Touchdowns (T, N, 2): feet in ``contact`` (T, N, 2) that were not one step before."""
+    touchdown = contact.copy()
+    touchdown[1:] &= ~contact[:-1]
+    touchdown[:1] = False
+    return touchdown
 
 
 def _without_gaps(flags: np.ndarray, length: float) -> np.ndarray:
@@ -120,7 +120,7 @@ class DriveLoads(NamedTuple):
 
 
 def loads(motors: Transmission, torques: np.ndarray, speeds: np.ndarray) -> DriveLoads:
-    """Of motor torques [N m] and the motor speeds [rad/s] they lead to (N, steps, 10)."""
+    """Loads of motor torques [N m] and motor speeds [rad/s], both (N, steps, 10)."""
     torque, speed = np.abs(torques), np.abs(speeds)
     return DriveLoads(
         power=(torque * speed).sum(axis=2).mean(axis=1),
@@ -130,6 +130,6 @@ def loads(motors: Transmission, torques: np.ndarray, speeds: np.ndarray) -> Driv
 
 
 def over(loads: Sequence[DriveLoads]) -> DriveLoads:
-    """Loads over equally long stretches of time, one after the other."""
+    """Mean power and peaks of equally long stretches of time."""
     power, effort, speed = (np.stack(column) for column in zip(*loads, strict=True))
     return DriveLoads(power.mean(axis=0), effort.max(axis=0), speed.max(axis=0))

@@ -11,9 +11,6 @@ from slider.robot.kinematics import turn_to_heading
 TOGETHER = 0.02  # feet that touch down within less than this do so together [s]
 
 
-Numbers = dict[str, np.ndarray]  # name → value per robot (N,)
-
-
 @dataclass(frozen=True)
 class Tracking:
     """Velocity tracking per robot (N,); NaN where a robot fell.
@@ -128,58 +125,32 @@ class GaitQuality:
 
 def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     """Quality of the gait: contacts at every simulation step, motion at every control step."""
-    step, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
+    first, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
     contact = in_contact(recording.contacts.forces, recording.timestep)
-    numbers = (
-        _support(recording, contact, tick)
-        | _stepping(recording, contact, tick)
-        | _motion(recording, step)
-        | _legs(recording)
-    )
-    survived = recording.survived
-    return GaitQuality(**{name: _where(survived, values) for name, values in numbers.items()})
-
-
-def _support(recording: Recording, contact: np.ndarray, first: int) -> Numbers:
-    contacts = Contacts(*(series[first:] for series in recording.contacts))
-    contact = contact[first:]
-    return {
+    touchdown, contact = landings(contact)[tick:], contact[tick:]
+    settled = Contacts(*(series[tick:] for series in recording.contacts))
+    loaded = recording.foot_forces[first:] > CONTACT_FORCE
+    distance = recording.contacts.leg_distance
+    left, right = np.moveaxis(recording.foot_positions, 2, 0)
+    apart = turn_to_heading(left - right, recording.yaw)[..., 1]
+    values = {
         "flight": (~contact.any(axis=2)).mean(axis=0),
         "double_support": contact.all(axis=2).mean(axis=0),
-        "slip": _slip(contacts),
-    }
-
-
-def _stepping(recording: Recording, contact: np.ndarray, first: int) -> Numbers:
-    touchdown = landings(contact)[first:]
-    return {
         "touchdown_rate": touchdown.sum(axis=(0, 2)) / (len(touchdown) * recording.timestep),
         "alternation": _alternation(touchdown, TOGETHER / recording.timestep),
-        "asymmetry": _asymmetry(touchdown),
-    }
-
-
-def _motion(recording: Recording, first: int) -> Numbers:
-    contact = recording.foot_forces[first:] > CONTACT_FORCE
-    return {
-        "clearance": _clearance(recording.foot_positions[first:], contact),
+        "clearance": _clearance(recording.foot_positions[first:], loaded),
+        "slip": _slip(settled),
         "heading": np.abs(heading_error(recording)).max(axis=0),
+        "asymmetry": _asymmetry(touchdown),
         "velocity_variance": recording.velocity[first:, :, 0].var(axis=0),
         "cost_of_transport": _cost_of_transport(recording, first),
         "peak_effort": recording.effort_share[first:].max(axis=0),
         "peak_speed": recording.speed_share[first:].max(axis=0),
-    }
-
-
-def _legs(recording: Recording) -> Numbers:
-    distance = recording.contacts.leg_distance
-    left, right = np.moveaxis(recording.foot_positions, 2, 0)
-    apart = turn_to_heading(left - right, recording.yaw)[..., 1]
-    return {
         "leg_distance": distance.min(axis=0),
         "legs_touch": (distance <= 0).mean(axis=0),
         "legs_cross": (apart < 0).mean(axis=0),
     }
+    return GaitQuality(**{name: _where(recording.survived, v) for name, v in values.items()})
 
 
 def heading_error(recording: Recording) -> np.ndarray:

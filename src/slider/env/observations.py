@@ -1,4 +1,4 @@
-"""Observation terms: pure functions of a view that say what they mean, and look like in a mirror.
+"""Observation terms: pure functions of a view, each declared with its units and its reflection.
 
 The docstring of a term is its meaning in the layout of an exported policy, for someone who has a
 robot but not this package.
@@ -88,7 +88,9 @@ def observation(
     needs: Needs = Needs.NOTHING,
 ) -> Callable[[Function], Function]:
     """Declare an observation term; the arguments are those of :class:`Observation`."""
-    return register(TERMS, lambda f: Observation(f, needs, components, units, frame, mirror))
+    return lambda function: register(
+        TERMS, Observation(function, needs, components, units, frame, mirror)
+    )
 
 
 @observation(_XYZ, "m/s", "base", _POLAR)

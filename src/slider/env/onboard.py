@@ -1,22 +1,23 @@
-"""What a robot measures on board, and the state that it estimates from that."""
+"""Sensors on board of the robots, and the state that is estimated from them."""
 
 from dataclasses import replace
-
-import numpy as np
 
 from slider.config.env import OnboardConfig, SensingConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env.disturbance.disturber import turned, with_noise
-from slider.env.disturbance.draws import BIAS, READING, Draws
+from slider.env.disturbance import BIAS, READING, Draws
 from slider.env.estimator import Measurement, StateEstimator
+from slider.env.sensing import NUMBERS, SLIDES, turned, with_noise
 from slider.env.state import RobotState
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
-from slider.robot.names import GRAVITY, JOINTS, MOTORS, NUM_JOINTS
+from slider.robot.names import GRAVITY, MOTORS, NUM_JOINTS
 
-_NOISE = 2 * NUM_JOINTS + 10 + 3  # standard normal numbers of a reading
-_BIAS = 3 + 3 + 3 + NUM_JOINTS + 10
-_TURNING = np.array([not name.endswith("slide") for name in JOINTS])
+_READING = NUMBERS + 3  # standard normal numbers of a reading
+_BIASES = 9 + NUM_JOINTS + len(MOTORS)
+_SHARED = (
+    *("joint_position", "slide_position", "joint_velocity", "slide_velocity"),
+    *("angular_velocity", "orientation"),
+)
 
 
 class OnboardState:
@@ -54,11 +55,11 @@ class OnboardState:
         self._elapsed, self._age = zeros((2, self._count), self._like)
         self._velocity = zeros((self._count, 3), self._like)
         self._torques = zeros((self._count, len(MOTORS)), self._like)
-        self._bias = zeros((self._count, _BIAS), self._like)
+        self._bias = zeros((self._count, _BIASES), self._like)
 
     def begin(self, index: Array, qpos: Array, qvel: Array) -> None:
         """Start robots ``index`` at positions (n, 19) and velocities (n, 18) with new biases."""
-        self._bias[index] = self._draws.normal(BIAS, self._episodes, _BIAS)[index]
+        self._bias[index] = self._draws.normal(BIAS, self._episodes, _BIASES)[index]
         self._episodes += 1
         self._velocity[index] = qvel[:, :3]
         self._elapsed[index] = self._age[index] = self._torques[index] = 0.0
@@ -74,7 +75,7 @@ class OnboardState:
     def measure(self, state: RobotState) -> RobotState:
         """The estimated state, of the true one."""
         xp, sensors, elapsed = namespace(self._age), self._sensors, self._elapsed[:, None]
-        normal = self._draws.normal(READING, self._readings, _NOISE)
+        normal = self._draws.normal(READING, self._readings, _READING)
         gyro, acceleration, tilt = (self._bias[:, k : k + 3] for k in (0, 3, 6))
         joint, motor = self._bias[:, 9 : 9 + NUM_JOINTS], self._bias[:, 9 + NUM_JOINTS :]
 
@@ -89,7 +90,7 @@ class OnboardState:
         angles[:, 2] *= self._age
         quaternion = turned(state.quaternion, angles)
         rotation = rotation_from_quaternion(quaternion)
-        offset = sensors.joint_bias * asarray(_TURNING, normal) * joint
+        offset = sensors.joint_bias * asarray(~SLIDES, normal) * joint
         biased = replace(
             state,
             quaternion=quaternion,
@@ -123,9 +124,3 @@ class OnboardState:
             foot_velocities=estimate.velocity[:, None] + 0.5 * feet.velocities.sum(2),
             foot_forces=estimate.foot_forces.clip(0.0, None),
         )
-
-
-_SHARED = (
-    *("joint_position", "slide_position", "joint_velocity", "slide_velocity"),
-    *("angular_velocity", "orientation"),
-)

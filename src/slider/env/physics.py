@@ -14,14 +14,12 @@ from mujoco import rollout
 from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
-from slider.env.disturbance import models
-from slider.env.disturbance.disturber import Disturber, build_plant
-from slider.env.disturbance.draws import Disturbance
-from slider.env.ground import FLAT
+from slider.env import randomization
+from slider.env.disturbance import Disturbance, Disturber, build_plant
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.onboard import OnboardState
-from slider.env.reading import SPEED_LIMIT, SensorIndex, columns_of, read
-from slider.env.state import RobotState
+from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, columns_of, read_state
+from slider.env.terrain import FLAT
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
@@ -43,12 +41,12 @@ def _stop_timers() -> None:
 class BatchedPhysics:
     """Steps ``num_robots`` copies of the robot.
 
-    Inputs are desired joint positions, or joint efforts; the transmission makes motor angles or
-    torques of them. See :class:`SimulationOptions`.
+    Inputs are desired joint positions or joint efforts, which the transmission maps to motor angles
+    or torques. See :class:`SimulationOptions`.
     A ``disturbance`` varies the robots, delays their inputs, pushes them and adds noise to
     :meth:`measure`; with ``onboard`` that is the estimate from the robot's sensors. Without
     ``instruments`` it is faster but has no :meth:`contacts`. Robots that :meth:`retire` stay where
-    they are until they are placed anew.
+    they are until their next :meth:`reset`.
     """
 
     def __init__(
@@ -77,8 +75,8 @@ class BatchedPhysics:
         self._disturber: Disturber | None = None
         if disturbance is not None:
             robots = None
-            if models.vary(disturbance.config):
-                robots = models.RandomizedModels(self.model, disturbance.config, num_robots)
+            if randomization.vary(disturbance.config):
+                robots = randomization.RandomizedModels(self.model, disturbance.config, num_robots)
                 self.models = robots.models
             self._disturber = Disturber(
                 disturbance, robot, self.model, actuation, num_robots, robots
@@ -132,7 +130,7 @@ class BatchedPhysics:
     def reset(self, index: Array, qpos: Array, qvel: Array) -> None:
         """Place robots ``index`` at positions (n, 19) and velocities (n, 18).
 
-        Tensors on the processor are as welcome as arrays.
+        Arguments are arrays, or tensors on the processor.
         """
         index, qpos, qvel = np.asarray(index), np.asarray(qpos), np.asarray(qvel)
         if self._disturber is not None:
@@ -145,7 +143,7 @@ class BatchedPhysics:
         self._diverged[index] = self._retired[index] = False
 
     def retire(self, robots: np.ndarray) -> None:
-        """Simulate ``robots`` (N,) no longer."""
+        """Stop simulating ``robots`` (N,)."""
         self._retired |= robots
 
     def step(self, inputs: Array) -> None:
@@ -200,7 +198,7 @@ class BatchedPhysics:
         return late | wild | fast
 
     def loads(self) -> DriveLoads:
-        """What the motors did in the last :meth:`step`, at each of its simulation steps."""
+        """Loads of the motors in the last :meth:`step`, at each of its simulation steps."""
         states, sensors = self._series
         speeds = self._motors.angles(states[:, :, -names.NUM_JOINTS :])
         return loads(self._motors, sensors.take(self._index.torques, 2), speeds)
@@ -240,7 +238,7 @@ class BatchedPhysics:
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
-        state = read(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
+        state = read_state(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
         return state if self._disturber is None else self._disturber.in_world(state)
 
     def measure(self, state: RobotState) -> RobotState:
@@ -250,7 +248,7 @@ class BatchedPhysics:
         return state if self._disturber is None else self._disturber.measure(state)
 
     def restart_disturbances(self) -> None:
-        """Let the same disturbances follow as after construction."""
+        """Restart the sequence of disturbances and of the sensors' errors."""
         if self._onboard is not None:
             self._onboard.restart()
         if self._disturber is not None:

@@ -91,13 +91,16 @@ class RewardView:
         view: the robots.
         guide: gaits of the library, if the training has any.
         before: ``outputs`` (N, 2, 10) of the control step before, infinite where an episode begins.
+
+    Attributes:
+        outputs_before: the same.
     """
 
     def __init__(self, view: View, guide: "Guide | None", before: Array | float = math.inf) -> None:
         self.view = view
         self.state = view.state
+        self.outputs_before = before
         self._guide = guide
-        self._before = before
 
     @property
     def guide(self) -> "Guide":
@@ -122,15 +125,10 @@ class RewardView:
         error = namespace(desired).stack(measured, dim=1) - desired
         return (asarray(_ROOT, error) * error)[:, :, _DRIVEN]
 
-    @property
-    def outputs_before(self) -> Array | float:
-        """``outputs`` of the control step before, infinite where an episode begins."""
-        return self._before
-
 
 def reward(needs: Needs = Needs.NOTHING) -> Callable[[Function], Function]:
     """Declare a reward term: a function of a :class:`RewardView` and parameters, (N,)."""
-    return register(TERMS, lambda function: Term(function, needs))
+    return lambda function: register(TERMS, Term(function, needs))
 
 
 def _kernel(square: Array, width: Array | float) -> Array:
@@ -139,10 +137,6 @@ def _kernel(square: Array, width: Array | float) -> Array:
 
 def _norm(values: Array) -> Array:
     return (values**2).sum(dim=1).sqrt()
-
-
-def _tanh(values: Array) -> Array:
-    return values.tanh()
 
 
 @reward()
@@ -155,7 +149,7 @@ def alive(r: RewardView) -> Array:
 def forward_velocity(r: RewardView) -> Array:
     """1 − tanh|vx − reference|: a gradient at every distance."""
     error = r.state.heading_velocity - r.view.reference_velocity
-    return 1.0 - _tanh(abs(error[:, 0]))
+    return 1.0 - abs(error[:, 0]).tanh()
 
 
 def _filtered_error(view: View) -> Array:
@@ -175,7 +169,7 @@ def forward_velocity_filtered(
 @reward()
 def lateral_velocity_filtered(r: RewardView, width: Positive[MetresPerSecond]) -> Array:
     """1 − tanh(|e|/width), low-passed leftward velocity minus reference."""
-    return 1.0 - _tanh(abs(_filtered_error(r.view)[:, 1]) / width)
+    return 1.0 - (abs(_filtered_error(r.view)[:, 1]) / width).tanh()
 
 
 @reward()
@@ -327,38 +321,38 @@ def feet_close(r: RewardView, least: Positive[Metres]) -> Array:
 @reward()
 def torque_tanh(r: RewardView) -> Array:
     """tanh‖τ‖ of the motors (paper)."""
-    return _tanh(_norm(r.state.motor_torques))
+    return _norm(r.state.motor_torques).tanh()
 
 
 @reward()
 def angular_velocity_tanh(r: RewardView) -> Array:
     """tanh‖ω‖ (paper)."""
-    return _tanh(_norm(r.state.angular_velocity))
+    return _norm(r.state.angular_velocity).tanh()
 
 
 @reward()
 def linear_error_tanh(r: RewardView) -> Array:
     """tanh‖v − v_des‖, base frame, three components (paper)."""
-    return _tanh(_norm(r.state.linear_velocity - target_linear_velocity(r.view)))
+    return _norm(r.state.linear_velocity - target_linear_velocity(r.view)).tanh()
 
 
 @reward()
 def angular_error_tanh(r: RewardView) -> Array:
     """tanh‖ω − ω_des‖ (paper)."""
-    return _tanh(_norm(r.state.angular_velocity - target_angular_velocity(r.view)))
+    return _norm(r.state.angular_velocity - target_angular_velocity(r.view)).tanh()
 
 
 @reward()
 def height_tanh(r: RewardView) -> Array:
     """tanh(H) of the base height [m] (paper)."""
-    return _tanh(r.state.base_height)
+    return r.state.base_height.tanh()
 
 
 @reward()
 def action_rate_tanh(r: RewardView) -> Array:
     """tanh‖A − A_previous‖, A the position commands [rad or m] (paper)."""
     change = r.view.action - r.view.previous_action
-    return _tanh(_norm(r.view.action_scale * change))
+    return _norm(r.view.action_scale * change).tanh()
 
 
 class Reward:
@@ -394,9 +388,9 @@ def check(
     """
     check_names(TERMS, terms, key)
     for name, term in terms.items():
-        expected, found = TERMS[name].parameters, term.params
-        if set(found) != set(expected):
-            texts = [", ".join(sorted(names)) or "none" for names in (expected, found)]
+        expected = TERMS[name].parameters
+        if set(term.params) != set(expected):
+            texts = [", ".join(sorted(names)) or "none" for names in (expected, term.params)]
             raise UserError(f"{key}.{name}.params: expected {texts[0]}, found {texts[1]}")
-        for parameter, value in found.items():
+        for parameter, value in term.params.items():
             from_dict(expected[parameter], value, f"{key}.{name}.params.{parameter}", describe)

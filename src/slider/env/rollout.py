@@ -25,10 +25,10 @@ class Controller(Protocol):
     """Maps the state of N robots to the plant's inputs, once per step of the plant."""
 
     def reset(self, state: RobotState, velocity: np.ndarray) -> None:
-        """Start anew for N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
+        """Start an episode of N robots commanded to ``velocity`` (N, 3): vx, vy, yaw rate."""
 
     def set_velocity(self, velocity: np.ndarray) -> None:
-        """From the next call of ``control`` on, go with ``velocity`` (N, 3)."""
+        """Track ``velocity`` (N, 3) from the next call of ``control`` on."""
 
     def control(self, state: RobotState) -> np.ndarray:
         """Desired joint positions (N, 12) [rad or m], or torques [N m or N] of a torque plant."""
@@ -40,7 +40,7 @@ class GivesUp(Controller, Protocol):
     """A controller that takes time, so that robots that have failed are not simulated further."""
 
     def give_up(self, robots: np.ndarray) -> None:
-        """Control ``robots`` (N,) no longer; their inputs are zero."""
+        """Stop controlling ``robots`` (N,); their inputs are zero."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Recording:
 
     Attributes:
         period: control period [s].
-        command: (S, N, 3) vx, vy [m/s], yaw rate [rad/s] that each step was made with.
+        command: (S, N, 3) vx, vy [m/s], yaw rate [rad/s] of each step.
         alive: (S, N) not failed up to and including this step.
         velocity: (S, N, 2) forward and leftward velocity of the base [m/s].
         yaw: (S, N) [rad].
@@ -173,10 +173,10 @@ class StepRecord(NamedTuple):
 def run_ticks(
     controller: Controller, physics: BatchedPhysics, state: RobotState, ticks: int
 ) -> tuple[RobotState, StepRecord]:
-    """Ask the controller and step the plant ``ticks`` times.
+    """Call the controller and step the plant ``ticks`` times.
 
     Returns:
-        The state afterwards, and what happened on the way.
+        The state afterwards, and the record of the steps.
     """
     diverged = np.zeros(physics.num_robots, dtype=bool)
     loads: list[DriveLoads] = []
@@ -202,16 +202,77 @@ def _estimate_error(measured: RobotState, state: RobotState) -> np.ndarray:
 
 
 def _row(alive: np.ndarray, state: RobotState) -> dict[str, np.ndarray]:
+    feet = state.foot_positions.copy()
+    feet[..., 2] -= state.ground.height(feet[..., :2])
     return {
         "alive": alive,
         "velocity": state.heading_velocity,
         "yaw": state.yaw,
         "position": state.base_position[:, :2],
-        "foot_positions": _above_ground(state).astype(np.float32),
+        "foot_positions": feet.astype(np.float32),
     }
 
 
-def _above_ground(state: RobotState) -> np.ndarray:
-    positions = state.foot_positions.copy()
-    positions[..., 2] -= state.ground.height(positions[..., :2])
-    return positions
+@dataclass(frozen=True)
+class Frame:
+    """One instant.
+
+    Attributes:
+        time: since the start [s].
+        qpos: base pose and joint positions (19,).
+        velocity: forward and leftward velocity of the base (2,) [m/s], heading frame.
+        failed: a termination of the protocol holds.
+    """
+
+    time: float
+    qpos: np.ndarray
+    velocity: np.ndarray
+    failed: bool
+
+
+class Episode:
+    """A controller and one simulated robot, as videos and the viewer show it."""
+
+    def __init__(
+        self, controller: Controller, physics: BatchedPhysics, config: EnvConfig | PlantConfig
+    ) -> None:
+        self._controller, self._physics, self._config = controller, physics, config
+        self._ticks = round(config.control_period / physics.period)
+        self._state: RobotState = physics.read()
+        self._steps = 0
+
+    def start(self, qpos: np.ndarray, qvel: np.ndarray, velocity: np.ndarray) -> Frame:
+        """Place the robot at positions (1, 19) and velocities (1, 18).
+
+        Args:
+            qpos: base pose and joint positions.
+            qvel: base and joint velocities.
+            velocity: command (1, 3): vx, vy [m/s], yaw rate [rad/s].
+        """
+        self._physics.reset(np.arange(1), qpos, qvel)
+        self._state, self._steps = self._physics.read(), 0
+        self._controller.reset(self._physics.measure(self._state), velocity)
+        return self._frame()
+
+    def set_velocity(self, velocity: np.ndarray) -> None:
+        """Command ``velocity`` (1, 3) from the next step on."""
+        self._controller.set_velocity(velocity)
+
+    def step(self) -> Frame:
+        """Simulate one control period."""
+        self._state, *_ = run_ticks(self._controller, self._physics, self._state, self._ticks)
+        self._steps += 1
+        return self._frame()
+
+    def push(self, velocity: np.ndarray) -> None:
+        """Add to the base's velocity (2,) in the world [m/s], as an impulse on it would."""
+        self._physics.qvel[0, :2] += velocity
+
+    def _frame(self) -> Frame:
+        failed = terminations.failed(self._state, self._config.termination.terms)
+        return Frame(
+            time=self._steps * self._config.control_period,
+            qpos=self._state.qpos[0],
+            velocity=self._state.heading_velocity[0].copy(),
+            failed=bool(failed[0]),
+        )

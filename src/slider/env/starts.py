@@ -29,7 +29,7 @@ _SLIDES = np.array([name.endswith("slide") for name in JOINTS])
 
 
 class Random(Protocol):
-    """A generator of NumPy's, or :class:`slider.env.commands.Random`."""
+    """A generator of NumPy's, or :class:`slider.env.velocities.Random`."""
 
     def standard_normal(self, size: Any = None) -> Any:
         """Standard normal numbers of a shape."""

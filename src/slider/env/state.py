@@ -1,14 +1,20 @@
 """Named quantities of many robots, and what observation and reward terms read besides them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from slider.core.arrays import Array, namespace, tensors
-from slider.env.ground import FLAT, Ground
 from slider.env.phase import gait_velocity_of
+from slider.env.terrain import FLAT, Ground
+from slider.robot import names
+from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # the configuration is checked with the terms: let that be quick
+    import mujoco
     import torch
+
+SPEED_LIMIT = 1000.0  # [rad/s, m/s]; beyond it a state counts as blown up
 
 
 @dataclass(frozen=True)
@@ -84,6 +90,60 @@ class RobotState:
         xp = namespace(self.rotation)
         linear = xp.einsum("nij,nj->ni", self.rotation, self.linear_velocity)
         return xp.concat([linear, self.angular_velocity, self.joint_velocities], axis=1)
+
+
+def columns_of(model: "mujoco.MjModel", sensor: str) -> Sequence[int]:
+    """Columns of a sensor in the sensor array."""
+    start = int(model.sensor(sensor).adr[0])
+    return range(start, start + int(model.sensor(sensor).dim[0]))
+
+
+class SensorIndex:
+    """Columns of the sensor array that :func:`read_state` needs."""
+
+    def __init__(self, model: "mujoco.MjModel") -> None:
+        def of(sensor: str) -> Sequence[int]:
+            return columns_of(model, sensor)
+
+        sides = names.SIDES
+        self.torques = [of(f"{motor}_torque")[0] for motor in names.MOTORS]
+        self.soles = [c for side in sides for c in of(f"{side}_sole_position")]
+        self.sole_velocities = [c for side in sides for c in of(f"{side}_sole_velocity")]
+        self.forces = [of(f"{side}_foot_force")[2] for side in sides]  # z of the net force
+        bodies = (names.BASE, *(names.tube(side) for side in sides))
+        self.contacts = [of(f"{body}_contact")[0] for body in bodies]
+
+
+def read_state(qpos: Any, qvel: Any, sensors: Any, index: SensorIndex, diverged: Any) -> RobotState:
+    """Name the quantities of N robots, as copies: arrays of arrays, tensors of tensors.
+
+    Args:
+        qpos: (N, 19), and velocities ``qvel`` (N, 18).
+        sensors: (N, sensors).
+        index: of the sensors.
+        diverged: (N,) robots whose simulation blew up.
+    """
+    qpos, qvel = 1.0 * qpos, 1.0 * qvel
+    rotation = rotation_from_quaternion(qpos[:, 3:7])
+    yaw = yaw_of(rotation)
+    return RobotState(
+        base_position=qpos[:, :3],
+        quaternion=qpos[:, 3:7],
+        rotation=rotation,
+        yaw=yaw,
+        linear_velocity=namespace(qvel).einsum("nij,ni->nj", rotation, qvel[:, :3]),
+        angular_velocity=qvel[:, 3:6],
+        heading_velocity=turn_to_heading(qvel, yaw),
+        gravity=-rotation[:, 2, :],
+        joint_positions=qpos[:, 7:],
+        joint_velocities=qvel[:, 6:],
+        motor_torques=sensors[:, index.torques],
+        foot_positions=sensors[:, index.soles].reshape(-1, 2, 3),
+        foot_velocities=sensors[:, index.sole_velocities].reshape(-1, 2, 3),
+        foot_forces=abs(sensors[:, index.forces]),
+        body_contacts=sensors[:, index.contacts].sum(axis=1),
+        diverged=diverged | False,
+    )
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ TERMS: dict[str, Term] = {}
 
 def termination(function: Function) -> Function:
     """Declare a termination term: a function of a state and one parameter, (N,) bool."""
-    return register(TERMS, lambda f: Term(f, Needs.NOTHING))(function)
+    return register(TERMS, Term(function, Needs.NOTHING))
 
 
 @termination

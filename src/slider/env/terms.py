@@ -1,4 +1,4 @@
-"""The terms of a configuration together: whether they exist and fit, and what they need."""
+"""Checks of all terms of a configuration, and what a training needs because of them."""
 
 from slider.config.env import EnvConfig
 from slider.config.reference import Kind, kind, kind_at
@@ -10,7 +10,7 @@ from slider.env.declaration import Needs
 
 
 def checked(config: Config) -> Config:
-    """The same, if all its terms exist and take the parameters that it gives them.
+    """Return the configuration if all its terms exist and their parameters are valid.
 
     Raises:
         UserError: names the key, what was expected and what was found.
@@ -23,8 +23,8 @@ def checked(config: Config) -> Config:
 
 
 def kinds(config: Config) -> dict[str, Kind]:
-    """What the values of the terms' parameters may be, by their keys in the configuration."""
-    found = {
+    """Types, units and bounds of the terms' parameters by their keys in the configuration."""
+    result = {
         f"env.termination.terms.{name}": kind(hint)
         for name in config.env.termination.terms
         for hint in terminations.TERMS[name].parameters.values()
@@ -32,12 +32,12 @@ def kinds(config: Config) -> dict[str, Kind]:
     for key, train in config.trainings.items():
         for name in train.reward.terms:
             for parameter, hint in rewards.TERMS[name].parameters.items():
-                found[f"{key}.reward.terms.{name}.params.{parameter}"] = kind(hint)
-    return found
+                result[f"{key}.reward.terms.{name}.params.{parameter}"] = kind(hint)
+    return result
 
 
 def check_clock(env: EnvConfig, train: TrainConfig, label: str) -> None:
-    """A training whose terms need a clock has one; an environment alone may be for others.
+    """Refuse a training without a clock whose terms need one.
 
     Without a clock the phase is 0 for ever: terms would reward the first sample of a gait.
 
@@ -56,7 +56,7 @@ def check_clock(env: EnvConfig, train: TrainConfig, label: str) -> None:
 
 
 def uses_library(env: EnvConfig, train: TrainConfig) -> bool:
-    """Step times of the clock, gaits under the action, starts on a gait, or terms that need it."""
+    """Whether step times, actions, starts or terms of a training need the gait library."""
     return (
         (env.phase.enabled and env.phase.step_time == 0)
         or env.action.offset != "nominal"

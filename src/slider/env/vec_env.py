@@ -1,26 +1,84 @@
-"""The training environment: batched physics behind rsl-rl's ``VecEnv`` contract."""
+"""The training environment: a task on batched physics behind rsl-rl's ``VecEnv`` contract."""
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import torch
 from rsl_rl.env import VecEnv
 from tensordict import TensorDict
 
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.config.train import TrainConfig
 from slider.env import terminations
-from slider.env.commands import Curriculum, Random, VelocitySampler
 from slider.env.declaration import Needs
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
+from slider.env.guide import Guide
 from slider.env.interface import AgentInterface
 from slider.env.phase import standing
 from slider.env.physics import BatchedPhysics
 from slider.env.rewards import Reward, RewardView
 from slider.env.starts import about, at_rest
 from slider.env.state import RobotState
-from slider.env.task import Task
+from slider.env.velocities import Curriculum, Random, VelocitySampler
+from slider.library.lookup import GaitTable, JointTable, StepTimes
+from slider.library.reader import GaitLibrary
 from slider.robot.names import ACTUATED, NUM_JOINTS
+
+
+@dataclass(frozen=True)
+class Task:
+    """One training.
+
+    Attributes:
+        robot, env, train: the configuration.
+        times: step times of the clock, where there is one.
+        guide: the library's gaits for guide rewards and starts; none where training is unguided.
+        reference: joint positions of the gaits, where actions are about the gait.
+    """
+
+    robot: RobotConfig
+    env: EnvConfig
+    train: TrainConfig
+    times: StepTimes | None
+    guide: Guide | None
+    reference: JointTable | None = None
+
+
+def task_of(
+    robot: RobotConfig,
+    env: EnvConfig,
+    train: TrainConfig,
+    library: Path | None,
+    guided: bool = True,
+) -> Task:
+    """The task that a configuration describes.
+
+    Args:
+        robot, env, train: the configuration.
+        library: Zarr gait library, if the training has one.
+        guided: whether rewards and starts use its gaits.
+    """
+    if library is None:
+        return Task(robot, env, train, _times(env, None), None)
+    gaits = GaitLibrary.load(library)
+    table = GaitTable.from_library(gaits)
+    guide = Guide(gaits, table, train.guide.gait) if guided else None
+    reference = table.joints if env.action.offset == "gait" else None
+    return Task(robot, env, train, _times(env, table), guide, reference)
+
+
+def _times(env: EnvConfig, table: GaitTable | None) -> StepTimes | None:
+    """Step times of the clock, if it has any: fixed, or those of the gaits."""
+    if not env.phase.enabled:
+        return None
+    if env.phase.step_time > 0:
+        return StepTimes.constant(env.phase.step_time)
+    return None if table is None else table.times
 
 
 class WalkingEnv(VecEnv):
@@ -77,7 +135,7 @@ class WalkingEnv(VecEnv):
         return int(self._diverged.item())
 
     def check(self) -> None:
-        """Look for errors of the simulation so far; this may wait for a device.
+        """Check the simulation for errors so far; this may wait for a device.
 
         Raises:
             UserError: names the robots.
@@ -122,13 +180,13 @@ class WalkingEnv(VecEnv):
         return self._observations, reward.float(), (fell | timed_out).long(), extras
 
     def _read(self) -> RobotState:
-        """The true state; the measured one is kept."""
+        """Read the true state and store the measured one."""
         state = self.physics.read()
         self._measured = self.physics.measure(state).tensors(self._like)
         return state.tensors(self._like)
 
     def _end_episodes(self, fell: torch.Tensor) -> torch.Tensor:
-        """Start robots that fell or whose time is over; return those (N,) that did not fall."""
+        """Reset robots that fell or timed out; return those (N,) that timed out."""
         self.episode_length_buf += 1
         timed_out = (self.episode_length_buf >= self.max_episode_length) & ~fell
         ended = fell | timed_out

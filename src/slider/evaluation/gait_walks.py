@@ -4,11 +4,11 @@ The controller is ``hzd``, integral action included, at the gait's constant velo
 and without the bound of its fastest gait.
 """
 
-import csv
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from slider.config.control import HzdControlConfig
 from slider.config.convert import from_dict
@@ -41,10 +41,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     controller = hzd_controller(robot, config, gaits, physics.period)
     walks = walk(controller, physics, plant, library, section["steps"], job)
     columns = dict(zip(VELOCITY, library.velocities.T, strict=True)) | walks
-    rows = [{name: float(v[k]) for name, v in columns.items()} for k in range(len(library))]
-    _write(rows, section["steps"], out)
+    _write(pd.DataFrame(columns), section["steps"], out)
     job.tracker.log_file(out / CSV)
-    return {"gaits": len(rows), "walked": int((walks["walked"] >= section["steps"]).sum())}
+    return {"gaits": len(library), "walked": int((walks["walked"] >= section["steps"]).sum())}
 
 
 def walk(
@@ -89,15 +88,11 @@ def first_samples(library: GaitLibrary) -> tuple[np.ndarray, np.ndarray]:
     return qpos, qvel
 
 
-def _write(rows: list[dict[str, float]], steps: int, out: Path) -> None:
+def _write(table: pd.DataFrame, steps: int, out: Path) -> None:
     """CSV of all gaits, and for people how many walk at each forward speed."""
-    with (out / CSV).open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: f"{value:.6g}" for name, value in row.items()} for row in rows)
+    table.to_csv(out / CSV, index=False, float_format="%.6g")
     lines = [f"| vx [m/s] | gaits | walk {steps} steps | fewest steps |", "|---|---|---|---|"]
-    for vx in sorted({row["vx"] for row in rows}):
-        walked = [row["walked"] for row in rows if row["vx"] == vx]
-        done = sum(count >= steps for count in walked)
-        lines.append(f"| {vx:g} | {len(walked)} | {done} | {min(walked):g} |")
+    for vx, walked in table.groupby("vx")["walked"]:
+        done = (walked >= steps).sum()
+        lines.append(f"| {vx:g} | {len(walked)} | {done} | {walked.min():g} |")
     (out / MARKDOWN).write_text("\n".join(lines) + "\n", encoding="utf-8")

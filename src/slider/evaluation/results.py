@@ -90,7 +90,7 @@ class Robots:
         return self._error("squared_error_steady")
 
     def _error(self, name: str) -> Estimate:
-        """Infinite where none survived, as in the paper."""
+        """Mean of a squared error over survivors; infinite without any, as in the paper."""
         values = self.survivors(name)
         value = float(values.mean()) if len(values) else float("inf")
         return Estimate(value, spread(values, self.columns["trial"][self.survived]))

@@ -1,21 +1,164 @@
-"""The stages ``evaluation`` and ``baseline``: roll controllers out."""
+"""The stages ``evaluation`` and ``baseline``: the same protocol for every controller.
 
+It fixes plant, starts, velocities, terminations, disturbances and records.
+"""
+
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import torch
 
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
 from slider.config.env import EnvConfig, PlantConfig
+from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.config.robot import RobotConfig
 from slider.control import POLICY_FILE
 from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
 from slider.control.policy import PolicyController, agent_of, load_policy
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
+from slider.env.metrics import estimate_error, gait_quality, tracking
 from slider.env.physics import BatchedPhysics
-from slider.evaluation.protocol import Simulated, evaluate, read_protocol
+from slider.env.rollout import Controller, Recording, roll_out
+from slider.env.starts import at_rest
+from slider.evaluation import results, segments
+from slider.evaluation.results import Evaluation
+from slider.evaluation.segments import profile_of
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """One controller at one command or in one case of a profile: all trials and robots.
+
+    Attributes:
+        controller: name of the controller, a row of the table.
+        speed: commanded forward velocity [m/s]; None in a case.
+        case: its changing commands; None at a constant one.
+        robot: the plant's robot.
+        config: trials, starts and what is measured.
+    """
+
+    controller: str
+    speed: float | None
+    case: CaseConfig | None
+    robot: RobotConfig
+    config: EvaluationConfig
+
+    @property
+    def count(self) -> int:
+        """Number of robots of all trials."""
+        return self.config.trials * self.config.robots
+
+    @property
+    def disturbance(self) -> Disturbance:
+        """Trial k draws from seed + k, whatever the controller or command."""
+        seeds = range(self.config.seed, self.config.seed + self.config.trials)
+        return Disturbance(self.config.disturbance, tuple(seeds))
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """N robots in physics with their controller, and the control period and terminations."""
+
+    controller: Controller
+    physics: BatchedPhysics
+    env: EnvConfig | PlantConfig
+
+
+def read_protocol(section: Section) -> Protocol:
+    """The protocol of a stage's section.
+
+    Raises:
+        UserError: a value is missing or has another type.
+    """
+    speed, case = section["speed"], section.get("case")
+    return Protocol(
+        controller=section["controller"],
+        speed=None if speed is None else float(speed),
+        case=None if case is None else from_dict(CaseConfig, case),
+        robot=from_dict(RobotConfig, section["robot"]),
+        config=from_dict(EvaluationConfig, section["evaluation"]),
+    )
+
+
+def evaluate(protocol: Protocol, simulated: Simulated, out: Path, job: Job) -> Summary:
+    """Roll a controller out and write per-robot records and mean velocity traces.
+
+    In a case of a profile also the records and traces of its segments.
+    """
+    config = protocol.config
+    recording = roll_out(
+        simulated.controller,
+        simulated.physics,
+        simulated.env,
+        _starts(protocol.robot, config),
+        _velocities(protocol, simulated.env.control_period),
+        config.duration,
+        lambda share: job.progress(f"{100 * share:.0f} %"),
+    )
+    tracked = tracking(
+        recording, config.warm_up, config.tracking_tolerance, config.tracking_relative
+    )
+    quality = gait_quality(recording, config.warm_up)
+    errors = estimate_error(recording, config.warm_up)
+    robots = results.robots(
+        config.trials, config.robots, tracked, quality, errors, recording.diverged
+    )
+    evaluation = Evaluation(protocol.controller, protocol.speed, robots, _traces(recording))
+    if protocol.case is not None:
+        evaluation = replace(
+            evaluation,
+            case=protocol.case.name,
+            segments=tuple(segments.measure(recording, config, protocol.case)),
+            traces=segments.traces(recording, config),
+        )
+    evaluation.save(out)
+    return _summary(evaluation)
+
+
+def _velocities(protocol: Protocol, period: float) -> np.ndarray:
+    """Commanded velocities (N, 3), or (S, N, 3) in a case."""
+    if protocol.case is not None:
+        ramp = profile_of(protocol.config).ramp
+        values = segments.velocities(protocol.case, ramp, protocol.config.duration, period)
+        return np.repeat(values[:, None], protocol.count, axis=1)
+    velocities = np.zeros((protocol.count, 3))
+    velocities[:, 0] = protocol.speed
+    return velocities
+
+
+def _starts(robot: RobotConfig, config: EvaluationConfig) -> tuple[np.ndarray, np.ndarray]:
+    """Starts of all robots; trial k draws from seed + k, whatever the controller or command."""
+    starts = [
+        at_rest(robot, config.start, np.random.default_rng(config.seed + trial), config.robots)
+        for trial in range(config.trials)
+    ]
+    return np.concatenate([s[0] for s in starts]), np.concatenate([s[1] for s in starts])
+
+
+def _traces(recording: Recording) -> np.ndarray:
+    """Mean and standard deviation over surviving robots of the forward velocity (S, 2) [m/s]."""
+    forward = recording.velocity[:, recording.survived, 0]
+    if forward.shape[1] == 0:
+        return np.full((len(forward), 2), np.nan, dtype=np.float32)
+    return np.stack([forward.mean(axis=1), forward.std(axis=1)], axis=1).astype(np.float32)
+
+
+def _summary(evaluation: Evaluation) -> dict[str, Any]:
+    robots = evaluation.robots
+    case = {"case": evaluation.case} if evaluation.case else {}
+    return {
+        "controller": evaluation.controller,
+        "speed": evaluation.speed,
+        **case,
+        "success_rate": robots.success.value,
+        "mse_steady": robots.mse_steady.value if robots.survived.any() else None,
+        "blow_ups": int(robots.columns["diverged"].sum()),
+    }
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:

@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image
 
 from slider.core.errors import UserError
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.play import loop
 from slider.play.scenes import Scene
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.play.scenes import Motion, Scene
 from slider.robot.scene import CAMERAS
 

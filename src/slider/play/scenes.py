@@ -20,10 +20,10 @@ from slider.control.hzd.gaits import EnforcedGaits
 from slider.control.model_based import build_controller, build_plant
 from slider.control.policy import PolicyController, agent_of, load_policy
 from slider.core.errors import UserError
-from slider.env.disturbance.draws import Disturbance
-from slider.env.episode import Episode, Frame
+from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Episode, Frame
 from slider.env.starts import at_rest, multiply_quaternions
 from slider.library.lookup import StepTimes
 from slider.library.reader import GaitLibrary

@@ -8,7 +8,7 @@ from mujoco.studio import launch_thread, messages, plugin, viewer_protocol
 from mujoco.studio.dear_imgui import dear_imgui as imgui
 from mujoco.studio.web_viewer import WebViewer
 
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.play import loop
 from slider.play.loop import PUSH, Control
 from slider.play.scenes import Scene

@@ -12,7 +12,7 @@ import mujoco
 from mujoco import viewer
 
 from slider.core.errors import UserError
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.play import loop
 from slider.play.loop import PUSH, Control
 from slider.play.scenes import Scene

@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from slider.config.report import VideoConfig
-from slider.env.episode import Frame
+from slider.env.rollout import Frame
 from slider.robot.scene import aim
 
 _DISTANCE = 2.15  # of the camera [m]

@@ -28,8 +28,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     os.environ["MUJOCO_GL"] = section["video"]["renderer"]
     import torch
 
-    from slider.env.disturbance.draws import Disturbance
-    from slider.env.episode import Episode
+    from slider.env.disturbance import Disturbance
+    from slider.env.rollout import Episode
     from slider.env.starts import at_rest
     from slider.evaluation import stage
 

@@ -50,7 +50,7 @@ def read(folder: Path, say: Callable[[str], None]) -> dict[str, Any]:
 
 
 def _content(path: Path) -> dict[str, Any] | None:
-    """What a file holds if it is whole."""
+    """Content of a file; none where it is damaged."""
     try:
         digest, _, data = path.read_bytes().partition(b"\n")
     except OSError:  # such as a failing disk

@@ -14,7 +14,7 @@ Result = TypeVar("Result")
 
 
 def rank() -> int:
-    """Of this process; 0 where it is the only one."""
+    """Rank of this process; 0 where it is the only one."""
     return int(os.environ.get("RANK", "0"))
 
 
@@ -24,7 +24,7 @@ def device_of(kind: str) -> str:
 
 
 def wait_for_all() -> None:
-    """Go on when all processes are here; one that failed never is, and its end ends the others."""
+    """Wait for all processes; if one fails, the launcher ends the others."""
     import torch
 
     if torch.distributed.is_initialized():
@@ -38,7 +38,7 @@ def launch(processes: int, work: Callable[..., Result], *arguments: object) -> R
 
     Raises:
         UserError: one of them raised it.
-        ChildFailedError: one failed otherwise, which its output tells.
+        ChildFailedError: one failed otherwise; see its output.
     """
     if processes == 1:
         return work(*arguments)
@@ -59,9 +59,9 @@ def launch(processes: int, work: Callable[..., Result], *arguments: object) -> R
         return elastic_launch(config, work)(*arguments)[0]
     except ChildFailedError as error:
         number, failure = error.get_first_failure()
-        said: Any = failure.message  # what elastic wrote down, or a text
-        said = said["message"] if isinstance(said, dict) else said
-        kind, _, text = said.partition(": ")
+        message: Any = failure.message  # a record of elastic, or a text
+        message = message["message"] if isinstance(message, dict) else message
+        kind, _, text = message.partition(": ")
         if kind != UserError.__name__:
             raise
         raise UserError(f"process {number} of {processes}: {text}") from None

@@ -1,16 +1,26 @@
-"""The bridge to rsl-rl: our configuration as its dictionaries, its scalars to our tracker."""
+"""PPO of rsl-rl with annealed noise and an averaged actor; our configuration as its dictionaries.
 
-from typing import Any
+Noise shifts the mean speed of a policy, so that a policy trained with noise tracks another speed
+without it. Single updates move the mean speed at a command by a few per cent. Their average varies
+less than each of them (Polyak and Juditsky, 1992), and is exported.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any, cast
 
 import torch
+from rsl_rl.algorithms import PPO
+from rsl_rl.models import MLPModel
 from rsl_rl.utils.log_writer import LogWriter
 from tensordict import TensorDict
+from torch.nn import Module
+from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
-from slider.config.train import NetworkConfig, PpoConfig, TrainConfig
+from slider.config.train import PpoConfig, TrainConfig
 from slider.core.job import Tracker
 from slider.env.vec_env import WalkingEnv
 from slider.robot.names import MIRROR_PERMUTATION, MIRROR_SIGN
-from slider.training.annealed_ppo import AnnealedPPO, NoiseBound
 
 NORMALISER_EPSILON = 1e-2  # rsl-rl's EmpiricalNormalization adds it to the standard deviation
 _NEVER = 10**9
@@ -18,19 +28,106 @@ _NEVER = 10**9
 _SKIPPED_SUFFIX = "/time"
 _VOLATILE = "Perf/"  # times and rates: no part of a result
 ITERATION = "iteration"
+AVERAGE = "average_state_dict"
+
+
+@dataclass(frozen=True)
+class NoiseBound:
+    """Greatest standard deviation of the action noise over a training.
+
+    Attributes:
+        first, last: at the start and after the last update; between, geometric.
+        start: share of the updates from which it falls.
+        updates: of the training.
+    """
+
+    first: float
+    last: float
+    start: float
+    updates: int
+
+    def after(self, update: int) -> float:
+        """The bound after so many updates."""
+        begin = self.start * self.updates
+        share = (update - begin) / max(self.updates - begin, 1.0)
+        return self.first * (self.last / self.first) ** min(max(share, 0.0), 1.0)
+
+
+class AnnealedPPO(PPO):
+    """PPO with bounded action noise and an exponential moving average of the actor.
+
+    Args:
+        actor_ema: share of the old average that an update leaves; at 0 the average is the actor.
+        noise: bound of the noise over the updates.
+
+    Other arguments are those of rsl-rl's ``PPO``, with a ``log`` standard deviation. The learning
+    itself does not see the average.
+    """
+
+    def __init__(
+        self,
+        actor: MLPModel,
+        *arguments: Any,
+        actor_ema: float,
+        noise: NoiseBound,
+        **settings: Any,
+    ) -> None:
+        super().__init__(actor, *arguments, **settings)
+        self._noise = noise
+        self._average = AveragedModel(
+            actor, multi_avg_fn=get_ema_multi_avg_fn(actor_ema), use_buffers=True
+        )
+
+    @property
+    def averaged_actor(self) -> Module:
+        """The average; before the first update the actor itself."""
+        return self._average.module if self._average.n_averaged else self.get_policy()
+
+    def update(self) -> dict[str, float]:
+        """Update actor and critic, bound the noise, then update the average."""
+        losses = super().update()
+        actor = self.get_policy()
+        bound = self._noise.after(int(self._average.n_averaged) + 1)
+        with torch.no_grad():
+            cast(Any, actor).distribution.log_std_param.clamp_(max=math.log(bound))
+        self._average.update_parameters(actor)
+        return losses
+
+    def save(self) -> dict:
+        """State of everything, the average included."""
+        return {**super().save(), AVERAGE: self._average.state_dict()}
+
+    def load(self, loaded_dict: dict, load_cfg: dict | None, strict: bool) -> bool:
+        """As ``PPO.load``; ``average`` in ``load_cfg`` loads the average."""
+        if load_cfg is None or load_cfg.get("average"):
+            self._average.load_state_dict(loaded_dict[AVERAGE], strict=strict)
+        return super().load(loaded_dict, load_cfg, strict)
 
 
 def runner_config(
     train: TrainConfig, tracker: Tracker, curve: list[dict[str, float]]
 ) -> dict[str, Any]:
     """Configuration dictionary of ``OnPolicyRunner``; ``curve`` gets a row per iteration."""
+    network = train.network
+    model = {
+        "class_name": "MLPModel",
+        "hidden_dims": list(network.hidden),
+        "activation": network.activation,
+        "obs_normalization": True,
+    }
+    distribution = {
+        "class_name": "GaussianDistribution",
+        "init_std": network.initial_std,
+        "std_type": "log",
+        "std_range": (network.std_min, network.std_max),
+    }
     return {
         "num_steps_per_env": train.steps_per_iteration,
         "save_interval": _NEVER,  # checkpoints are ours
         "obs_groups": {"actor": ["policy"], "critic": ["policy"]},
         "logger": {"class_name": _writer_factory(tracker, curve)},
-        "actor": {**_model(train.network), "distribution_cfg": _distribution(train.network)},
-        "critic": _model(train.network),
+        "actor": {**model, "distribution_cfg": distribution},
+        "critic": dict(model),
         "algorithm": _algorithm(train),
     }
 
@@ -44,26 +141,10 @@ def _writer_factory(tracker: Tracker, curve: list[dict[str, float]]):
     return create
 
 
-def _model(network: NetworkConfig) -> dict[str, Any]:
-    return {
-        "class_name": "MLPModel",
-        "hidden_dims": list(network.hidden),
-        "activation": network.activation,
-        "obs_normalization": True,
-    }
-
-
-def _distribution(network: NetworkConfig) -> dict[str, Any]:
-    return {
-        "class_name": "GaussianDistribution",
-        "init_std": network.initial_std,
-        "std_type": "log",
-        "std_range": (network.std_min, network.std_max),
-    }
-
-
 def _algorithm(train: TrainConfig) -> dict[str, Any]:
     ppo = train.ppo
+    if ppo.precision == "auto":  # depends on the machine: the recipe holds the actual one
+        raise ValueError("expected float32 or bfloat16, found auto")
     return {
         "class_name": AnnealedPPO,
         "actor_ema": ppo.actor_ema,
@@ -84,15 +165,9 @@ def _algorithm(train: TrainConfig) -> dict[str, Any]:
         "schedule": ppo.schedule,
         "desired_kl": ppo.desired_kl,
         "max_grad_norm": ppo.max_grad_norm,
-        "use_mixed_precision": _in_bfloat16(ppo),
+        "use_mixed_precision": ppo.precision == "bfloat16",
         "symmetry_cfg": _symmetry(ppo),
     }
-
-
-def _in_bfloat16(ppo: PpoConfig) -> bool:
-    if ppo.precision == "auto":  # is another one on another machine: the recipe says which
-        raise ValueError("expected float32 or bfloat16, found auto")
-    return ppo.precision == "bfloat16"
 
 
 class TrackerLogWriter(LogWriter):
@@ -113,15 +188,12 @@ class TrackerLogWriter(LogWriter):
         if tag.endswith(_SKIPPED_SUFFIX):
             return
         if global_step != self._step:
-            self._flush()
+            self.stop()
             self._step = global_step
         self._metrics[tag.strip("/")] = float(scalar_value)
 
     def stop(self) -> None:
-        """Flush what is left."""
-        self._flush()
-
-    def _flush(self) -> None:
+        """Hand over the scalars of the last iteration."""
         if self._metrics:
             self._tracker.log_metrics(self._metrics, self._step)
             lasting = {k: v for k, v in self._metrics.items() if not k.startswith(_VOLATILE)}

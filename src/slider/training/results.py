@@ -1,4 +1,4 @@
-"""What a training found, read from its folder here alone."""
+"""Results of a training, read from its folder."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ class Training:
 
     Attributes:
         checks: ``iteration`` and ``CHECKS`` of the periodic evaluations, see
-            :class:`slider.training.selection.Score`; NaN where nobody survived.
+            :class:`slider.training.selection.Score`; NaN where no robot survived.
         curve: ``iteration`` and every recorded ``group/name``; empty where none were recorded.
     """
 
@@ -36,6 +36,6 @@ class Training:
 
     @property
     def kept(self) -> int:
-        """The iteration with the least score, whose policy was kept; of equals the last."""
+        """Iteration of the exported policy: the last one with the least score."""
         value = self.checks["value"]
         return int(self.checks["iteration"][np.flatnonzero(value == value.min())[-1]])

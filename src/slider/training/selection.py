@@ -8,13 +8,13 @@ import numpy as np
 import torch
 
 from slider.control.policy import PolicyController
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.metrics import gait_quality, tracking
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import USUAL_NOISE, at_rest
-from slider.env.task import Task
+from slider.env.vec_env import Task
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Score:
     speed_error: float
     flight: float
 
-    def known(self) -> dict[str, float]:
-        """The values that are numbers: some need survivors."""
+    def numbers(self) -> dict[str, float]:
+        """The values that are not NaN; some need survivors."""
         return {name: value for name, value in asdict(self).items() if not math.isnan(value)}
 
 

@@ -11,7 +11,7 @@ from slider.config.env import EnvConfig
 from slider.config.robot import RobotConfig
 from slider.config.train import WARP, TrainConfig
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.env.task import Task, task_of
+from slider.env.vec_env import Task, task_of
 from slider.library.reader import STORE
 from slider.training import checkpoint
 from slider.training.distributed import device_of, launch, rank
@@ -40,7 +40,7 @@ def _run(section: Section, inputs: Inputs, out: Path, job: Job, guided: bool) ->
 
 
 def _train(task: Task, start: Path | None, out: Path, job: Job) -> tuple[Summary, dict[str, Any]]:
-    """The part of one process; its facts, of which the first process writes files."""
+    """Train in one process; the first one exports. Return summary and volatile facts."""
     trainer = Trainer(task, job, simulator(task.train))
     if start is not None:
         trainer.start_from(start)

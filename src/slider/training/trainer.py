@@ -7,18 +7,17 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+import pandas as pd
 import torch
 from rsl_rl.runners import OnPolicyRunner
 
 from slider.control import POLICY_FILE
 from slider.control.policy import UNVARIED, Policy, from_actor, save, save_policy
 from slider.core.job import Job
-from slider.env.task import Task
-from slider.env.vec_env import WalkingEnv
+from slider.env.vec_env import Task, WalkingEnv
 from slider.training import checkpoint
-from slider.training.annealed_ppo import AnnealedPPO
 from slider.training.distributed import device_of, rank, wait_for_all
-from slider.training.ppo import NORMALISER_EPSILON, runner_config
+from slider.training.ppo import NORMALISER_EPSILON, AnnealedPPO, runner_config
 from slider.training.results import CURVE, SELECTION
 from slider.training.selection import Score, Selector
 
@@ -64,7 +63,7 @@ class Trainer:
             last.mul_(self._task.train.network.output_scale)
 
     def start_from(self, weights: Path) -> None:
-        """Initialise actor, critic and normalisers; the action noise starts anew.
+        """Initialise actor, critic and normalisers; the action noise keeps its initial size.
 
         Observations that did not vary in the other training, such as the commands of one that
         stands, start with a standard deviation of 1.
@@ -105,12 +104,17 @@ class Trainer:
         actor = self.algorithm.averaged_actor.state_dict()
         network = self._network(actor)
         score = self.selector.score(network)
-        self._history.append({"iteration": self._iteration, **score.known()})
+        numbers = score.numbers()
+        self._history.append({"iteration": self._iteration, **numbers})
         if not self._best or score.value <= self._best["score"]["value"]:
             critic = self.algorithm.save()["critic_state_dict"]
             weights = {"actor_state_dict": _copy(actor), "critic_state_dict": _copy(critic)}
-            self._best = {"score": score.known(), "iteration": self._iteration, "weights": weights}
-        metrics = {f"selection/{name}": value for name, value in score.known().items()}
+            self._best = {
+                "score": score.numbers(),
+                "iteration": self._iteration,
+                "weights": weights,
+            }
+        metrics = {f"selection/{name}": value for name, value in numbers.items()}
         self._job.tracker.log_metrics(metrics, self._iteration)
         return score
 
@@ -171,8 +175,9 @@ class Trainer:
         )
         save_policy(policy, out / POLICY_FILE)
         save(weights, out / WEIGHTS)
-        _write_rows(self._history, out / SELECTION)
-        _write_rows(self._curve, out / CURVE)
+        for name, rows in ((SELECTION, self._history), (CURVE, self._curve)):
+            if rows:
+                pd.DataFrame(rows).to_csv(out / name, index=False, float_format="%.6g")
         self._job.tracker.log_file(out / POLICY_FILE)
         return facts
 
@@ -204,16 +209,3 @@ def _noise_seed(seed: int, iteration: int, process: int) -> int:
 
 def _copy(state: Mapping[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     return {name: value.detach().cpu().clone() for name, value in state.items()}
-
-
-def _write_rows(rows: list[dict[str, float]], path: Path) -> None:
-    """Columns in the order in which they first appear; empty where a row lacks one.
-
-    No rows, no file.
-    """
-    if not rows:
-        return
-    names = list({name: None for row in rows for name in row})
-    lines = [",".join(names)]
-    lines += [",".join(f"{row[n]:.6g}" if n in row else "" for n in names) for row in rows]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

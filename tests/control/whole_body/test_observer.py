@@ -10,7 +10,7 @@ from slider.config.env import DisturbanceConfig
 from slider.config.types import Interval
 from slider.control.model_based import build_controller
 from slider.control.whole_body.observer import Observer, rotation_between, turned
-from slider.env.disturbance.draws import Disturbance
+from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import roll_out
 from slider.env.starts import at_rest

@@ -1,12 +1,15 @@
-"""The physics of many robots on a device, behind the methods of ``BatchedPhysics``.
+"""MuJoCo Warp: the physics of many robots on a device, behind the methods of ``BatchedPhysics``.
 
-All arrays are float32 tensors on the device. Nothing in a step waits for it.
+All arrays are float32 torch tensors that share Warp's memory. A control step is one graph: CUDA
+runs it without the host, and Warp's CPU device replays it in a thirtieth of the time that launching
+its kernels one by one takes. Nothing in a step waits for the device.
 """
 
-# pyright: reportAttributeAccessIssue=false
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Collection, Sequence
+from typing import Any, cast
 
 import mujoco
 import numpy as np
@@ -14,27 +17,155 @@ import torch
 
 from slider.config.env import DisturbanceConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
-from slider.env.disturbance.disturber import Disturber, build_plant
-from slider.env.disturbance.draws import Disturbance
-from slider.env.disturbance.models import (
-    GAIN_COLUMNS,
-    RESISTANCE,
-    SLIDING,
-    drawn,
-    feet,
-    vary,
-)
-from slider.env.reading import SPEED_LIMIT, SensorIndex, read
-from slider.env.state import RobotState
-from slider.env.warp.simulation import ROWS, Simulation
+from slider.core.errors import UserError
+from slider.env import randomization
+from slider.env.disturbance import Disturbance, Disturber, build_plant
+from slider.env.randomization import GAIN_COLUMNS, RESISTANCE, SLIDING
+from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, read_state
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission
 
+try:
+    import mujoco_warp as mjw
+    import warp as wp
+except ModuleNotFoundError as error:
+    message = "expected MuJoCo Warp, found none: pip install -e '.[gpu]' -c constraints.txt"
+    raise UserError(message) from error
+
+CONTACTS = 16  # per robot, on average over all: a robot that stands has 4
+ROWS = 64  # of constraints per robot: 16 in stance, 26 where robots lie on the ground and kick
+_DERIVED = ("body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0")
+# Solver and line search stop at their limit as MuJoCo's own do, which says nothing either.
+_LIMITS = mjw.OverflowType.ITERATIONS | mjw.OverflowType.LS_ITERATIONS
 VARIED_FIELDS = (
     *("body_mass", "body_inertia", "body_ipos", "geom_friction"),
     *("actuator_gainprm", "actuator_forcerange"),
 )
+
+
+class Simulation:
+    """``count`` copies of ``model``, stepped together.
+
+    Attributes:
+        qpos, qvel: (N, nq), (N, nv) generalised positions and velocities.
+        sensors: (N, sensors), one simulation step older.
+        control: (steps, N, inputs), what the next :meth:`step` applies in each simulation step.
+    """
+
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        count: int,
+        steps: int,
+        device: str = "cpu",
+        varied: Collection[str] = (),
+        rows: int = ROWS,
+    ) -> None:
+        """Compile the kernels, which takes half a minute unless the cache has them.
+
+        Args:
+            model: of all robots.
+            count: number of robots N.
+            steps: simulation steps in a control step.
+            device: Warp's and torch's name of it, such as ``cpu`` or ``cuda:0``.
+            varied: fields of the model that robots have of their own; see :meth:`field`.
+            rows: of constraints that a robot may have.
+        """
+        self._device = _device(device)
+        self._torch = torch.device(wp.device_to_torch(self._device))
+        sizes = dict.fromkeys((*varied, *_DERIVED), count) if varied else {}
+        with wp.ScopedDevice(self._device):
+            self._model = mjw.put_model(model, sizes)
+            self._model.opt.warn_overflow = 0  # see check
+            self._data = mjw.make_data(model, count, nconmax=CONTACTS, njmax=rows)
+            control = wp.zeros((steps, count, model.nu), dtype=float)
+        self._inputs = [control[i] for i in range(steps)]
+        self.control = wp.to_torch(control)
+        self.qpos, self.qvel = wp.to_torch(self._data.qpos), wp.to_torch(self._data.qvel)
+        self.sensors = wp.to_torch(self._data.sensordata)
+        self._overflow = wp.to_torch(self._data.overflow)
+        self._advance = self._graph(self._simulate)
+        self._derive = self._graph(self._set_constants) if varied else None
+        self.sensors.zero_()
+        self._overflow.zero_()
+
+    @property
+    def device(self) -> torch.device:
+        """Where the tensors are."""
+        return self._torch
+
+    def field(self, name: str) -> torch.Tensor:
+        """A ``varied`` field of the model (N, ...); call :meth:`derive` after a change."""
+        return wp.to_torch(getattr(self._model, name))
+
+    def step(self) -> None:
+        """Simulate one control step."""
+        self._launch(self._advance)
+
+    def derive(self) -> None:
+        """Compute what depends on varied masses and inertias, as ``mj_setConst`` does."""
+        assert self._derive is not None, "nothing is varied"
+        self._launch(self._derive)
+
+    def clear_errors(self, robots: torch.Tensor) -> None:
+        """Forget the overflows of ``robots`` (N,), which blew up."""
+        self._overflow.masked_fill_(robots, 0)
+
+    def check(self) -> None:
+        """Look for overflows since the last call; this waits for the device.
+
+        Raises:
+            UserError: contacts or constraints of some robots were lost.
+        """
+        bits = (self._overflow & ~int(_LIMITS)).cpu()
+        self._overflow.zero_()
+        robots = torch.nonzero(bits).flatten().tolist()
+        if robots:
+            kinds = mjw.OverflowType(0)
+            for robot in robots:
+                kinds |= mjw.OverflowType(int(bits[robot]))
+            named = ", ".join(map(str, robots[:8])) + (", …" if len(robots) > 8 else "")
+            raise UserError(
+                f"MuJoCo Warp: expected no overflow, found {kinds.name} of {len(robots)} of"
+                f" {len(bits)} robots: {named}"
+            )
+
+    def _simulate(self) -> None:
+        # MuJoCo's rollout keeps no warm start between control steps either.
+        self._data.qacc_warmstart.zero_()
+        for inputs in self._inputs:
+            wp.copy(self._data.ctrl, cast(wp.array, inputs))
+            mjw.step(self._model, self._data)
+
+    def _set_constants(self) -> None:
+        groups = mjw.SetConstGroup.FIXED | mjw.SetConstGroup.INERT0
+        mjw.set_const(self._model, self._data, groups, restore=False)
+
+    def _graph(self, work: Callable[[], None]) -> "wp.Graph":
+        with wp.ScopedDevice(self._device):
+            work()  # loads the kernels
+            with wp.ScopedCapture() as capture:
+                work()
+            wp.synchronize_device()
+        return cast(wp.Graph, capture.graph)
+
+    def _launch(self, graph: "wp.Graph") -> None:
+        """Run a graph in the order of torch's own work on the device."""
+        stream = wp.stream_from_torch(self._torch) if self._device.is_cuda else None
+        wp.capture_launch(graph, stream)
+
+
+def _device(name: str) -> "wp.Device":
+    wp.config.log_level = wp.LOG_WARNING
+    wp.init()
+    try:
+        return wp.get_device(name)
+    except ValueError as error:
+        devices = ", ".join(str(device) for device in wp.get_devices())
+        raise UserError(
+            f"device: expected one that Warp finds ({devices}), found {name}"
+        ) from error
 
 
 class WarpPhysics:
@@ -67,7 +198,11 @@ class WarpPhysics:
         self.robot, self.num_robots = robot, num_robots
         self.period = config.substeps * config.timestep
         self.model = build_plant(robot, options, None)
-        varied = VARIED_FIELDS if disturbance is not None and vary(disturbance.config) else ()
+        varied = (
+            VARIED_FIELDS
+            if disturbance is not None and randomization.vary(disturbance.config)
+            else ()
+        )
         self.simulation = Simulation(self.model, num_robots, config.substeps, device, varied, rows)
         self.qpos, self.qvel = self.simulation.qpos, self.simulation.qvel
         self._sensors = self.simulation.sensors
@@ -139,14 +274,14 @@ class WarpPhysics:
 
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
-        return read(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
+        return read_state(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
 
     def measure(self, state: RobotState) -> RobotState:
         """The state as a controller receives it: with sensor noise."""
         return state if self._disturber is None else self._disturber.measure(state)
 
     def restart_disturbances(self) -> None:
-        """Let the same disturbances follow as after construction."""
+        """Restart the sequence of disturbances."""
         if self._disturber is not None:
             self._disturber.restart()
 
@@ -173,12 +308,14 @@ class WarpModels:
         self._base = _ones_at([nominal.body(names.BASE).id], nominal.nbody).to(device)
         self._loop = _ones_at(GAIN_COLUMNS, parameters).to(device)
         self._resistance = _ones_at([RESISTANCE], parameters).to(device)
-        sliding = _ones_at(feet(nominal), nominal.ngeom)[:, None] * _ones_at([SLIDING], 3)
+        sliding = _ones_at(randomization.feet(nominal), nominal.ngeom)[:, None] * _ones_at(
+            [SLIDING], 3
+        )
         self._sliding = (sliding > 0).to(device)
 
     def draw(self, index: torch.Tensor, uniform: torch.Tensor) -> None:
         """Draw robots ``index`` (n,) again by numbers (N, COLUMNS) in [0, 1)."""
-        new, nominal = drawn(self._config, uniform[index]), self._nominal
+        new, nominal = randomization.drawn(self._config, uniform[index]), self._nominal
         mass, gain = new.mass[:, None], new.gain[:, :, None]
         scale = 1.0 + self._loop * (gain - 1.0) + self._resistance * (1.0 / gain - 1.0)
         friction = nominal["geom_friction"]

@@ -8,10 +8,9 @@ import mujoco
 import numpy as np
 
 from slider.env import terminations
-from slider.env.disturbance.terrain import SKIN
-from slider.env.ground import FLAT, UnevenGround
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
+from slider.env.terrain import FLAT, SKIN, UnevenGround
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
 from tests.env.synthetic import disturbed_physics, make_arrays, make_view, robot_config, stand
@@ -48,16 +47,6 @@ def test_heights_are_those_of_mujocos_height_field():
         here = ground.height((place + offset)[None])[0]
         assert abs(2.0 - distance + SKIN - here) < 1e-6
         assert abs(here) <= AMPLITUDE
-
-
-def test_it_repeats_and_each_robot_has_its_own_part():
-    physics = stand(disturbed_physics(COUNT, SETTING))
-    ground = physics.read().ground
-    points = np.random.default_rng(0).uniform(-9.0, 9.0, (COUNT, 7, 2))
-    heights = ground.height(points)
-    np.testing.assert_allclose(ground.height(points + [4.0, -8.0]), heights, atol=1e-12)
-    same = ground.height(np.zeros((COUNT, 2)))
-    assert len(np.unique(same.round(9))) == COUNT
 
 
 def lowest_clearance(state) -> np.ndarray:

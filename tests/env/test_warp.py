@@ -9,15 +9,15 @@ import pytest
 import torch
 
 from slider.core.errors import UserError
-from slider.env.disturbance.draws import Disturbance, Draws
-from slider.env.disturbance.models import COLUMNS
+from slider.env.disturbance import Disturbance, Draws
 from slider.env.physics import BatchedPhysics
+from slider.env.randomization import COLUMNS
 from slider.robot.names import NUM_JOINTS
 from tests.env.synthetic import config, make_physics, robot_config
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
-from slider.env.warp.physics import WarpModels, WarpPhysics
+from slider.env.warp import WarpModels, WarpPhysics
 
 N = 6
 SINK = 5e-4  # [m]; a foot that just touches is a contact in one precision and not in the other
@@ -196,19 +196,6 @@ def test_disturbed_robots_are_those_of_mujoco_by_the_same_numbers(disturbed, mon
         assert np.abs(values - getattr(other.read(), name)).max() > 1e-3
     assert len(set(disturbed._disturber._delay.steps.tolist())) > 2, "delays do not differ"
     assert np.abs(np.diff(other.qpos, axis=0)).max(axis=1).min() > 1e-3, "the robots do not differ"
-
-
-def test_a_restart_brings_the_same_disturbances_back(disturbed):
-    def run() -> torch.Tensor:
-        place(disturbed, *stance())
-        for _ in range(6):
-            disturbed.step(torch.zeros((N, NUM_JOINTS)))
-        return disturbed.measure(disturbed.read()).qpos
-
-    first = run()
-    disturbed.restart_disturbances()
-    assert torch.equal(run(), first)
-    assert ((run() - first).abs().max(dim=1).values > 1e-3).all(), "and another episode is another"
 
 
 def test_a_blow_up_is_found_and_stays_alone(physics):

@@ -1,31 +1,87 @@
-"""Everything that disturbs the robots of a batch, as the physics applies it."""
+"""What disturbs the robots of a batch: late drives, pushes, uneven ground, noisy sensors.
+
+Random numbers are functions of a seed, a use and a time rather than of one generator: the
+disturbance of a robot at a time depends neither on the rate of its controller nor on which other
+disturbances are on.
+"""
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from dataclasses import astuple, replace
+from dataclasses import astuple, dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
 import mujoco
 import numpy as np
 
-from slider.config.env import SensingConfig
+from slider.config.env import DisturbanceConfig
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env.disturbance import models, terrain
-from slider.env.disturbance.draws import GROUND, NOISE, PUSH, ROBOT, Disturbance, Draws
-from slider.env.ground import FLAT, Ground, random_tile
-from slider.env.starts import NUMPY, multiply_quaternions
+from slider.env import randomization, terrain
+from slider.env.sensing import NUMBERS, with_noise
+from slider.env.starts import NUMPY
 from slider.env.state import RobotState
-from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
+from slider.env.terrain import FLAT, Ground
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
-from slider.robot.names import JOINTS, NUM_JOINTS
 from slider.robot.transmission import Transmission
 
+ROBOT, NOISE, PUSH, GROUND, BIAS, READING = range(6)  # uses of random numbers
+_STREAM = 81  # keeps these generators apart from others of the same seed
 _PLACE = 2  # columns of the place on the ground, then one of the delay, then the model's
-_NOISE = 2 * NUM_JOINTS + 10  # standard normal numbers of sensor noise per robot
-_SLIDES = np.array([name.endswith("slide") for name in JOINTS])
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What disturbs N robots.
+
+    Attributes:
+        config: which disturbances, how large.
+        seeds: the robots come in blocks of the same size, one for each seed.
+    """
+
+    config: DisturbanceConfig
+    seeds: tuple[int, ...]
+
+
+class Draws:
+    """Random numbers for ``count`` robots in blocks, each with its own seed.
+
+    They are arrays of NumPy, or tensors on the device of ``like``: each library has its own.
+    """
+
+    def __init__(self, seeds: tuple[int, ...], count: int, like: Array = NUMPY) -> None:
+        if count % len(seeds):
+            raise ValueError(f"expected {count} robots in {len(seeds)} blocks of the same size")
+        self._seeds, self._block, self._like = seeds, count // len(seeds), like
+
+    def uniform(self, use: int, time: int, columns: int) -> Array:
+        """Numbers (N, columns) in [0, 1) for a use at a time."""
+        return self._draw(use, time, columns, "uniform", "rand")
+
+    def normal(self, use: int, time: int, columns: int) -> Array:
+        """Standard normal numbers (N, columns) for a use at a time."""
+        return self._draw(use, time, columns, "standard_normal", "randn")
+
+    def _draw(self, use: int, time: int, columns: int, of_numpy: str, of_torch: str) -> Array:
+        """By a method of NumPy's generators, or a function of torch."""
+        shape, like, xp = (self._block, columns), self._like, namespace(self._like)
+        if isinstance(like, np.ndarray):
+            return xp.concat([getattr(g, of_numpy)(size=shape) for g in self.generators(use, time)])
+        draw = partial(getattr(xp, of_torch), shape, dtype=like.dtype, device=like.device)
+        generator, blocks = xp.Generator(device=like.device), []
+        for key in self._keys(use, time):
+            generator.manual_seed(int(np.random.SeedSequence(key).generate_state(1, np.uint64)[0]))
+            blocks.append(draw(generator=generator))
+        return xp.concat(blocks)
+
+    def generators(self, use: int, time: int) -> list[np.random.Generator]:
+        """One generator of NumPy per seed."""
+        return [np.random.default_rng(key) for key in self._keys(use, time)]
+
+    def _keys(self, use: int, time: int) -> list[list[int]]:
+        return [[seed, _STREAM, use, time] for seed in self._seeds]
 
 
 def build_plant(
@@ -41,7 +97,7 @@ def build_plant(
 def _tile(disturbance: Disturbance) -> np.ndarray:
     """Heights of the ground: one for all robots, of the first seed."""
     generator = Draws(disturbance.seeds[:1], 1).generators(GROUND, 0)[0]
-    return random_tile(disturbance.config.ground, generator)
+    return terrain.random_tile(disturbance.config.ground, generator)
 
 
 class Models(Protocol):
@@ -58,7 +114,7 @@ class Models(Protocol):
         """Of the robots (N,) [kg]."""
 
     def draw(self, index: Any, uniform: Any, /) -> None:
-        """Draw robots ``index`` again by numbers (N, ``models.COLUMNS``) in [0, 1)."""
+        """Draw robots ``index`` again by numbers (N, ``randomization.COLUMNS``) in [0, 1)."""
 
 
 class Disturber:
@@ -104,13 +160,13 @@ class Disturber:
         self.restart()
 
     def restart(self) -> None:
-        """Begin again: the same draws follow."""
+        """Restart the sequence of draws."""
         self._steps, self._episodes = 0, 0
         self._age = zeros(self._count, self._like)
 
     def begin(self, index: Array, qpos: Array) -> Array:
-        """Draw robots ``index`` anew; return where positions (n, 19) put them in the simulation."""
-        uniform = self._draws.uniform(ROBOT, self._episodes, _PLACE + 1 + models.COLUMNS)
+        """Draw robots ``index`` again; return their positions (n, 19) in the simulation."""
+        uniform = self._draws.uniform(ROBOT, self._episodes, _PLACE + 1 + randomization.COLUMNS)
         self._episodes += 1
         self._age[index] = 0.0
         if self._robots is not None:
@@ -125,7 +181,7 @@ class Disturber:
         return self._terrain.place(index, qpos, uniform[:, :_PLACE])
 
     def push(self, qvel: Array) -> None:
-        """Add to the base velocities of robots whose time it is, in place in (N, 18)."""
+        """Push the robots that are due: change their base velocities in place in (N, 18)."""
         push, age = self._config.push, self._age
         if push.speed == 0:
             return
@@ -137,7 +193,7 @@ class Disturber:
         qvel[due, :2] += push.speed * xp.stack([xp.cos(angle), xp.sin(angle)], axis=1)
 
     def drive(self, control: Array) -> Array:
-        """What reaches the drives (N, S, 10) in S simulation steps, of inputs of this shape."""
+        """Inputs that reach the drives in S simulation steps, of inputs (N, S, 10)."""
         self._steps += control.shape[1]
         self._age += control.shape[1]
         if self._delay is not None:
@@ -150,9 +206,8 @@ class Disturber:
         """The state with sensor noise."""
         if not any(astuple(self._config.sensing)):
             return state
-        return with_noise(
-            state, self._config.sensing, self._draws.normal(NOISE, self._steps, _NOISE)
-        )
+        normal = self._draws.normal(NOISE, self._steps, NUMBERS)
+        return with_noise(state, self._config.sensing, normal)
 
     def wrap(self, qpos: np.ndarray) -> None:
         """Keep the robots on the height field, in place in positions (N, 19)."""
@@ -209,7 +264,7 @@ class DelayLine:
         self.steps[index] = self._lower + namespace(later).asarray(later, dtype=self._integer)
 
     def fill(self, index: Array, inputs: Array) -> None:
-        """Set what the drives of robots ``index`` do until their first input (n, width)."""
+        """Set the inputs (n, width) of robots ``index`` before their first one arrives."""
         self._past[index] = inputs[:, None]
 
     def pass_on(self, control: Array) -> Array:
@@ -220,46 +275,3 @@ class DelayLine:
         now = xp.arange(count, device=control.device)
         robot = xp.arange(len(control), device=control.device)
         return line[robot[:, None], self._upper - self.steps[:, None] + now]
-
-
-def with_noise(state: RobotState, config: SensingConfig, normal: Array) -> RobotState:
-    """The state with noise of standard normal numbers (N, 34).
-
-    Terminations and metrics use the true state. So do rewards, but for the low-passed velocity and
-    the heading error, which are the agent's own.
-
-    The orientation is turned about the base's axes, and everything that follows from it as well.
-    The horizontal place of the base, feet and contacts are as they are.
-    """
-    xp, base = namespace(normal), normal[:, 2 * NUM_JOINTS :]
-    positions, velocities = normal[:, :NUM_JOINTS], normal[:, NUM_JOINTS : 2 * NUM_JOINTS]
-    quaternion = turned(state.quaternion, config.orientation * base[:, :3])
-    rotation = rotation_from_quaternion(quaternion)
-    yaw = yaw_of(rotation)
-    linear = state.linear_velocity + config.linear_velocity * base[:, 3:6]
-    position = 1.0 * state.base_position
-    position[:, 2] += config.base_height * base[:, 9]
-    spread = np.where(_SLIDES, config.slide_position, config.joint_position)
-    rate = np.where(_SLIDES, config.slide_velocity, config.joint_velocity)
-    spread, rate = asarray(spread, normal), asarray(rate, normal)
-    return replace(
-        state,
-        base_position=position,
-        quaternion=quaternion,
-        rotation=rotation,
-        yaw=yaw,
-        linear_velocity=linear,
-        angular_velocity=state.angular_velocity + config.angular_velocity * base[:, 6:9],
-        heading_velocity=turn_to_heading(xp.einsum("nij,nj->ni", rotation, linear), yaw),
-        gravity=-rotation[:, 2, :],
-        joint_positions=state.joint_positions + spread * positions,
-        joint_velocities=state.joint_velocities + rate * velocities,
-    )
-
-
-def turned(quaternion: Array, angles: Array) -> Array:
-    """Orientations (N, 4) turned by small angles (N, 3) [rad] about the body's own axes."""
-    xp = namespace(angles)
-    small = xp.concat([xp.ones_like(angles[:, :1]), 0.5 * angles], axis=1)
-    small /= xp.linalg.vector_norm(small, axis=1, keepdims=True)
-    return multiply_quaternions(quaternion, small)

@@ -1,20 +1,25 @@
-"""Uneven ground in the simulation: a height field, and where on it each robot is.
+"""Terrain: heights under the robots, the height field that simulates them, places on it.
 
-The field is one period with a margin. A robot that leaves the period is put back by one, which it
-cannot notice; the world that controllers and metrics see goes on.
+A height field is one period with a margin. A robot that leaves the period is put back by one, which
+it cannot notice; the world that controllers and metrics see goes on.
 """
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-import mujoco
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
 import numpy as np
 
 from slider.config.env import GroundConfig
 from slider.config.robot import RobotConfig
-from slider.env.ground import UnevenGround
+from slider.core.arrays import Array, namespace, zeros
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
+
+if TYPE_CHECKING:  # terms read heights and are checked without a simulator
+    import mujoco
 
 _MARGIN = 1.5  # the robot's reach and its way in a control period [m]
 _BASE = 0.1  # thickness of the ground below its lowest point [m]
@@ -24,8 +29,75 @@ SKIN = 0.01
 _POINTS = np.linspace(0.0, 1.0, 5)  # along a foot, which touch the ground
 
 
-def lay(spec: mujoco.MjSpec, config: GroundConfig, tile: np.ndarray) -> None:
+class Ground(Protocol):
+    """Height of the ground under each of N robots."""
+
+    @property
+    def flat(self) -> bool:
+        """Whether it is z = 0 everywhere."""
+        ...
+
+    def height(self, points: Array) -> Array:
+        """Heights (N, ...) [m] at points (N, ..., 2) of the world [m]."""
+        ...
+
+
+@dataclass(frozen=True)
+class FlatGround:
+    """A plane at z = 0."""
+
+    flat: bool = True
+
+    def height(self, points: Array) -> Array:
+        """Zeros (N, ...) for points (N, ..., 2)."""
+        return zeros(points.shape[:-1], points)
+
+
+FLAT = FlatGround()
+
+
+@dataclass(frozen=True)
+class UnevenGround:
+    """One grid for N robots, each of which starts somewhere else on it.
+
+    Attributes:
+        tile: heights [m] of the grid points of one period (n, n), rows along y.
+        cell: edge of a cell [m].
+        offset: (N, 2) the world's origin of a robot lies at minus this on the grid [m].
+    """
+
+    tile: Array
+    cell: float
+    offset: Array
+    flat: bool = False
+
+    def height(self, points: Array) -> Array:
+        """Heights (N, ...) [m] at points (N, ..., 2) [m], on the triangles that MuJoCo makes."""
+        shape = (len(points),) + (1,) * (points.ndim - 2) + (2,)
+        scaled = (points - self.offset.reshape(shape)) / self.cell
+        xp = namespace(scaled)
+        below = xp.floor(scaled)
+        place, share = xp.asarray(below, dtype=xp.int64), scaled - below
+        column, row, x, y = place[..., 0], place[..., 1], share[..., 0], share[..., 1]
+        a, b = self._at(row, column), self._at(row, column + 1)
+        c, d = self._at(row + 1, column), self._at(row + 1, column + 1)
+        # The edge between the triangles of a cell goes from a to d.
+        return xp.where(x >= y, a + x * (b - a) + y * (d - b), a + y * (c - a) + x * (d - c))
+
+    def _at(self, row: Array, column: Array) -> Array:
+        return self.tile[row % len(self.tile), column % len(self.tile)]
+
+
+def random_tile(config: GroundConfig, rng: np.random.Generator) -> Array:
+    """Heights [m] of one period (n, n), uniform within ± the amplitude."""
+    points = round(config.period / config.cell)
+    return config.amplitude * rng.uniform(-1.0, 1.0, (points, points))
+
+
+def lay(spec: "mujoco.MjSpec", config: GroundConfig, tile: np.ndarray) -> None:
     """Replace the floor of a model by a height field with the heights of one period (n, n) [m]."""
+    import mujoco
+
     margin = int(np.ceil(_MARGIN / config.cell))
     nodes = len(tile) + 2 * margin + 1
     rows = (np.arange(nodes) - margin) % len(tile)
@@ -45,11 +117,13 @@ def lay(spec: mujoco.MjSpec, config: GroundConfig, tile: np.ndarray) -> None:
         _stud(spec, side)
 
 
-def _stud(spec: mujoco.MjSpec, side: str) -> None:
+def _stud(spec: "mujoco.MjSpec", side: str) -> None:
     """Let a row of spheres touch the ground in place of the foot's capsule, which they fill.
 
     MuJoCo finds one contact of a capsule with each triangle: a light foot would rock on it.
     """
+    import mujoco
+
     line, body = spec.geom(names.foot(side)), spec.body(names.foot(side))
     start, end = np.array(line.fromto[:3]), np.array(line.fromto[3:])
     for share in _POINTS:

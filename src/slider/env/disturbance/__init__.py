@@ -1,1 +1,0 @@
-"""Disturbances of simulated robots: one implementation for training and evaluation."""

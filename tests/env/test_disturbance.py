@@ -1,0 +1,209 @@
+"""Pushes, delays, noise and seeds; nothing happens where nothing is asked for."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+import torch
+
+from slider.config.types import Interval
+from slider.env.disturbance import NOISE, PUSH, DelayLine, Disturbance, Disturber, Draws
+from slider.env.starts import NUMPY
+from slider.robot import names
+from slider.robot.mjcf import Actuation
+from tests.env.synthetic import (
+    config,
+    disturbed_physics,
+    make_physics,
+    random_pose,
+    stand,
+)
+
+COUNT = 6
+EVERYTHING = (
+    "sensing.joint_position=0.005",
+    "sensing.orientation=0.02",
+    "delay={lower: 0.0, upper: 0.03}",
+    "motor_gain={lower: 0.9, upper: 1.1}",
+    "mass={lower: 0.9, upper: 1.1}",
+    "centre_of_mass=0.02",
+    "friction={lower: 0.5, upper: 1.2}",
+    "push={speed: 0.5, interval: 0.1}",
+    "ground.amplitude=0.01",
+)
+
+
+def run(physics, steps: int = 12) -> np.ndarray:
+    """Measured positions and velocities of some steps (steps, N, 37)."""
+    rng = np.random.default_rng(1)
+    stand(physics)
+    rows = []
+    for _ in range(steps):
+        physics.step(0.05 * rng.standard_normal((physics.num_robots, names.NUM_JOINTS)))
+        state = physics.measure(physics.read())
+        rows.append(np.concatenate([state.qpos, state.qvel], axis=1))
+    return np.stack(rows)
+
+
+def make_disturber(count: int, *settings: str) -> Disturber:
+    whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
+    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
+    return Disturber(disturbance, whole.robot, make_physics(1).model, "position", count)
+
+
+def test_a_push_changes_the_velocity_of_the_base_once_per_interval():
+    physics, disturber = make_physics(200), make_disturber(200, "push={speed: 0.5, interval: 0.1}")
+    disturber.begin(np.arange(200), physics.qpos)
+    change = np.zeros((200, 18))
+    for _ in range(5):
+        disturber.push(change)
+        assert not change.any()
+        disturber.drive(np.zeros((200, 4, 10)))  # 20 ms
+    disturber.push(change)
+    np.testing.assert_allclose(np.linalg.norm(change[:, :2], axis=1), 0.5)
+    assert not change[:, 2:].any()
+    angle = np.arctan2(change[:, 1], change[:, 0])
+    assert np.histogram(angle, 4, (-np.pi, np.pi))[0].min() > 30, "in all directions"
+
+
+def test_a_push_gives_the_whole_robot_momentum():
+    """The legs keep their joint speeds: all of the mass is faster by 0.5 m/s at first."""
+    physics = stand(make_physics(1), 0.1)
+    before = momentum(physics)
+    physics.qvel[0, :2] += [0.3, -0.4]
+    gained = momentum(physics) - before
+    np.testing.assert_allclose(gained, physics.masses[:, None] * [[0.3, -0.4]], atol=1e-9)
+
+
+def momentum(physics) -> np.ndarray:
+    """Horizontal momentum (N, 2) [kg m/s]."""
+    data = mujoco.MjData(physics.model)
+    result = []
+    for qpos, qvel, mass in zip(physics.qpos, physics.qvel, physics.masses, strict=True):
+        data.qpos[:], data.qvel[:] = qpos, qvel
+        mujoco.mj_forward(physics.model, data)
+        mujoco.mj_subtreeVel(physics.model, data)
+        result.append(mass * data.subtree_linvel[1, :2])
+    return np.array(result)
+
+
+def test_nothing_asked_for_is_bit_identical_to_no_disturbance():
+    plain, off = make_physics(COUNT), disturbed_physics(COUNT)
+    start = random_pose(np.random.default_rng(0), COUNT)
+    for physics in (plain, off):
+        physics.reset(np.arange(COUNT), *start)
+    for k in range(20):
+        inputs = 0.05 * np.random.default_rng(k).standard_normal((COUNT, names.NUM_JOINTS))
+        plain.step(inputs), off.step(inputs)
+        np.testing.assert_array_equal(plain.qpos, off.qpos)
+        np.testing.assert_array_equal(plain.qvel, off.qvel)
+    state = off.read()
+    assert off.measure(state) is state
+    np.testing.assert_array_equal(plain.masses, off.masses)
+
+
+def test_a_restart_brings_the_same_disturbances_back():
+    physics = disturbed_physics(COUNT, *EVERYTHING)
+    first = run(physics)
+    physics.restart_disturbances()
+    np.testing.assert_array_equal(run(physics), first)
+    assert np.abs(run(physics) - first).max() > 1e-3, "and another episode is another one"
+
+
+def test_one_disturbance_does_not_move_the_draws_of_another():
+    alone = stand(disturbed_physics(COUNT, "mass={lower: 0.9, upper: 1.1}"))
+    together = stand(disturbed_physics(COUNT, *EVERYTHING))
+    np.testing.assert_array_equal(alone.masses, together.masses)
+
+
+TIMESTEP = 0.005
+EVERY = np.arange(1)
+
+
+@pytest.mark.parametrize("substeps", [1, 4])
+@pytest.mark.parametrize("late", [0, 1, 3, 4, 6])
+def test_shifts_by_simulation_steps_whatever_the_rate_of_the_controller(late, substeps):
+    line = DelayLine(Interval(late * TIMESTEP, late * TIMESTEP), TIMESTEP, 1, 1)
+    line.draw(EVERY, np.array([0.3]))
+    line.fill(EVERY, np.array([[-1.0]]))
+    issued = np.repeat(np.arange(24 // substeps), substeps).astype(float)
+    calls = issued.reshape(-1, 1, substeps, 1)
+    arrived = np.concatenate([line.pass_on(call)[0, :, 0] for call in calls])
+    np.testing.assert_array_equal(arrived, np.concatenate([[-1.0] * late, issued])[:24])
+
+
+def test_each_robot_has_its_own_delay_and_all_of_them_occur():
+    line = DelayLine(Interval(0.0, 0.03), TIMESTEP, 7, 1)
+    line.draw(np.arange(7), np.arange(7) / 7 + 0.01)
+    np.testing.assert_array_equal(line.steps, np.arange(7))
+    line.fill(np.arange(7), np.zeros((7, 1)))
+    arrived = np.concatenate(
+        [line.pass_on(np.full((7, 4, 1), float(k)))[:, :, 0] for k in (1, 2, 3)], axis=1
+    )
+    np.testing.assert_array_equal((arrived == 0).sum(axis=1), line.steps)
+
+
+@pytest.mark.parametrize("actuation", ["position", "torque"])
+def test_physics_with_delay_is_physics_with_shifted_inputs(actuation: Actuation):
+    late, steps = 3, 40
+    rng = np.random.default_rng(0)
+    size = 0.02 if actuation == "position" else 3.0
+    inputs = size * rng.standard_normal((steps, 2, names.NUM_JOINTS))
+    delayed = disturbed_physics(
+        2, "delay={lower: 0.015, upper: 0.015}", actuation=actuation, substeps=1
+    )
+    prompt = disturbed_physics(2, actuation=actuation, substeps=1)
+    shifted = np.concatenate([np.zeros((late, 2, names.NUM_JOINTS)), inputs])
+    stand(delayed), stand(prompt)
+    for k in range(steps):
+        delayed.step(inputs[k])
+        prompt.step(shifted[k])
+        np.testing.assert_array_equal(delayed.qpos, prompt.qpos)
+        np.testing.assert_array_equal(delayed.read().motor_torques, prompt.read().motor_torques)
+    assert np.abs(delayed.qvel).max() > 0.1, "nothing moved: the comparison would prove little"
+
+
+def test_the_pose_is_held_or_no_torque_given_before_the_first_input_arrives():
+    setting, inputs = "delay={lower: 0.02, upper: 0.02}", np.full((1, names.NUM_JOINTS), 0.05)
+    torque = stand(disturbed_physics(1, setting, actuation="torque"))
+    bent = torque.qpos.copy()
+    bent[:, 7:] += 0.05
+    torque.reset(np.arange(1), bent, np.zeros((1, 18)))
+    torque.step(inputs)
+    np.testing.assert_allclose(torque.read().motor_torques, 0.0, atol=1e-9)
+    torque.step(inputs)
+    assert np.abs(torque.read().motor_torques).max() > 0.01
+    position, held = stand(disturbed_physics(1, setting)), stand(disturbed_physics(1))
+    position.step(inputs), held.step(np.zeros_like(inputs))
+    np.testing.assert_array_equal(position.qpos, held.qpos)
+
+
+TORCH: Any = torch.zeros(0)
+
+
+@pytest.mark.parametrize("kind", ["uniform", "normal"])
+@pytest.mark.parametrize("like", [NUMPY, TORCH], ids=["numpy", "torch"])
+def test_a_block_of_robots_depends_on_its_own_seed_use_and_time_only(like, kind):
+    def draw(seeds: tuple[int, ...], count: int, use: int = PUSH, time: int = 7) -> np.ndarray:
+        values = getattr(Draws(seeds, count, like), kind)(use, time, 4)
+        assert values.dtype == like.dtype
+        return np.array(values)
+
+    both = draw((1, 2), 6)
+    np.testing.assert_array_equal(both[3:], draw((2,), 3))
+    np.testing.assert_array_equal(both, draw((1, 2), 6))
+    others = draw((1,), 3), draw((2,), 3, time=8), draw((2,), 3, use=NOISE)
+    assert all((both[3:] != other).all() for other in others)
+
+
+@pytest.mark.parametrize("like", [NUMPY, TORCH], ids=["numpy", "torch"])
+def test_distributions(like):
+    draws = Draws((3,), 4000, like)
+    uniform, normal = (
+        np.array(values) for values in (draws.uniform(0, 0, 1), draws.normal(0, 0, 1))
+    )
+    assert 0.0 <= uniform.min() < 0.01 < 0.99 < uniform.max() < 1.0
+    assert uniform.mean() == pytest.approx(0.5, abs=0.02)
+    assert normal.mean() == pytest.approx(0.0, abs=0.05)
+    assert normal.std() == pytest.approx(1.0, abs=0.05)

@@ -146,9 +146,9 @@ def finding(rows: Sequence[Row]) -> str:
         rate = success.text(paper[0]["success_rate"])
         printed = f" ({paper[0]['label']}: {rate} % at {speed_text(top)} m/s)"
     return (
-        f"With the controller {mine[0]['label']} at least "
-        f"**{success.text(min(row['success_rate'] for row in mine))} %** of the robots survive at "
-        f"every commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
+        f"Of the robots with {mine[0]['label']} at least "
+        f"**{success.text(min(row['success_rate'] for row in mine))} %** survive at every "
+        f"commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
         f"warm-up is at most **{mse.text(max(row['mse_steady'] for row in mine))} m²/s²**."
     )
 

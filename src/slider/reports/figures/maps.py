@@ -132,7 +132,9 @@ def _norm(item: VelocityMap) -> Normalize:
     if not len(values):
         return Normalize(0.0, 1.0)
     if not item.logarithmic:
-        return Normalize(float(values.min()), float(values.max()))
+        low, high = float(values.min()), float(values.max())
+        margin = 0.01 * abs(low) if np.isclose(low, high) else 0.0  # else only rounding shows
+        return Normalize(low - margin, high + margin)
     positive = values[values > 0]
     low = float(positive.min()) if len(positive) else 1e-12
     return LogNorm(low, max(float(values.max()), 10 * low))

@@ -18,12 +18,12 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
 from slider.evaluation.segments import SMOOTHING, profile_of, velocity_of
 from slider.reports import rows as tables
-from slider.reports.comparison import comparisons
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import QUANTITIES, Quantity, speed_text
 from slider.reports.rows import NAN, Row, by, distinct
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.reports.table1 import comparisons
 
 TRACKING = "velocity_tracking"
 TRACKED_SHARE = 0.9

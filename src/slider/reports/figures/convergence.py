@@ -7,32 +7,25 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slider.library.reader import GaitLibrary
-from slider.reports.figures.maps import VelocityMap, draw_map, frame
+from slider.reports.figures.maps import VelocityMap, draw_map
 from slider.reports.figures.style import DARK, new_figure
 
-_MARKERS = "os^vD*P"
 _FLOOR = 1e-12  # residuals below this are zero but for rounding
 
 
 def draw(library: GaitLibrary) -> Figure:
-    """Three maps, and the worst residual of each constraint over all gaits."""
-    figure = new_figure(8.6)
-    panels = figure.subplots(4, 1, height_ratios=(1, 1, 1, 3.2))
-    for axes, item in zip(panels[:2], solver_maps(library), strict=True):
-        draw_map(axes, library, item)
-    _outcomes(panels[2], library)
-    _residuals(panels[3], library)
+    """Maps of iterations and worst residual, and the worst residual of each constraint."""
+    figure = new_figure(7.2)
+    first, second, bars = figure.subplots(3, 1, height_ratios=(1, 1, 3.2))
+    iterations = library.arrays["iterations"]
+    draw_map(first, library, VelocityMap("IPOPT iterations", iterations, "iterations"))
+    residual, unit = (
+        np.maximum(library.arrays["max_violation"], _FLOOR),
+        "SI unit of\nthe constraint",
+    )
+    draw_map(second, library, VelocityMap("worst residual", residual, unit, logarithmic=True))
+    _residuals(bars, library)
     return figure
-
-
-def solver_maps(library: GaitLibrary) -> list[VelocityMap]:
-    """Iterations and worst residual of each gait."""
-    residual = np.maximum(library.arrays["max_violation"], _FLOOR)
-    unit = "SI unit of\nthe constraint"
-    return [
-        VelocityMap("IPOPT iterations", library.arrays["iterations"], "iterations"),
-        VelocityMap("worst residual", residual, unit, logarithmic=True),
-    ]
 
 
 def caption(library: GaitLibrary) -> str:
@@ -40,12 +33,15 @@ def caption(library: GaitLibrary) -> str:
     arrays = library.arrays
     count = len(library) + len(library.holes)
     iterations = arrays["iterations"]
+    outcomes = Counter(map(str, arrays["status"])).most_common()
+    statuses = ", ".join(f"{status} {number}" for status, number in outcomes)
     lines = [
         f"{len(library)} of {count} gaits converged, in {iterations.min()} to {iterations.max()} "
         f"iterations (median {np.median(iterations):g}); the worst residual is "
-        f"{arrays['max_violation'].max():.1e}. Each gait is solved by itself from the same start. "
-        "The bars are the worst residual of each constraint over all gaits, in its own unit. "
-        "Solve times differ from run to run and are in `solve_times.md`."
+        f"{arrays['max_violation'].max():.1e}. IPOPT's outcomes: {statuses}. Each gait is solved "
+        "by itself from the same start. The bars are the worst residual of each constraint over "
+        "all gaits, in its own unit. Solve times differ from run to run and are in "
+        "`solve_times.md`."
     ]
     if library.holes:
         lines.append("")
@@ -74,26 +70,6 @@ def times_caption(times: np.ndarray) -> str:
         f"all for {len(known)} gaits. Measured when each gait was computed, with whatever else "
         "the machine was doing; grey cells: not known.\n"
     )
-
-
-def _outcomes(axes: Axes, library: GaitLibrary) -> None:
-    """A marker per return status; the commonest first."""
-    found = [(*velocity, str(status)) for velocity, status in _converged(library)]
-    found += [(hole.vx, hole.vy, hole.status) for hole in library.holes]
-    counts = Counter(status for _, _, status in found)
-    for marker, (status, count) in zip(_MARKERS, counts.most_common(), strict=False):
-        vx, vy = zip(*[(x, y) for x, y, name in found if name == status], strict=True)
-        label = f"{status} ({count})"
-        fill, size = ("full", 3) if marker == _MARKERS[0] else ("none", 4.5)
-        line = axes.plot(vx, vy, marker, color=DARK, fillstyle=fill, markersize=size, label=label)
-        line[0].set_linestyle("")
-    frame(axes, library)
-    axes.set_title("IPOPT's outcome", loc="left")
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=len(counts), borderpad=0)
-
-
-def _converged(library: GaitLibrary):
-    return zip(library.planar_velocities, library.arrays["status"], strict=True)
 
 
 def _residuals(axes: Axes, library: GaitLibrary) -> None:

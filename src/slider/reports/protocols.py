@@ -40,7 +40,7 @@ TRACKING_CAPTION = (
     "between robots, dashed the command."
 )
 _SPEEDS_CAPTION = """\
-{trials} trials of {robots} robots per controller and command, {duration:g} s from rest. What is
+{trials} trials of {robots} robots per controller and speed, {duration:g} s from rest. What is
 drawn counts from {warm_up:g} s on: mean forward speed (band: one standard deviation between
 robots), share of robots that stay up (line) and that track (dots: mean speed within
 max({tracking_tolerance:g} m/s, {tracking_relative:.0%}) of the command), and mean squared error.
@@ -63,13 +63,12 @@ feet; the displacement is how far the base got. `reports/{name}.csv` has all num
 """
 _CASES_CAPTION = """\
 Share of robots that survive the case (dot) and that stand after it (ring), with Wilson's 95 %
-interval; errors of the mean velocity, and the fastest robot after a stop (diamond). {trials} trials
-of {robots} robots per controller and case, {duration:g} s each, from rest. A robot survives a case
-if it stays up for all of it. The other numbers are those of survivors, from {settled:g} s after the
-case's last command on. Where that command is zero, a robot stands if all means of its velocity over
-{smoothing:g} s stay below {standing:g} m/s; the fastest robot has the largest of these means, and
-the drift is how far the base got. Brackets hold Wilson's 95 % interval. `reports/{name}.csv` has
-all numbers.
+interval. {trials} trials of {robots} robots per controller and case, {duration:g} s each, from
+rest. A robot survives a case if it stays up for all of it. The other numbers are those of
+survivors, from {settled:g} s after the case's last command on. Where that command is zero, a robot
+stands if all means of its velocity over {smoothing:g} s stay below {standing:g} m/s; the fastest
+robot has the largest of these means, and the drift is how far the base got. Brackets hold Wilson's
+95 % interval. `reports/{name}.csv` has all numbers.
 """
 _SEGMENT_COLUMNS = (
     *("success_rate", "vx_error", "vy_error", "yaw_rate_error", "heading_error"),

@@ -42,7 +42,6 @@ def test_bare_physics_does_the_environments_work(bench):
 def test_rates_and_shares_are_of_the_same_run(bench):
     row = bench.measure(seconds=0.05, rounds=2)
     assert min(row.bare.cpu, row.environment.cpu, row.loop.cpu) > 0
-    assert min(row.environment_share, row.loop_share) > 0
     assert sum(row.parts.values()) == pytest.approx(1.0)
     assert {"physics", "state", "observation", "reward", "policy", "update"} <= row.parts.keys()
     assert min(row.parts.values()) > 0

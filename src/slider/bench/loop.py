@@ -18,7 +18,7 @@ import statistics
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -114,24 +114,23 @@ class Throughput:
         bare: ``mujoco.rollout`` or MuJoCo Warp alone.
         environment: the environment's ``step``.
         loop: training iterations, everything included.
-        environment_share, loop_share: of the bare rate, in processor time; on a GPU in time.
         parts: share of the training's processor time by part.
+        clock: ``cpu``, or ``wall`` on a GPU, of the shares of the bare rate.
     """
 
     num_envs: int
     bare: Rate
     environment: Rate
     loop: Rate
-    environment_share: float
-    loop_share: float
     parts: dict[str, float]
+    clock: str
 
     def line(self) -> str:
         """One row of the table: steps per second, in brackets per second of processor time."""
-        return (
-            f"{self.num_envs:6d}  {self.bare}  {self.environment}  "
-            f"{self.loop}  {self.environment_share:9.0%}  {self.loop_share:9.0%}"
-        )
+        bare = getattr(self.bare, self.clock)
+        environment, loop = (getattr(r, self.clock) / bare for r in (self.environment, self.loop))
+        rates = f"{self.bare}  {self.environment}  {self.loop}"
+        return f"{self.num_envs:6d}  {rates}  {environment:9.0%}  {loop:9.0%}"
 
 
 def measure(
@@ -239,24 +238,12 @@ class Bench:
         for once in work:  # first calls allocate
             once()
         spent.clear()
-        rates = [[_rate(once, seconds) for once in work] for _ in range(rounds)]
-        bare, environment, loop = (list(column) for column in zip(*rates, strict=True))
+        rounds_of_rates = [[_rate(once, seconds) for once in work] for _ in range(rounds)]
+        bare, environment, loop = map(_median, zip(*rounds_of_rates, strict=True))
         total = sum(spent.values())
-        return Throughput(
-            num_envs=self._task.train.robots,
-            bare=_median(bare),
-            environment=_median(environment),
-            loop=_median(loop),
-            environment_share=self._share(environment, bare),
-            loop_share=self._share(loop, bare),
-            parts={name: part / total for name, part in spent.items()},
-        )
-
-    def _share(self, part: list[Rate], bare: list[Rate]) -> float:
-        """Median over rounds: a slow round slows all its measurements down."""
+        parts = {name: part / total for name, part in spent.items()}
         clock = "cpu" if self._device == "cpu" else "wall"
-        pairs = zip(part, bare, strict=True)
-        return statistics.median(getattr(p, clock) / getattr(b, clock) for p, b in pairs)
+        return Throughput(self._task.train.robots, bare, environment, loop, parts, clock)
 
     def _step(self) -> int:
         import torch
@@ -302,5 +289,5 @@ def _rate(once: Callable[[], int], seconds: float) -> Rate:
     return Rate(steps / (time.perf_counter() - wall), steps / (time.process_time() - cpu))
 
 
-def _median(rates: list[Rate]) -> Rate:
+def _median(rates: Sequence[Rate]) -> Rate:
     return Rate(*(statistics.median(getattr(r, clock) for r in rates) for clock in ("wall", "cpu")))

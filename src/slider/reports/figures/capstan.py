@@ -110,4 +110,5 @@ def _limits(axes: Axes, library: GaitLibrary, drive: Transmission) -> None:
         label = f"motor {number}"
         axes.plot(turning[:, motor], torques[:, motor], ".", color=colour, label=label)
     axes.set(title="limits", xlabel="speed [rad/s]", ylabel="torque [N m]")
-    axes.legend(loc="upper right")
+    axes.margins(y=0.15)
+    axes.legend(loc="upper center", ncols=2)

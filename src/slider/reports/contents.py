@@ -23,7 +23,6 @@ from slider.reports import table1 as table1_report
 from slider.reports.figures import checks, maps, walking
 from slider.reports.figures import gaits as gait_figures
 from slider.reports.figures.style import write_pictures
-from slider.reports.provenance import Made
 from slider.reports.quantities import PAPER, QUANTITIES, speed_text
 from slider.reports.rows import Row, by, evaluations
 from slider.reports.table import Cell, Heading, Picture, Table, Text, Written
@@ -309,16 +308,12 @@ def in_effect(configuration: Mapping[str, Any], where: str) -> str:
 
 def provenance(sources: Sources) -> Blocks:
     """Commit, configuration, recipes, versions, seeds, machine, times."""
-    results = {
-        name: [
-            Made(origin, facts, folder.name)
-            for origin, facts, folder in zip(
-                origins, sources.times[name], sources.inputs[name], strict=True
-            )
-        ]
+    jobs = [
+        job
         for name, origins in sources.origins.items()
-    }
-    return origins_report.blocks(sources.configuration, results, sources.page)
+        for job in zip(origins, sources.times[name], sources.inputs[name], strict=True)
+    ]
+    return origins_report.blocks(sources.configuration, jobs, sources.page)
 
 
 def _protocol(name: str, sources: Sources) -> Blocks:

@@ -161,13 +161,13 @@ def table1(sources: Sources) -> Blocks:
 
 def tracking(sources: Sources) -> Blocks:
     """Forward velocity over time, as in the paper's figure."""
-    asked, found = sources.report.tracking_speeds, sources.evaluations("table1")
-    shown = [one for one in found if one.speed in asked]
+    speeds, results = sources.report.tracking_speeds, sources.evaluations("table1")
+    shown = [result for result in results if result.speed in speeds]
     if shown:
         period = sources.configuration["env"]["control_period"]
         svg = sources.draw(protocols.TRACKING, partial(walking.draw_tracking, shown, period))
         yield Picture(svg, protocols.TRACKING_CAPTION)
-    yield from protocols.undrawn(found, asked)
+    yield from protocols.undrawn(results, speeds)
 
 
 def videos(sources: Sources) -> Blocks:
@@ -214,9 +214,9 @@ def verification(sources: Sources) -> Blocks:
     failures = about["failures"]
     bounded = sum(quantity["bound"] is not None for quantity in about["quantities"].values())
     yield Text(
-        f"{about['gaits']} gaits, checked by other means than those that made them: pinocchio and "
-        "MuJoCo for the dynamics, another integrator for the orbit, a dense sampling between the "
-        "nodes, a replay in simulation."
+        f"{about['gaits']} gaits, checked by other means than those that solved them: pinocchio "
+        "and MuJoCo for the dynamics, another integrator for the orbit, a dense sampling between "
+        "the nodes, a replay in simulation."
     )
     if failures:
         yield Text(f"{len(failures)} values are beyond their bounds, of {bounded}:", "failed")

@@ -82,16 +82,16 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     Raises:
         UserError: none of the speeds is evaluated.
     """
-    asked, period = section["speeds"], section["control_period"]
+    speeds, period = section["speeds"], section["control_period"]
     evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
     if not evaluations:
         expected = "at least one of evaluation.speeds"
-        raise UserError(f"report.tracking_speeds: expected {expected}, found {asked}")
+        raise UserError(f"report.tracking_speeds: expected {expected}, found {speeds}")
     rows = [row for one in evaluations for row in tracking_rows(one, period)]
     shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
     draw = partial(walking.draw_tracking, evaluations, period)
     title = "Forward velocity over time"
-    _write(out / TRACKING, title, rows, draw, [*shown, *undrawn(evaluations, asked)], job)
+    _write(out / TRACKING, title, rows, draw, [*shown, *undrawn(evaluations, speeds)], job)
     return {"rows": len(rows)}
 
 
@@ -105,16 +105,16 @@ def tracking_rows(one: Evaluation, period: float) -> list[Row]:
     ]
 
 
-def undrawn(evaluations: Sequence[Evaluation], asked: Sequence[float]) -> Iterator[Written]:
+def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Iterator[Written]:
     """Curves that are not drawn, and why."""
     evaluated = {one.speed for one in evaluations}
-    missing = ", ".join(speed_text(value) for value in asked if value not in evaluated)
+    missing = ", ".join(speed_text(value) for value in speeds if value not in evaluated)
     if missing:
         yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
     fallen = [
         f"{one.label} at {speed_text(one.speed)} m/s"
         for one in evaluations
-        if one.speed is not None and one.speed in asked and _all_fell(one)
+        if one.speed is not None and one.speed in speeds and _all_fell(one)
     ]
     if fallen:
         yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")

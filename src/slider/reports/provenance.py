@@ -1,4 +1,4 @@
-"""Where it all comes from: commit, configuration, recipes, versions, seeds, machine, times."""
+"""Provenance of the results: commit, configuration, recipes, versions, seeds, machine, times."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -109,7 +109,7 @@ def in_order(stages: Iterable[str]) -> list[str]:
 
 
 def stage_title(stage: str) -> str:
-    """What people call a stage."""
+    """Title of a stage."""
     return _STAGES.get(stage, stage.replace("_", " "))
 
 

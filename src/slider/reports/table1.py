@@ -163,8 +163,8 @@ def _marked(rows: Sequence[Row | None], name: str) -> list[Cell]:
     enough = 0.0 if share else max(success) - _COMPARABLE
     values = [_value(row, name) for row in rows]
     fair = [v == v and s >= enough for v, s in zip(values, success, strict=True)]
-    known = [value for value, one in zip(values, fair, strict=True) if one]
-    best = (max if share else min)(known, default=math.nan)
+    candidates = [value for value, one in zip(values, fair, strict=True) if one]
+    best = (max if share else min)(candidates, default=math.nan)
     alone = len(rows) == 1
     return [
         replace(_cell(row, value, name), best=one and not alone and _same(value, best, share))

@@ -95,7 +95,7 @@ def draw_maps(library: GaitLibrary, maps: Sequence[VelocityMap]) -> Figure:
 
 
 def frame(axes: Axes, library: GaitLibrary) -> None:
-    """Axes of a map over all velocities that were asked for, holes included."""
+    """Axes of a map over all velocities of the grid, holes included."""
     mesh = library.mesh
     margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
     holes = np.array([[hole.vx, hole.vy] for hole in library.holes]).reshape(-1, 2)
@@ -227,12 +227,12 @@ def draw_times(library: GaitLibrary, times: np.ndarray) -> Figure:
 
 def times_caption(times: np.ndarray) -> str:
     """The times in numbers."""
-    known = times[np.isfinite(times)]
+    finite = times[np.isfinite(times)]
     return (
         f"Processor time of IPOPT from a cold start, without imports and building the problem: "
-        f"median {np.median(known):.2f} s, greatest {known.max():.2f} s, {known.sum():.0f} s in "
-        f"all for {len(known)} gaits. Measured when each gait was computed, with whatever else "
-        "the machine was doing; grey cells: not known.\n"
+        f"median {np.median(finite):.2f} s, greatest {finite.max():.2f} s, {finite.sum():.0f} s in "
+        f"all for {len(finite)} gaits. Measured when each gait was computed, with whatever else "
+        "the machine was doing; grey cells: not finite.\n"
     )
 
 

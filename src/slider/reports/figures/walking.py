@@ -179,7 +179,8 @@ def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
         for one in evaluations:
             if one.speed == command and one.robots.survived.any():
                 time = period * np.arange(1, len(one.velocity) + 1)
-                _band(axes, time, *one.velocity.T, labels.index(one.label))
+                mean, spread = one.velocity.T
+                _band(axes, time, mean, spread, labels.index(one.label))
         axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)))
         axes.set_title(f"{speed_text(command)} m/s")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))

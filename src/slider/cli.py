@@ -26,7 +26,6 @@ COMMANDS = {
     "bundle": ("slider.commands.bundle", "pack a result with all that it came from"),
     "benchmark-control": ("slider.bench.controllers", "time the model-based controllers"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
-    "benchmark-growth": ("slider.bench.growth", "time everything at growing sizes"),
     "benchmark-training": ("slider.bench.loop", "time physics, environment and training"),
     "library": ("slider.commands.library", "show what is in the gait library"),
     "gait": ("slider.commands.gait", "show or export one gait of the library"),

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from slider.bench.gaits import measure, measure_fresh
+from slider.bench.gaits import measure
 from slider.cli import main
 from tests.gait.gaits import config
 
@@ -14,14 +14,6 @@ def test_a_measurement_is_of_real_solves():
     inside = sum(found.solves[0].evaluations.values())
     assert 0 < inside < found.solves[0].cpu
     assert found.line().split()[:2] == ["21", "1"]
-
-
-def test_a_fresh_job_pays_for_its_imports():
-    robot, gait = config().robot, config().gait
-    found = measure_fresh(robot, gait, [(0.2, 0.0)])
-    assert len(found.cpu) == 1
-    assert found.cpu[0] > 0.3
-    assert found.wall > 0.3
 
 
 def test_impossible_nodes_are_one_line(capsys):

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from slider.reports.quantities import QUANTITIES, Quantity, quantity
+from slider.reports.quantities import Quantity
 from slider.reports.rows import NAN
 from slider.reports.table1 import quality_tables
 
@@ -54,8 +54,3 @@ def test_no_number_of_the_quality_is_left_out():
         ["new", "1.00", "2.00"],
     ]
     assert [cell.text for cell in baseline.rows[0]] == ["Flight [% of time]", "0"]
-
-
-def test_what_is_not_known_keeps_its_name():
-    assert quantity("flight") is QUANTITIES["flight"]
-    assert quantity("other").heading == "other"

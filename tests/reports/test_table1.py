@@ -1,8 +1,8 @@
 """The table's numbers from records whose answers are known; the paper's beside them."""
 
 import csv
+import math
 import shutil
-from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -12,7 +12,8 @@ from slider.evaluation.results import QUALITY, Evaluation, Robots
 from slider.library.blend import gait_numbers
 from slider.library.reader import GaitLibrary
 from slider.reports import table1
-from slider.reports.rows import quality_row, table_row
+from slider.reports.rows import NAN, quality_row, table_row
+from slider.reports.table1 import compare, comparisons
 from tests.evaluation.test_results import make_robots, write_evaluation
 from tests.library.gaits import write_store
 
@@ -46,25 +47,14 @@ def test_a_row_has_the_numbers_of_its_evaluation():
         assert (row[name], row[f"{name}_std"]) == getattr(found, name)[:2]
 
 
-def test_the_papers_rows_are_the_papers():
-    text = (files("slider.reports") / "paper_table1.csv").read_text()
-    expected = list(csv.DictReader(text.splitlines()))
-    rows = table1.paper_rows()
-    assert len(rows) == len(expected) == 14
-    for row, printed in zip(rows, expected, strict=True):
-        assert row["source"] == "paper"
-        assert row["controller"] == printed["controller"]
-        for name in ("speed", "success_rate", "mse"):
-            assert row[name] == float(printed[name])
-        assert np.isnan([row[name] for name in COLUMNS[5:] if name != "mse"]).all()
-
-
 def test_some_of_the_papers_numbers():
     rows = {(r["controller"], r["speed"]): r for r in table1.paper_rows()}
     assert rows["guided_drl", 3.0]["success_rate"] == 0.731
     assert rows["guided_drl", 3.0]["mse"] == 1.6
     assert rows["mpc_wbc", 0.6]["mse"] == 0.0593
     assert rows["mpc_wbc", 1.0]["mse"] == float("inf")
+    assert len(rows) == 14
+    assert {row["source"] for row in rows.values()} == {"paper"}
 
 
 def test_the_stage(tmp_path):
@@ -153,3 +143,94 @@ def test_numbers_of_the_gait_stand_beside_those_of_every_controller(tmp_path, na
         expected = getattr(gait_numbers(library, speed), name)
         assert float(row[names[at + 1]]) == pytest.approx(expected, rel=1e-5)
     assert quality[2][names[at + 1]] == "", "the library ends at 1 m/s"
+
+
+SUCCESS, STEADY, WHOLE, TRACKING = table1.METRICS
+
+
+def row_of(controller, command, source="measured", **values):
+    names = ("success_rate", "mse", "mse_steady", "tracking_rate")
+    names = [*names, *(f"{name}_std" for name in names), "success_low", "success_high"]
+    cells = dict.fromkeys(names, NAN)
+    cells |= {
+        "controller": controller,
+        "label": f"{controller} of {source}",
+        "source": source,
+        "speed": command,
+    }
+    return cells | values
+
+
+ROWS = [
+    row_of("policy", 1.0, success_rate=1, success_rate_std=0, mse=0.0246, mse_steady=0.00271),
+    row_of("mpc_wbc_tuned", 1.0, success_rate=0.5, mse=0.5, mse_steady=0.4),
+    row_of("policy", 0.2, success_rate=1, mse=0.001, mse_steady=0.0005),
+    row_of("guided_drl", 0.2, "paper", success_rate=1, mse=0.0317),
+    row_of("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221),
+    row_of("mpc_wbc", 1.0, "paper", success_rate=0, mse=math.inf),
+]
+
+
+def test_commands_are_sorted_and_controllers_keep_the_order_of_the_table():
+    table = compare(ROWS, SUCCESS)
+    assert [row[0].key for row in table.rows] == [0.2, 1.0]
+    assert table.columns[1] == "policy of measured"
+    assert len(table.columns) == 1 + 4
+    assert table.rows[0][2].text == "–"  # not evaluated at 0.2 m/s
+
+
+def test_marks_all_who_share_the_best_value():
+    best = [cell.best for cell in compare(ROWS, SUCCESS).rows[1][1:]]
+    assert best == [True, False, True, False]
+
+
+def test_an_error_of_few_survivors_is_not_the_best():
+    for success, wins in ((0.001, False), (0.995, True)):
+        rows = [*ROWS, row_of("other", 1.0, success_rate=success, mse=1e-6)]
+        best = [cell.best for cell in compare(rows, WHOLE).rows[1][1:]]
+        assert best == [False, False, not wins, False, wins]
+
+
+def test_a_metric_that_the_paper_does_not_have_is_ours_alone():
+    rows = [row_of("policy", 1.0, tracking_rate=0.9), *ROWS[3:]]
+    assert compare(rows, TRACKING).columns[1:] == ["policy of measured"]
+
+
+def test_nobody_is_best_where_nobody_survives():
+    rows = [row_of("policy", 1.0, mse=math.inf), row_of("mpc_wbc", 1.0, "paper", mse=math.inf)]
+    assert not any(cell.best for cell in compare(rows, WHOLE).rows[0])
+
+
+@pytest.mark.parametrize(
+    ("value", "spread", "metric", "text"),
+    [
+        (0.996, 0.00516, SUCCESS, "99.6 % ± 0.5"),
+        (1.0, math.nan, SUCCESS, "100.0 %"),
+        (0.000461344, 1.9e-5, STEADY, "0.000461 ± 0.000019"),
+        (0.0217, math.nan, WHOLE, "0.0217"),
+        (1.6, math.nan, WHOLE, "1.60"),
+        (0.0, math.nan, WHOLE, "0.000"),
+        (math.inf, math.nan, WHOLE, "∞"),
+    ],
+)
+def test_prints_three_digits(value, spread, metric, text):
+    cells = {metric: value, f"{metric}_std": spread}
+    assert compare([row_of("policy", 1.0, **cells)], metric).rows[0][1].text == text
+
+
+def test_success_has_its_interval_and_the_papers_has_none():
+    rows = [row_of("policy", 1.0, success_rate=0.996, success_low=0.98981, success_high=0.99844)]
+    rows.append(row_of("guided_drl", 1.0, "paper", success_rate=1, mse=0.0221))
+    _, ours, papers = compare(rows, SUCCESS).rows[0]
+    assert ours.text == "99.6 % [99.0, 99.8]"
+    assert papers.text == "100.0 %"
+    assert (ours.best, papers.best) == (False, True)
+    assert "99.6 \\% [99.0, 99.8]" in compare(rows, SUCCESS).latex
+
+
+def test_latex_is_escaped_and_balanced():
+    text = "".join(table.latex for table in comparisons(ROWS))
+    assert "0.0246 & 0.500 & \\textbf{0.0221} & $\\infty$ \\\\" in text
+    assert "100.0 \\%" in text
+    assert text.count("\\begin{tabular}") == text.count("\\end{tabular}") == len(table1.METRICS)
+    assert not any(character in text for character in "±∞²–")

@@ -4,21 +4,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any
-
-
-@contextmanager
-def replaced(owner: object, name: str, function: Callable[..., Any]) -> Iterator[None]:
-    """Put a function in the place of a method until the block ends."""
-    in_instance = name in vars(owner)  # or in its class
-    original = getattr(owner, name)
-    setattr(owner, name, function)
-    try:
-        yield
-    finally:
-        if in_instance:
-            setattr(owner, name, original)
-        else:
-            delattr(owner, name)
+from unittest.mock import patch
 
 
 @contextmanager
@@ -47,5 +33,6 @@ def timed(methods: Mapping[str, tuple[object, str]], spent: dict[str, float]) ->
 
     with ExitStack() as stack:
         for part, (owner, name) in methods.items():
-            stack.enter_context(replaced(owner, name, wrapped(getattr(owner, name), part)))
+            function = wrapped(getattr(owner, name), part)
+            stack.enter_context(patch.object(owner, name, function))
         yield

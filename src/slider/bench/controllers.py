@@ -78,17 +78,13 @@ def run(arguments: argparse.Namespace) -> None:
     print("µs per robot and tick\n" + f"{'controller':<16}{'vx [m/s]':>10}", end="")
     print("".join(f"{part:>11}" for part in ("whole", *_PARTS)), flush=True)
     for name in arguments.controllers:
-        gaits = _gaits(config, name, arguments.artefacts)
+        gaits = None
+        if isinstance(config.control[name], HzdControlConfig):
+            loaded = current_gaits(arguments.artefacts)
+            gaits = EnforcedGaits.load(*loaded, enforced_section(config.hzd))
         for speed in arguments.vx:
             cost = measure(config, name, gaits, arguments.robots, speed, arguments.seconds)
             print(cost.line(name, speed), flush=True)
-
-
-def _gaits(config: Config, name: str, artefacts: Path) -> EnforcedGaits | None:
-    """Gaits of the current plan for a controller of the family ``hzd``."""
-    if not isinstance(config.control[name], HzdControlConfig):
-        return None
-    return EnforcedGaits.load(*current_gaits(artefacts), enforced_section(config.hzd))
 
 
 def measure(

@@ -1,12 +1,9 @@
-"""``slider benchmark-training``: control steps per second of physics, environment and training.
+"""``slider benchmark-training``: control steps per second of environment and training.
 
-All three do the same work: the states and inputs of the physics are recorded from the environment,
-and its actions are as noisy as those of an untrained policy. Physics are those of the training's
-``simulator``, on its ``device``.
+Actions of the environment are as noisy as those of an untrained policy. The share of the physics
+bounds what the other parts can gain. Physics are those of the training's ``simulator``, on its
+``device``.
 """
-
-# mujoco has no type stubs for its compiled part.
-# pyright: reportAttributeAccessIssue=false
 
 import argparse
 import contextlib
@@ -18,24 +15,21 @@ import statistics
 import tempfile
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from slider.bench import replaced, timed
+from slider.bench import timed
 from slider.core.errors import UserError
 from slider.library.choose import add_library_arguments, library_path
 
 if TYPE_CHECKING:
     from slider.config.schema import Config
-    from slider.env.vec_env import Task
+    from slider.env.vec_env import Task, WalkingEnv
 
-_RECORDED = 24  # control steps
-_HEADER = (
-    "           control steps per second, thousands            of bare physics\n"
-    "  envs        bare physics      environment    whole loop      environment    loop"
-)
+_STEPS = 24  # control steps of the environment between two looks at the clock
+_HEADER = "control steps per second, thousands\n  envs      environment       whole loop"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -111,27 +105,19 @@ class Throughput:
     """Medians over rounds for one number of environments.
 
     Attributes:
-        bare: ``mujoco.rollout`` or MuJoCo Warp alone.
         environment: the environment's ``step``.
         loop: training iterations, everything included.
-        environment_share, loop_share: of the bare rate, in processor time; on a GPU in time.
         parts: share of the training's processor time by part.
     """
 
     num_envs: int
-    bare: Rate
     environment: Rate
     loop: Rate
-    environment_share: float
-    loop_share: float
     parts: dict[str, float]
 
     def line(self) -> str:
         """One row of the table: steps per second, in brackets per second of processor time."""
-        return (
-            f"{self.num_envs:6d}  {self.bare}  {self.environment}  "
-            f"{self.loop}  {self.environment_share:9.0%}  {self.loop_share:9.0%}"
-        )
+        return f"{self.num_envs:6d}  {self.environment}  {self.loop}"
 
 
 def measure(
@@ -150,148 +136,83 @@ def measure(
     where = device(walking.device)
     ppo = replace(walking.ppo, precision=precision(walking.ppo.precision, where))
     train = replace(walking, robots=num_envs, device=where, ppo=ppo)
-    task = task_of(config.robot, config.env, train, library)
-    with tempfile.TemporaryDirectory() as work:
-        return Bench(task, threads, Path(work)).measure(seconds, rounds)
+    return measure_task(task_of(config.robot, config.env, train, library), threads, seconds, rounds)
 
 
-class Bench:
-    """Physics, environment and training of one task, each to be run for a while.
+def measure_task(task: "Task", threads: int, seconds: float, rounds: int) -> Throughput:
+    """Measure environment and training by turns, ``rounds`` times, ``seconds`` [s] each."""
+    import torch
 
-    Attributes:
-        env: the environment.
-        recorded: control steps that the bare physics repeats: states (N, 38) and motor angles
-            (N, 10) of MuJoCo, or positions, velocities and inputs of MuJoCo Warp.
-    """
+    from slider.env.vec_env import WalkingEnv
+    from slider.training.stage import simulator
+    from slider.training.trainer import set_up_torch
 
-    def __init__(self, task: "Task", threads: int, work: Path) -> None:
-        import torch
-
-        from slider.env.vec_env import WalkingEnv
-        from slider.robot.names import NUM_JOINTS
-        from slider.training.distributed import device_of
-        from slider.training.stage import simulator
-        from slider.training.trainer import set_up_torch
-
-        set_up_torch()
-        torch.manual_seed(task.train.seed)
-        self._task, self._threads, self._work = task, threads, work
-        self._device = device_of(task.train.device)
-        shape = _RECORDED, task.train.robots, NUM_JOINTS
-        noise = task.train.network.initial_std * torch.randn(shape)
-        self._actions = noise.to(self._device)
-        self.recorded: list[Any] = []
-        self.env = WalkingEnv(task, threads, simulator(task.train))
-        with_warp = task.train.simulator == "mujoco_warp"
-        self.bare = self._bare_warp() if with_warp else self._bare_mujoco()
-
-    def _bare_warp(self) -> Callable[[], int]:
-        simulation = self.env.physics.simulation
-        step, arrays = simulation.step, (simulation.qpos, simulation.qvel, simulation.control)
-
-        def record() -> None:
-            self.recorded.append([array.clone() for array in arrays])
-            step()
-
-        with replaced(simulation, "step", record):
-            self._step()
-
-        def repeat() -> int:
-            for recorded in self.recorded:
-                for array, values in zip(arrays, recorded, strict=True):
-                    array.copy_(values)
-                simulation.step()
-            simulation.check()  # waits for the device
-            return len(self.recorded) * len(simulation.qpos)
-
-        return repeat
-
-    def _bare_mujoco(self) -> Callable[[], int]:
-        import mujoco
-        import numpy as np
-        from mujoco import rollout
-
-        from slider.robot.transmission import Transmission
-
-        physics, motors = self.env.physics, Transmission.of(self._task.robot)
-        step, model, substeps = physics.step, physics.model, self._task.env.physics.substeps
-
-        def record(inputs: Any) -> None:
-            self.recorded.append((physics.state.copy(), motors.angles(np.asarray(inputs))))
-            step(inputs)
-
-        with replaced(physics, "step", record):
-            self._step()
-        pool = rollout.Rollout(nthread=self._threads)
-        data = [mujoco.MjData(model) for _ in range(self._threads)]
-
-        def repeat() -> int:
-            for state, angles in self.recorded:
-                pool.rollout(model, data, state, np.repeat(angles[:, None], substeps, axis=1))
-            return len(self.recorded) * len(self._actions[0])
-
-        return repeat
-
-    def measure(self, seconds: float, rounds: int) -> Throughput:
-        """Measure all three by turns, ``rounds`` times, at least ``seconds`` [s] each."""
-        spent: dict[str, float] = defaultdict(float)
-        work = self.bare, self._step, self._learn(spent)
+    set_up_torch()
+    torch.manual_seed(task.train.seed)
+    env = WalkingEnv(task, threads, simulator(task.train))
+    spent: dict[str, float] = defaultdict(float)
+    with tempfile.TemporaryDirectory() as folder:
+        work = _stepping(env, task), _learning(env, task, Path(folder), spent)
         for once in work:  # first calls allocate
             once()
         spent.clear()
         rates = [[_rate(once, seconds) for once in work] for _ in range(rounds)]
-        bare, environment, loop = (list(column) for column in zip(*rates, strict=True))
-        total = sum(spent.values())
-        return Throughput(
-            num_envs=self._task.train.robots,
-            bare=_median(bare),
-            environment=_median(environment),
-            loop=_median(loop),
-            environment_share=self._share(environment, bare),
-            loop_share=self._share(loop, bare),
-            parts={name: part / total for name, part in spent.items()},
-        )
+    environment, loop = map(_median, zip(*rates, strict=True))
+    total = sum(spent.values())
+    parts = {name: part / total for name, part in spent.items()}
+    return Throughput(task.train.robots, environment, loop, parts)
 
-    def _share(self, part: list[Rate], bare: list[Rate]) -> float:
-        """Median over rounds: a slow round slows all its measurements down."""
-        clock = "cpu" if self._device == "cpu" else "wall"
-        pairs = zip(part, bare, strict=True)
-        return statistics.median(getattr(p, clock) / getattr(b, clock) for p, b in pairs)
 
-    def _step(self) -> int:
-        import torch
+def _stepping(env: "WalkingEnv", task: "Task") -> Callable[[], int]:
+    """Function that steps the environment and returns the control steps done."""
+    import torch
 
+    from slider.robot.names import NUM_JOINTS
+    from slider.training.distributed import device_of
+
+    shape = _STEPS, task.train.robots, NUM_JOINTS
+    noise = task.train.network.initial_std * torch.randn(shape)
+    actions = noise.to(device_of(task.train.device))
+
+    def step() -> int:
         with torch.inference_mode():
-            for actions in self._actions:
-                rewards = self.env.step(actions)[1]
+            for now in actions:
+                rewards = env.step(now)[1]
             float(rewards.sum())  # waits for the device
-        return len(self._actions) * len(self._actions[0])
+        return _STEPS * task.train.robots
 
-    def _learn(self, spent: dict[str, float]) -> Callable[[], int]:
-        from rsl_rl.runners import OnPolicyRunner
+    return step
 
-        from slider.core.job import NoTracker
-        from slider.training.ppo import runner_config
 
-        train = self._task.train
-        config = runner_config(train, NoTracker(), [])
-        with contextlib.redirect_stdout(io.StringIO()):
-            runner = OnPolicyRunner(self.env, config, log_dir=str(self._work), device=self._device)
-        runner.save = lambda *_, **__: None  # a training saves once in many iterations
-        methods = self.env.methods | {
-            "policy": (runner.alg, "act"),
-            "storage": (runner.alg, "process_env_step"),
-            "returns": (runner.alg, "compute_returns"),
-            "update": (runner.alg, "update"),
-            "other": (runner, "learn"),
-        }
+def _learning(
+    env: "WalkingEnv", task: "Task", folder: Path, spent: dict[str, float]
+) -> Callable[[], int]:
+    """Function that trains for an iteration, adds to ``spent``, and returns the control steps."""
+    from rsl_rl.runners import OnPolicyRunner
 
-        def learn() -> int:
-            with contextlib.redirect_stdout(io.StringIO()), timed(methods, spent):
-                runner.learn(1)
-            return train.robots * train.steps_per_iteration
+    from slider.core.job import NoTracker
+    from slider.training.distributed import device_of
+    from slider.training.ppo import runner_config
 
-        return learn
+    train = task.train
+    config = runner_config(train, NoTracker(), [])
+    with contextlib.redirect_stdout(io.StringIO()):
+        runner = OnPolicyRunner(env, config, log_dir=str(folder), device=device_of(train.device))
+    runner.save = lambda *_, **__: None  # a training saves once in many iterations
+    methods = env.methods | {
+        "policy": (runner.alg, "act"),
+        "storage": (runner.alg, "process_env_step"),
+        "returns": (runner.alg, "compute_returns"),
+        "update": (runner.alg, "update"),
+        "other": (runner, "learn"),
+    }
+
+    def learn() -> int:
+        with contextlib.redirect_stdout(io.StringIO()), timed(methods, spent):
+            runner.learn(1)
+        return train.robots * train.steps_per_iteration
+
+    return learn
 
 
 def _rate(once: Callable[[], int], seconds: float) -> Rate:
@@ -302,5 +223,5 @@ def _rate(once: Callable[[], int], seconds: float) -> Rate:
     return Rate(steps / (time.perf_counter() - wall), steps / (time.process_time() - cpu))
 
 
-def _median(rates: list[Rate]) -> Rate:
+def _median(rates: Sequence[Rate]) -> Rate:
     return Rate(*(statistics.median(getattr(r, clock) for r in rates) for clock in ("wall", "cpu")))

@@ -34,13 +34,13 @@ def run(arguments: argparse.Namespace) -> None:
         path = library_path(arguments)
         print("\n".join([str(path), *library_lines(GaitLibrary.load(path))]))
         return
-    from slider.reports.figures import convergence
+    from slider.reports.figures import maps
     from slider.reports.figures.style import write_figure
 
     library, times = _solve_times(Store(arguments.artefacts))
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    text = convergence.times_caption(times)
-    write_figure(arguments.out, "Solve times", lambda: convergence.draw_times(library, times), text)
+    text = maps.times_caption(times)
+    write_figure(arguments.out, "Solve times", lambda: maps.draw_times(library, times), text)
     print(f"{arguments.out}.svg is ready")
 
 

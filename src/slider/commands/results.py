@@ -69,8 +69,6 @@ def _filled(reports: Path, store: Store, match: re.Match[str]) -> str:
     file, table = BLOCKS.get(name, (f"{name}.md", markdown_tables))
     report = reports / file
     command = f"snakemake -j2 reports/{report.stem}.csv"
-    if name == "growth":
-        command = "slider benchmark-growth --out reports/growth.csv"
     if not report.is_file():
         print(f"slider results: {name} stays, {report} is missing: {command}", file=sys.stderr)
         return match[0]
@@ -141,17 +139,6 @@ def markdown_tables(report: Path, count: int | None = None) -> str:
     return "\n\n".join(parts)
 
 
-def growth(report: Path) -> str:
-    """A table per curve: growing sizes across, quantities down."""
-    tables = []
-    for curve, mine in pd.read_csv(report).groupby("curve", sort=False):
-        wide = mine.pivot_table(values="value", index="name", columns="count", sort=False)
-        wide = wide[sorted(wide.columns)].map(lambda value: f"{value:.3g}")
-        heads = [str(curve), *(f"{count:g}" for count in wide.columns)]
-        tables.append(grid(heads, wide.reset_index().to_numpy().tolist()).markdown)
-    return "\n\n".join(tables)
-
-
 def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
     """Jobs, threads, wall and processor time of each stage that a result was made by."""
     waiting, ancestors = list(jobs[:1]), {}
@@ -182,6 +169,5 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
     "robust": ("robust.csv", partial(across, ("success_rate", "tracking_rate", "mse_steady"), ())),
     "sweep": ("sweep.md", partial(markdown_tables, count=1)),
     "stability": ("stability.md", partial(markdown_tables, count=1)),
-    "growth": ("growth.csv", growth),
 }
 """Name of the block → report, and the Markdown made from it."""

@@ -23,7 +23,6 @@ from slider.reports import table1 as table1_report
 from slider.reports.figures import checks, maps, walking
 from slider.reports.figures import gaits as gait_figures
 from slider.reports.figures.style import write_pictures
-from slider.reports.provenance import Made
 from slider.reports.quantities import PAPER, QUANTITIES, speed_text
 from slider.reports.rows import Row, by, evaluations
 from slider.reports.table import Cell, Heading, Picture, Table, Text, Written
@@ -146,9 +145,9 @@ def finding(rows: Sequence[Row]) -> str:
         rate = success.text(paper[0]["success_rate"])
         printed = f" ({paper[0]['label']}: {rate} % at {speed_text(top)} m/s)"
     return (
-        f"With the controller {mine[0]['label']} at least "
-        f"**{success.text(min(row['success_rate'] for row in mine))} %** of the robots survive at "
-        f"every commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
+        f"Of the robots with {mine[0]['label']} at least "
+        f"**{success.text(min(row['success_rate'] for row in mine))} %** survive at every "
+        f"commanded speed up to {speed_text(top)} m/s{printed}; the velocity MSE after the "
         f"warm-up is at most **{mse.text(max(row['mse_steady'] for row in mine))} m²/s²**."
     )
 
@@ -162,13 +161,13 @@ def table1(sources: Sources) -> Blocks:
 
 def tracking(sources: Sources) -> Blocks:
     """Forward velocity over time, as in the paper's figure."""
-    asked, found = sources.report.tracking_speeds, sources.evaluations("table1")
-    shown = [one for one in found if one.speed in asked]
+    speeds, results = sources.report.tracking_speeds, sources.evaluations("table1")
+    shown = [result for result in results if result.speed in speeds]
     if shown:
         period = sources.configuration["env"]["control_period"]
         svg = sources.draw(protocols.TRACKING, partial(walking.draw_tracking, shown, period))
         yield Picture(svg, protocols.TRACKING_CAPTION)
-    yield from protocols.undrawn(found, asked)
+    yield from protocols.undrawn(results, speeds)
 
 
 def videos(sources: Sources) -> Blocks:
@@ -215,9 +214,9 @@ def verification(sources: Sources) -> Blocks:
     failures = about["failures"]
     bounded = sum(quantity["bound"] is not None for quantity in about["quantities"].values())
     yield Text(
-        f"{about['gaits']} gaits, checked by other means than those that made them: pinocchio and "
-        "MuJoCo for the dynamics, another integrator for the orbit, a dense sampling between the "
-        "nodes, a replay in simulation."
+        f"{about['gaits']} gaits, checked by other means than those that solved them: pinocchio "
+        "and MuJoCo for the dynamics, another integrator for the orbit, a dense sampling between "
+        "the nodes, a replay in simulation."
     )
     if failures:
         yield Text(f"{len(failures)} values are beyond their bounds, of {bounded}:", "failed")
@@ -309,16 +308,12 @@ def in_effect(configuration: Mapping[str, Any], where: str) -> str:
 
 def provenance(sources: Sources) -> Blocks:
     """Commit, configuration, recipes, versions, seeds, machine, times."""
-    results = {
-        name: [
-            Made(origin, facts, folder.name)
-            for origin, facts, folder in zip(
-                origins, sources.times[name], sources.inputs[name], strict=True
-            )
-        ]
+    jobs = [
+        job
         for name, origins in sources.origins.items()
-    }
-    return origins_report.blocks(sources.configuration, results, sources.page)
+        for job in zip(origins, sources.times[name], sources.inputs[name], strict=True)
+    ]
+    return origins_report.blocks(sources.configuration, jobs, sources.page)
 
 
 def _protocol(name: str, sources: Sources) -> Blocks:

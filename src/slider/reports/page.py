@@ -84,15 +84,15 @@ _SAFE = " /:;=,.-_()!$*+@?[]{}'|^`~"
 
 
 def _facts(sources: Sources) -> dict[str, str]:
-    """What a reader wants to know before anything else."""
+    """Controllers, commanded speeds, and amounts of evaluation and training."""
     configuration = sources.configuration
     evaluation = configuration["evaluation"]
     trainings = (configuration["train"]["walking"], configuration["finetuning"] or {})
     samples = sum(map(_samples, trainings))
     return {
         "controllers": " · ".join(sources.labels[name] for name in evaluation["controllers"]),
-        "commands": ", ".join(map(speed_text, evaluation["speeds"])) + " m/s",
-        "robots per command": f"{evaluation['trials']} trials × {evaluation['robots']}",
+        "commanded speeds": ", ".join(map(speed_text, evaluation["speeds"])) + " m/s",
+        "robots per speed": f"{evaluation['trials']} trials × {evaluation['robots']}",
         "training": f"{samples / 1e6:.1f} million control steps",
     }
 

@@ -18,12 +18,12 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.results import AXES, MEASURES, Evaluation, Robots, wilson
 from slider.evaluation.segments import SMOOTHING, profile_of, velocity_of
 from slider.reports import rows as tables
-from slider.reports.comparison import comparisons
 from slider.reports.figures import walking
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import QUANTITIES, Quantity, speed_text
 from slider.reports.rows import NAN, Row, by, distinct
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
+from slider.reports.table1 import comparisons
 
 TRACKING = "velocity_tracking"
 TRACKED_SHARE = 0.9
@@ -40,7 +40,7 @@ TRACKING_CAPTION = (
     "between robots, dashed the command."
 )
 _SPEEDS_CAPTION = """\
-{trials} trials of {robots} robots per controller and command, {duration:g} s from rest. What is
+{trials} trials of {robots} robots per controller and speed, {duration:g} s from rest. What is
 drawn counts from {warm_up:g} s on: mean forward speed (band: one standard deviation between
 robots), share of robots that stay up (line) and that track (dots: mean speed within
 max({tracking_tolerance:g} m/s, {tracking_relative:.0%}) of the command), and mean squared error.
@@ -63,13 +63,12 @@ feet; the displacement is how far the base got. `reports/{name}.csv` has all num
 """
 _CASES_CAPTION = """\
 Share of robots that survive the case (dot) and that stand after it (ring), with Wilson's 95 %
-interval; errors of the mean velocity, and the fastest robot after a stop (diamond). {trials} trials
-of {robots} robots per controller and case, {duration:g} s each, from rest. A robot survives a case
-if it stays up for all of it. The other numbers are those of survivors, from {settled:g} s after the
-case's last command on. Where that command is zero, a robot stands if all means of its velocity over
-{smoothing:g} s stay below {standing:g} m/s; the fastest robot has the largest of these means, and
-the drift is how far the base got. Brackets hold Wilson's 95 % interval. `reports/{name}.csv` has
-all numbers.
+interval. {trials} trials of {robots} robots per controller and case, {duration:g} s each, from
+rest. A robot survives a case if it stays up for all of it. The other numbers are those of
+survivors, from {settled:g} s after the case's last command on. Where that command is zero, a robot
+stands if all means of its velocity over {smoothing:g} s stay below {standing:g} m/s; the fastest
+robot has the largest of these means, and the drift is how far the base got. Brackets hold Wilson's
+95 % interval. `reports/{name}.csv` has all numbers.
 """
 _SEGMENT_COLUMNS = (
     *("success_rate", "vx_error", "vy_error", "yaw_rate_error", "heading_error"),
@@ -83,16 +82,16 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
     Raises:
         UserError: none of the speeds is evaluated.
     """
-    asked, period = section["speeds"], section["control_period"]
+    speeds, period = section["speeds"], section["control_period"]
     evaluations = tables.evaluations(inputs["evaluations"], section["labels"])
     if not evaluations:
         expected = "at least one of evaluation.speeds"
-        raise UserError(f"report.tracking_speeds: expected {expected}, found {asked}")
+        raise UserError(f"report.tracking_speeds: expected {expected}, found {speeds}")
     rows = [row for one in evaluations for row in tracking_rows(one, period)]
     shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
     draw = partial(walking.draw_tracking, evaluations, period)
     title = "Forward velocity over time"
-    _write(out / TRACKING, title, rows, draw, [*shown, *undrawn(evaluations, asked)], job)
+    _write(out / TRACKING, title, rows, draw, [*shown, *undrawn(evaluations, speeds)], job)
     return {"rows": len(rows)}
 
 
@@ -106,16 +105,16 @@ def tracking_rows(one: Evaluation, period: float) -> list[Row]:
     ]
 
 
-def undrawn(evaluations: Sequence[Evaluation], asked: Sequence[float]) -> Iterator[Written]:
+def undrawn(evaluations: Sequence[Evaluation], speeds: Sequence[float]) -> Iterator[Written]:
     """Curves that are not drawn, and why."""
     evaluated = {one.speed for one in evaluations}
-    missing = ", ".join(speed_text(value) for value in asked if value not in evaluated)
+    missing = ", ".join(speed_text(value) for value in speeds if value not in evaluated)
     if missing:
         yield Text(f"Not evaluated in this run, and therefore not drawn: {missing} m/s.", "note")
     fallen = [
         f"{one.label} at {speed_text(one.speed)} m/s"
         for one in evaluations
-        if one.speed is not None and one.speed in asked and _all_fell(one)
+        if one.speed is not None and one.speed in speeds and _all_fell(one)
     ]
     if fallen:
         yield Text(f"Nobody survived, and therefore not drawn: {'; '.join(fallen)}.", "note")

@@ -1,7 +1,8 @@
-"""Where it all comes from: commit, configuration, recipes, versions, seeds, machine, times."""
+"""Provenance of the results: commit, configuration, recipes, versions, seeds, machine, times."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import pandas as pd
@@ -36,21 +37,6 @@ _STAGES = {  # in the order in which they run; others follow
 
 
 @dataclass(frozen=True)
-class Made:
-    """A result.
-
-    Attributes:
-        origin: stage, label, recipe, source digest, versions.
-        facts: times, machine and commit of the run that computed it.
-        object: name of its folder in the store.
-    """
-
-    origin: Mapping[str, Any]
-    facts: Mapping[str, Any]
-    object: str
-
-
-@dataclass(frozen=True)
 class Details:
     """A table or a text that opens by a click."""
 
@@ -62,35 +48,58 @@ class Details:
 
 def blocks(
     configuration: Mapping[str, Any],
-    results: Mapping[str, Sequence[Made]],
+    jobs: Sequence[tuple[Mapping[str, Any], Mapping[str, Any], Path]],
     page: Mapping[str, Any],
 ) -> Iterator[Text | Table | Details]:
     """Tables of stages, recipes, versions and seeds, and the resolved configuration.
 
     Args:
         configuration: the resolved one, as plain values.
-        results: input of the page → its results.
+        jobs: of each result of the page the origin (stage, label, recipe, source digest, versions),
+            the facts (times, machine, commit) of the run that computed it, and its object's folder.
         page: commit and start of the pipeline run that builds the page.
     """
-    stages = _by_stage(results)
+    versions = {name: text for job in jobs for name, text in job[0]["versions"].items()}
+    table = _table(jobs, page.get("pipeline_started"))
     yield Text(_TEXT.format(commit=_commit(page)))
-    yield _stages(stages, page.get("pipeline_started"))
-    machines = _machines(stages)
+    yield _stages(table)
+    machines = _machines(table)
     yield Text(f"{'Machine' if len(machines) == 1 else 'Machines'}: {'; '.join(machines)}.")
     yield _seeds(configuration)
-    yield Details("Versions of packages", _versions(stages))
-    yield Details("Recipes, objects and commits of all jobs", _recipes(stages))
+    yield Details("Versions of packages", grid(["package", "version"], sorted(versions.items())))
+    recipes = table[["stage", "label", "recipe", "object", "source", "commit"]].to_numpy()
+    heads = ["stage", "job", "recipe", "object", "source digest", "commit"]
+    yield Details("Recipes, objects and commits of all jobs", grid(heads, recipes.tolist()))
     text = yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True)
     yield Details("Resolved configuration", text=str(text))
 
 
-def _by_stage(results: Mapping[str, Sequence[Made]]) -> dict[str, list[Made]]:
-    """Each result once, by its stage."""
-    once = {made.origin["recipe"]: made for items in results.values() for made in items}
-    stages = {made.origin["stage"]: [] for made in once.values()}
-    for made in once.values():
-        stages[made.origin["stage"]].append(made)
-    return {stage: stages[stage] for stage in in_order(stages)}
+def _table(
+    jobs: Iterable[tuple[Mapping[str, Any], Mapping[str, Any], Path]], started: str | None
+) -> pd.DataFrame:
+    """A row per result, each once, by stage; computed now: by the run that builds the page."""
+    rows = [
+        {
+            "stage": origin["stage"],
+            "label": origin["label"],
+            "recipe": origin["recipe"][:16],
+            "object": folder.name[:16],
+            "source": origin["source"][:12],
+            "commit": _commit(facts),
+            "machine": facts.get("machine", _UNKNOWN),
+            "now": bool(facts.get("computed"))
+            and started is not None
+            and facts.get("pipeline_started") == started,
+            "resumed": bool(facts.get("resumed")),
+            "wall_s": facts.get("wall_s", 0.0),
+            "cpu_s": facts.get("cpu_s", 0.0),
+            "ended": facts.get("ended", ""),
+        }
+        for origin, facts, folder in jobs
+    ]
+    table = pd.DataFrame(rows).drop_duplicates("recipe")
+    order = in_order(table["stage"])
+    return table.sort_values("stage", key=lambda names: names.map(order.index), kind="stable")
 
 
 def in_order(stages: Iterable[str]) -> list[str]:
@@ -100,58 +109,35 @@ def in_order(stages: Iterable[str]) -> list[str]:
 
 
 def stage_title(stage: str) -> str:
-    """What people call a stage."""
+    """Title of a stage."""
     return _STAGES.get(stage, stage.replace("_", " "))
 
 
-def _stages(stages: Mapping[str, list[Made]], started: str | None) -> Table:
-    columns = [
-        "stage",
-        "jobs",
-        "computed now",
-        "resumed",
-        "wall time [s]",
-        "CPU time [s]",
-        "finished (UTC)",
-        "commit",
-    ]
-    rows = [_stage(stage_title(name), results, started) for name, results in stages.items()]
-    return Table(columns, rows)
+def _stages(table: pd.DataFrame) -> Table:
+    heads = ["stage", "jobs", "computed now", "resumed", "wall time [s]", "CPU time [s]"]
+    body = []
+    for stage, jobs in table.groupby("stage", sort=False):
+        counts = (len(jobs), int(jobs["now"].sum()), int(jobs["resumed"].sum()))
+        times = (float(jobs[name].sum()) for name in ("wall_s", "cpu_s"))
+        ended = jobs["ended"].max()[:16].replace("T", "\u00a0") or _UNKNOWN
+        body.append(
+            [Cell(stage_title(str(stage)))]
+            + [Cell(str(count), count) for count in counts]
+            + [Cell(f"{seconds:.1f}", seconds) for seconds in times]
+            + [Cell(ended), Cell(", ".join(sorted(jobs["commit"].unique())))]
+        )
+    return Table([*heads, "finished (UTC)", "commit"], body)
 
 
-def _stage(name: str, results: list[Made], started: str | None) -> list[Cell]:
-    jobs = [made.facts for made in results]
-    now = sum(_is_of(job, started) for job in jobs)
-    resumed = sum(bool(job.get("resumed")) for job in jobs)
-    wall, cpu = (sum(job.get(key, 0.0) for job in jobs) for key in ("wall_s", "cpu_s"))
-    ended = max((job.get("ended", "") for job in jobs), default="")
-    return [
-        Cell(name),
-        Cell(str(len(jobs)), len(jobs)),
-        Cell(str(now), now),
-        Cell(str(resumed), resumed),
-        Cell(f"{wall:.1f}", wall),
-        Cell(f"{cpu:.1f}", cpu),
-        Cell(ended[:16].replace("T", "\u00a0") or _UNKNOWN),
-        Cell(", ".join(sorted(set(map(_commit, jobs))))),
-    ]
-
-
-def _machines(stages: Mapping[str, list[Made]]) -> list[str]:
+def _machines(table: pd.DataFrame) -> list[str]:
     """Machines, each with the stages that it computed unless it computed all."""
-    machines: dict[str, list[str]] = {}
-    for stage, results in stages.items():
-        for machine in {made.facts.get("machine", _UNKNOWN) for made in results}:
-            machines.setdefault(machine, []).append(stage_title(stage))
-    if len(machines) == 1:
-        return list(machines)
-    return [f"{machine} ({', '.join(names)})" for machine, names in sorted(machines.items())]
-
-
-def _is_of(job: Mapping[str, Any], started: str | None) -> bool:
-    """Whether the pipeline run that builds the page computed this; else it was in the store."""
-    here = started is not None and job.get("pipeline_started") == started
-    return here and bool(job.get("computed"))
+    stages = {
+        machine: ", ".join(map(stage_title, jobs["stage"].unique()))
+        for machine, jobs in table.groupby("machine")
+    }
+    if len(stages) == 1:
+        return [*map(str, stages)]
+    return [f"{machine} ({names})" for machine, names in stages.items()]
 
 
 def _commit(facts: Mapping[str, Any]) -> str:
@@ -159,30 +145,6 @@ def _commit(facts: Mapping[str, Any]) -> str:
     if "commit" not in facts:
         return _UNKNOWN
     return facts["commit"][:8] + ("+" if facts["dirty"] == "true" else "")
-
-
-def _recipes(stages: Mapping[str, list[Made]]) -> Table:
-    rows = [
-        [
-            stage,
-            made.origin["label"],
-            made.origin["recipe"][:16],
-            made.object[:16],
-            made.origin["source"][:12],
-            _commit(made.facts),
-        ]
-        for stage, results in stages.items()
-        for made in results
-    ]
-    return grid(["stage", "job", "recipe", "object", "source digest", "commit"], rows)
-
-
-def _versions(stages: Mapping[str, list[Made]]) -> Table:
-    versions: dict[str, str] = {}
-    for results in stages.values():
-        for made in results:
-            versions |= made.origin["versions"]
-    return grid(["package", "version"], sorted(versions.items()))
 
 
 def _seeds(configuration: Mapping[str, Any]) -> Table:

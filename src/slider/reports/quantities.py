@@ -1,4 +1,4 @@
-"""What is measured: how a number is called and written wherever people read it."""
+"""Measured quantities: their titles, units and number formats."""
 
 import math
 from dataclasses import dataclass
@@ -39,10 +39,10 @@ class Quantity:
             return "∞"
         shown = self.scale * value
         if self.share:
-            found = f"{shown:.1f}".removesuffix(".0")
-            return "< 0.1" if 0 < shown < 0.05 else "0" if found == "-0" else found
-        found = f"{shown:.{decimals(abs(shown))}f}"
-        return found if float(found) else "0"
+            text = f"{shown:.1f}".removesuffix(".0")
+            return "< 0.1" if 0 < shown < 0.05 else "0" if text == "-0" else text
+        text = f"{shown:.{decimals(abs(shown))}f}"
+        return text if float(text) else "0"
 
     def between(self, value: float, low: float, high: float) -> str:
         """A number with its 95 % interval, such as ``99.6 [99, 99.8]``."""
@@ -124,7 +124,7 @@ QUANTITIES |= GAIT_QUANTITIES
 
 
 def quantity(name: str) -> Quantity:
-    """The quantity of a column; one that is not known is shown as it is."""
+    """The quantity of a column; an unlisted one has the column's name."""
     return QUANTITIES.get(name, Quantity(name))
 
 

@@ -34,11 +34,11 @@ def read(file: Path | IO[str]) -> list[Row]:
 
 def by(rows: Iterable[Row], *names: str) -> dict[Any, list[Row]]:
     """Rows by one of their values, or by several, in the order of the rows."""
-    found: dict[Hashable, list[Row]] = {}
+    groups: dict[Hashable, list[Row]] = {}
     for row in rows:
         key = tuple(row[name] for name in names)
-        found.setdefault(key if len(names) > 1 else key[0], []).append(row)
-    return found
+        groups.setdefault(key if len(names) > 1 else key[0], []).append(row)
+    return groups
 
 
 def distinct(rows: Iterable[Row], name: str) -> list[float]:
@@ -47,9 +47,9 @@ def distinct(rows: Iterable[Row], name: str) -> list[float]:
 
 
 def evaluations(folders: Iterable[Path], labels: Mapping[str, str]) -> list[Evaluation]:
-    """What folders hold, each with its controller's label."""
-    found = map(Evaluation.load, folders)
-    return [replace(one, label=labels[one.controller]) for one in found]
+    """Evaluations in folders, each with its controller's label."""
+    loaded = map(Evaluation.load, folders)
+    return [replace(result, label=labels[result.controller]) for result in loaded]
 
 
 def table_row(evaluation: Evaluation) -> Row:
@@ -64,16 +64,16 @@ def table_row(evaluation: Evaluation) -> Row:
 
 
 def named(evaluation: Evaluation) -> Row:
-    """Whose row it is."""
+    """Controller and label of a row."""
     return dict(zip(NAMED, (evaluation.controller, evaluation.label), strict=True))
 
 
 def success(robots: Robots) -> Row:
     """Share of robots that survived, its spread over trials, and Wilson's 95 % interval."""
-    found = robots.success
-    low, high = found.interval or (NAN, NAN)
+    estimate = robots.success
+    low, high = estimate.interval or (NAN, NAN)
     names = ("success_rate", "success_rate_std", "success_low", "success_high")
-    return dict(zip(names, (found.value, found.spread, low, high), strict=True))
+    return dict(zip(names, (estimate.value, estimate.spread, low, high), strict=True))
 
 
 def quality_row(evaluation: Evaluation) -> Row:

@@ -94,7 +94,7 @@ class Text:
 
     @property
     def paragraphs(self) -> list[str]:
-        """What blank lines separate."""
+        """Parts between blank lines."""
         return [part for part in self.markdown.split("\n\n") if part.strip()]
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from slider.core.job import Job
 from slider.library.reader import GaitLibrary
-from slider.reports.figures import FILES, NAMES, convergence
+from slider.reports.figures import FILES, NAMES, maps
 from slider.reports.figures.gaits import draw_cycles, draw_sheet, forward_gaits, postures
 from slider.reports.figures.mapping import map_errors
 from slider.reports.figures.maps import VelocityMap, draw_map
@@ -146,8 +146,8 @@ def test_a_sheet_and_solve_times_can_be_drawn(library, tmp_path: Path):
     times[0] = np.nan
     with style():
         save(draw_sheet(library, 3), tmp_path / "sheet.png")
-        save(convergence.draw_times(library, times), tmp_path / "times.svg")
+        save(maps.draw_times(library, times), tmp_path / "times.svg")
     assert (tmp_path / "sheet.png").stat().st_size > 10_000
-    text = convergence.times_caption(times)
+    text = maps.times_caption(times)
     assert "for 8 gaits" in text
     assert "greatest 2.00 s" in text

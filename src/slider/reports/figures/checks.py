@@ -57,8 +57,8 @@ def run_verification(section: Section, inputs: Inputs, out: Path, job: Job) -> S
 
 def unit(name: str) -> str:
     """Unit of a quantity; nothing for plain numbers."""
-    found = QUANTITIES[name].unit
-    return "" if found in ("-", "1") else found
+    text = QUANTITIES[name].unit
+    return "" if text in ("-", "1") else text
 
 
 def rows_by_command(path: Path) -> dict[tuple[float, ...], rows.Row]:
@@ -107,7 +107,7 @@ cycle, with it it returns.
 
 @dataclass(frozen=True)
 class Basin:
-    """What the stage ``basin`` found for a gait.
+    """Result of the stage ``basin`` for a gait.
 
     Attributes:
         title: its velocity.
@@ -126,16 +126,16 @@ class Basin:
 
     @classmethod
     def load(cls, folder: Path) -> "Basin":
-        """What the stage wrote."""
-        found = {path.stem: np.load(path) for path in folder.glob("*.npy")}
-        vx, vy, _ = found["velocity"]
+        """Read the arrays that the stage wrote."""
+        arrays = {path.stem: np.load(path) for path in folder.glob("*.npy")}
+        vx, vy, _ = arrays["velocity"]
         return cls(
             f"{vx:g} m/s" if vy == 0.0 else f"({vx:g}, {vy:g}) m/s",
-            found["roll"],
-            found["roll_rate"],
-            np.stack([found["without"], found["with"]]),
-            (found["walk_without"], found["walk_with"]),
-            found["cycle"],
+            arrays["roll"],
+            arrays["roll_rate"],
+            np.stack([arrays["without"], arrays["with"]]),
+            (arrays["walk_without"], arrays["walk_with"]),
+            arrays["cycle"],
         )
 
 

@@ -235,71 +235,40 @@ def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
     figure.suptitle(f"gait at {velocity_text(library.velocities[gait])}", fontsize=9)
     draw_tiles(tiles.subplots(1, len(tile_samples(library))), library, gait)
     panels = plots.subplots(3, 5, sharex=True)
-    positions = library.arrays["samples"][gait][:, :NUM_JOINTS]
+    samples, torques = library.arrays["samples"][gait], motor_torques(library, gait)
     for axes, joint in zip(panels[0], _SHOWN, strict=True):
-        _both_legs(axes, library, gait, [f"{side}_{joint}" for side in SIDES], JOINTS, positions)
-    torques = motor_torques(library, gait)
-    for axes, motor in zip(panels[1], LEG_MOTORS, strict=True):
-        _both_legs(axes, library, gait, [f"{side}_{motor}" for side in SIDES], MOTORS, torques)
-    _label_panels(panels, library)
-    _ground(panels[2], library, gait)
-    for axes in panels.flat:
-        axes.title.set_size(7)
+        title = f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]"
+        columns = [JOINTS.index(f"{side}_{joint}") for side in SIDES]
+        _over_time(axes, library, gait, samples[:, columns], title)
+    drives = by_motor(library.robot.drives)
+    for axes, motor, drive in zip(panels[1], LEG_MOTORS, drives, strict=True):
+        title = f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]"
+        columns = [MOTORS.index(f"{side}_{motor}") for side in SIDES]
+        _over_time(axes, library, gait, torques[:, columns], title)
+    panels[0, 0].legend()
+    stands = library.arrays["contact"][gait][:, :2] > 0
+    force = library.arrays["ground_wrench"][gait][:, 2:3]
+    slides = [NUM_JOINTS + JOINTS.index(f"{side}_slide") for side in SIDES]
+    ground = {
+        "ground force z [N]": np.where(stands, force, np.nan),
+        "foot height [cm]": 100 * foot_heights(library, gait),
+        "base forward [m/s]": samples[:, -2:-1],
+        "slide speed [m/s]": samples[:, slides],
+        "base leftward [m/s]": samples[:, -1:],
+    }
+    for axes, (title, values) in zip(panels[2], ground.items(), strict=True):
+        _over_time(axes, library, gait, values, title)
+        axes.set_xlabel("time [s]")
     return figure
 
 
-def _both_legs(
-    axes: Axes,
-    library: GaitLibrary,
-    gait: int,
-    pair: list[str],
-    order: tuple[str, ...],
-    values: np.ndarray,
-) -> None:
-    _two_lines(axes, library, gait, [values[:, order.index(name)] for name in pair])
-
-
-def _two_lines(axes: Axes, library: GaitLibrary, gait: int, columns: list[np.ndarray]) -> None:
-    """Left and right over time, in pieces: values jump at the touchdown."""
+def _over_time(axes: Axes, library: GaitLibrary, gait: int, values: np.ndarray, title: str) -> None:
+    """Values (N, 2) of left and right, or (N, 1); in pieces, as they jump at the touchdown."""
     time = library.arrays["time"][gait]
     half = len(time) // 2
-    for side, values in zip(SIDES, columns, strict=True):
+    for column, side in zip(values.T, SIDES, strict=False):
         colour, dash = _LINES[side]
         for piece, label in ((slice(0, half), side), (slice(half, None), None)):
-            axes.plot(time[piece], values[piece], dash, color=colour, label=label)
+            axes.plot(time[piece], column[piece], dash, color=colour, label=label)
     axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
-
-
-def _label_panels(panels: np.ndarray, library: GaitLibrary) -> None:
-    for axes, joint in zip(panels[0], _SHOWN, strict=True):
-        axes.set_title(f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]")
-    drives = by_motor(library.robot.drives)
-    for axes, motor, drive in zip(panels[1], LEG_MOTORS, drives, strict=True):
-        axes.set_title(f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]")
-    panels[0, 0].legend()
-
-
-def _ground(row: np.ndarray, library: GaitLibrary, gait: int) -> None:
-    """Ground force under the stance foot, its line's loads, height and speed."""
-    time, wrench = library.arrays["time"][gait], library.arrays["ground_wrench"][gait]
-    half = len(time) // 2
-    columns = [
-        np.where(np.arange(len(time)) < half, wrench[:, 2], np.nan),
-        np.where(np.arange(len(time)) < half, np.nan, wrench[:, 2]),
-    ]
-    _two_lines(row[0], library, gait, columns)
-    row[0].set_title("ground force z [N]")
-    heights = 100 * foot_heights(library, gait)
-    _two_lines(row[1], library, gait, [heights[:, 0], heights[:, 1]])
-    row[1].set_title("foot height [cm]")
-    samples = library.arrays["samples"][gait]
-    speeds = [samples[:, NUM_JOINTS + JOINTS.index(f"{side}_slide")] for side in SIDES]
-    _two_lines(row[3], library, gait, speeds)
-    row[3].set_title("slide speed [m/s]")
-    for axes, column, name in ((row[2], -2, "forward"), (row[4], -1, "leftward")):
-        for piece in (slice(0, half), slice(half, None)):
-            axes.plot(time[piece], samples[piece, column], color=DARK)
-        axes.axvline(time[half], color="black", linewidth=0.5, linestyle=":")
-        axes.set_title(f"base {name} [m/s]")
-    for axes in row:
-        axes.set_xlabel("time [s]")
+    axes.set_title(title, fontsize=7)

@@ -151,6 +151,12 @@ _STOP = 1.75
 _VARIANTS = ("paper", "exact")
 _KNEES = [KNEE_JOINTS.index(f"{side}_knee") for side in SIDES]
 _POSTURES = 4
+_LOOKS = ((DARK, "-"), (MIDDLE, "--"))
+_PANELS = (  # title, unit, curves
+    ("angle", "rad", {"hip": "hip pitch", "ankle": "ankle"}),
+    ("slide position", "m", {"slide": "printed length", "added_up": "printed velocity, added up"}),
+    ("slide velocity", "m/rad", {"slide_rate": ""}),
+)
 
 
 def draw(library: GaitLibrary) -> Figure:
@@ -168,16 +174,20 @@ def draw(library: GaitLibrary) -> Figure:
     theta = np.linspace(0.0, _STOP, 351)
     errors = map_errors(theta, knee.thigh_length, knee.shank_length)
     panels = below.subplots(1, 3)
-    _angles(panels[0], theta, errors)
-    _slide_position(panels[1], theta, errors)
-    _slide_velocity(panels[2], theta, errors)
-    for axes in panels:
+    total = cumulative_trapezoid(errors["slide_rate"], theta, initial=0.0)
+    errors["added_up"] = total - np.interp(_START, theta, total)
+    for axes, (title, unit, curves) in zip(panels, _PANELS, strict=True):
+        for (name, label), (colour, dash) in zip(curves.items(), _LOOKS, strict=False):
+            axes.plot(theta, errors[name], dash, color=colour, label=label)
+        axes.set(title=f"{title} error", ylabel=f"printed − exact [{unit}]")
         axes.axvspan(*used, color=EMPTY, zorder=0)
         axes.set_xlabel("knee flexion θ [rad]")
         axes.set_xlim(0.0, _STOP)
     handles, labels = panels[0].get_legend_handles_labels()
     used_range = Patch(facecolor=EMPTY, edgecolor=LIGHT)
     panels[0].legend([*handles, used_range], [*labels, "θ in the library"])
+    panels[1].margins(y=0.3)
+    panels[1].legend(loc="upper center", fontsize=7)
     return figure
 
 
@@ -224,25 +234,3 @@ def map_errors(theta: np.ndarray, l1: float, l2: float) -> dict[str, np.ndarray]
         errors[f"ankle{suffix}"] = printed.ankle - exact.ankle
         errors[f"slide{suffix}"] = printed.length - exact.length
     return errors
-
-
-def _angles(axes: Axes, theta: np.ndarray, errors: dict[str, np.ndarray]) -> None:
-    axes.plot(theta, errors["hip"], color=DARK, label="hip pitch")
-    axes.plot(theta, errors["ankle"], color=MIDDLE, linestyle="--", label="ankle")
-    axes.set(title="angle error", ylabel="printed − exact [rad]")
-
-
-def _slide_position(axes: Axes, theta: np.ndarray, errors: dict[str, np.ndarray]) -> None:
-    total = cumulative_trapezoid(errors["slide_rate"], theta, initial=0.0)
-    total = total - np.interp(_START, theta, total)
-    axes.plot(theta, errors["slide"], color=DARK, label="printed length")
-    axes.plot(theta, total, color=MIDDLE, linestyle="--", label="printed velocity, added up")
-    axes.set(title="slide position error", ylabel="printed − exact [m]")
-    axes.margins(y=0.3)
-    axes.legend(loc="upper center", fontsize=7)
-
-
-def _slide_velocity(axes: Axes, theta: np.ndarray, errors: dict[str, np.ndarray]) -> None:
-    axes.plot(theta, errors["slide_rate"], color=DARK)
-    axes.axhline(0.0, color=LIGHT, linewidth=0.8)
-    axes.set(title="slide velocity error", ylabel="printed − exact [m/rad]")

@@ -1,5 +1,6 @@
-"""Quantities of each gait over the commanded velocities, and the smoothness of the library."""
+"""Gaits over the commanded velocities: quantities, smoothness, convergence and solve times."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,7 @@ the grid. Gaits that turn are left out. The cost is that of the optimisation (`g
 and voltage are the greatest of all motors over the walk, as shares of the motor's torque limit and
 of its torque-speed line.
 """
+_FLOOR = 1e-12  # residuals below this are zero but for rounding
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ def draw_maps(library: GaitLibrary, maps: Sequence[VelocityMap]) -> Figure:
 
 
 def frame(axes: Axes, library: GaitLibrary) -> None:
-    """Axes of a map over all velocities that were asked for, holes included."""
+    """Axes of a map over all velocities of the grid, holes included."""
     mesh = library.mesh
     margin_x, margin_y = (_half_width(axis) for axis in (mesh.vx, mesh.vy))
     holes = np.array([[hole.vx, hole.vy] for hole in library.holes]).reshape(-1, 2)
@@ -132,7 +134,9 @@ def _norm(item: VelocityMap) -> Normalize:
     if not len(values):
         return Normalize(0.0, 1.0)
     if not item.logarithmic:
-        return Normalize(float(values.min()), float(values.max()))
+        low, high = float(values.min()), float(values.max())
+        margin = 0.01 * abs(low) if np.isclose(low, high) else 0.0  # else only rounding shows
+        return Normalize(low - margin, high + margin)
     positive = values[values > 0]
     low = float(positive.min()) if len(positive) else 1e-12
     return LogNorm(low, max(float(values.max()), 10 * low))
@@ -171,3 +175,74 @@ def smoothness_caption(library: GaitLibrary) -> str:
         f"The greatest is {100 * measured.largest:.1f} % of {CHANNELS[channel]}, between "
         f"{places[0]} and {places[1]}.\n"
     )
+
+
+def draw_convergence(library: GaitLibrary) -> Figure:
+    """Maps of iterations and worst residual, and the worst residual of each constraint."""
+    figure = new_figure(7.2)
+    first, second, bars = figure.subplots(3, 1, height_ratios=(1, 1, 3.2))
+    iterations = library.arrays["iterations"]
+    draw_map(first, library, VelocityMap("IPOPT iterations", iterations, "iterations"))
+    residual, unit = (
+        np.maximum(library.arrays["max_violation"], _FLOOR),
+        "SI unit of\nthe constraint",
+    )
+    draw_map(second, library, VelocityMap("worst residual", residual, unit, logarithmic=True))
+    _residuals(bars, library)
+    return figure
+
+
+def convergence_caption(library: GaitLibrary) -> str:
+    """Outcome in numbers; holes with what they violate."""
+    arrays = library.arrays
+    count = len(library) + len(library.holes)
+    iterations = arrays["iterations"]
+    outcomes = Counter(map(str, arrays["status"])).most_common()
+    statuses = ", ".join(f"{status} {number}" for status, number in outcomes)
+    lines = [
+        f"{len(library)} of {count} gaits converged, in {iterations.min()} to {iterations.max()} "
+        f"iterations (median {np.median(iterations):g}); the worst residual is "
+        f"{arrays['max_violation'].max():.1e}. IPOPT's outcomes: {statuses}. Each gait is solved "
+        "by itself from the same start. The bars are the worst residual of each constraint over "
+        "all gaits, in its own unit. Solve times differ from run to run and are in "
+        "`solve_times.md`."
+    ]
+    if library.holes:
+        lines.append("")
+    for hole in library.holes:
+        worst = "; ".join(f"{name} {value:.1e}" for name, value in [*hole.residuals.items()][:5])
+        lines.append(f"* hole at ({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}; {worst}")
+    return "\n".join(lines) + "\n"
+
+
+def draw_times(library: GaitLibrary, times: np.ndarray) -> Figure:
+    """Map of the times (G,) [s], and how many gaits took how long."""
+    figure = new_figure(3.6)
+    top, bottom = figure.subplots(2, 1, height_ratios=(1, 1.3))
+    draw_map(top, library, VelocityMap("solve time", times, "s of processor"))
+    bottom.hist(times[np.isfinite(times)], bins=30, color=DARK, rwidth=0.9)
+    bottom.set(xlabel="processor time of IPOPT [s]", ylabel="gaits")
+    return figure
+
+
+def times_caption(times: np.ndarray) -> str:
+    """The times in numbers."""
+    finite = times[np.isfinite(times)]
+    return (
+        f"Processor time of IPOPT from a cold start, without imports and building the problem: "
+        f"median {np.median(finite):.2f} s, greatest {finite.max():.2f} s, {finite.sum():.0f} s in "
+        f"all for {len(finite)} gaits. Measured when each gait was computed, with whatever else "
+        "the machine was doing; grey cells: not finite.\n"
+    )
+
+
+def _residuals(axes: Axes, library: GaitLibrary) -> None:
+    worst = np.maximum(library.arrays["residuals"].max(axis=0), _FLOOR)
+    order = np.argsort(worst, kind="stable")
+    names = [library.constraints[i].replace("_", " ") for i in order]
+    axes.barh(names, worst[order], color=DARK, height=0.6)
+    axes.set_xscale("log")
+    axes.set_xlim(_FLOOR, max(10 * float(worst.max()), 1e-6))
+    axes.set_xlabel(f"worst residual over all gaits [SI unit of the constraint], {_FLOOR:g}: none")
+    axes.tick_params(axis="y", labelsize=6.5, length=0)
+    axes.grid(visible=False, axis="y")

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.reader import STORE, GaitLibrary
-from slider.reports.figures import capstan, convergence, gaits, mapping, maps, zero_dynamics
+from slider.reports.figures import capstan, gaits, mapping, maps, zero_dynamics
 from slider.reports.figures.style import write_figure
 
 Caption = str | Callable[[GaitLibrary], str]
@@ -30,7 +30,7 @@ DRAWINGS: dict[str, tuple[str, Callable[[GaitLibrary], Figure], Caption]] = {
         maps.draw_velocity_maps,
         maps.MAPS_CAPTION,
     ),
-    "convergence": ("Convergence", convergence.draw, convergence.caption),
+    "convergence": ("Convergence", maps.draw_convergence, maps.convergence_caption),
     "smoothness": ("Smoothness of the library", maps.draw_smoothness, maps.smoothness_caption),
 }
 """Name of the file → title, figure and caption of a library."""

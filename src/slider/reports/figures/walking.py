@@ -1,9 +1,9 @@
 """Controllers: results over the speed, velocity over time, protocols, and learning curves."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -27,11 +27,6 @@ _CHECKS = {  # column of the checks → axis
     "value": "score",
 }
 _SHOWN_TERMS = 7  # of the reward, the largest
-_ERRORS = {  # column → marker, filled, name
-    "vx_error": ("o", True, "error of mean vx"),
-    "vy_error": ("o", False, "error of mean vy"),
-    "fastest": ("D", True, "fastest robot after a stop"),
-}
 
 
 def draw_overview(rows: Sequence[Row]) -> Figure:
@@ -69,7 +64,13 @@ def draw_speeds(rows: Sequence[Row]) -> Figure:
     speeds.plot(ends, ends, color=DARK, linewidth=0.8, linestyle=(0, (1, 2)), label="command")
     for index, (label, mine) in enumerate(by(rows, "label").items()):
         mine.sort(key=lambda row: row["speed"])
-        _speed_curves((speeds, rates, errors), mine, index, label)
+        command, look = _column(mine, "speed"), _look(index)
+        spread = _column(mine, "mean_velocity_spread")
+        _band(speeds, command, _column(mine, "mean_velocity"), spread, index, label)
+        rates.plot(command, _column(mine, "success_rate"), **look)
+        rates.plot(command, _column(mine, "tracking_rate"), ".", color=colour(index), markersize=4)
+        error = _column(mine, "mse_steady")
+        errors.plot(command, np.where(np.isfinite(error), error, np.nan), **look)
     speeds.set(ylabel="mean speed [m/s]")
     speeds.legend(loc="upper left")
     rates.set(ylabel="share of robots", ylim=(-0.04, 1.04))
@@ -81,19 +82,17 @@ def draw_speeds(rows: Sequence[Row]) -> Figure:
     return figure
 
 
-def _speed_curves(
-    panels: tuple[Axes, Axes, Axes], rows: Sequence[Row], index: int, name: str
+def _band(
+    axes: Axes, x: np.ndarray, mean: np.ndarray, spread: np.ndarray, index: int, label: str = ""
 ) -> None:
-    speeds, rates, errors = panels
-    command, tint = _column(rows, "speed"), colour(index)
-    dashes = _DASHES[index % len(_DASHES)]
-    mean, spread = _column(rows, "mean_velocity"), _column(rows, "mean_velocity_spread")
-    speeds.fill_between(command, mean - spread, mean + spread, color=tint, alpha=0.2, linewidth=0)
-    speeds.plot(command, mean, color=tint, linestyle=dashes, label=name)
-    rates.plot(command, _column(rows, "success_rate"), color=tint, linestyle=dashes)
-    rates.plot(command, _column(rows, "tracking_rate"), ".", color=tint, markersize=4)
-    error = _column(rows, "mse_steady")
-    errors.plot(command, np.where(np.isfinite(error), error, np.nan), color=tint, linestyle=dashes)
+    """Mean (N,) as a line and a standard deviation (N,) as a band, of a controller."""
+    low, high, look = mean - spread, mean + spread, _look(index)
+    axes.fill_between(x, low, high, color=look["color"], alpha=0.2, linewidth=0)
+    axes.plot(x, mean, label=label or None, **look)
+
+
+def _look(index: int) -> dict[str, Any]:
+    return {"color": colour(index), "linestyle": _DASHES[index % len(_DASHES)]}
 
 
 def draw_segments(evaluations: Sequence[Evaluation], case: CaseConfig, duration: float) -> Figure:
@@ -102,7 +101,10 @@ def draw_segments(evaluations: Sequence[Evaluation], case: CaseConfig, duration:
     panels = figure.subplots(4, 1, sharex=True, height_ratios=(1.5, 1.2, 1.2, 0.6))
     traces = [one.traces for one in evaluations if one.traces is not None]
     for index, (one, trace) in enumerate(zip(evaluations, traces, strict=True)):
-        _segment_curves(panels, trace, duration, index, one.label)
+        time = _times(trace, duration)
+        for axis in range(3):
+            _band(panels[axis], time, trace[:, 3 + axis], trace[:, 6 + axis], index, one.label)
+        panels[3].plot(time, trace[:, 9], **_look(index))
     for axis, axes in enumerate(panels[:3]):
         command = traces[0][:, axis]
         axes.plot(_times(command, duration), command, color=DARK, linewidth=0.9, label="command")
@@ -112,18 +114,6 @@ def draw_segments(evaluations: Sequence[Evaluation], case: CaseConfig, duration:
     handles, names = panels[0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=len(names))
     return figure
-
-
-def _segment_curves(
-    panels: Sequence[Axes], values: np.ndarray, duration: float, index: int, name: str
-) -> None:
-    time, tint = _times(values, duration), colour(index)
-    for axis in range(3):
-        mean, spread = values[:, 3 + axis], values[:, 6 + axis]
-        band = {"color": tint, "alpha": 0.2, "linewidth": 0}
-        panels[axis].fill_between(time, mean - spread, mean + spread, **band)
-        panels[axis].plot(time, mean, color=tint, label=name)
-    panels[3].plot(time, values[:, 9], color=tint)
 
 
 def _limits(command: np.ndarray) -> tuple[float, float]:
@@ -151,50 +141,24 @@ def _mark_segments(panels: Sequence[Axes], case: CaseConfig) -> None:
 
 
 def draw_cases(rows: Sequence[Row]) -> Figure:
-    """Cases down; shares of robots on the left, velocities [m/s] on the right."""
+    """Cases down; dots for the share that survives, rings for the share that stands."""
     cases, controllers = list(by(rows, "case")), by(rows, "label")
-    height = _REST + _ROW * len(cases)
-    figure = new_figure(height)
-    figure.set_layout_engine(None)  # which cuts the names of the cases off
-    figure.subplots_adjust(0.19, 0.5 * _REST / height, 0.98, 1 - 0.35 * _REST / height, 0.06)
-    shares, errors = figure.subplots(1, 2, sharey=True)
+    figure = new_figure(_REST + _ROW * len(cases))
+    axes = figure.subplots()
     for index, (label, mine) in enumerate(controllers.items()):
         offset = 0.5 * ((index + 0.5) / len(controllers) - 0.5)
         places = np.array([cases.index(row["case"]) for row in mine]) + offset
-        _shares(shares, mine, places, colour(index), (label, "standing"))
-        _errors(errors, mine, places, colour(index), named=index == 0)
-    shares.set(xlabel="share of robots", xlim=(-0.04, 1.04), ylim=(len(cases) - 0.5, -0.5))
-    shares.set_yticks(range(len(cases)), cases)
-    errors.set(xlabel="velocity [m/s]")
-    errors.set_xlim(left=0.0)
-    named = [pair for axes in (shares, errors) for pair in _named(axes)]
-    figure.legend(*zip(*named, strict=True), loc="upper center", ncols=5)
+        tint = colour(index)
+        looks = (("success", tint, 0.0, label), ("standing", "white", 0.2, f"{label}, standing"))
+        for prefix, face, shift, name in looks:
+            rate, low, high = (_column(mine, f"{prefix}_{end}") for end in ("rate", "low", "high"))
+            bars = np.abs(np.stack([rate - low, high - rate]))
+            look = {"color": tint, "markerfacecolor": face, "markersize": 4, "elinewidth": 0.8}
+            axes.errorbar(rate, places + shift, xerr=bars, fmt="o", label=name, **look)
+    axes.set(xlabel="share of robots", xlim=(-0.04, 1.04), ylim=(len(cases) - 0.5, -0.5))
+    axes.set_yticks(range(len(cases)), cases)
+    figure.legend(loc="outside upper center", ncols=4)
     return figure
-
-
-def _named(axes: Axes) -> list[tuple[Artist, str]]:
-    handles, names = axes.get_legend_handles_labels()
-    return list(zip(handles, names, strict=True))
-
-
-def _shares(
-    axes: Axes, rows: Sequence[Row], places: np.ndarray, tint: str, names: tuple[str, str]
-) -> None:
-    """Dots for survival, rings below them for standing, with their intervals."""
-    looks = (("success", tint, 0.0), ("standing", "white", 0.2))
-    for (prefix, face, shift), name in zip(looks, names, strict=True):
-        rate, low, high = (_column(rows, f"{prefix}_{end}") for end in ("rate", "low", "high"))
-        bars = np.abs(np.stack([rate - low, high - rate]))
-        look = {"color": tint, "markerfacecolor": face, "markersize": 4, "elinewidth": 0.8}
-        axes.errorbar(rate, places + shift, xerr=bars, fmt="o", label=name, **look)
-
-
-def _errors(axes: Axes, rows: Sequence[Row], places: np.ndarray, tint: str, named: bool) -> None:
-    for column, (marker, filled, name) in _ERRORS.items():
-        face = tint if filled else "white"
-        look = {"color": tint, "markerfacecolor": face, "markersize": 4, "linestyle": "none"}
-        values = _column(rows, column)
-        axes.plot(values, places, marker=marker, label=name if named else None, **look)
 
 
 def _column(rows: Sequence[Row], name: str) -> np.ndarray:
@@ -214,7 +178,9 @@ def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
     for axes, command in zip(panels.flat, commands, strict=False):
         for one in evaluations:
             if one.speed == command and one.robots.survived.any():
-                _curve(axes, one.velocity, period, labels.index(one.label))
+                time = period * np.arange(1, len(one.velocity) + 1)
+                mean, spread = one.velocity.T
+                _band(axes, time, mean, spread, labels.index(one.label))
         axes.axhline(command, color=DARK, linewidth=0.9, linestyle=(0, (4, 2)))
         axes.set_title(f"{speed_text(command)} m/s")
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
@@ -228,18 +194,11 @@ def draw_tracking(evaluations: Sequence[Evaluation], period: float) -> Figure:
         axes.set_xlabel("time [s]")
     figure.align_ylabels()
     for index, label in enumerate(labels):
-        panels[0, 0].plot([], [], _DASHES[index % 4], color=colour(index), label=label)
+        panels[0, 0].plot([], [], label=label, **_look(index))
     panels[0, 0].plot([], [], color=DARK, linewidth=0.9, linestyle=(0, (4, 2)), label="command")
     handles, names = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="outside upper center", ncols=len(names))
     return figure
-
-
-def _curve(axes: Axes, velocity: np.ndarray, period: float, index: int) -> None:
-    mean, spread = velocity.T
-    time, tint = period * np.arange(1, len(mean) + 1), colour(index)
-    axes.fill_between(time, mean - spread, mean + spread, color=tint, alpha=0.2, linewidth=0)
-    axes.plot(time, mean, _DASHES[index % 4], color=tint, linewidth=1.0)
 
 
 def draw_training(training: Training) -> Figure:

@@ -99,13 +99,13 @@ def portrait(gait: Gait, joint: str) -> Portrait:
 def touchdown(gait: Gait, roll: np.ndarray) -> np.ndarray:
     """Phase (R,) at which the swing foot comes down to the ground, by roll (R,) [rad]; or NaN."""
     heights = np.stack([swing_height(gait, angle, _TOUCHDOWNS) for angle in roll])
-    found = np.full(len(roll), np.nan)
+    phase = np.full(len(roll), np.nan)
     for index, height in enumerate(heights):
         down = np.flatnonzero((height[:-1] > 0) & (height[1:] <= 0))
         if len(down):
             at = slice(down[0], down[0] + 2)
-            found[index] = np.interp(0.0, -height[at], _TOUCHDOWNS[at])
-    return found
+            phase[index] = np.interp(0.0, -height[at], _TOUCHDOWNS[at])
+    return phase
 
 
 def swing_height(gait: Gait, roll: float, phase: np.ndarray) -> np.ndarray:

@@ -11,15 +11,17 @@ FOREIGN = {
 sys.path[:] = [path for path in sys.path if path not in FOREIGN]
 sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
 
-from pipeline.cluster import cancel_rest, lead
 from pipeline.console import Console
-from pipeline.entry import open_pipeline
+from pipeline.entry import cancel_rest, open_pipeline
 
 
 report: "pipeline/captions/workflow.rst"
 
 
 CONSOLE = Console(workflow)
+if workflow.local_exec and workflow.scheduling_settings:
+    # With a limit of submissions each job that ends starts one more thread per second.
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 PIPELINE = open_pipeline(
     config,
     Path(workflow.basedir) / "conf",
@@ -45,17 +47,16 @@ include: "pipeline/rules/reports.smk"
 
 
 onstart:
-    lead(workflow, PIPELINE.plan_path)
-    PIPELINE.start()
+    PIPELINE.start(workflow)
     CONSOLE.open(PIPELINE.plan, PIPELINE.store)
 
 
 onsuccess:
-    PIPELINE.finish("FINISHED")
+    PIPELINE.finish(succeeded=True)
     CONSOLE.close(succeeded=True)
 
 
 onerror:
     cancel_rest(workflow)
-    PIPELINE.finish("FAILED")
+    PIPELINE.finish(succeeded=False)
     CONSOLE.close(succeeded=False)

@@ -19,10 +19,8 @@ from pipeline.stages.evaluation import (
     table1,
     velocity_tracking,
 )
-from pipeline.stages.gaits import library_job
-from pipeline.stages.stability import stability_jobs
+from pipeline.stages.gaits import library_job, stability_jobs, verification_jobs
 from pipeline.stages.training import policy_export, training_jobs
-from pipeline.stages.verification import verification_jobs
 from slider.artefacts.plan import JobSpec
 from slider.config.schema import Config
 

@@ -3,8 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from pipeline.stages.entries import job
-from pipeline.stages.sections import only, robot, simulation, without
+from pipeline.stages.entries import job, only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict

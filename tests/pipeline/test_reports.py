@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.reports import marker_path, refresh_marker
+from pipeline.targets import marker_path, refresh_marker
 from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code

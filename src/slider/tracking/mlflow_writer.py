@@ -18,8 +18,7 @@ from typing import Any
 
 from slider.core import files
 from slider.tracking import journal
-from slider.tracking.journal import FAILED, MAIN, METRICS, SESSION_FILE
-from slider.tracking.session import SessionInfo, is_alive
+from slider.tracking.journal import FAILED, MAIN, METRICS, SESSION_FILE, SessionInfo, is_alive
 
 DATABASE = "mlflow.db"  # below artefacts/
 _PERIOD = 1.0  # between two looks at the journals [s]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from mlflow import MlflowClient
 
-from slider.tracking import session as tracking
+from slider.tracking import journal as tracking
 from slider.tracking.journal import FAILED, FINISHED, JournalTracker, current_session
 from slider.tracking.mlflow_writer import follow
 

@@ -1,7 +1,10 @@
 """What the Snakefile takes of the pipeline."""
 
 import errno
+import getpass
+import os
 import shlex
+import signal
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,9 +22,7 @@ CONF = Path(__file__).parents[2] / "conf"
     ("overrides", "cores", "slots", "threads"),
     [
         ("", 1, 1, 1),
-        ("", 2, 1, 2),
         ("", 4, 1, 2),
-        ("", 6, 1, 3),
         ("", 128, 1, 4),
         ("", None, 4, 4),  # a cluster
         ("resources.threads=3", 2, 3, 3),
@@ -80,10 +81,31 @@ def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(
     assert capsys.readouterr().err == line
 
 
-@pytest.mark.parametrize(
-    "overrides",
-    ["gait.cost=torque", "a='b c' d=[1,2]", "a='it is'", 'a="it\'s" b=1', "", "a=`x`$HOME"],
-)
+def test_a_user_without_a_name_gets_one(tmp_path, monkeypatch):
+    """The user of a container need not be in its list: Snakemake would end with a KeyError."""
+
+    def no_entry(_):
+        raise KeyError("getpwuid(): uid not found: 54321")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("pwd.getpwuid", no_entry)
+    for name in ("LOGNAME", "USER", "LNAME", "USERNAME"):
+        monkeypatch.setenv(name, "")
+    open_pipeline({"hydra": "experiment=test"}, CONF)
+    assert getpass.getuser() == os.environ["USER"] == "nobody"
+
+
+@pytest.mark.parametrize("given", [["hydra=experiment=test"], None])
+def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(tmp_path, monkeypatch, given):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    settings = SimpleNamespace(config_args=given)
+    head = open_pipeline({"hydra": "experiment=test tracking.enabled=false"}, CONF)
+    head.start(SimpleNamespace(local_exec=False, config_settings=settings))
+    assert settings.config_args == [*(given or []), f"plan={head.plan_path}"]
+
+
+@pytest.mark.parametrize("overrides", ["a='b c' d=[1,2]", 'a="it\'s" b=1', "", "a=`x`$HOME"])
 def test_overrides_come_back_through_shell_and_snakemake(overrides):
     words = shlex.split(config_option(overrides))
     assert parse_overrides(parse_config(words[1:])) == shlex.split(overrides)

@@ -121,12 +121,6 @@ def test_an_unreadable_session_does_not_hold_up_the_next(artefacts, content):
     assert not broken.exists()
 
 
-def test_writer_ends_with_its_owner(artefacts):
-    folder = start(artefacts, NOBODY)
-    follow(artefacts, folder.name)
-    assert runs(artefacts)[1]["pipeline"].info.status == FAILED
-
-
 def test_a_broken_tracker_is_one_warning(tmp_path, caplog):
     tracker = JournalTracker(tmp_path / "no" / "folder.jsonl")
     with caplog.at_level(logging.WARNING):

@@ -108,7 +108,7 @@ def marker_path(store: Store, target: str) -> Path:
 
 
 def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:
-    """Make reports look outdated exactly when they are not what the current plan says.
+    """Make reports look outdated exactly when they are not those of the current plan.
 
     The file names the plan's recipe. Where a report on disk is another one all the same (edited
     by hand, or the store was cleaned), the reason is appended: Snakemake compares the content of
@@ -116,15 +116,15 @@ def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path
     """
     recipe = plan.targets[target]
     path = marker_path(store, target)
-    found = path.read_text(errors="replace").split() if path.is_file() else []
+    words = path.read_text("utf-8", "replace").split() if path.is_file() else []
     manifest = store.manifest_path(plan.jobs[recipe].stage, recipe)
     differences = (_difference(manifest, report) for report in reports)
     reason = next((difference for difference in differences if difference), None)
-    if reason is None and found[:1] == [recipe]:
+    if reason is None and words[:1] == [recipe]:
         return
-    wanted = [recipe, reason] if reason else [recipe]
-    if found != wanted:
-        files.write_atomic(path, "\n".join(wanted) + "\n")
+    expected = [recipe, reason] if reason else [recipe]
+    if words != expected:
+        files.write_atomic(path, "\n".join(expected) + "\n")
 
 
 def _difference(manifest: Path, report: Path) -> str | None:
@@ -135,5 +135,5 @@ def _difference(manifest: Path, report: Path) -> str | None:
         expected = parse_manifest(manifest).result.files[report.name]["sha256"]
     except (UserError, KeyError):
         return "unknown"
-    found = files.digest_file(report)
-    return None if found == expected else found
+    digest = files.digest_file(report)
+    return None if digest == expected else digest

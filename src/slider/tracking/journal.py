@@ -83,7 +83,7 @@ class JournalTracker:
 def current_session(artefacts: Path) -> Path | None:
     """Folder of the pipeline run that is being tracked, if there is one."""
     try:
-        name = (artefacts / "tracking" / "current").read_text(errors="replace").strip()
+        name = (artefacts / "tracking" / "current").read_text("utf-8", "replace").strip()
     except OSError:
         return None
     session = artefacts / "tracking" / name
@@ -96,7 +96,7 @@ def _floats(metrics: Mapping[str, float]) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class SessionInfo:
-    """What the writer must know.
+    """Settings of a session, for its writer.
 
     Attributes:
         experiment: name of the MLflow experiment.
@@ -112,7 +112,7 @@ class SessionInfo:
 
     @classmethod
     def read(cls, folder: Path) -> "SessionInfo":
-        """That of the session in a folder."""
+        """Read the settings of the session in a folder."""
         return cls(**files.read_json(folder / SESSION_FILE))
 
 
@@ -176,7 +176,7 @@ def _spawn_writer(artefacts: Path, folder: Path) -> subprocess.Popen[bytes]:
     log = _log_path(artefacts)
     log.parent.mkdir(parents=True, exist_ok=True)
     command = [sys.executable, "-m", "slider.cli", "tracking", "follow", folder.name]
-    with log.open("a") as output:
+    with log.open("ab") as output:
         return subprocess.Popen(
             [*command, "--artefacts", str(artefacts)],
             stdin=subprocess.DEVNULL,

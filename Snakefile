@@ -19,9 +19,6 @@ report: "pipeline/captions/workflow.rst"
 
 
 CONSOLE = Console(workflow)
-if workflow.local_exec and workflow.scheduling_settings:
-    # With a limit of submissions each job that ends starts one more thread per second.
-    workflow.scheduling_settings.max_jobs_per_timespan = None
 PIPELINE = open_pipeline(
     config,
     Path(workflow.basedir) / "conf",

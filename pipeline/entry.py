@@ -157,7 +157,11 @@ class Pipeline:
         of the head, and let SIGTERM do as Ctrl-C does: Snakemake alone would wait for running jobs.
         A store that cannot be written is one line and status 1.
         """
-        if not workflow.local_exec:
+        if workflow.local_exec:
+            # The limit of submissions, which no option lifts (9.27): each job that ends would start
+            # one more thread per second for it.
+            workflow.scheduler.job_rate_limiter = None
+        else:
             settings = workflow.config_settings
             settings.config_args = [*(settings.config_args or ()), f"{PLAN}={self.plan_path}"]
             signal.signal(signal.SIGTERM, signal.default_int_handler)

@@ -65,13 +65,6 @@ def test_table_1_installs_no_tools_and_tests_add_them_in_either_order(folder):
     assert (folder / "all.txt").read_text().count("\ninstall\n") == 2  # nothing was done again
 
 
-def test_the_tools_bring_what_table_1_needs(folder):
-    assert make(folder, "install")[-1] == ".[test]"
-    assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
-    assert make(folder, "table1")[1] == "snakemake"
-    assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
-
-
 @pytest.mark.parametrize("target", ["test", "faults"])
 def test_who_tests_gets_the_tools_first(folder, target):
     assert make(folder, target)[:2] == ["-m", "pytest"]

@@ -5,6 +5,8 @@ import getpass
 import os
 import shlex
 import signal
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -109,3 +111,29 @@ def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(tmp_path, monkeypatch,
 def test_overrides_come_back_through_shell_and_snakemake(overrides):
     words = shlex.split(config_option(overrides))
     assert parse_overrides(parse_config(words[1:])) == shlex.split(overrides)
+
+
+SNAKEFILE = f"""
+import sys, threading
+sys.path[:0] = [{str(CONF.parent)!r}, {str(CONF.parent / "src")!r}]
+from pathlib import Path
+from pipeline.entry import open_pipeline
+PIPELINE = open_pipeline({{"hydra": "experiment=test tracking.enabled=false"}}, Path({str(CONF)!r}))
+rule all:
+    input: expand("{{i}}", i=range(10))
+rule one:
+    output: "{{i}}"
+    shell: "touch {{output}}"
+onstart:
+    PIPELINE.start(workflow)
+onsuccess:
+    print("threads", threading.active_count())
+"""
+
+
+def test_ended_jobs_leave_no_threads_behind(tmp_path):
+    (tmp_path / "Snakefile").write_text(SNAKEFILE)
+    command = [sys.executable, "-m", "snakemake", "-j2", "--scheduler", "greedy"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    (threads,) = (line.split()[1] for line in done.stdout.splitlines() if "threads " in line)
+    assert int(threads) <= 4  # this one and those of the two slots

@@ -1,6 +1,5 @@
 # From the configuration to Table 1. The jobs come from pipeline/stages/; see README.md.
 #   snakemake -j2 reports/table1.csv --config hydra='experiment=smoke'
-import getpass
 import os
 import sys
 from pathlib import Path
@@ -16,14 +15,9 @@ from slider.core.environment import check_bytecode
 
 for folder in ("src", "pipeline"):
     check_bytecode(Path(workflow.basedir) / folder)
-try:
-    getpass.getuser()  # as Snakemake does, which ends with a trace
-except (KeyError, OSError):  # a container whose user has no name
-    os.environ["USER"] = "nobody"
 
-from pipeline.cluster import cancel_rest, lead
 from pipeline.console import Console
-from pipeline.entry import open_pipeline
+from pipeline.entry import cancel_rest, open_pipeline
 
 
 report: "pipeline/captions/workflow.rst"
@@ -55,17 +49,16 @@ include: "pipeline/rules/reports.smk"
 
 
 onstart:
-    lead(workflow, PIPELINE.plan_path)
-    PIPELINE.start()
+    PIPELINE.start(workflow)
     CONSOLE.open(PIPELINE.plan, PIPELINE.store)
 
 
 onsuccess:
-    PIPELINE.finish("FINISHED")
+    PIPELINE.finish(succeeded=True)
     CONSOLE.close(succeeded=True)
 
 
 onerror:
     cancel_rest(workflow)
-    PIPELINE.finish("FAILED")
+    PIPELINE.finish(succeeded=False)
     CONSOLE.close(succeeded=False)

@@ -1,8 +1,11 @@
 """What the Snakefile is made of: the current plan, the files of its jobs, tracking."""
 
 import gc
+import getpass
 import os
 import shlex
+import signal
+import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,10 +14,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.rendering import with_renderer
-from pipeline.reports import refresh_marker
+from pipeline.stages.page import with_renderer
 from pipeline.studies import study_job
-from pipeline.targets import all_targets, report_files
+from pipeline.targets import all_targets, refresh_marker, report_files
 from slider.artefacts.maintenance import date_now, drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
 from slider.artefacts.remote import Remote
@@ -28,7 +30,8 @@ from slider.core import environment
 from slider.core.errors import UserError, is_read_only, not_written
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
-from slider.tracking import session as tracking
+from slider.tracking import journal as tracking
+from slider.tracking.journal import FAILED, FINISHED
 
 OPTION, PLAN = "hydra", "plan"  # of --config; the latter is the head's word to its jobs
 _TITLE = 80  # characters
@@ -149,11 +152,21 @@ class Pipeline:
         self.plan_path = _lay_out(self.plan, self.store, self.config)
 
     @one_line()
-    def start(self) -> None:
-        """Begin this pipeline run; open a session of tracking, if the configuration wants one.
+    def start(self, workflow: Any) -> None:
+        """Begin this pipeline run; open a session of tracking, if it is enabled.
 
+        On a cluster name the plan to the jobs, which read the Snakefile again with the ``--config``
+        of the head, and let SIGTERM do as Ctrl-C does: Snakemake alone would wait for running jobs.
         A store that cannot be written is one line and status 1.
         """
+        if workflow.local_exec:
+            # The limit of submissions, which no option lifts (9.27): each job that ends would start
+            # one more thread per second for it.
+            workflow.scheduler.job_rate_limiter = None
+        else:
+            settings = workflow.config_settings
+            settings.config_args = [*(settings.config_args or ()), f"{PLAN}={self.plan_path}"]
+            signal.signal(signal.SIGTERM, signal.default_int_handler)
         artefacts = self.store.root
         note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
@@ -168,10 +181,20 @@ class Pipeline:
         run = {"name": title, "tags": tags, "params": to_dict(self.config)}
         self.session = tracking.start(artefacts, info, run)
 
-    def finish(self, status: str) -> None:
-        """Close the session of this pipeline run as ``FINISHED`` or ``FAILED``."""
+    def finish(self, succeeded: bool) -> None:
+        """Close the session of this pipeline run."""
         if self.session is not None:
-            self.session.finish(status)
+            self.session.finish(FINISHED if succeeded else FAILED)
+
+
+def cancel_rest(workflow: Any) -> None:
+    """Cancel cluster jobs that Snakemake lost: submitted or asked about when it is interrupted.
+
+    All jobs of a run have its name.
+    """
+    name = getattr(getattr(workflow.scheduler, "_executor", None), "run_uuid", None)
+    if name:
+        subprocess.run(["scancel", f"--name={name}"], check=False)
 
 
 def open_pipeline(
@@ -193,8 +216,13 @@ def open_pipeline(
 def _open(settings: Mapping[str, Any], conf: Path, cores: int | None) -> Pipeline:
     if sys.flags.optimize > 1:  # meanings of terms are docstrings
         raise UserError("expected Python with docstrings, found PYTHONOPTIMIZE=2: unset it")
+    try:
+        getpass.getuser()
+    except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack
+        os.environ["USER"] = "nobody"
     overrides = parse_overrides(settings)
-    config, plan = planned(overrides, conf)
+    config = with_renderer(checked(compose(overrides, conf)))
+    plan = build_plan(all_targets(config, overrides, conf))
     notes = Path(".snakemake")  # of Snakemake, also in a dry run: without them it ends with a trace
     notes.mkdir(exist_ok=True)
     tempfile.TemporaryFile(dir=notes).close()
@@ -209,19 +237,6 @@ def _join(settings: Mapping[str, Any], conf: Path) -> Pipeline:
     return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
 
 
-def planned(overrides: list[str], conf: Path, target: str = "") -> tuple[Config, Plan]:
-    """Configuration and jobs of some overrides, with those of a target on demand.
-
-    Raises:
-        UserError: they do not compose.
-    """
-    config = with_renderer(checked(compose(overrides, conf)))
-    targets = all_targets(config, overrides, conf)
-    if target in config.study and target not in targets:
-        targets[target] = study_job(target, config, targets, overrides, conf)
-    return config, build_plan(targets)
-
-
 def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
     """Write a plan and make what is on disk agree with it; a read-only store stays as it is."""
     folder = store.root / "plans"
@@ -232,16 +247,11 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
         if not is_read_only(error):
             raise
         return plan_path(plan, folder)
-    _tend(plan, store, config)
-    return path
-
-
-def _tend(plan: Plan, store: Store, config: Config) -> None:
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
         print(f"slider: dropped {name}", file=sys.stderr)
     if config.store.remote is not None:
-        _take(plan, store, config.store.remote)
+        _pull(plan, store, config.store.remote)
     late = date_now(store, [*manifests, *store.root.glob("current/*")])
     if late:
         text = f"dated {late} files of {store.root} now: they are from the future"
@@ -249,10 +259,11 @@ def _tend(plan: Plan, store: Store, config: Config) -> None:
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
+    return path
 
 
-def _take(plan: Plan, store: Store, remote: str) -> None:
-    """Take what a plan lacks from a remote; what that does not give is computed."""
+def _pull(plan: Plan, store: Store, remote: str) -> None:
+    """Copy the results that a plan lacks from a remote; what is not there is computed."""
     try:
         account = pull(store, plan.jobs, Remote(remote))
     except UserError as error:

@@ -169,26 +169,17 @@ def duration(seconds: float) -> str:
 
 
 def table(labels: Mapping[str, str], summaries: Sequence[Mapping[str, Any]]) -> str:
-    """Success and error of evaluations, two lines per controller, a column per speed.
+    """Success and error of evaluations, two lines per controller, a column per speed."""
+    import pandas as pd
 
-    Errors are those of robots that survive, ∞ where none does.
-    """
+    from slider.reports.quantities import QUANTITIES
+
     cells = {(summary["controller"], summary["speed"]): summary for summary in summaries}
     speeds = sorted({summary["speed"] for summary in summaries})
-    lines = [("command [m/s]", "", [str(float(speed)) for speed in speeds])]
-    for name in dict.fromkeys(summary["controller"] for summary in summaries):
-        row = [cells.get((name, speed), {}) for speed in speeds]
-        successes = [f"{100 * c['success_rate']:.3g}" if c else "" for c in row]
-        errors = [_error(c["mse_steady"]) if c else "" for c in row]
-        label = labels.get(name, name)
-        lines += [(label, "success [%]", successes), ("", "MSE [m²/s²]", errors)]
-    width = max(len(label) for label, _, _ in lines)
-    texts = (
-        f"{label:<{width}}  {quantity:<11}" + "".join(f"{cell:>10}" for cell in row)
-        for label, quantity, row in lines
-    )
-    return "\n".join(map(str.rstrip, texts))
-
-
-def _error(value: float | None) -> str:
-    return "∞" if value is None or math.isinf(value) else f"{value:.3g}"
+    rows = []
+    for controller in dict.fromkeys(summary["controller"] for summary in summaries):
+        for name, title in (("success_rate", "success [%]"), ("mse_steady", "MSE [m²/s²]")):
+            values = [cells.get((controller, speed), {}).get(name, math.nan) for speed in speeds]
+            texts = [QUANTITIES[name].text(math.inf if v is None else v) for v in values]
+            rows.append([labels.get(controller, controller), title, *texts])
+    return pd.DataFrame(rows, columns=["speed [m/s]", "", *speeds]).to_string(index=False)

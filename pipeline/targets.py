@@ -1,4 +1,4 @@
-"""All targets and their files.
+"""All targets, their files, and when these are copied out of the store again.
 
 Studies are laid out only when they are asked for, or where the page shows them.
 """
@@ -10,10 +10,13 @@ from pipeline.stages import all_jobs
 from pipeline.stages.entries import ENTRIES
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
-from slider.artefacts.plan import JobSpec
+from slider.artefacts.manifest import parse_manifest
+from slider.artefacts.plan import JobSpec, Plan
+from slider.artefacts.store import Store
 from slider.config.schema import Config, StudyConfig
 from slider.control import EXPORT_FILES as POLICY_FILES
-from slider.core.errors import require
+from slider.core import files
+from slider.core.errors import UserError, require
 from slider.reports.figures import FILES as FIGURES
 from slider.reports.figures import STABILITY_FILES
 from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
@@ -95,3 +98,40 @@ def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
 
 def _drawn(name: str) -> tuple[str]:
     return (f"figures/{name}.svg",)
+
+
+def marker_path(store: Store, target: str) -> Path:
+    """Small file that changes whenever a report must be copied again."""
+    return store.root / "current" / target
+
+
+def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:
+    """Make reports look outdated exactly when they are not those of the current plan.
+
+    The file names the plan's recipe. Where a report on disk is another one all the same (edited
+    by hand, or the store was cleaned), the reason is appended: Snakemake compares the content of
+    small inputs, so a new modification time alone would not do.
+    """
+    recipe = plan.targets[target]
+    path = marker_path(store, target)
+    words = path.read_text("utf-8", "replace").split() if path.is_file() else []
+    manifest = store.manifest_path(plan.jobs[recipe].stage, recipe)
+    differences = (_difference(manifest, report) for report in reports)
+    reason = next((difference for difference in differences if difference), None)
+    if reason is None and words[:1] == [recipe]:
+        return
+    expected = [recipe, reason] if reason else [recipe]
+    if words != expected:
+        files.write_atomic(path, "\n".join(expected) + "\n")
+
+
+def _difference(manifest: Path, report: Path) -> str | None:
+    """One word that tells how the report differs from its manifest's, or nothing."""
+    if not report.is_file():
+        return None  # Snakemake sees that itself
+    try:
+        expected = parse_manifest(manifest).result.files[report.name]["sha256"]
+    except (UserError, KeyError):
+        return "unknown"
+    digest = files.digest_file(report)
+    return None if digest == expected else digest

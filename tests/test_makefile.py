@@ -74,13 +74,6 @@ def test_pip_installs_into_the_environment_whatever_it_does_elsewhere(folder, mo
     assert (folder / "pip.txt").read_text() == "PIP_USER=0\n"
 
 
-def test_the_tools_bring_what_table_1_needs(folder):
-    assert make(folder, "install")[-1] == ".[test]"
-    assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
-    assert make(folder, "table1")[2] == "snakemake"
-    assert (folder / "all.txt").read_text().count("\ninstall\n") == 2
-
-
 @pytest.mark.parametrize("target", ["test", "faults"])
 def test_who_tests_gets_the_tools_first(folder, target):
     assert make(folder, target)[:3] == ["-I", "-m", "pytest"]

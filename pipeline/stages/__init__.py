@@ -1,8 +1,8 @@
 """The stages: gait → library → standing → walking → evaluation → table1 → report.
 
-Each function says which part of the configuration is a job's own, its section, and what its inputs
-are; the entry points are in ``entries``. A section holds nothing that its stage does not use: it is
-in the recipe.
+Each function lays out jobs: the part of the configuration that is a job's own, its section, and its
+inputs; the entry points are in ``entries``. A section holds nothing that its stage does not use, as
+it is in the recipe.
 
 On the way to Table 1 are gaits, trainings and evaluations alone; other targets hang off these, so
 that a new exporter or figure retrains no policy. The stage ``baseline`` is the evaluation of the
@@ -12,19 +12,19 @@ Studies compare several configurations: ``pipeline.studies``.
 
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import (
-    check_walkable,
+    base_of,
     evaluations_of,
+    gait_controllers,
     gait_walks,
     protocol_jobs,
     table1,
     velocity_tracking,
 )
-from pipeline.stages.gaits import library_job
-from pipeline.stages.stability import stability_jobs
+from pipeline.stages.gaits import library_job, stability_jobs, verification_jobs
 from pipeline.stages.training import policy_export, training_jobs
-from pipeline.stages.verification import verification_jobs
 from slider.artefacts.plan import JobSpec
 from slider.config.schema import Config
+from slider.core.errors import UserError
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:
@@ -46,9 +46,14 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
     Raises:
         UserError: a controller of Table 1 cannot walk these gaits.
     """
-    check_walkable(config)
+    if config.gait.dynamics == "knee":  # whose gaits are no motions of the plant
+        for name in set(map(base_of, config.evaluation.controllers)).intersection(
+            gait_controllers(config)
+        ):
+            expected = "none of the family hzd with gait.dynamics=knee"
+            raise UserError(f"evaluation.controllers: expected {expected}, found {name}")
     library = library_job(config)
     trainings = training_jobs(config, library)
-    made = {"library": library, **stability_jobs(config, library), **trainings}
-    evaluations = evaluations_of(config, config.evaluation, made)
-    return made | {"table1": table1(config, evaluations)}
+    jobs = {"library": library, **stability_jobs(config, library), **trainings}
+    evaluations = evaluations_of(config, config.evaluation, jobs)
+    return jobs | {"table1": table1(config, evaluations)}

@@ -1,10 +1,14 @@
-"""What the stages run, and jobs that do."""
+"""Entry point of each stage, and what the jobs of several stages have in common."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import code_of
+from slider.config.convert import to_dict
+from slider.config.schema import Config
+from slider.core.machine import kernels
 
 ENTRIES = {
     "gait": "slider.gait.stage:run",
@@ -47,3 +51,40 @@ def job(
 ) -> JobSpec:
     """A job of a stage; the arguments are those of :class:`JobSpec`."""
     return JobSpec(stage, label, code_of(ENTRIES[stage]), section, inputs or {}, tracked)
+
+
+def only(values: dict[str, Any], *names: str) -> dict[str, Any]:
+    """Some of the values."""
+    return {name: values[name] for name in names}
+
+
+def without(values: dict[str, Any], *names: str) -> dict[str, Any]:
+    """All values but some."""
+    return {name: value for name, value in values.items() if name not in names}
+
+
+def robot(config: Config) -> dict[str, Any]:
+    """The robot; where its values come from changes no result."""
+    return without(to_dict(config.robot), "provenance")
+
+
+def simulation(config: Config) -> dict[str, Any]:
+    """The robot and the environment of its policies, and what their networks compute with."""
+    environment = replace(config.env, onboard=config.env.estimation)  # none that it does not use
+    return {"robot": robot(config), "env": to_dict(environment), "numerics": kernels()}
+
+
+def plant(config: Config) -> dict[str, Any]:
+    """The environment's part for controllers other than the policy."""
+    return to_dict(config.env.plant)
+
+
+def origin(job: JobSpec) -> dict[str, Any]:
+    """Where a result comes from, for the stage that tells people."""
+    return {
+        "stage": job.stage,
+        "label": job.label,
+        "recipe": job.recipe,
+        "source": job.code.source,
+        "versions": job.code.versions,
+    }

@@ -1,23 +1,33 @@
-"""The page about everything, and its films."""
+"""The page about everything, its films, and how this machine renders them."""
 
+import ctypes
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from pipeline.stages.entries import job
-from pipeline.stages.evaluation import controlled, labels, made_of, protocol_section
-from pipeline.stages.sections import origin, without
+from pipeline.stages.entries import job, origin, without
+from pipeline.stages.evaluation import control_inputs, control_section, labels, protocol_section
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.reports.sections import OPTIONAL, SECTIONS
 
-VIDEOS = "videos"
+_OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
-    """The page; its sections say what it needs."""
-    available = _available(targets) | {VIDEOS: _videos(config, targets)}
+    """The page; its sections declare what it needs: a target, or a group of its inputs."""
+    video = config.report.video
+    available: dict[str, Sequence[JobSpec]] = {name: [job] for name, job in targets.items()}
+    for name, target in targets.items():
+        available |= {f"{name}.{group}": jobs for group, jobs in target.inputs.items()}
+    available["videos"] = [
+        _video(config, controller, speed, targets)
+        for controller in config.evaluation.controllers
+        for speed in video.speeds
+        if video.renderer != "none"
+    ]
     inputs = {}
     for need in needs(config):
         name = need.removesuffix(OPTIONAL)
@@ -28,7 +38,7 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
         "report": to_dict(config.report),
         "configuration": shown,
         "labels": labels(config, [POLICY, *shown["control"]]),
-        "origins": {name: [origin(made) for made in jobs] for name, jobs in inputs.items()},
+        "origins": {name: [origin(item) for item in jobs] for name, jobs in inputs.items()},
     }
     return job("report", "report", section, inputs)
 
@@ -39,22 +49,9 @@ def needs(config: Config) -> list[str]:
     return list(dict.fromkeys(names))
 
 
-def _available(targets: Mapping[str, JobSpec]) -> dict[str, Sequence[JobSpec]]:
-    """What a section can ask for: a target, or as ``target.group`` a group of its inputs."""
-    groups = {
-        f"{name}.{group}": jobs
-        for name, target in targets.items()
-        for group, jobs in target.inputs.items()
-    }
-    return {name: [target] for name, target in targets.items()} | groups
-
-
 def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
-    """The configuration without what has no part in the page."""
-    shown = without(
-        to_dict(config),
-        *("resources", "tracking", "store", "study", "protocols"),
-    )
+    """The configuration of what the page shows."""
+    shown = without(to_dict(config), "resources", "tracking", "store", "study", "protocols")
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}
     if protocols:
@@ -64,23 +61,53 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
     return shown
 
 
-def _videos(config: Config, made: Mapping[str, JobSpec]) -> list[JobSpec]:
-    if config.report.video.renderer == "none":
-        return []
-    return [
-        video(config, controller, speed, made)
-        for controller in config.evaluation.controllers
-        for speed in config.report.video.speeds
-    ]
-
-
-def video(config: Config, controller: str, speed: float, made: Mapping[str, JobSpec]) -> JobSpec:
+def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, JobSpec]) -> JobSpec:
     """A short film of one controller at one speed."""
-    section = controlled(config, controller, speed) | {
+    section = control_section(config, controller, speed) | {
         "label": labels(config, [controller])[controller],
         "start": to_dict(config.evaluation.start),
         "disturbance": to_dict(config.evaluation.disturbance),
         "video": without(to_dict(config.report.video), "speeds"),
     }
     label = f"video of {controller} at {speed:.1f} m/s"
-    return job("video", label, section, made_of(config, controller, made), tracked=False)
+    inputs = control_inputs(config, controller, jobs)
+    return job("video", label, section, inputs, tracked=False)
+
+
+def with_renderer(config: Config) -> Config:
+    """Put what works here in the place of ``report.video.renderer=auto``."""
+    video = config.report.video
+    if video.renderer != "auto":
+        return config
+    video = replace(video, renderer=find_renderer())
+    return replace(config, report=replace(config.report, video=video))
+
+
+def find_renderer() -> str:
+    """``egl`` or ``osmesa``, the first that works, or ``none``; takes a millisecond."""
+    if _egl_devices() > 0:
+        return "egl"
+    return "osmesa" if any(_load(name) for name in _OSMESA) else "none"
+
+
+def _egl_devices() -> int:
+    """Number of devices that EGL offers; MuJoCo renders on one of these."""
+    library = _load("libEGL.so.1")
+    if library is None:
+        return 0
+    library.eglGetProcAddress.restype = ctypes.c_void_p
+    address = library.eglGetProcAddress(b"eglQueryDevicesEXT")
+    if not address:
+        return 0
+    query = ctypes.CFUNCTYPE(
+        ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)
+    )(address)
+    count = ctypes.c_int(0)
+    return count.value if query(0, None, ctypes.byref(count)) else 0
+
+
+def _load(name: str) -> ctypes.CDLL | None:
+    try:
+        return ctypes.CDLL(name)
+    except OSError:
+        return None

@@ -2,8 +2,7 @@
 
 from dataclasses import replace
 
-from pipeline.stages.entries import job
-from pipeline.stages.sections import origin, simulation
+from pipeline.stages.entries import job, origin, simulation
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import code_of
 from slider.config.convert import to_dict

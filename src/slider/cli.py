@@ -1,7 +1,8 @@
-"""The command ``slider``: a table of subcommands, each in a module of its own.
+"""The command ``slider``: a table of subcommands.
 
-A subcommand's module offers ``add_arguments(parser)`` and ``run(arguments)``; it is imported only
-when its command is given, so that a gait job does not wait for torch.
+A module of one subcommand offers ``add_arguments(parser)`` and ``run(arguments)``, one of several
+``NAME_arguments`` and ``NAME`` of each. Modules are imported when their command is given, so that a
+gait job does not wait for torch.
 """
 
 import argparse
@@ -20,28 +21,28 @@ COMMANDS = {
     "config": ("slider.commands.config", "print the resolved configuration"),
     "play": ("slider.commands.play", "watch a policy, a gait or a random agent"),
     "runs": ("slider.commands.runs", "browse the runs in MLflow"),
-    "why": ("slider.commands.why", "say what would be computed, because of which change"),
-    "diff": ("slider.commands.diff", "say how two plans or two stores differ"),
+    "why": ("slider.commands.plans:why", "show what would be computed, because of which change"),
+    "diff": ("slider.commands.plans:diff", "show how two plans or two stores differ"),
     "store": ("slider.commands.store", "list, verify, clean and share the artefact store"),
     "bundle": ("slider.commands.bundle", "pack a result with all that it came from"),
     "benchmark-control": ("slider.bench.controllers", "time the model-based controllers"),
     "benchmark-gaits": ("slider.bench.gaits", "time the gait optimisation"),
     "benchmark-training": ("slider.bench.loop", "time physics, environment and training"),
-    "library": ("slider.commands.library", "show what is in the gait library"),
-    "gait": ("slider.commands.gait", "show or export one gait of the library"),
+    "library": ("slider.commands.gaits:library", "show what is in the gait library"),
+    "gait": ("slider.commands.gaits:gait", "show or export one gait of the library"),
     "policy": ("slider.commands.policy", "show or export a trained policy"),
     "results": ("slider.commands.results", "fill the documentation's result blocks"),
 }
 INTERNAL = {
-    "run": ("slider.commands.run", "run one job of a plan"),
-    "publish": ("slider.commands.publish", "copy files of a result out of the store"),
-    "tracking": ("slider.commands.tracking", "bring journals to MLflow"),
+    "run": ("slider.commands.jobs:run", "run one job of a plan"),
+    "publish": ("slider.commands.jobs:publish", "copy files of a result out of the store"),
+    "tracking": ("slider.commands.jobs:tracking", "bring journals to MLflow"),
 }
 """What the pipeline calls; no help lists it."""
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that says in one line what is wrong; those of subcommands are like it."""
+    """A parser whose errors are one line; those of subcommands are like it."""
 
     def error(self, message: str) -> NoReturn:
         """Raise it.
@@ -49,8 +50,8 @@ class Parser(argparse.ArgumentParser):
         Raises:
             UserError: always.
         """
-        of = self.prog.removeprefix("slider").strip()
-        raise UserError(f"{of}: {message}" if of else message)
+        command = self.prog.removeprefix("slider").strip()
+        raise UserError(f"{command}: {message}" if command else message)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -58,15 +59,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     _open_streams()
     arguments = list(sys.argv[1:] if argv is None else argv)
     name = arguments[0] if arguments else ""
-    known = COMMANDS | INTERNAL
-    if name not in known:
+    if name not in COMMANDS | INTERNAL:
         return _no_command(arguments)
-    place, text = known[name]
+    place, text = (COMMANDS | INTERNAL)[name]
+    place, _, function = place.partition(":")
     module = importlib.import_module(place)
     parser = Parser(f"slider {name}", description=text)
-    module.add_arguments(parser)
+    getattr(module, f"{function}_arguments" if function else "add_arguments")(parser)
     try:
-        code = module.run(parser.parse_args(arguments[1:])) or 0
+        code = getattr(module, function or "run")(parser.parse_args(arguments[1:])) or 0
         sys.stdout.flush()
         return code
     except UserError as error:
@@ -99,16 +100,7 @@ def _open_streams() -> None:
 
 
 def _no_command(arguments: list[str]) -> int:
-    try:
-        _overview().parse_args(arguments)
-    except UserError as error:
-        print(f"slider: {error}", file=sys.stderr)
-    else:
-        _overview().print_help()
-    return 1
-
-
-def _overview() -> Parser:
+    """Show the commands, or that there is no such one; status 1."""
     lines = [f"  {name:<20}{text}" for name, (_, text) in COMMANDS.items()]
     parser = Parser(
         "slider",
@@ -117,7 +109,13 @@ def _overview() -> Parser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("command", choices=COMMANDS, metavar="command", nargs="?")
-    return parser
+    try:
+        parser.parse_args(arguments)
+    except UserError as error:
+        print(f"slider: {error}", file=sys.stderr)
+    else:
+        parser.print_help()
+    return 1
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.entry import one_line
-from pipeline.reports import refresh_marker
+from pipeline.targets import refresh_marker
 from slider.artefacts import runner
 from slider.artefacts.maintenance import date_now, drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, write_plan

@@ -92,8 +92,7 @@ def dynamics(model: RootedModel, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarr
 @shared.shared
 def placement_folder() -> Path:
     """Object folder of the library's foot placement."""
-    from pipeline.stages.gaits import library_job
-    from pipeline.stages.stability import stability_jobs
+    from pipeline.stages.gaits import library_job, stability_jobs
     from slider.hzd import stage
 
     out = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import zarr
 
-from pipeline.stages.stability import stability_jobs
+from pipeline.stages.gaits import stability_jobs
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.core.errors import UserError

@@ -36,11 +36,6 @@ def test_chatter_is_dropped_and_errors_stay(console):
     assert not passes(console, "Complete log(s): x.log")
 
 
-def test_a_dry_run_lists_its_jobs(console):
-    console.workflow.dryrun = True
-    assert passes(console, "Job stats: ...", event=LogEvent.RUN_INFO)
-
-
 def test_events_of_jobs_with_a_recipe_are_followed(console):
     seen = []
     console.progress = SimpleNamespace(
@@ -76,10 +71,6 @@ def test_a_log_that_cannot_be_read_ends_no_run(console, capsys, monkeypatch, tmp
     monkeypatch.setattr(Path, "read_text", fail)
     assert passes(console, event=LogEvent.JOB_ERROR, log=[str(log)], indent=False)
     assert capsys.readouterr().err == f"slider: the job's log is {log}\n"
-
-
-def test_what_an_error_lacks_ends_no_run(console):
-    assert passes(console, "Error in group x:", event=LogEvent.GROUP_ERROR)
 
 
 def test_a_second_console_leaves_the_errors_of_groups_as_they_are(console):

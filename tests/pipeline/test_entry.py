@@ -1,7 +1,12 @@
 """What the Snakefile takes of the pipeline."""
 
 import errno
+import getpass
+import os
 import shlex
+import signal
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,9 +24,7 @@ CONF = Path(__file__).parents[2] / "conf"
     ("overrides", "cores", "slots", "threads"),
     [
         ("", 1, 1, 1),
-        ("", 2, 1, 2),
         ("", 4, 1, 2),
-        ("", 6, 1, 3),
         ("", 128, 1, 4),
         ("", None, 4, 4),  # a cluster
         ("resources.threads=3", 2, 3, 3),
@@ -80,10 +83,57 @@ def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(
     assert capsys.readouterr().err == line
 
 
-@pytest.mark.parametrize(
-    "overrides",
-    ["gait.cost=torque", "a='b c' d=[1,2]", "a='it is'", 'a="it\'s" b=1', "", "a=`x`$HOME"],
-)
+def test_a_user_without_a_name_gets_one(tmp_path, monkeypatch):
+    """The user of a container need not be in its list: Snakemake would end with a KeyError."""
+
+    def no_entry(_):
+        raise KeyError("getpwuid(): uid not found: 54321")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("pwd.getpwuid", no_entry)
+    for name in ("LOGNAME", "USER", "LNAME", "USERNAME"):
+        monkeypatch.setenv(name, "")
+    open_pipeline({"hydra": "experiment=test"}, CONF)
+    assert getpass.getuser() == os.environ["USER"] == "nobody"
+
+
+@pytest.mark.parametrize("given", [["hydra=experiment=test"], None])
+def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(tmp_path, monkeypatch, given):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    settings = SimpleNamespace(config_args=given)
+    head = open_pipeline({"hydra": "experiment=test tracking.enabled=false"}, CONF)
+    head.start(SimpleNamespace(local_exec=False, config_settings=settings))
+    assert settings.config_args == [*(given or []), f"plan={head.plan_path}"]
+
+
+@pytest.mark.parametrize("overrides", ["a='b c' d=[1,2]", 'a="it\'s" b=1', "", "a=`x`$HOME"])
 def test_overrides_come_back_through_shell_and_snakemake(overrides):
     words = shlex.split(config_option(overrides))
     assert parse_overrides(parse_config(words[1:])) == shlex.split(overrides)
+
+
+SNAKEFILE = f"""
+import sys, threading
+sys.path[:0] = [{str(CONF.parent)!r}, {str(CONF.parent / "src")!r}]
+from pathlib import Path
+from pipeline.entry import open_pipeline
+PIPELINE = open_pipeline({{"hydra": "experiment=test tracking.enabled=false"}}, Path({str(CONF)!r}))
+rule all:
+    input: expand("{{i}}", i=range(10))
+rule one:
+    output: "{{i}}"
+    shell: "touch {{output}}"
+onstart:
+    PIPELINE.start(workflow)
+onsuccess:
+    print("threads", threading.active_count())
+"""
+
+
+def test_ended_jobs_leave_no_threads_behind(tmp_path):
+    (tmp_path / "Snakefile").write_text(SNAKEFILE)
+    command = [sys.executable, "-m", "snakemake", "-j2", "--scheduler", "greedy"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    (threads,) = (line.split()[1] for line in done.stdout.splitlines() if "threads " in line)
+    assert int(threads) <= 4  # this one and those of the two slots

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 
 from pipeline import progress
-from pipeline.progress import Progress, duration, forecast, share, table
+from pipeline.progress import Progress, forecast, share, table
 from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
@@ -15,16 +15,16 @@ from slider.artefacts.store import Store
 CODE = Code("a:run", "", {})
 
 
-def evaluation(stage: str, controller: str, command: float) -> JobSpec:
+def evaluation(stage: str, controller: str, speed: float) -> JobSpec:
     protocol = {"trials": 10, "robots": 200, "duration": 10.0}
-    section = {"controller": controller, "speed": command, "evaluation": protocol}
-    return JobSpec(stage, f"evaluation of {controller} at {command}", CODE, section)
+    section = {"controller": controller, "speed": speed, "evaluation": protocol}
+    return JobSpec(stage, f"evaluation of {controller} at {speed}", CODE, section)
 
 
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     """Two evaluations of the policy, one of a baseline, the table; time stands still."""
-    jobs = [evaluation("evaluation", "policy", command) for command in (0.2, 0.4)]
+    jobs = [evaluation("evaluation", "policy", speed) for speed in (0.2, 0.4)]
     jobs.append(evaluation("baseline", "hzd", 0.2))
     section = {"labels": {"policy": "policy (ours)", "hzd": "HZD"}}
     table1 = JobSpec("table1", "table 1", CODE, section, {"evaluations": jobs})
@@ -61,7 +61,7 @@ def test_a_line_per_job_and_the_policy_before_the_baseline(run):
     finish(run, jobs[1], 0.6, computed=False)
     assert lines[1].startswith("[2/4  ")
     assert lines[1].endswith("evaluation of policy at 0.4: reused")
-    assert "policy (ours)  success [%]       100       100" in lines[2]
+    assert "policy (ours) success [%]   100   100" in lines[2]
     assert "HZD" not in lines[2]
     finish(run, jobs[2], 60.0)
     shown.began(table := shown.plan.targets["table1"])
@@ -70,13 +70,6 @@ def test_a_line_per_job_and_the_policy_before_the_baseline(run):
     shown.close(True)
     assert "HZD" in lines[-2]
     assert lines[-1].startswith("Table 1 took 2 min: reports/table1.md")
-
-
-def test_after_a_failure_there_is_no_table(run):
-    shown, jobs, lines, _ = run
-    finish(run, jobs[0], 1.0)
-    shown.close(False)
-    assert len(lines) == 1
 
 
 def test_a_result_of_an_earlier_run_is_reused(run):
@@ -105,24 +98,14 @@ def test_a_long_job_is_shown_with_its_own_words(run):
     ("message", "expected"),
     [
         ("iteration 20/80, 10.3 k steps/s, 0.4 min left, success 84 %", 0.25),
-        ("43 %", 0.43),
         ("3 of 12 gaits", 0.25),
         ("built, 50 %", 0.0),
-        ("", 0.0),
         ("100 %", 0.99),
         ("0 of 0", 0.0),
     ],
 )
 def test_a_job_says_how_far_it_is(message, expected):
     assert share(message) == pytest.approx(expected)
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(0.0, "5 s"), (43.0, "45 s"), (90.0, "2 min"), (720.0, "12 min"), (9000.0, "2.5 h")],
-)
-def test_times_are_told_as_people_tell_them(seconds, text):
-    assert duration(seconds) == text
 
 
 def test_a_table_has_a_column_per_speed_and_errors_of_survivors():
@@ -133,8 +116,8 @@ def test_a_table_has_a_column_per_speed_and_errors_of_survivors():
         {"controller": "hzd", "speed": 0.2, "success_rate": 0.0, "mse_steady": None},
     ]
     lines = [line.split() for line in table({"policy": "ours"}, summaries).splitlines()]
-    assert lines[0] == ["command", "[m/s]", "0.2", "0.4"]
+    assert lines[0] == ["speed", "[m/s]", "0.2", "0.4"]
     assert lines[1] == ["ours", "success", "[%]", "99.5", "99.5"]
-    assert lines[2][2:] == ["0.00123", "1.5"]
-    assert lines[3] == ["hzd", "success", "[%]", "0"]
-    assert lines[4][2:] == ["∞"]
+    assert lines[2][-2:] == ["0.00123", "1.50"]
+    assert lines[3] == ["hzd", "success", "[%]", "0", "–"]
+    assert lines[4][-2:] == ["∞", "–"]

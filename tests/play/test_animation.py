@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pipeline.rendering import find_renderer
+from pipeline.stages.page import find_renderer
 from slider.env.rollout import Frame
 from slider.play import animation
 from tests.env.synthetic import CONF

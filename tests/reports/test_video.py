@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import torch
 
-from pipeline.rendering import find_renderer
+from pipeline.stages.page import find_renderer
 from slider.config.compose import compose
 from slider.config.convert import to_dict
 from slider.control.policy import Policy, PolicyNetwork, save_policy

@@ -8,8 +8,7 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from pipeline.stages.gaits import gait_library, gait_section
-from pipeline.stages.verification import verification_jobs
+from pipeline.stages.gaits import gait_library, gait_section, verification_jobs
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose

@@ -28,7 +28,7 @@ pytestmark = [
     pytest.mark.skipif(importlib.util.find_spec(PLUGIN) is None, reason=f"no {PLUGIN}"),
 ]
 HOSTILE = 'a "gäit" $(touch pwned)'  # without the quote at which Snakemake fails on a cluster
-PROFILE = ("--workflow-profile", "pipeline/profiles/slurm")
+PROFILE = ("--workflow-profile", "profiles/slurm")
 # For a disk and a queue that nobody shares.
 SOON = (
     *("--latency-wait=5", "--seconds-between-status-checks=1", "--max-status-checks-per-second=9"),

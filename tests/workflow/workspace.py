@@ -18,7 +18,7 @@ from slider.artefacts.store import exclusive
 from tests import shared
 
 REPOSITORY = Path(__file__).parents[2]
-COPIED = ("Snakefile", "pipeline", "conf", "src")
+COPIED = ("Snakefile", "pipeline", "profiles", "conf", "src")
 TABLE = "reports/table1.csv"
 PAGE = "reports/index.html"
 QUIET = "tracking.enabled=false"
@@ -238,7 +238,6 @@ def _copy_sources(folder: Path) -> None:
             shutil.copytree(source, folder / name, ignore=no_bytecode)
         else:
             shutil.copy(source, folder / name)
-    (folder / "profiles").symlink_to("pipeline/profiles")
 
 
 def finished(folder: Path) -> Workspace:

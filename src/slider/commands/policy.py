@@ -12,9 +12,6 @@ from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
 _MAKE = "snakemake -j2 policy"
-_ORIGINS = {
-    "nominal": "the nominal pose",
-}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,8 +33,12 @@ def run(arguments: argparse.Namespace) -> None:
     file, origin = _choose(arguments)
     if arguments.action == "export":
         _export(file, origin, arguments.out)
-    else:
-        _show(file, origin, arguments.json)
+        return
+    from slider.control.layout import describe
+    from slider.control.policy import load_policy
+
+    layout = describe(load_policy(file), origin)
+    print(json.dumps(layout, indent=1) if arguments.json else summary(layout))
 
 
 def _choose(arguments: argparse.Namespace) -> tuple[Path, dict[str, Any]]:
@@ -60,68 +61,59 @@ def _export(file: Path, origin: dict[str, Any], out: Path) -> None:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"--out: {out}: {error.strerror}") from None
-    found = export(file, origin, out)
+    difference = export(file, origin, out)
     for name in EXPORT_FILES:
         print(out / name)
     print(
-        f"largest difference of an action over {found.observations} observations of a roll-out: "
-        f"ONNX {found.onnx:.1e}, torch.export {found.torch_export:.1e}"
+        f"largest difference of an action over {difference.observations} observations of a "
+        f"roll-out: ONNX {difference.onnx:.1e}, torch.export {difference.torch_export:.1e}"
     )
 
 
-def _show(file: Path, origin: dict[str, Any], as_json: bool) -> None:
-    from slider.control.layout import describe
-    from slider.control.policy import load_policy
+def summary(layout: dict[str, Any]) -> str:
+    """Facts of a policy, and tables of its observation, joints and motors."""
+    import pandas as pd
 
-    layout = describe(load_policy(file), origin)
-    print(json.dumps(layout, indent=1) if as_json else "\n".join(summary_lines(layout)))
-
-
-def summary_lines(layout: dict[str, Any]) -> list[str]:
-    """A layout for people."""
     network, observation, action = layout["network"], layout["observation"], layout["action"]
     widths = [observation["size"], *network["hidden"], action["size"]]
-    clock = layout["clock"]
-    lines = [
+    terms = [
+        [*(f"{term[name]}" for name in ("name", "start", "width")), f"{term['scale']:g}"]
+        + [term["frame"], ", ".join(dict.fromkeys(term["units"]))]
+        for term in observation["terms"]
+    ]
+    joints = [_row(joint, "nominal", "scale", "lower", "upper") for joint in action["joints"]]
+    limits = "kp", "kd", "torque_limit", "no_load_speed"
+    tables = [
+        pd.DataFrame(rows, columns=list(names)).to_string(index=False)
+        for names, rows in (
+            (("observation", "at", "width", "scale", "frame", "unit"), terms),
+            (("joint", "nominal", "scale", "lower", "upper"), joints),
+            (("motor", *limits), [_row(motor, *limits) for motor in action["motors"]]),
+        )
+    ]
+    facts = [
         f"robot           {layout['robot']}",
         f"control period  {layout['control_period']:g} s",
         f"network         {' × '.join(map(str, widths))}, {network['activation']}",
         "training        " + ", ".join(f"{k} {v:g}" for k, v in layout["training"].items()),
-        "clock           " + _clock_line(clock),
-        f"actions about   {_origin(layout)}",
-        "",
-        f"{'observation':<26}{'at':>4}{'width':>7}{'scale':>7}  frame    unit",
+        f"clock           {_clock(layout['clock'])}",
+        f"actions about   {_offset(layout)}",
     ]
-    lines += [
-        f"{t['name']:<26}{t['start']:>4}{t['width']:>7}{t['scale']:>7g}  {t['frame']:<9}"
-        + ", ".join(dict.fromkeys(t["units"]))
-        for t in observation["terms"]
-    ]
-    lines += [
-        "",
-        f"{'joint':<18}{'nominal':>8}{'scale':>7}{'lower':>8}{'upper':>8}",
-    ]
-    lines += [
-        f"{j['name']:<18}{j['nominal']:>8g}{j['scale']:>7g}{j['lower']:>8g}{j['upper']:>8g}"
-        for j in action["joints"]
-    ]
-    lines += ["", f"{'motor':<18}{'kp':>8}{'kd':>7}{'torque':>8}{'speed':>8}"]
-    lines += [
-        f"{m['name']:<18}{m['kp']:>8g}{m['kd']:>7g}{m['torque_limit']:>8g}{m['no_load_speed']:>8g}"
-        for m in action["motors"]
-    ]
-    return lines
+    return "\n\n".join(["\n".join(facts), *tables])
 
 
-def _origin(layout: dict[str, Any]) -> str:
-    offset = layout["action"]["offset"]
-    if offset in _ORIGINS:
-        return _ORIGINS[offset]
+def _row(named: dict[str, Any], *names: str) -> list[str]:
+    return [named["name"], *(f"{named[name]:g}" for name in names)]
+
+
+def _offset(layout: dict[str, Any]) -> str:
+    if layout["action"]["offset"] == "nominal":
+        return "the nominal pose"
     acceleration = layout["reference"]["acceleration"]
     return f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"
 
 
-def _clock_line(clock: dict[str, Any] | None) -> str:
+def _clock(clock: dict[str, Any] | None) -> str:
     if clock is None:
         return "none"
     times = np.ravel(clock["step_time"])

@@ -18,8 +18,7 @@ from typing import Any
 
 from slider.core import files
 from slider.tracking import journal
-from slider.tracking.journal import FAILED, MAIN, METRICS, SESSION_FILE
-from slider.tracking.session import SessionInfo, is_alive
+from slider.tracking.journal import FAILED, MAIN, METRICS, SESSION_FILE, SessionInfo, is_alive
 
 DATABASE = "mlflow.db"  # below artefacts/
 _PERIOD = 1.0  # between two looks at the journals [s]
@@ -86,8 +85,8 @@ class _Session:
         names = {self._info.experiment, *self._info.apart.values()}
         self._experiments = {name: _experiment(client, artefacts, name) for name in sorted(names)}
         self._state_path = folder / "written.json"
-        known = files.read_json(self._state_path) if self._state_path.is_file() else {}
-        self._positions = {name: _Position(**position) for name, position in known.items()}
+        state = files.read_json(self._state_path) if self._state_path.is_file() else {}
+        self._positions = {name: _Position(**position) for name, position in state.items()}
 
     def update(self) -> bool:
         """Write what is new; tell whether the session is over."""
@@ -116,9 +115,7 @@ class _Session:
             return
         metrics = [event for event in events if event["event"] == METRICS]
         for event in events:
-            if (
-                event["event"] == journal.END
-            ):  # metrics of an ended run would reopen nothing: write first
+            if event["event"] == journal.END:  # an ended run takes no metrics
                 self._try(self._log_metrics, position.run, metrics)
                 metrics = []
             self._try(self._handle, event, position, path.stem)
@@ -128,7 +125,7 @@ class _Session:
         files.write_json(self._state_path, state)
 
     def _try(self, write: Callable[..., None], *arguments: Any) -> None:
-        """What MLflow refuses, such as a parameter that changes, must not hold up the rest."""
+        """Write, or log what MLflow refuses, such as a parameter that changes, and go on."""
         from mlflow.exceptions import MlflowException
 
         try:
@@ -206,8 +203,8 @@ def page(experiment: str) -> str:
 
 
 def _experiment(client: Any, artefacts: Path, name: str) -> str:
-    found = client.get_experiment_by_name(name)
-    experiment = found.experiment_id if found else client.create_experiment(name, _files(artefacts))
+    known = client.get_experiment_by_name(name)
+    experiment = known.experiment_id if known else client.create_experiment(name, _files(artefacts))
     client.set_experiment_tag(experiment, *_KIND)
     return experiment
 
@@ -222,5 +219,5 @@ def _read_events(path: Path, offset: int) -> tuple[list[dict[str, Any]], int]:
     with path.open("rb") as file:
         file.seek(offset)
         content = file.read()
-    whole = content[: content.rfind(b"\n") + 1]
-    return [json.loads(line) for line in whole.splitlines()], offset + len(whole)
+    lines = content[: content.rfind(b"\n") + 1]
+    return [json.loads(line) for line in lines.splitlines()], offset + len(lines)

@@ -1,8 +1,9 @@
-"""``slider run``: run one job of a plan, with its output in a log file."""
+"""What the pipeline calls: ``slider run``, ``slider publish`` and ``slider tracking``."""
 
 import argparse
 import logging
 import os
+import shutil
 import signal
 import sys
 import traceback
@@ -14,16 +15,18 @@ from pathlib import Path
 from typing import TextIO
 
 from slider.artefacts.current import add_store_argument
+from slider.artefacts.manifest import damaged, parse_manifest
 from slider.artefacts.plan import Plan, read_plan
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
+from slider.core import files
 from slider.core.errors import UserError, not_written
 
 _TAIL = 15  # lines of the log shown after a failure
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
+def run_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of ``run``."""
     parser.add_argument("recipe", help="recipe of the job")
     parser.add_argument("--plan", type=Path, required=True, help="file below artefacts/plans")
     parser.add_argument("--threads", type=int, default=1, help="processor threads (default: 1)")
@@ -106,3 +109,60 @@ def _show(path: Path, message: str) -> None:
 def _tail(log: Path) -> str:
     with log.open(encoding="utf-8", errors="replace") as file:
         return "".join(f"  {line}" for line in deque(file, _TAIL)).rstrip()
+
+
+def publish_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of ``publish``."""
+    parser.add_argument("manifest", type=Path, help="manifest of the result")
+    parser.add_argument(
+        "targets", type=Path, nargs="+", help="files to write; the result has some of their names"
+    )
+    add_store_argument(parser)
+
+
+def publish(arguments: argparse.Namespace) -> None:
+    """Copy each file in one step, so that a target is the old file or the new one.
+
+    Raises:
+        UserError: the result lacks a file or is damaged.
+    """
+    manifest = parse_manifest(arguments.manifest)
+    result = manifest.result
+    folder = Store(arguments.artefacts).object_folder(result.object)
+    for target in arguments.targets:
+        if target.name not in result.files:
+            raise UserError(f"expected {target.name} in {arguments.manifest}, found none")
+        if not _copy(folder / target.name, target, result.files[target.name]["sha256"]):
+            raise damaged(manifest.stage, result.object)
+        print(f"{target} is ready")
+
+
+def _copy(source: Path, target: Path, digest: str) -> bool:
+    """Copy a file; return whether its content has the digest, else leave the target alone."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        shutil.copyfile(source, part)
+        if files.digest_file(part) != digest:
+            return False
+        part.replace(target)
+        return True
+    except FileNotFoundError:
+        return False
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def tracking_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of ``tracking``."""
+    parser.add_argument("action", choices=["follow"], help="write one session until it ends")
+    parser.add_argument("session", help="name of a folder below artefacts/tracking")
+    add_store_argument(parser)
+
+
+def tracking(arguments: argparse.Namespace) -> None:
+    """Bring the journals of a session to MLflow."""
+    from slider.tracking.mlflow_writer import follow
+
+    logging.basicConfig(level=logging.WARNING)
+    follow(arguments.artefacts, arguments.session)

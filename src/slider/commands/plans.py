@@ -1,11 +1,11 @@
-"""``slider diff``: how a target differs between two plans, or two stores."""
+"""``slider why`` and ``slider diff``: what a target computes, and how two plans differ."""
 
 import argparse
 from collections import Counter
 from pathlib import Path
 
-from slider.artefacts.current import add_store_argument
-from slider.artefacts.lineage import count, differences, find_target, recent_plans
+from slider.artefacts.current import add_store_argument, current_plan
+from slider.artefacts.lineage import count, differences, find_target, pending, recent_plans
 from slider.artefacts.plan import Plan, plan_paths, read_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
@@ -13,15 +13,39 @@ from slider.core.errors import UserError
 _SIDE = "latest, previous, digits of a plan in artefacts/plans, or the folder of another store"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
+def why_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of ``why``."""
+    parser.add_argument("target", help="such as table1 or reports/table1.csv")
+    add_store_argument(parser)
+
+
+def why(arguments: argparse.Namespace) -> None:
+    """Print the jobs of the latest plan that lead to a target and have no result, by reason.
+
+    Raises:
+        UserError: there is no plan, or no such target.
+    """
+    store = Store(arguments.artefacts)
+    plan = current_plan(store)
+    if plan is None:
+        raise _no_plan("a plan", store)
+    target = find_target(arguments.target, plan)
+    jobs = pending(plan, target, store)
+    print(f"{target}: {f'{len(jobs)} to compute' if jobs else 'nothing to compute'}")
+    counts = Counter((job.stage, "; ".join(reasons)) for job, reasons in jobs)
+    for (stage, reasons), number in counts.items():
+        print(f"  {count(stage, number)}: {reasons}")
+
+
+def diff_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of ``diff``."""
     parser.add_argument("old", help=_SIDE)
     parser.add_argument("new", help="the same")
     parser.add_argument("--target", default="table1", help="default: table1")
     add_store_argument(parser)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def diff(arguments: argparse.Namespace) -> int:
     """Print the causes of the difference of a target in two plans; status 1 where there is one.
 
     Raises:
@@ -48,14 +72,17 @@ def _store(side: str, default: Path) -> Store:
 
 
 def _plan(side: str, store: Store) -> Plan:
-    place = {"previous": 1}.get(side, 0)
     if side in ("latest", "previous") or Path(side).is_dir():
-        plans = list(recent_plans(store))
-        if place < len(plans):
-            return plans[place]
+        plans = list(recent_plans(store))[side == "previous" :]
+        if plans:
+            return plans[0]
     else:
         paths = [path for path in plan_paths(store.root / "plans") if path.stem.startswith(side)]
         if len(paths) == 1:
             return read_plan(paths[0])
+    raise _no_plan(f"a plan '{side}'", store)
+
+
+def _no_plan(expected: str, store: Store) -> UserError:
     folder = store.root / "plans"
-    raise UserError(f"expected a plan '{side}' in {folder}, found none: run `snakemake -n`")
+    return UserError(f"expected {expected} in {folder}, found none: run `snakemake -n`")

@@ -1,10 +1,28 @@
-"""Reports are copied whole or not at all."""
+"""What the pipeline calls: a job checks its recipe, a report is copied whole or not at all."""
 
 import pytest
 
 from slider.artefacts.manifest import Manifest
+from slider.artefacts.plan import JobSpec, build_plan, read_plan, write_plan
+from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
 from slider.cli import main
+from slider.core import files
+from slider.core.errors import UserError
+
+JOB = JobSpec("gait", "a gait", Code("slider.none:run", "abc", {}), {"value": 1})
+
+
+def test_a_recipe_that_does_not_fit_its_job_is_refused(tmp_path, capsys):
+    path = write_plan(build_plan({"table1": JOB}), tmp_path)
+    other = "0" * 64
+    text = path.read_text().strip().replace(JOB.recipe, other)
+    path.write_text(text)
+    with pytest.raises(UserError, match="expected a plan"):
+        read_plan(path)
+    named = path.rename(path.with_stem(files.digest_text(text)))
+    assert main(["run", other, "--plan", str(named), "--artefacts", str(tmp_path)]) == 1
+    assert capsys.readouterr().err == f"slider: expected a recipe of {named}, found {other}\n"
 
 
 @pytest.mark.parametrize("damaged", [False, True])

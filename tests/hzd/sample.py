@@ -8,8 +8,8 @@ import numpy as np
 
 from pipeline.stages.gaits import gait_library
 from slider.config.hzd import HzdConfig
+from slider.core.arrays import take
 from slider.core.job import Job
-from slider.core.rows import take
 from slider.gait import stage as gait_stage
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slider.core.arrays import take
 from slider.core.errors import UserError
-from slider.core.rows import take
 from slider.hzd import plans as module
 from slider.hzd.constraints import phase_of
 from slider.hzd.plans import plans

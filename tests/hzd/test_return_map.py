@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from slider.config.hzd import ImpactGrid
-from slider.core.rows import take
+from slider.core.arrays import take
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.hzd.feedback import regulate
 from slider.hzd.plans import motion, start

@@ -1,5 +1,8 @@
 """Named quantities of many robots, and what observation and reward terms read besides them."""
 
+# mujoco has no type stubs for its compiled part.
+# pyright: reportAttributeAccessIssue=false
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any

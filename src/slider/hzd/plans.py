@@ -6,8 +6,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from slider.config.hzd import VirtualConstraintsConfig
+from slider.core.arrays import take
 from slider.core.errors import UserError
-from slider.core.rows import take
 from slider.gait.outputs import JOINTS, ROLL
 from slider.gait.rooted import NUM
 from slider.hzd.constraints import NodeTable, StepConstraints

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from slider.config.hzd import BasinConfig, ImpactGrid
-from slider.core.rows import take
+from slider.core.arrays import take
 from slider.gait.outputs import YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.feedback import Regulator, regulate

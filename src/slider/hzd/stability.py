@@ -12,9 +12,9 @@ import numpy as np
 
 from slider.config.convert import from_dict
 from slider.config.hzd import BasinConfig, ImpactGrid, StabilityConfig
+from slider.core.arrays import take
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.core.rows import take
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.return_map import (
     Invariance,

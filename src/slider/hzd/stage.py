@@ -12,10 +12,10 @@ import numpy as np
 
 from slider.config.convert import from_dict
 from slider.config.hzd import StabilityConfig
+from slider.core.arrays import take
 from slider.core.casadi_code import Compiled
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
-from slider.core.rows import take
 from slider.hzd.feedback import regulate
 from slider.hzd.gains import FootPlacement
 from slider.hzd.model import RootedModel

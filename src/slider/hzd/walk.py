@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import block_diag, null_space
 
 from slider.config.hzd import StabilityConfig
-from slider.core.rows import take
+from slider.core.arrays import take
 from slider.gait.outputs import ANKLE, YAW, output_matrix
 from slider.gait.rooted import NUM
 from slider.hzd.model import Measured

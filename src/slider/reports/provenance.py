@@ -117,14 +117,15 @@ def _stages(table: pd.DataFrame) -> Table:
     heads = ["stage", "jobs", "computed now", "resumed", "wall time [s]", "CPU time [s]"]
     body = []
     for stage, jobs in table.groupby("stage", sort=False):
-        counts = (len(jobs), int(jobs["now"].sum()), int(jobs["resumed"].sum()))
-        times = (float(jobs[name].sum()) for name in ("wall_s", "cpu_s"))
-        ended = jobs["ended"].max()[:16].replace("T", "\u00a0") or _UNKNOWN
+        column = {name: jobs[name].tolist() for name in jobs}
+        counts = (len(jobs), sum(column["now"]), sum(column["resumed"]))
+        times = (sum(column[name]) for name in ("wall_s", "cpu_s"))
+        ended = max(column["ended"])[:16].replace("T", "\u00a0") or _UNKNOWN
         body.append(
             [Cell(stage_title(str(stage)))]
             + [Cell(str(count), count) for count in counts]
             + [Cell(f"{seconds:.1f}", seconds) for seconds in times]
-            + [Cell(ended), Cell(", ".join(sorted(jobs["commit"].unique())))]
+            + [Cell(ended), Cell(", ".join(sorted(set(column["commit"]))))]
         )
     return Table([*heads, "finished (UTC)", "commit"], body)
 

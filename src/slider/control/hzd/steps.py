@@ -13,7 +13,7 @@ from slider.control.whole_body.memory import WALK, Memory
 from slider.control.whole_body.model import Dynamics
 from slider.control.whole_body.references import ReferenceVelocity
 from slider.control.whole_body.tasks import Part, Solved
-from slider.core.rows import consecutive, scatter, take
+from slider.core.arrays import consecutive, scatter, take
 from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, output_matrix
 from slider.hzd.constraints import StepConstraints, phase_of, phase_rate

@@ -19,7 +19,7 @@ from slider.control.whole_body.memory import FEET, LEFT, OFF, RIGHT, STAND, SWAY
 from slider.control.whole_body.model import Dynamics, NominalModel
 from slider.control.whole_body.references import natural_frequency
 from slider.control.whole_body.tasks import BodyControl, Solved
-from slider.core.rows import scatter, take
+from slider.core.arrays import scatter, take
 from slider.env.instruments import CONTACT_FORCE
 from slider.env.state import RobotState
 from slider.robot import names

@@ -14,8 +14,8 @@ import mujoco
 import numpy as np
 
 from slider.config.robot import RobotConfig
+from slider.core.arrays import consecutive, take
 from slider.core.compiled import compiled, part
-from slider.core.rows import consecutive, take
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model, build_spec, nominal_qpos
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from slider.core.rows import consecutive, scatter, take
+from slider.core.arrays import consecutive, scatter, take
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Run an exported policy in plain MuJoCo: no part of the package slider is needed.
 
     pip install "mujoco>=3.12" onnxruntime
-    python run_policy.py reports/policy --command 0.6 0 0 --seconds 10 --onboard
+    python run_policy.py reports/policy --velocity 0.6 0 0 --seconds 10 --onboard
 
 Everything comes from four files of the export: policy.onnx, policy.json, reference.npy and
 robot.xml. With --onboard the state is estimated from inertial unit, encoders and motor torques;
@@ -345,14 +345,14 @@ def main() -> None:
     parser.add_argument(
         "folder", type=Path, help="policy.onnx, policy.json, robot.xml, reference.npy"
     )
-    parser.add_argument("--command", type=float, nargs=3, default=(0.6, 0.0, 0.0))
+    parser.add_argument("--velocity", type=float, nargs=3, default=(0.6, 0.0, 0.0))
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--onboard", action="store_true", help="estimate the state from sensors")
     arguments = parser.parse_args()
     policy = Policy(arguments.folder)
     robot = Simulation(arguments.folder, policy.layout)
     estimator = Estimator(policy.layout, robot.model) if arguments.onboard else None
-    command, times, errors = np.array(arguments.command), [], []
+    command, times, errors = np.array(arguments.velocity), [], []
     for _ in range(round(arguments.seconds / policy.layout["control_period"])):
         sensors, state = robot.measure(), robot.state()
         if estimator is not None:

@@ -186,7 +186,7 @@ def test_it_runs_as_a_program_without_the_package(tmp_path):
             sys.executable,
             str(EXAMPLE),
             str(tmp_path),
-            *["--command", "0", "0", "0", "--seconds", "1", "--onboard"],
+            *["--velocity", "0", "0", "0", "--seconds", "1", "--onboard"],
         ],
         env={"PYTHONPATH": str(blocked.parent)},
         capture_output=True,

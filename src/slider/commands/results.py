@@ -113,7 +113,8 @@ def _text(row: Row, name: str) -> str:
 def summary(report: Path) -> str:
     """A line per speed: success and error of ours, the gaits', the best baseline's, the paper's."""
     groups = by(read(report), "controller")
-    shown = [n for n in ("policy", "hzd", "mpc_wbc_tuned", "guided_drl") if n in groups]
+    controllers = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")
+    shown = [name for name in controllers if name in groups]
     columns = {}
     for name, short in (("success_rate", "success [%]"), ("mse_steady", "MSE [m²/s²]")):
         for mine in (groups[controller] for controller in shown):

@@ -171,9 +171,10 @@ def test_a_model_that_mujoco_cannot_read_names_the_version_that_can(tmp_path):
     write_files(written(tmp_path), {}, tmp_path)
     model = tmp_path / "robot.xml"
     model.write_text(model.read_text().replace('gaintype="dcmotor"', 'gaintype="future"'))
-    oldest = json.loads((tmp_path / "policy.json").read_text())["simulation"]["mujoco"]
+    layout = json.loads((tmp_path / "policy.json").read_text())
+    oldest = layout["simulation"]["mujoco"]
     with pytest.raises(SystemExit, match=rf"^robot.xml: expected MuJoCo {oldest} or newer, found"):
-        load_example().start(tmp_path)
+        load_example().Simulation(tmp_path, layout)
 
 
 def test_it_runs_as_a_program_without_the_package(tmp_path):

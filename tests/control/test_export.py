@@ -120,7 +120,7 @@ def test_the_stage_exports_the_walking_policy(folder, tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     job = Job(tmp_path)
-    summary = run({"origin": {"recipe": "abc"}}, {"walking": [folder]}, out, job)
+    summary = run({"origin": {"recipe": "abc"}, "estimator": None}, {"walking": [folder]}, out, job)
     assert summary == {"observations": 4800, "tolerance": 1e-5}
     assert job.volatile["onnx_difference"] <= 1e-5
     assert {path.name for path in out.iterdir()} == set(EXPORT_FILES)

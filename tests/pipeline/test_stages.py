@@ -68,7 +68,7 @@ def test_a_value_reaches_what_depends_on_it(before, override, changed):
         ("protocols.joystick.profile.warm_up=0.1", {"joystick"}),
         ("protocols.heldout.duration=1.4", {"heldout"}),
         ("evaluation.trials=3", set()),
-        ("train.walking.seed=3", {"sweep", "robust", "joystick", "heldout"}),
+        ("train.walking.seed=3", {"sweep", "robust", "onboard", "joystick", "heldout"}),
     ],
 )
 def test_a_protocol_depends_on_its_own_settings_and_on_the_policy(override, changed):

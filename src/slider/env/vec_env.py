@@ -107,13 +107,14 @@ class WalkingEnv(VecEnv):
         self.max_episode_length = round(train.episode_length / config.control_period)
         self.cfg: dict | object = config
         self._robot, self._config, self._train = robot, config, train
-        simulate = simulate or partial(BatchedPhysics, threads=threads, instruments=False)
+        simulate = simulate or partial(
+            BatchedPhysics, threads=threads, instruments=False, onboard=config.estimation
+        )
         self.physics = simulate(
             robot,
             config.physics,
             self.num_envs,
             disturbance=Disturbance(train.disturbance, (train.seed,)),
-            onboard=config.estimation,
         )
         like = self._like = torch.as_tensor(self.physics.qpos[:0])
         self.device = like.device

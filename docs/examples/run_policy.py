@@ -198,7 +198,7 @@ class Estimator:
     """
 
     def __init__(self, layout: dict, model: mujoco.MjModel) -> None:
-        if layout["estimator"] is None:
+        if layout.get("estimator") is None:
             raise SystemExit("expected the settings of an estimator in policy.json, found none")
         self.settings, self.model = layout["estimator"], model
         self.period, self.gravity = layout["control_period"], -model.opt.gravity[2]
@@ -218,8 +218,8 @@ class Estimator:
     def update(self, sensors: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         """State from sensors, once per control period."""
         settings, rotation = self.settings, rotation_of(sensors["quaternion"])
-        velocities, heights, axes = self._legs(sensors)
-        certainty = self._certainty(sensors, rotation, heights, axes)
+        velocities, heights, axes, turning = self._legs(sensors)
+        certainty = self._certainty(sensors, rotation, heights, axes, turning)
         elapsed = self.period if self.started else 0.0
         velocity = self.velocity + rotation @ sensors["velocity_increment"]
         velocity[2] -= self.gravity * elapsed
@@ -239,19 +239,15 @@ class Estimator:
         return state_of(sensors["quaternion"], self.velocity, self.height, sensors)
 
     def _legs(self, sensors: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
-        """Velocity (2, 3) and height (2,) of the base by each leg, axes of the slides (2, 3)."""
+        """Velocity (2, 3), height (2,) of the base by each leg; axes (2, 3), their turning (2,)."""
         model, data = self.model, self.data
         data.qpos[3:7], data.qpos[7:] = sensors["quaternion"], sensors["joint_positions"]
         data.qvel[3:6], data.qvel[6:] = sensors["angular_velocity"], sensors["joint_velocities"]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_fwdVelocity(model, data)
-        velocities, heights, axes, motion = (
-            np.zeros((2, 3)),
-            np.zeros(2),
-            np.zeros((2, 3)),
-            np.zeros(6),
-        )
+        velocities, axes, motion = np.zeros((2, 3)), np.zeros((2, 3)), np.zeros(6)
+        heights, turning = np.zeros(2), np.zeros(2)
         for leg, side in enumerate(self.sides):
             foot, line = data.body(f"{side}_foot"), data.geom(f"{side}_foot")
             radius, half = model.geom(f"{side}_foot").size[:2]
@@ -261,8 +257,11 @@ class Estimator:
             mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, foot.id, motion, 0)
             velocities[leg] = -share @ (motion[3:] + np.cross(motion[:3], ends - foot.xpos))
             heights[leg] = -share @ ends[:, 2]
-            axes[leg] = data.body(f"{side}_hip_pitch").xmat.reshape(3, 3)[:, 2]
-        return velocities, heights, axes
+            thigh = data.body(f"{side}_hip_pitch")
+            axes[leg] = thigh.xmat.reshape(3, 3)[:, 2]
+            mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, thigh.id, motion, 0)
+            turning[leg] = np.linalg.norm(np.cross(motion[:3], axes[leg]))
+        return velocities, heights, axes, turning
 
     def _certainty(
         self,
@@ -270,6 +269,7 @@ class Estimator:
         rotation: np.ndarray,
         heights: np.ndarray,
         axes: np.ndarray,
+        turning: np.ndarray,
     ) -> np.ndarray:
         """How certainly each foot stands (2,), by the momentum of tube and rotors."""
         settings, rates = self.settings, sensors["joint_velocities"][self.slides]
@@ -277,10 +277,12 @@ class Estimator:
         if not self.started:
             return 1.0 * (heights == heights.max())
         change = (rates - before) / self.period
-        pull = axes @ rotation @ sensors["velocity_increment"] / self.period
+        pull = settings["mass"] * (axes @ rotation @ sensors["velocity_increment"]) / self.period
+        slides = sensors["joint_positions"][self.slides]
+        pull = pull + (settings["moment"] + settings["mass"] * slides) * turning**2
         force = self.efforts @ sensors["motor_torques"]
         force = force - 0.5 * settings["damping"] * (rates + before)
-        force = force + settings["mass"] * (pull - change) - settings["reflected_mass"] * change
+        force = force + pull - (settings["mass"] + settings["reflected_mass"]) * change
         follow = min(1.0, self.period / max(settings["force_filter"], 1e-6))
         self.forces = self.forces + follow * (force * axes[:, 2] - self.forces)
         low, high = settings["lifted"], settings["loaded"]
@@ -313,11 +315,16 @@ class Simulation:
         for motor in action["motors"]:
             angle = sum(share * target[joint] for joint, share in motor["joints"].items())
             self.data.actuator(motor["name"]).ctrl[0] = angle
-        velocity, torques = self.data.qvel[:3].copy(), []
+        joints = list(enumerate(action["joints"]))
+        velocity, rates, torques = self.data.qvel[:3].copy(), self.data.qvel[6:].copy(), []
         for _ in range(substeps):
             mujoco.mj_step(self.model, self.data)
             torques.append([self.data.actuator(m["name"]).force[0] for m in action["motors"]])
-        self.torques = np.mean(torques, axis=0)
+        # MuJoCo integrates the damping of the motors implicitly: they act with less than they say.
+        change = {joint["name"]: self.data.qvel[6 + i] - rates[i] for i, joint in joints}
+        turned = [sum(s * change[j] for j, s in m["joints"].items()) for m in action["motors"]]
+        damping = np.array([motor["kd"] for motor in action["motors"]])
+        self.torques = np.mean(torques, axis=0) - damping * np.array(turned) / substeps
         gained = self.data.qvel[:3] - velocity
         gained -= self.model.opt.gravity * substeps * self.model.opt.timestep
         self.increment = rotation_of(self.data.qpos[3:7]).T @ gained

@@ -50,8 +50,8 @@ def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
 def control_section(config: Config, controller: str, speed: float | None = None) -> dict[str, Any]:
     """Robot, plant and controller; the policy comes as an input."""
     section, base = {"controller": controller, "speed": speed}, base_of(controller)
-    if base != controller:
-        config = replace(config, env=replace(config.env, sensing="onboard"))
+    sensing = "true_state" if base == controller else "onboard"  # that of env is the trainings'
+    config = replace(config, env=replace(config.env, sensing=sensing))
     if base == POLICY:
         return section | simulation(config)
     control = config.control[base]
@@ -89,7 +89,6 @@ def gait_controllers(config: Config) -> list[str]:
 
 def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
     """Every gait from its own first sample, with the first controller that walks by gaits."""
-    config = replace(config, env=replace(config.env, sensing="true_state"))
     for name in gait_controllers(config)[:1]:
         section = without(control_section(config, name), "controller", "speed")
         section |= {"steps": config.hzd.steps}

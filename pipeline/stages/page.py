@@ -6,7 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.stages.entries import job, origin, without
-from pipeline.stages.evaluation import control_inputs, control_section, labels, protocol_section
+from pipeline.stages.evaluation import (
+    base_of,
+    control_inputs,
+    control_section,
+    labels,
+    protocol_section,
+)
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
@@ -56,7 +62,7 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}
     if protocols:
         shown["protocols"] = {name: protocol_section(p) for name, p in protocols.items()}
-    used = {c for p in (config.evaluation, *protocols.values()) for c in p.controllers}
+    used = {base_of(c) for p in (config.evaluation, *protocols.values()) for c in p.controllers}
     shown["control"] = {name: node for name, node in shown["control"].items() if name in used}
     return shown
 

@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from slider.config.env import OnboardConfig, SensorsConfig
+from slider.env.disturbance import Disturbance
 from slider.env.estimator import Measurement, StateEstimator
 from slider.env.physics import BatchedPhysics
 from slider.robot.names import GRAVITY, JOINTS, NUM_JOINTS
@@ -137,7 +138,7 @@ def test_a_slipping_foot_is_outweighed_by_the_other():
         found = filter_.update(
             measurement(1, motor_torques=torques, joint_velocities=rates), np.full(1, 0.02)
         )
-    assert found.foot_forces[0] == pytest.approx(12.525 * GRAVITY / 2, rel=1e-3)
+    assert found.foot_forces[0, 1] == pytest.approx(12.525 * GRAVITY / 2, rel=1e-3)
     assert abs(found.velocity[0, 0]) < 0.1
 
 
@@ -159,3 +160,42 @@ def test_tensors_give_what_arrays_give():
         )
         for one, other in zip(expected[:3], found[:3], strict=True):
             np.testing.assert_allclose(other.numpy(), one, atol=1e-12)
+
+
+def test_legs_that_move_in_the_air_carry_nothing():
+    physics = physics_with(PERFECT)
+    stand(physics)
+    physics.qpos[:, 2] += 20.0
+    forces = []
+    for step in range(60):
+        physics.step(4.0 * sway(step))
+        estimate = physics.measure(physics.read())
+        forces.append(estimate.foot_forces)
+    assert np.abs(physics.qvel[:, 6:]).max() > 0.5, "the legs move"
+    assert np.max(forces) == 0.0
+
+
+def test_uneven_ground_leaves_place_and_height_where_they_are():
+    whole = config("experiment=test", "evaluation.disturbance.ground.amplitude=0.005")
+    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
+    physics = BatchedPhysics(
+        robot_config(), whole.env.physics, COUNT, disturbance=disturbance, onboard=PERFECT
+    )
+    stand(physics, 0.2)
+    true = physics.read()
+    estimate = physics.measure(true)
+    assert estimate.ground.flat
+    np.testing.assert_allclose(estimate.base_position[:, :2], true.base_position[:, :2], atol=0.01)
+    np.testing.assert_allclose(estimate.base_height, true.base_height, atol=0.012)
+
+
+def test_controllers_at_other_rates_meet_the_same_errors():
+    whole = config("experiment=test")
+    found = []
+    for substeps in (1, 4):
+        settings = replace(whole.env.physics, substeps=substeps)
+        physics = BatchedPhysics(robot_config(), settings, COUNT, onboard=ONBOARD)
+        stand(physics, 0.2)
+        true = physics.read()
+        found.append(physics.measure(true).joint_positions - true.joint_positions)
+    np.testing.assert_allclose(*found, atol=1e-12)

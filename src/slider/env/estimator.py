@@ -29,7 +29,8 @@ class Measurement(NamedTuple):
     Attributes:
         rotation: base to world (N, 3, 3), by the inertial unit.
         angular_velocity: (N, 3) [rad/s], base frame.
-        increment: integral of the specific force since the last reading (N, 3) [m/s], base frame.
+        increment: integral of the specific force since the last reading (N, 3) [m/s], in the base
+            frame at the time of the reading.
         joint_positions, joint_velocities: (N, 12) [rad or m], [rad/s or m/s].
         motor_torques: mean since the last reading (N, 10) [N m].
     """
@@ -65,12 +66,14 @@ class SlidingLeg(NamedTuple):
     Attributes:
         weight: of the robot [N].
         mass: of what moves with a slide [kg].
+        moment: of this mass about the hip, with the slide at 0 [kg m].
         reflected_mass: of rotors and joint on the slide [kg].
         damping: of the slide [N s/m].
     """
 
     weight: float
     mass: float
+    moment: float
     reflected_mass: float
     damping: float
 
@@ -78,9 +81,11 @@ class SlidingLeg(NamedTuple):
     def of(cls, robot: RobotConfig) -> "SlidingLeg":
         """The nominal robot's."""
         bodies = prismatic_bodies(robot)
+        tube, foot = bodies["tube"], bodies["foot"]
         return cls(
             weight=total_mass(bodies) * GRAVITY,
-            mass=bodies["tube"].mass + bodies["foot"].mass,
+            mass=tube.mass + foot.mass,
+            moment=-tube.mass * tube.com[2] + foot.mass * (robot.geometry.leg_length - foot.com[2]),
             reflected_mass=float(leg_inertia(robot)[3, 3]),
             damping=robot.joints["slide"].damping,
         )
@@ -109,6 +114,8 @@ class StateEstimator:
 
     def reset(self, index: Array, place: Array) -> None:
         """Start robots ``index`` at ``place`` (n, 2) [m]; the lower foot says the rest."""
+        for values in (self._velocity, self._variance, self._forces, self._rates):
+            values[index] = 0.0
         self._fresh[index] = True
         self._position[index, :2] = place
 
@@ -131,7 +138,7 @@ class StateEstimator:
         variance = self._variance + (deviations * elapsed[:, None]) ** 2
 
         leg_velocities, leg_heights = _odometry(feet)
-        forces = self._foot_forces(measured, feet.axes, elapsed)
+        forces = self._foot_forces(measured, feet, elapsed)
         slip = ((leg_velocities - velocity[:, None]) ** 2).sum(-1) / config.slip**2
         # A foot of certainty c has the variance of leg odometry over c².
         certainty = self._certainty(forces, leg_heights)
@@ -152,20 +159,26 @@ class StateEstimator:
         self._rates = xp.where(due, rates[:, _SLIDES], self._rates)
         self._forces = xp.where(due, forces, self._forces)
         self._fresh = self._fresh & False
-        carried = xp.where(certainty > 0, self._forces, 0.0)
+        lifted = config.lifted * self._leg.weight
+        carried = xp.where(self._forces > lifted, self._forces, 0.0)
         return Estimate(self._velocity, self._position, carried, feet)
 
-    def _foot_forces(self, measured: Measurement, axes: Array, elapsed: Array) -> Array:
-        """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each slide."""
+    def _foot_forces(self, measured: Measurement, feet: FootMotion, elapsed: Array) -> Array:
+        """Vertical ground reactions (N, 2) [N]: momentum of tube and rotors along each slide.
+
+        The angular acceleration of the leg, and forces across it, are left out.
+        """
         xp, period = namespace(elapsed), elapsed.clip(1e-6, None)[:, None]
         rates = measured.joint_velocities[:, _SLIDES]
-        pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, axes) / period
+        pull = xp.einsum("nij,nj,nli->nl", measured.rotation, measured.increment, feet.axes)
+        leg, slides = self._leg, measured.joint_positions[:, _SLIDES]
+        pull = leg.mass * pull / period + (leg.moment + leg.mass * slides) * feet.turning**2
         force = measured.motor_torques @ self._slide_efforts
         change = (rates - self._rates) / period
-        force = force - 0.5 * self._leg.damping * (rates + self._rates)
-        force = force + self._leg.mass * (pull - change) - self._leg.reflected_mass * change
+        force = force - 0.5 * leg.damping * (rates + self._rates)
+        force = force + pull - (leg.mass + leg.reflected_mass) * change
         follow = (period / max(self._config.force_filter, 1e-6)).clip(0.0, 1.0)
-        force = self._forces + follow * (force * axes[..., 2] - self._forces)
+        force = self._forces + follow * (force * feet.axes[..., 2] - self._forces)
         return xp.where(self._fresh[:, None], 0.0, force)
 
     def _certainty(self, forces: Array, heights: Array) -> Array:

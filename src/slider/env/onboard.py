@@ -9,6 +9,7 @@ from slider.env.disturbance import BIAS, READING, Draws
 from slider.env.estimator import Measurement, StateEstimator
 from slider.env.sensing import NUMBERS, SLIDES, turned, with_noise
 from slider.env.state import RobotState
+from slider.env.terrain import FLAT
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
 from slider.robot.names import GRAVITY, MOTORS, NUM_JOINTS
 
@@ -51,7 +52,7 @@ class OnboardState:
 
     def restart(self) -> None:
         """Begin again: the same errors follow."""
-        self._readings, self._episodes = 0, 0
+        self._steps, self._episodes = 0, 0
         self._elapsed, self._age = zeros((2, self._count), self._like)
         self._velocity = zeros((self._count, 3), self._like)
         self._torques = zeros((self._count, len(MOTORS)), self._like)
@@ -65,17 +66,17 @@ class OnboardState:
         self._elapsed[index] = self._age[index] = self._torques[index] = 0.0
         self._estimator.reset(index, qpos[:, :2])
 
-    def advance(self, period: float, torques: Array) -> None:
-        """Let ``period`` [s] pass with mean motor torques (N, 10) [N m]."""
+    def advance(self, period: float, steps: int, torques: Array) -> None:
+        """Let ``period`` [s], ``steps`` of the simulation, pass with mean torques (N, 10) [N m]."""
         self._torques = torques
         self._elapsed += period
         self._age += period
-        self._readings += 1
+        self._steps += steps
 
     def measure(self, state: RobotState) -> RobotState:
-        """The estimated state, of the true one."""
+        """The estimated state, of the true one: as on flat ground at the height of the feet."""
         xp, sensors, elapsed = namespace(self._age), self._sensors, self._elapsed[:, None]
-        normal = self._draws.normal(READING, self._readings, _READING)
+        normal = self._draws.normal(READING, self._steps, _READING)
         gyro, acceleration, tilt = (self._bias[:, k : k + 3] for k in (0, 3, 6))
         joint, motor = self._bias[:, 9 : 9 + NUM_JOINTS], self._bias[:, 9 + NUM_JOINTS :]
 
@@ -99,6 +100,7 @@ class OnboardState:
             joint_positions=state.joint_positions + offset,
         )
         read = with_noise(biased, self._noise, normal[:, :-3])
+        torques = self._torques * (1.0 + sensors.torque * motor)
         estimate = self._estimator.update(
             Measurement(
                 rotation=read.rotation,
@@ -106,15 +108,13 @@ class OnboardState:
                 increment=increment,
                 joint_positions=read.joint_positions,
                 joint_velocities=read.joint_velocities,
-                motor_torques=self._torques * (1.0 + sensors.torque * motor),
+                motor_torques=torques,
             ),
             self._elapsed,
         )
         self._velocity = velocity
         self._elapsed = 0.0 * self._elapsed
-        position = 1.0 * estimate.position
-        position[:, 2] += state.ground.height(state.base_position[:, :2])
-        feet = estimate.feet
+        position, feet = estimate.position, estimate.feet
         return replace(
             read,
             base_position=position,
@@ -122,5 +122,8 @@ class OnboardState:
             heading_velocity=turn_to_heading(estimate.velocity, read.yaw),
             foot_positions=position[:, None] + 0.5 * feet.positions.sum(2),
             foot_velocities=estimate.velocity[:, None] + 0.5 * feet.velocities.sum(2),
-            foot_forces=estimate.foot_forces.clip(0.0, None),
+            foot_forces=estimate.foot_forces,
+            motor_torques=torques,
+            body_contacts=0 * state.body_contacts,
+            ground=FLAT,
         )

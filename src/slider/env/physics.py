@@ -22,7 +22,7 @@ from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, columns_of, r
 from slider.env.terrain import FLAT
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
-from slider.robot.transmission import Transmission
+from slider.robot.transmission import Transmission, by_motor
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
@@ -100,6 +100,8 @@ class BatchedPhysics:
         self._index = SensorIndex(self.model)
         self._instruments = _Instruments(self.model) if instruments else None
         self._motors = Transmission.of(robot)
+        damping = np.array([gains.kd for gains in by_motor(robot.gains) * len(names.SIDES)])
+        self._damping = damping if actuation == "position" else None
         self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
 
     def _rest_state(self) -> np.ndarray:
@@ -133,13 +135,13 @@ class BatchedPhysics:
         Arguments are arrays, or tensors on the processor.
         """
         index, qpos, qvel = np.asarray(index), np.asarray(qpos), np.asarray(qvel)
+        if self._onboard is not None:
+            self._onboard.begin(index, qpos, qvel)
         if self._disturber is not None:
             qpos = self._disturber.begin(index, qpos)
         self.qpos[index] = qpos
         self.qvel[index] = qvel
         self._sensors[index] = 0.0
-        if self._onboard is not None:
-            self._onboard.begin(index, qpos, qvel)
         self._diverged[index] = self._retired[index] = False
 
     def retire(self, robots: np.ndarray) -> None:
@@ -163,12 +165,26 @@ class BatchedPhysics:
         if self._diverged.any():
             states[self._diverged] = self._rest
             sensors[self._diverged] = 0.0
+        if self._onboard is not None:
+            torques = self._mean_torques(states[:, -1], sensors)
+            self._onboard.advance(self.period, self._substeps, torques)
         self._state, self._sensors = states[:, -1].copy(), sensors[:, -1].copy()
         self._series = states, sensors
-        if self._onboard is not None:
-            self._onboard.advance(self.period, sensors.take(self._index.torques, 2).mean(axis=1))
         if self._disturber is not None:
             self._disturber.wrap(self.qpos)
+
+    def _mean_torques(self, after: np.ndarray, sensors: np.ndarray) -> np.ndarray:
+        """Torques (N, 10) [N m] that acted on average; ``after`` (N, 38) is the state at the end.
+
+        MuJoCo integrates the position loop's damping implicitly and its sensors say what was
+        demanded at the start of a simulation step.
+        """
+        torques = sensors.take(self._index.torques, 2).mean(axis=1)
+        if self._damping is None:
+            return torques
+        joints = slice(-names.NUM_JOINTS, None)
+        change = self._motors.angles(after[:, joints] - self._state[:, joints])
+        return torques - self._damping * change / self._substeps
 
     def check(self) -> None:
         """Do nothing: :meth:`step` detects every error at once."""

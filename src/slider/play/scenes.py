@@ -76,6 +76,7 @@ def policy_scene(path: Path, config: Config, plain: Config, seed: int) -> Scene:
     policy = load_policy(path)
     robot = _changed(policy.robot, config.robot, plain.robot)
     env = _changed(policy.env, config.env, plain.env)
+    env = replace(env, onboard=config.env.onboard)  # a policy of the true state has none
     controller = PolicyController(policy.network, agent_of(policy, robot, env, 1))
     disturbance = Disturbance(config.evaluation.disturbance, (seed,))
     physics = BatchedPhysics(

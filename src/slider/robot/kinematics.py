@@ -64,11 +64,7 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     ends = zeros((len(joints), 2, 2, 3), joints)
     for leg in range(2):
         _, ankle, tube = _leg(geometry, rotation, joints, leg)
-        foot = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _ANKLE])
-        for end, x in enumerate((-geometry.heel, geometry.toe)):
-            height = geometry.foot_radius - geometry.ankle_height
-            centre = foot @ asarray([x, 0.0, height], joints)
-            ends[:, leg, end] = ankle + centre - asarray([0.0, 0.0, geometry.foot_radius], joints)
+        ends[:, leg] = ankle[:, None] + _foot(geometry, tube, joints, leg)
     return ends
 
 
@@ -79,11 +75,13 @@ class FootMotion(NamedTuple):
         positions: lowest points of heel and toe (N, 2, 2, 3) [m].
         velocities: of the foot's material at these points (N, 2, 2, 3) [m/s].
         axes: unit vectors from ankle to hip along the slides (N, 2, 3).
+        turning: how fast these axes turn (N, 2) [rad/s].
     """
 
     positions: Array
     velocities: Array
     axes: Array
+    turning: Array
 
 
 def foot_motion(
@@ -96,8 +94,9 @@ def foot_motion(
         turning: angular velocity of the base (N, 3) [rad/s], world axes.
         joints, rates: joint positions and velocities (N, 12).
     """
-    xp, positions = namespace(joints), foot_ends(geometry, rotation, joints)
-    velocities, axes = xp.zeros_like(positions), zeros((len(joints), 2, 3), joints)
+    xp, count = namespace(joints), len(joints)
+    positions, velocities = zeros((2, count, 2, 2, 3), joints)
+    axes, turns = zeros((count, 2, 3), joints), zeros((count, 2), joints)
     for leg in range(2):
         q, rate = (values[:, leg * len(LEG_JOINTS) :] for values in (joints, rates))
         hip, ankle, tube = _leg(geometry, rotation, joints, leg)
@@ -106,14 +105,15 @@ def foot_motion(
         omega = (
             omega + yawed[:, :, 0] * rate[:, _ROLL, None] + tube[:, :, 1] * rate[:, _PITCH, None]
         )
+        axes[:, leg] = tube[:, :, 2]
+        turns[:, leg] = xp.linalg.vector_norm(xp.linalg.cross(omega, tube[:, :, 2]), axis=1)
         velocity = xp.linalg.cross(turning, hip) + xp.linalg.cross(omega, ankle - hip)
         velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
         omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]
-        for end in range(2):
-            arm = positions[:, leg, end] - ankle
-            velocities[:, leg, end] = velocity + xp.linalg.cross(omega, arm)
-        axes[:, leg] = tube[:, :, 2]
-    return FootMotion(positions, velocities, axes)
+        arms = _foot(geometry, tube, joints, leg)
+        positions[:, leg] = ankle[:, None] + arms
+        velocities[:, leg] = velocity[:, None] + xp.linalg.cross(omega[:, None], arms)
+    return FootMotion(positions, velocities, axes, turns)
 
 
 def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
@@ -145,6 +145,15 @@ def _leg(
     tube = rotation @ about_z(q[:, _YAW]) @ about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
     hip = rotation @ asarray([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0], joints)
     return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
+
+
+def _foot(geometry: Geometry, tube: Array, joints: Array, leg: int) -> Array:
+    """Lowest points of heel and toe relative to the ankle (N, 2, 3), of the tube's rotation."""
+    foot = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _ANKLE])
+    height = geometry.foot_radius - geometry.ankle_height
+    centres = asarray([[-geometry.heel, 0.0, height], [geometry.toe, 0.0, height]], joints)
+    lowest = asarray([0.0, 0.0, geometry.foot_radius], joints)
+    return namespace(joints).einsum("nij,ej->nei", foot, centres) - lowest
 
 
 def standing_height(geometry: Geometry, rotation: Array, joints: Array) -> Array:

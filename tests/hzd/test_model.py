@@ -109,7 +109,7 @@ def test_the_impact_is_that_of_the_gaits():
             )
             for order in range(2)
         )
-        landed = loop().model.touch_down(q[[20, 41]], v[[20, 41]])
+        landed = loop().model.impact_map(q[[20, 41]], v[[20, 41]])
         np.testing.assert_allclose(landed.q, q[[21, 0]], atol=1e-8)
         np.testing.assert_allclose(landed.v, v[[21, 0]], atol=1e-8)
         assert np.abs([landed.pitch, landed.yaw]).max() < 1e-8
@@ -117,7 +117,7 @@ def test_the_impact_is_that_of_the_gaits():
 
 def test_a_pitched_foot_is_laid_flat_by_its_ankle():
     q, v = state(3)
-    landed = MODEL.touch_down(q[None], v[None])
+    landed = MODEL.impact_map(q[None], v[None])
     assert abs(landed.pitch[0]) > 0.01
     expected = stance_first(q[None, 1:], np.array([True]))[0]
     expected[4] += landed.pitch[0]

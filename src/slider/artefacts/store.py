@@ -113,7 +113,7 @@ class Store:
             shutil.rmtree(folder, ignore_errors=True)
 
     def publish(self, folder: Path, summary: dict[str, Any], resumed: bool = False) -> Result:
-        """Move a finished folder of this file system to where its content puts it."""
+        """Rename a finished folder of this file system atomically to the place of its content."""
         table = files.file_table(folder)
         result = Result(files.digest_table(table), table, summary, resumed)
         files.make_read_only(folder)

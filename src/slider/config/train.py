@@ -74,13 +74,13 @@ class RewardTerm:
 
 @dataclass(frozen=True, config=STRICT)
 class RewardConfig:
-    """Weighted sum of terms, times ``scale``, at least ``floor``; then ``on_fall`` is added."""
+    """max(weighted sum of terms, ``floor``) · ``scale`` + ``on_fall``."""
 
     terms: Annotated[dict[str, RewardTerm], Field(min_length=1)]
     scale: Positive[Number]
     """factor on the sum of the terms"""
     floor: Number
-    """the scaled sum is not less than this"""
+    """least value of the sum, before ``scale``"""
     on_fall: Number
     """added when the episode ends in a fall"""
 

@@ -57,7 +57,7 @@ class Lyapunov:
 
     P solves FᵀP + PF − PGR⁻¹GᵀP + Q = 0 with Q = diag(1, q) and R = 1, time in units of 1/ω:
     P = [[√(q + 2), 1], [1, √(q + 2)]]. In seconds these are Q = diag(1, q/ω²) and R = 1/ω⁴, whose P
-    is that divided by ω. The LQR has the natural frequency ω and the damping √(q + 2)/2.
+    is that divided by ω. The LQR has the natural frequency ω and the damping ratio √(q + 2)/2.
 
     Attributes:
         bandwidth: ω [rad/s].
@@ -368,7 +368,7 @@ class Reward:
         self.needs = reduce(or_, (TERMS[name].needs for name in config.active), Needs.NOTHING)
 
     def __call__(self, r: RewardView, fell: Array) -> tuple[Array, dict[str, Array]]:
-        """Reward (N,) and the weighted terms by name, each (N,)."""
+        """Reward (N,), and the weighted terms by name (N,), before ``floor`` and ``scale``."""
         config = self._config
         parts = {n: t.weight * TERMS[n].function(r, **t.params) for n, t in config.active.items()}
         total = r.state.yaw.new_zeros(r.state.num_robots)

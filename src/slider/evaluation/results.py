@@ -68,7 +68,7 @@ class Robots:
 
     @property
     def success(self) -> Estimate:
-        """Share of robots that survived."""
+        """Share of robots without a termination (``env.termination``) in the whole rollout."""
         ends = wilson(int(self.survived.sum()), len(self.survived))
         rate = float(self.survived.mean())
         return Estimate(rate, spread(self.survived.astype(float), self.columns["trial"]), ends)

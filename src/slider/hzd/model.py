@@ -121,14 +121,14 @@ class RootedModel:
         hip, com, com_rate, height = self._measure(q, v)
         return Measured(hip[:, 0], hip[:, 1], com, com_rate, height[:, 0], height[:, 1])
 
-    def touch_down(self, q: np.ndarray, v: np.ndarray) -> Landed:
+    def impact_map(self, q: np.ndarray, v: np.ndarray) -> Landed:
         """Plastic impact of the swing foot's line; the old foot leaves.
 
         Only the forces on the new line are impulsive, without a moment about it: M(q⁺) q̇⁺ is what
         q̇⁻ carries about the line and along the joints. A foot that lands with a small pitch is
         laid flat by its ankle.
         """
-        place, mass, carried, angles = self._touch_down(q, v)
+        place, mass, carried, angles = self._impact_map(q, v)
         rate = np.linalg.solve(mass, carried[:, :, None])[:, :, 0]
         return Landed(place, rate, angles[:, 0], angles[:, 1])
 
@@ -161,7 +161,7 @@ class RootedModel:
         return self._batch([s.q, s.v], rows)
 
     @cached_property
-    def _touch_down(self) -> Batch:
+    def _impact_map(self) -> Batch:
         s = self.symbols
         landing = s.poses(s.q)["swing_foot"].rotation
         pitch = ca.atan2(landing[2, 0], landing[2, 2])

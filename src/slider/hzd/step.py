@@ -35,7 +35,7 @@ PHASES = np.linspace(0.0, 1.0, 21)
 
 _NODES = np.arange(53) / 40  # of the integration, as polynomials are joined at some of them
 _WITHIN = 41  # nodes of the step itself; a swing foot that is not down by the last has missed it
-_GUARD = 0.5  # phase from which a swing foot can land
+_MIN_IMPACT_PHASE = 0.5  # phase from which a swing foot can land
 _STAGES = DOP853.n_stages
 _A, _B, _C = DOP853.A[:_STAGES, :_STAGES], DOP853.B, DOP853.C[:_STAGES]
 _NEWTON = 6
@@ -128,7 +128,7 @@ class _Steps:
             sampled[..., :NUM],
             sampled[..., NUM:-1],
             np.stack([start, middle, self._residual(phase, z)]),
-            self.model.touch_down(q, v),
+            self.model.impact_map(q, v),
             phase,
             z[:, -1],
             alive,
@@ -213,7 +213,7 @@ class _Steps:
         self, nodes: np.ndarray, heights: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Phases (n,) and states (n, 23) where the swing foot comes down; whether it does."""
-        late = _NODES[: len(nodes) - 1, None] >= _GUARD
+        late = _NODES[: len(nodes) - 1, None] >= _MIN_IMPACT_PHASE
         down = (heights[:-1] > 0) & (heights[1:] <= 0) & late
         alive = np.asarray(down.any(axis=0))
         last, rows = np.where(alive, down.argmax(axis=0), 0), np.arange(nodes.shape[1])

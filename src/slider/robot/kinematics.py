@@ -64,7 +64,7 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     ends = zeros((len(joints), 2, 2, 3), joints)
     for leg in range(2):
         _, ankle, tube = _leg(geometry, rotation, joints, leg)
-        ends[:, leg] = ankle[:, None] + _foot(geometry, tube, joints, leg)
+        ends[:, leg] = _ends(geometry, ankle, tube, joints, leg)
     return ends
 
 
@@ -110,8 +110,8 @@ def foot_motion(
         velocity = xp.linalg.cross(turning, hip) + xp.linalg.cross(omega, ankle - hip)
         velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
         omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]
-        arms = _foot(geometry, tube, joints, leg)
-        positions[:, leg] = ankle[:, None] + arms
+        positions[:, leg] = _ends(geometry, ankle, tube, joints, leg)
+        arms = positions[:, leg] - ankle[:, None]
         velocities[:, leg] = velocity[:, None] + xp.linalg.cross(omega[:, None], arms)
     return FootMotion(positions, velocities, axes, turns)
 
@@ -147,13 +147,14 @@ def _leg(
     return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
 
 
-def _foot(geometry: Geometry, tube: Array, joints: Array, leg: int) -> Array:
-    """Lowest points of heel and toe relative to the ankle (N, 2, 3), of the tube's rotation."""
+def _ends(geometry: Geometry, ankle: Array, tube: Array, joints: Array, leg: int) -> Array:
+    """Lowest points of heel and toe (N, 2, 3), of ankle and rotation of the tube."""
     foot = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _ANKLE])
-    height = geometry.foot_radius - geometry.ankle_height
-    centres = asarray([[-geometry.heel, 0.0, height], [geometry.toe, 0.0, height]], joints)
-    lowest = asarray([0.0, 0.0, geometry.foot_radius], joints)
-    return namespace(joints).einsum("nij,ej->nei", foot, centres) - lowest
+    height, ends = geometry.foot_radius - geometry.ankle_height, zeros((len(joints), 2, 3), joints)
+    for end, x in enumerate((-geometry.heel, geometry.toe)):
+        centre = foot @ asarray([x, 0.0, height], joints)
+        ends[:, end] = ankle + centre - asarray([0.0, 0.0, geometry.foot_radius], joints)
+    return ends
 
 
 def standing_height(geometry: Geometry, rotation: Array, joints: Array) -> Array:

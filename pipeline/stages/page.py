@@ -14,7 +14,7 @@ from pipeline.stages.evaluation import (
     protocol_section,
 )
 from slider.artefacts.plan import JobSpec
-from slider.config.control import POLICY
+from slider.config.control import ONBOARD, POLICY
 from slider.config.convert import to_dict
 from slider.config.schema import Config
 from slider.reports.sections import OPTIONAL, SECTIONS
@@ -32,7 +32,7 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
         _video(config, controller, speed, targets)
         for controller in config.evaluation.controllers
         for speed in video.speeds
-        if video.renderer != "none"
+        if video.renderer != "none" and base_of(controller) == controller
     ]
     inputs = {}
     for need in needs(config):
@@ -40,10 +40,12 @@ def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
         if name == need or name in available:
             inputs[name] = available[name]
     shown = _shown(config, inputs)
+    names = [POLICY, *shown["control"]]
+    names += [f"{name}{ONBOARD}" for name in names]
     section = {
         "report": to_dict(config.report),
         "configuration": shown,
-        "labels": labels(config, [POLICY, *shown["control"]]),
+        "labels": labels(config, names),
         "origins": {name: [origin(item) for item in jobs] for name, jobs in inputs.items()},
     }
     return job("report", "report", section, inputs)

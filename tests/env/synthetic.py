@@ -1,10 +1,13 @@
 """Small inputs made by hand: a gait library, robot states, views and the configurations."""
 
+# pyright: reportAttributeAccessIssue=false
+
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import torch
 
@@ -179,6 +182,18 @@ def stand(physics: BatchedPhysics, seconds: float = 0.0) -> BatchedPhysics:
     for _ in range(round(seconds / physics.period)):
         physics.step(np.zeros((count, NUM_JOINTS)))
     return physics
+
+
+def momentum(physics: BatchedPhysics) -> np.ndarray:
+    """Of each robot (N, 3) [kg m/s]."""
+    data = mujoco.MjData(physics.model)
+    result = []
+    for qpos, qvel, mass in zip(physics.qpos, physics.qvel, physics.masses, strict=True):
+        data.qpos[:], data.qvel[:] = qpos, qvel
+        mujoco.mj_forward(physics.model, data)
+        mujoco.mj_subtreeVel(physics.model, data)
+        result.append(mass * data.subtree_linvel[1])
+    return np.array(result)
 
 
 def make_agent(count: int, *overrides: str) -> AgentInterface:

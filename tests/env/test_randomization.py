@@ -2,13 +2,12 @@
 
 # pyright: reportAttributeAccessIssue=false
 
-import mujoco
 import numpy as np
 import pytest
 
 from slider.robot import names
 from slider.robot.mjcf import Actuation
-from tests.env.synthetic import TORQUE_LIMITS, disturbed_physics, stand
+from tests.env.synthetic import TORQUE_LIMITS, disturbed_physics, momentum, stand
 
 COUNT = 20
 GRAVITY = 9.81
@@ -54,18 +53,6 @@ def test_friction_bounds_the_force_along_the_ground():
     carried = force[:, 2] + physics.masses * GRAVITY
     assert (carried > 0.5 * physics.masses * GRAVITY).all()
     np.testing.assert_allclose(-force[:, 0], friction * carried, rtol=0.01)
-
-
-def momentum(physics) -> np.ndarray:
-    """Momentum (N, 3) [kg m/s]."""
-    data = mujoco.MjData(physics.model)
-    result = []
-    for qpos, qvel, mass in zip(physics.qpos, physics.qvel, physics.masses, strict=True):
-        data.qpos[:], data.qvel[:] = qpos, qvel
-        mujoco.mj_forward(physics.model, data)
-        mujoco.mj_subtreeVel(physics.model, data)
-        result.append(mass * data.subtree_linvel[1])
-    return np.array(result)
 
 
 @pytest.mark.parametrize("actuation", ["position", "torque"])

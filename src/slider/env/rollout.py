@@ -181,16 +181,16 @@ def run_ticks(
     diverged = np.zeros(physics.num_robots, dtype=bool)
     loads: list[DriveLoads] = []
     contacts: list[Contacts] = []
-    errors: list[np.ndarray] = []
-    for _ in range(ticks):
-        measured = physics.measure(state)
-        errors.append(_estimate_error(measured, state))
+    measured = physics.measure(state)
+    error = _estimate_error(measured, state)
+    for tick in range(ticks):
+        measured = physics.measure(state) if tick else measured
         physics.step(controller.control(measured))
         state = physics.read()
         loads.append(physics.loads())
         contacts.append(physics.contacts())
         diverged |= state.diverged
-    return state, StepRecord(diverged, errors[0], over(loads), join(contacts))
+    return state, StepRecord(diverged, error, over(loads), join(contacts))
 
 
 def _estimate_error(measured: RobotState, state: RobotState) -> np.ndarray:

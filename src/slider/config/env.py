@@ -14,9 +14,11 @@ from slider.config.types import (
     Count,
     Factor,
     Interval,
+    Kilograms,
     Metres,
     MetresPerSecond,
     MetresPerSecond2,
+    NewtonSeconds,
     NonNegative,
     Number,
     Positive,
@@ -24,6 +26,7 @@ from slider.config.types import (
     RadiansPerSecond,
     Seconds,
     Share,
+    Some,
     Unit,
 )
 
@@ -258,24 +261,45 @@ class SensingConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class PushConfig:
-    """Change of the base's horizontal velocity in a random direction."""
+    """A horizontal force on the base, at regular times."""
 
-    speed: NonNegative[MetresPerSecond]
-    """change of the base's horizontal velocity; 0: no pushes"""
+    impulse: Interval[NonNegative[NewtonSeconds]]
+    """force times duration, drawn anew for each push; 0: no pushes"""
+    duration: Positive[Seconds]
+    """of a push, a multiple of env.control_period"""
     interval: Positive[Seconds]
     """time from the start and between pushes, a multiple of env.control_period"""
+    direction: Radians | None
+    """in which the robot is pushed, from forward towards left; null: drawn anew for each push"""
+
+
+TerrainKind = Literal[
+    "flat",
+    "slope_up",
+    "slope_down",
+    "slope_across",
+    "step_up",
+    "step_down",
+    "stairs_up",
+    "stairs_down",
+    "gaps",
+    "tiles",
+    "field",
+]
+Level = Annotated[float, Unit("-"), Field(ge=0, le=20)]
 
 
 @dataclass(frozen=True, config=STRICT)
-class GroundConfig:
-    """Grid of random heights."""
+class TerrainConfig:
+    """Ground under the robots; ``slider.env.terrain`` has what a level is of each kind."""
 
-    amplitude: NonNegative[Metres]
-    """heights are uniform within ± this; 0: flat ground"""
-    cell: Positive[Metres]
-    """edge of its square cells"""
-    period: Positive[Metres]
-    """the ground repeats itself, a multiple of cell"""
+    kinds: Some[TerrainKind]
+    """of the robots in turn"""
+    level: Interval[Level]
+    """drawn per robot and episode"""
+    curriculum: bool
+    """in place of that: from ``lower`` one up after an episode walked through, one down after a
+    fall"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -293,5 +317,7 @@ class DisturbanceConfig:
     """of the base: largest shift along each axis"""
     friction: Interval[Positive[Factor]] | None
     """of the feet on the ground; null: robot.contact.friction"""
+    payload: Interval[Kilograms]
+    """added to the base at its centre of mass"""
     push: PushConfig
-    ground: GroundConfig
+    terrain: TerrainConfig

@@ -52,6 +52,8 @@ class VelocitiesConfig:
     standing_fraction: Share
     """share of zero velocities"""
     curriculum: CurriculumConfig
+    uneven: Share = 1.0
+    """on ground that is not flat velocities are this share of those drawn"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -80,6 +80,7 @@ RadiansPerSecond = Annotated[float, Unit("rad/s"), Field(ge=-1e4, le=1e4)]
 Kilograms = Annotated[float, Unit("kg"), Field(ge=0, le=1e4)]
 KilogramMetres2 = Annotated[float, Unit("kg m²"), Field(ge=0, le=1e4)]
 Newtons = Annotated[float, Unit("N"), Field(ge=0, le=1e6)]
+NewtonSeconds = Annotated[float, Unit("N s"), Field(ge=0, le=1e4)]
 NewtonMetres = Annotated[float, Unit("N m"), Field(ge=0, le=1e6)]
 JointPosition = Annotated[float, Unit("rad | m"), Field(ge=-100, le=100)]
 

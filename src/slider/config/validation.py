@@ -29,7 +29,6 @@ from slider.core.errors import one_of, require
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 """Of a target, a file or a row: it reads the same to a shell, on any disk, in a table."""
 MAX_GRID = 5000  # velocities
-MAX_CELLS = 400  # of the ground, in each direction
 LEAST_RATE = 200  # of a controller [Hz]
 _RESERVED = (POLICY, *SMOKE_AGENTS, *PAPER_LABELS)  # names with a meaning of their own
 
@@ -154,14 +153,12 @@ def _env(env: EnvConfig) -> None:
 
 
 def _disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:
-    """Times that the simulation can hit, and ground that repeats."""
+    """Times that the simulation can hit."""
     _multiple(f"{key}.delay.lower", disturbance.delay.lower, env.physics.timestep)
     _multiple(f"{key}.delay.upper", disturbance.delay.upper, env.physics.timestep)
-    _multiple(f"{key}.push.interval", disturbance.push.interval, env.control_period)
-    ground = disturbance.ground
-    _multiple(f"{key}.ground.period", ground.period, ground.cell)
-    cells = round(ground.period / ground.cell)
-    require(cells <= MAX_CELLS, f"{key}.ground.period", f"at most {MAX_CELLS} cells", cells)
+    push = disturbance.push
+    _multiple(f"{key}.push.duration", push.duration, env.control_period)
+    _multiple(f"{key}.push.interval", push.interval, env.control_period)
 
 
 def _trainings(config: Config) -> None:
@@ -184,8 +181,8 @@ def _trainings(config: Config) -> None:
 def _processor(train: TrainConfig, env: EnvConfig, key: str) -> None:
     """Physics, ground and device that go together."""
     simulator, device = train.simulator, train.device
-    possible = simulator == "mujoco" or train.disturbance.ground.amplitude == 0
-    expected = "mujoco with disturbance.ground.amplitude > 0"
+    possible = simulator == "mujoco" or train.disturbance.terrain.kinds == ["flat"]
+    expected = "mujoco with disturbance.terrain"
     require(possible, f"{key}.simulator", expected, simulator)
     possible = simulator == "mujoco" or env.sensing == "true_state"
     require(possible, f"{key}.simulator", "mujoco with env.sensing=onboard", simulator)

@@ -1,4 +1,4 @@
-"""What disturbs the robots of a batch: late drives, pushes, uneven ground, noisy sensors.
+"""What disturbs the robots of a batch: late drives, pushes, terrain, noisy sensors.
 
 Random numbers are functions of a seed, a use and a time rather than of one generator: the
 disturbance of a robot at a time depends neither on the rate of its controller nor on which other
@@ -23,13 +23,11 @@ from slider.env import randomization, terrain
 from slider.env.sensing import NUMBERS, with_noise
 from slider.env.starts import NUMPY
 from slider.env.state import RobotState
-from slider.env.terrain import FLAT, Ground
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
 from slider.robot.transmission import Transmission
 
-ROBOT, NOISE, PUSH, GROUND, BIAS, READING = range(6)  # uses of random numbers
+ROBOT, NOISE, PUSH, GROUND, BIAS, READING, TILES = range(7)  # uses of random numbers
 _STREAM = 81  # keeps these generators apart from others of the same seed
-_PLACE = 2  # columns of the place on the ground, then one of the delay, then the model's
 
 
 @dataclass(frozen=True)
@@ -89,15 +87,23 @@ def build_plant(
 ) -> mujoco.MjModel:
     """The nominal robot on the ground of the disturbance."""
     spec = build_spec(robot, options)
-    if disturbance is not None and disturbance.config.ground.amplitude > 0:
-        terrain.lay(spec, disturbance.config.ground, _tile(disturbance))
+    if disturbance is not None and uneven(disturbance.config):
+        terrain.lay(spec)
     return compile_spec(spec)
 
 
-def _tile(disturbance: Disturbance) -> np.ndarray:
-    """Heights of the ground: one for all robots, of the first seed."""
-    generator = Draws(disturbance.seeds[:1], 1).generators(GROUND, 0)[0]
-    return terrain.random_tile(disturbance.config.ground, generator)
+def uneven(config: DisturbanceConfig) -> bool:
+    """Whether the ground of any robot is not flat."""
+    return set(config.terrain.kinds) != {"flat"}
+
+
+def build_terrain(
+    disturbance: Disturbance, robot: RobotConfig, models: list[mujoco.MjModel]
+) -> terrain.Terrain:
+    """The grounds of robots with a model each; all seeds share one table of tiles."""
+    generator = Draws(disturbance.seeds[:1], 1).generators(TILES, 0)[0]
+    table = generator.uniform(-1.0, 1.0, (terrain.TILES, terrain.TILES))
+    return terrain.Terrain(disturbance.config.terrain, robot, models, table)
 
 
 class Models(Protocol):
@@ -118,7 +124,7 @@ class Models(Protocol):
 
 
 class Disturber:
-    """Late drives, pushes, uneven ground and noisy sensors of N robots, which may differ.
+    """Late drives, pushes, terrain and noisy sensors of N robots, which may differ.
 
     All arrays are those of ``like``: NumPy's, or tensors on a device, where the ground is flat.
     """
@@ -132,27 +138,26 @@ class Disturber:
         count: int,
         robots: Models | None = None,
         like: Any = NUMPY,
+        ground: terrain.Terrain | None = None,
     ) -> None:
         """Disturb ``count`` robots with the drives of ``model``.
 
         Args:
             disturbance: what disturbs them.
-            robot: for its feet and motors.
+            robot: for its motors.
             model: of the nominal robot.
             actuation: of the drives.
             count: number of robots N.
             robots: how they differ; none where all are nominal.
             like: an array of the library, precision and device to compute with.
+            ground: under the robots; none where all are on flat ground.
         """
         config = disturbance.config
         self._config, self._count, self._like = config, count, like
         self._timestep, self._mass = float(model.opt.timestep), float(model.body_mass.sum())
         self._torque = actuation == "torque"
         self._draws = Draws(disturbance.seeds, count, like)
-        self._terrain: terrain.Terrain | None = None
-        if config.ground.amplitude > 0:
-            self._terrain = terrain.Terrain(config.ground, robot, _tile(disturbance), count)
-        self._robots = robots
+        self._terrain, self._robots = ground, robots
         self._delay: DelayLine | None = None
         if config.delay != Interval(0.0, 0.0):
             self._delay = DelayLine(config.delay, self._timestep, count, model.nu, like)
@@ -163,34 +168,43 @@ class Disturber:
         """Restart the sequence of draws."""
         self._steps, self._episodes = 0, 0
         self._age = zeros(self._count, self._like)
+        self._force = zeros((self._count, 2), self._like)
 
     def begin(self, index: Array, qpos: Array) -> Array:
-        """Draw robots ``index`` again; return their positions (n, 19) in the simulation."""
-        uniform = self._draws.uniform(ROBOT, self._episodes, _PLACE + 1 + randomization.COLUMNS)
-        self._episodes += 1
-        self._age[index] = 0.0
+        """Draw robots ``index`` again; return their positions (n, 19) on the ground."""
+        uniform = self._draws.uniform(ROBOT, self._episodes, randomization.COLUMNS)
+        self._age[index], self._force[index] = 0.0, 0.0
         if self._robots is not None:
-            self._robots.draw(index, uniform[:, _PLACE + 1 :])
+            self._robots.draw(index, uniform)
         if self._delay is not None:
-            self._delay.draw(index, uniform[index, _PLACE])
+            self._delay.draw(index, uniform[index, randomization.DELAY])
             # Until the first input arrives the motors hold the pose, or are without torque.
             held = qpos[:, 7:] @ self._to_motors
             self._delay.fill(index, 0.0 * held if self._torque else held)
-        if self._terrain is None:
-            return qpos
-        return self._terrain.place(index, qpos, uniform[:, :_PLACE])
+        if self._terrain is not None:
+            numbers = self._draws.uniform(GROUND, self._episodes, terrain.DRAWS)
+            qpos = self._terrain.begin(index, qpos, numbers[index])
+        self._episodes += 1
+        return qpos
 
-    def push(self, qvel: Array) -> None:
-        """Push the robots that are due: change their base velocities in place in (N, 18)."""
-        push, age = self._config.push, self._age
-        if push.speed == 0:
-            return
-        due = (age > 0) & (age % round(push.interval / self._timestep) == 0)
-        if not due.any():
-            return
-        xp = namespace(qvel)
-        angle = 2 * np.pi * self._draws.uniform(PUSH, self._steps, 1)[due, 0]
-        qvel[due, :2] += push.speed * xp.stack([xp.cos(angle), xp.sin(angle)], axis=1)
+    def push(self) -> Array | None:
+        """Horizontal forces (N, 2) [N] on the bases until the next call; none without pushes."""
+        push, age, xp = self._config.push, self._age, namespace(self._age)
+        if push.impulse.upper == 0:
+            return None
+        since = age % round(push.interval / self._timestep)
+        due = (age > 0) & (since == 0)
+        if due.any():
+            uniform = self._draws.uniform(PUSH, self._steps, 2)[due]
+            angle = 2 * np.pi * uniform[:, 0]
+            if push.direction is not None:
+                angle = 0.0 * angle + push.direction
+            impulse = push.impulse.lower + (push.impulse.upper - push.impulse.lower) * uniform[:, 1]
+            force = impulse / push.duration
+            self._force[due] = force[:, None] * xp.stack([xp.cos(angle), xp.sin(angle)], axis=1)
+        over = since >= round(push.duration / self._timestep)
+        self._force[over] = 0.0
+        return self._force
 
     def drive(self, control: Array) -> Array:
         """Inputs that reach the drives in S simulation steps, of inputs (N, S, 10)."""
@@ -209,36 +223,12 @@ class Disturber:
         normal = self._draws.normal(NOISE, self._steps, NUMBERS)
         return with_noise(state, self._config.sensing, normal)
 
-    def wrap(self, qpos: np.ndarray) -> None:
-        """Keep the robots on the height field, in place in positions (N, 19)."""
-        if self._terrain is not None:
-            self._terrain.wrap(qpos)
-
     @property
     def masses(self) -> Array:
         """Of the robots (N,) [kg]."""
         if self._robots is not None:
             return self._robots.masses
         return zeros(self._count, self._like) + self._mass
-
-    @property
-    def ground(self) -> Ground:
-        """On which the robots are, in their own world."""
-        return FLAT if self._terrain is None else self._terrain.ground
-
-    @property
-    def sensor_offset(self) -> np.ndarray:
-        """Places (N, 2) in the robots' own world minus those of the sensors [m]."""
-        return np.zeros((self._count, 2)) if self._terrain is None else self._terrain.sensor_offset
-
-    def in_world(self, state: RobotState) -> RobotState:
-        """The state in the robots' own world, of a state on the height field."""
-        if self._terrain is None:
-            return state
-        base, feet = state.base_position.copy(), state.foot_positions.copy()
-        base[:, :2] += self._terrain.offset
-        feet[:, :, :2] += self.sensor_offset[:, None]
-        return replace(state, base_position=base, foot_positions=feet, ground=self.ground)
 
 
 class DelayLine:

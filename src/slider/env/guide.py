@@ -6,6 +6,7 @@ import torch
 from slider.core.arrays import Array, tensors
 from slider.env.interface import FLOAT64
 from slider.env.state import View
+from slider.env.terrain import fitted
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES
@@ -55,13 +56,19 @@ class Guide:
     def at_phase(self, view: View) -> Array:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
 
-        Where the clock is halted: standing on both feet, at rest.
+        Where the clock is halted: standing on both feet, at rest. On uneven ground the legs fit to
+        the ground under their feet (:func:`slider.env.terrain.fitted`).
         """
         command = view.gait_velocity
         if self._nearest:
             command = self._velocities[self._nearest_gait(command)]
         reference = self._table.at(command, view.phase)
-        return self._table.standing.where(view.halted[:, None], reference)
+        reference = self._table.standing.where(view.halted[:, None], reference)
+        state = view.state
+        if not state.ground.flat:
+            change = fitted(state.ground, state.foot_positions[..., :2], state.yaw)
+            reference[:, :NUM_JOINTS] += change
+        return reference
 
     def _nearest_gait(self, command: Array) -> Array:
         """Index (N,) of the gait nearest to each command (N, 3)."""

@@ -4,8 +4,10 @@
 # pyright: reportAttributeAccessIssue=false
 
 import ctypes
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,16 +17,17 @@ from slider.config.env import OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
 from slider.env import randomization
-from slider.env.disturbance import Disturbance, Disturber, build_plant
+from slider.env.disturbance import Disturbance, Disturber, build_plant, build_terrain, uneven
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.onboard import OnboardState
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, columns_of, read_state
-from slider.env.terrain import FLAT
+from slider.env.terrain import FLAT, Ground, Terrain
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission, by_motor
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_CONTROL, _APPLIED = mujoco.mjtState.mjSTATE_CTRL, mujoco.mjtState.mjSTATE_QFRC_APPLIED
 _START_TIME = 1.0  # not zero, so that a reset of MuJoCo's own shows even after a single step
 
 
@@ -73,13 +76,16 @@ class BatchedPhysics:
         self.model = build_plant(robot, options, disturbance)
         self.models = self.model
         self._disturber: Disturber | None = None
+        self.terrain: Terrain | None = None
         if disturbance is not None:
-            robots = None
-            if randomization.vary(disturbance.config):
+            robots, on_terrain = None, uneven(disturbance.config)
+            if on_terrain or randomization.vary(disturbance.config):
                 robots = randomization.RandomizedModels(self.model, disturbance.config, num_robots)
                 self.models = robots.models
+                if on_terrain:
+                    self.terrain = build_terrain(disturbance, robot, robots.models)
             self._disturber = Disturber(
-                disturbance, robot, self.model, actuation, num_robots, robots
+                disturbance, robot, self.model, actuation, num_robots, robots, ground=self.terrain
             )
         self.num_robots = num_robots
         self.nominal = nominal_qpos(robot)
@@ -157,8 +163,8 @@ class BatchedPhysics:
         self._state[:, 0] = _START_TIME
         control = np.repeat(self._to_motors(inputs)[:, None], self._substeps, axis=1)
         if self._disturber is not None:
-            self._disturber.push(self.qvel)
-            control = self._disturber.drive(control)
+            force = self._disturber.push()
+            control = self._with_push(self._disturber.drive(control), force)
         states, sensors = self._simulate(control)
         self._diverged = self._find_diverged(states[:, -1]) | ~np.isfinite(inputs).all(axis=1)
         self._diverged &= ~self._retired
@@ -170,8 +176,25 @@ class BatchedPhysics:
             self._onboard.advance(self.period, self._substeps, torques)
         self._state, self._sensors = states[:, -1].copy(), sensors[:, -1].copy()
         self._series = states, sensors
-        if self._disturber is not None:
-            self._disturber.wrap(self.qpos)
+        if self.terrain is not None:
+            state = self.read()
+            feet, speeds = state.foot_positions[..., :2], state.foot_velocities[..., :2]
+            self.terrain.follow(state.base_position[:, :2], feet, speeds)
+
+    def _with_push(self, control: np.ndarray, force: np.ndarray | None) -> np.ndarray:
+        """Control (N, S, 10), followed by generalised forces (N, S, 18) if there are any."""
+        if force is None or not force.any():
+            return control
+        applied = np.zeros((*control.shape[:2], self.model.nv))
+        applied[..., :2] = force[:, None]
+        return np.concatenate([control, applied], axis=2)
+
+    def _roll_out(
+        self, models: Any, state: np.ndarray, control: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        pushed = control.shape[2] > self.model.nu
+        spec = _CONTROL | _APPLIED if pushed else _CONTROL
+        return self._pool.rollout(models, self._data, state, control, control_spec=int(spec))
 
     def _mean_torques(self, after: np.ndarray, sensors: np.ndarray) -> np.ndarray:
         """Torques (N, 10) [N m] that acted on average; ``after`` (N, 38) is the state at the end.
@@ -192,7 +215,7 @@ class BatchedPhysics:
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
         if not self._retired.any():
-            series = self._pool.rollout(self.models, self._data, self._state, control)
+            series = self._roll_out(self.models, self._state, control)
             return np.asarray(series[0]), np.asarray(series[1])
         states = np.repeat(self._state[:, None], self._substeps, axis=1)
         sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
@@ -201,7 +224,7 @@ class BatchedPhysics:
             models = self.models
             if isinstance(models, list):
                 models = [models[i] for i in going]
-            series = self._pool.rollout(models, self._data, self._state[going], control[going])
+            series = self._roll_out(models, self._state[going], control[going])
             states[going], sensors[going] = series
         return states, sensors
 
@@ -226,10 +249,9 @@ class BatchedPhysics:
             RuntimeError: the plant has no instruments.
         """
         _, sensors = self._series
-        ground = FLAT if self._disturber is None else self._disturber.ground
         forces = np.abs(sensors.take(self._index.forces, 2))
         distances = sensors.take(self._need_instruments().distances, 2)
-        return observe(forces, *self.foot_ends(), distances, ground)
+        return observe(forces, *self.foot_ends(), distances, self._ground)
 
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:
         """Lowest points of heel and toe at each simulation step of the last :meth:`step`.
@@ -242,10 +264,7 @@ class BatchedPhysics:
             RuntimeError: the plant has no instruments.
         """
         radius = self.robot.geometry.foot_radius
-        positions, velocities = self._need_instruments().foot_ends(self._series[1], radius)
-        if self._disturber is not None:
-            positions[..., :2] += self._disturber.sensor_offset[:, None, None, None]
-        return positions, velocities
+        return self._need_instruments().foot_ends(self._series[1], radius)
 
     def _need_instruments(self) -> "_Instruments":
         if self._instruments is None:
@@ -255,7 +274,11 @@ class BatchedPhysics:
     def read(self) -> RobotState:
         """Name the quantities of the current state."""
         state = read_state(self.qpos, self.qvel, self._sensors, self._index, self._diverged)
-        return state if self._disturber is None else self._disturber.in_world(state)
+        return state if self.terrain is None else replace(state, ground=self._ground)
+
+    @property
+    def _ground(self) -> Ground:
+        return FLAT if self.terrain is None else self.terrain.ground
 
     def measure(self, state: RobotState) -> RobotState:
         """The state as a controller receives it: with sensor noise, or estimated."""

@@ -18,7 +18,8 @@ from slider.config.types import Interval
 from slider.robot import names
 
 _DRIVES = len(names.MOTORS)
-COLUMNS = 5 + _DRIVES  # uniform numbers per robot: mass, friction, centre of mass, motors
+# Uniform numbers per robot: payload, one in reserve, delay, mass, friction, centre of mass, motors.
+DELAY, COLUMNS = 2, 8 + _DRIVES
 # Places of a DC motor's parameters: resistance, position gain and velocity gain.
 RESISTANCE, GAIN_COLUMNS = 0, [4, 6]
 SLIDING = 0
@@ -28,12 +29,14 @@ class Drawn(NamedTuple):
     """What makes N robots differ, as arrays or tensors.
 
     Attributes:
+        payload: (N,) added to the base [kg].
         mass: (N,) of all bodies, relative to the nominal one [-].
         friction: (N,) of the feet [-]; the nominal one if none.
         shift: (N, 3) of the base's centre of mass [m].
         gain: (N, 10) torque of the motors, relative to the nominal one [-].
     """
 
+    payload: Any
     mass: Any
     friction: Any
     shift: Any
@@ -44,10 +47,11 @@ def drawn(config: DisturbanceConfig, uniform: Any) -> Drawn:
     """Robots of numbers (N, COLUMNS) in [0, 1), an array or a tensor."""
     friction = config.friction
     return Drawn(
-        mass=_within(config.mass, uniform[:, 0]),
-        friction=None if friction is None else _within(friction, uniform[:, 1]),
-        shift=config.centre_of_mass * (2.0 * uniform[:, 2:5] - 1.0),
-        gain=_within(config.motor_gain, uniform[:, 5:]),
+        payload=_within(config.payload, uniform[:, 0]),
+        mass=_within(config.mass, uniform[:, 3]),
+        friction=None if friction is None else _within(friction, uniform[:, 4]),
+        shift=config.centre_of_mass * (2.0 * uniform[:, 5:8] - 1.0),
+        gain=_within(config.motor_gain, uniform[:, 8:]),
     )
 
 
@@ -60,7 +64,8 @@ def feet(model: mujoco.MjModel) -> np.ndarray:
 def vary(config: DisturbanceConfig) -> bool:
     """Whether robots differ from the nominal one."""
     fixed = config.mass == config.motor_gain == Interval(1.0, 1.0)
-    return not fixed or config.centre_of_mass > 0 or config.friction is not None
+    loaded = config.payload.upper > 0
+    return not fixed or loaded or config.centre_of_mass > 0 or config.friction is not None
 
 
 class RandomizedModels:
@@ -86,7 +91,7 @@ class RandomizedModels:
         new = drawn(self._config, uniform)
         for i in index:
             model = self.models[i]
-            self._set_inertia(model, float(new.mass[i]), new.shift[i])
+            self._set_inertia(model, float(new.mass[i]), new.shift[i], float(new.payload[i]))
             self._set_motors(model, new.gain[i])
             if new.friction is not None:
                 model.geom_friction[self._feet, SLIDING] = new.friction[i]
@@ -94,8 +99,11 @@ class RandomizedModels:
             self.masses[i] = float(model.body_mass.sum())
         self.motor_gain[index] = new.gain[index]
 
-    def _set_inertia(self, model: mujoco.MjModel, mass: float, shift: np.ndarray) -> None:
+    def _set_inertia(
+        self, model: mujoco.MjModel, mass: float, shift: np.ndarray, payload: float
+    ) -> None:
         model.body_mass[:] = mass * self._nominal.body_mass
+        model.body_mass[self._base] += payload
         model.body_inertia[:] = mass * self._nominal.body_inertia
         model.body_ipos[self._base] = self._nominal.body_ipos[self._base] + shift
 

@@ -78,8 +78,9 @@ class RobotState:
 
     @property
     def base_height(self) -> Array:
-        """Height of the base above the ground below it (N,) [m]."""
-        return self.base_position[:, 2] - self.ground.height(self.base_position[:, :2])
+        """Height of the base above the mean of the ground under the feet (N,) [m]."""
+        under = self.ground.height(self.foot_positions[..., :2], gaps=False)
+        return self.base_position[:, 2] - under.mean(-1)
 
     @property
     def qpos(self) -> Array:

@@ -1,32 +1,53 @@
-"""Terrain: heights under the robots, the height field that simulates them, places on it.
+"""Terrain: heights under the robots, and the boxes near their feet that simulate them.
 
-A height field is one period with a margin. A robot that leaves the period is put back by one, which
-it cannot notice; the world that controllers and metrics see goes on.
+Every robot has a ground of its own, by formula and without end. Its MuJoCo model has the floor's
+plane and a few boxes, which are put under the feet again in each control step. A foot therefore
+touches a slope, a step or a tile exactly; of a smooth field it touches the tangent plane.
 """
 
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
-from slider.config.env import GroundConfig
+from slider.config.env import TerrainConfig
 from slider.config.robot import RobotConfig
-from slider.core.arrays import Array, namespace, zeros
+from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.robot import names
-from slider.robot.kinematics import foot_ends, rotation_from_quaternion
+from slider.robot.kinematics import foot_ends, rotation_from_quaternion, turn_to_heading, yaw_of
 
 if TYPE_CHECKING:  # terms read heights and are checked without a simulator
     import mujoco
 
-_MARGIN = 1.5  # the robot's reach and its way in a control period [m]
-_BASE = 0.1  # thickness of the ground below its lowest point [m]
-# The field lies deeper by this and pushes within this of it [m]. Nothing then enters its prisms,
-# which would push a foot between two of them sideways and let it sink in.
-SKIN = 0.01
-_POINTS = np.linspace(0.0, 1.0, 5)  # along a foot, which touch the ground
+# What a level adds.
+SLOPE = math.radians(1.25)  # [rad]
+STEP, RISE, GAP = 0.012, 0.01, 0.015  # height of a step and of a stair, width of a gap [m]
+TILE, WAVE = 0.008, 0.004  # heights of tiles and of a field lie within ± this [m]
+
+TREAD, STAIRS = 0.3, 12  # depth of a stair [m], their number
+BOARD, BOARDS = 0.4, 60  # from gap to gap [m], number of boards
+DEPTH = 0.5  # of a gap [m]
+CELL = 0.25  # edge of a tile [m]
+PLATFORM = (0.3, 0.6)  # level ground ahead of a start on steps, stairs and boards [m]
+
+TILES = 64  # after so many tiles their heights repeat
+_FADE = 0.3  # from its level start to its full height a field has this [m]
+# Wave vectors [rad/m] of a field; their amplitudes add up to 1.
+_WAVES = 2 * math.pi * np.array([[0.8, 0.15], [-0.3, 0.7], [0.6, -0.9], [1.1, 0.6]])
+_SHARES = np.array([0.4, 0.3, 0.2, 0.1])
+_BOXES = 8  # of a robot: bars ahead and behind, or four tiles under each foot
+_HIDDEN = -50.0  # height of boxes that are not in use [m]
+_THICK = 0.15  # half the thickness of a box [m]
+_LONG = 1.5  # half the width of bars, and half the length of the first and the last [m]
+_PATCH = (0.14, 0.08)  # half the size of the tangent plane under a foot [m]
+_ALONG = np.linspace(0.0, 1.0, 5)  # of a foot, points that must be above the ground
+_LOOK_AHEAD = 0.01  # boxes lie where feet will be after this time, half a control period [s]
+DRAWS = 5  # uniform numbers per robot: level, side, start of the bars, place (2)
 
 
 class Ground(Protocol):
@@ -37,8 +58,15 @@ class Ground(Protocol):
         """Whether it is z = 0 everywhere."""
         ...
 
-    def height(self, points: Array) -> Array:
-        """Heights (N, ...) [m] at points (N, ..., 2) of the world [m]."""
+    def height(self, points: Array, gaps: bool = True) -> Array:
+        """Heights (N, ...) [m] at points (N, ..., 2) of the world [m].
+
+        Without ``gaps`` the ground goes on level over them, where a foot should not be.
+        """
+        ...
+
+    def gradient(self, points: Array) -> Array:
+        """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
         ...
 
 
@@ -48,9 +76,13 @@ class FlatGround:
 
     flat: bool = True
 
-    def height(self, points: Array) -> Array:
+    def height(self, points: Array, gaps: bool = True) -> Array:
         """Zeros (N, ...) for points (N, ..., 2)."""
         return zeros(points.shape[:-1], points)
+
+    def gradient(self, points: Array) -> Array:
+        """Zeros (N, ..., 2) for points (N, ..., 2)."""
+        return zeros(points.shape, points)
 
 
 FLAT = FlatGround()
@@ -58,75 +90,135 @@ FLAT = FlatGround()
 
 @dataclass(frozen=True)
 class UnevenGround:
-    """One grid for N robots, each of which starts somewhere else on it.
+    """Grounds of N robots: a plane, bars across the way, square tiles and waves, added up.
+
+    The world's x axis is the way. Bars are steps, stairs or boards: bar j of n has its top at j
+    times the rise, from start + (j − 1) tread + gap to start + j tread. The first and the last go
+    on without end; between them are gaps.
 
     Attributes:
-        tile: heights [m] of the grid points of one period (n, n), rows along y.
-        cell: edge of a cell [m].
-        offset: (N, 2) the world's origin of a robot lies at minus this on the grid [m].
+        slope: (N, 2) rise over run along x and y.
+        rise, tread, gap, start: (N,) of the bars [m].
+        bars: (N,) number of bars beside the first; 0: none.
+        tiles: (N,) amplitude of the tiles' heights [m].
+        waves: (N,) amplitude of the waves [m].
+        place: (N, 2) where on the table of tiles, in the field [m], the robot's origin is.
+        table: (64, 64) of tiles, uniform in [-1, 1].
     """
 
-    tile: Array
-    cell: float
-    offset: Array
+    slope: Array
+    rise: Array
+    tread: Array
+    gap: Array
+    start: Array
+    bars: Array
+    tiles: Array
+    waves: Array
+    place: Array
+    table: Array
     flat: bool = False
 
-    def height(self, points: Array) -> Array:
-        """Heights (N, ...) [m] at points (N, ..., 2) [m], on the triangles that MuJoCo makes."""
-        shape = (len(points),) + (1,) * (points.ndim - 2) + (2,)
-        scaled = (points - self.offset.reshape(shape)) / self.cell
-        xp = namespace(scaled)
-        below = xp.floor(scaled)
-        place, share = xp.asarray(below, dtype=xp.int64), scaled - below
-        column, row, x, y = place[..., 0], place[..., 1], share[..., 0], share[..., 1]
-        a, b = self._at(row, column), self._at(row, column + 1)
-        c, d = self._at(row + 1, column), self._at(row + 1, column + 1)
-        # The edge between the triangles of a cell goes from a to d.
-        return xp.where(x >= y, a + x * (b - a) + y * (d - b), a + y * (c - a) + x * (d - c))
+    def height(self, points: Array, gaps: bool = True) -> Array:
+        """Heights (N, ...) [m] at points (N, ..., 2) [m]; see :class:`Ground`."""
+        plane = (self._wide(self.slope, points) * points).sum(-1)
+        depth = DEPTH if gaps else 0.0
+        return plane + self._bar(points, depth) + self._tile(points) + self._field(points)[0]
 
-    def _at(self, row: Array, column: Array) -> Array:
-        return self.tile[row % len(self.tile), column % len(self.tile)]
+    def gradient(self, points: Array) -> Array:
+        """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
+        return self._wide(self.slope, points) + self._field(points)[1]
+
+    def _wide(self, values: Array, points: Array) -> Array:
+        """Values (N, ...) of the robots with as many dimensions as their points (N, ..., 2)."""
+        return values.reshape(len(values), *(1,) * (points.ndim - 2), *values.shape[1:])
+
+    def _bar(self, points: Array, depth: float) -> Array:
+        xp, (rise, tread, gap, start, bars) = namespace(points), (
+            self._wide(values, points)
+            for values in (self.rise, self.tread, self.gap, self.start, self.bars)
+        )
+        ahead = points[..., 0] - start
+        number = (xp.floor(ahead / tread) + 1.0).clip(0.0, None)
+        number = xp.minimum(number, bars)
+        hole = (number > 0) & (ahead - (number - 1.0) * tread < gap)
+        return rise * number - depth * hole
+
+    def tile(self, cells: Array) -> Array:
+        """Heights (N, ...) [m] of tiles by their numbers (N, ..., 2); nine about the origin: 0."""
+        xp = namespace(cells)
+        place = xp.floor(self._wide(self.place, cells) / CELL)
+        index = xp.asarray(cells + place, dtype=xp.int64) % TILES
+        level = (abs(cells) <= 1.0).all(-1)
+        return self._wide(self.tiles, cells) * self.table[index[..., 0], index[..., 1]] * ~level
+
+    def _tile(self, points: Array) -> Array:
+        return self.tile(namespace(points).floor(points / CELL + 0.5))
+
+    def _field(self, points: Array) -> tuple[Array, Array]:
+        """Heights (N, ...) and gradients (N, ..., 2) of the waves, which fade in from the start."""
+        xp, waves = namespace(points), self._wide(self.waves, points)
+        vectors, shares = asarray(_WAVES, points), asarray(_SHARES, points)
+        phases = (points + self._wide(self.place, points)) @ vectors.T
+        distance = xp.sqrt((points**2).sum(-1) + 1e-12)
+        share = ((distance - _FADE) / _FADE).clip(0.0, 1.0)
+        fade = share * share * (3.0 - 2.0 * share)
+        steep = 6.0 * share * (1.0 - share) / _FADE / distance
+        wave = waves * (xp.sin(phases) @ shares)
+        gradient = waves[..., None] * ((xp.cos(phases) * shares) @ vectors)
+        return fade * wave, fade[..., None] * gradient + (steep * wave)[..., None] * points
 
 
-def random_tile(config: GroundConfig, rng: np.random.Generator) -> Array:
-    """Heights [m] of one period (n, n), uniform within ± the amplitude."""
-    points = round(config.period / config.cell)
-    return config.amplitude * rng.uniform(-1.0, 1.0, (points, points))
+def magnitude(kind: str, level: float) -> str:
+    """A level of a kind, in words."""
+    if kind.startswith("slope"):
+        return f"{math.degrees(SLOPE) * level:.3g}°"
+    scale = {"step": STEP, "stairs": RISE, "gaps": GAP, "tiles": TILE, "field": WAVE}
+    sign = "± " if kind in ("tiles", "field") else ""
+    return f"{sign}{100 * scale.get(kind.partition('_')[0], 0.0) * level:.3g} cm"
 
 
-def lay(spec: "mujoco.MjSpec", config: GroundConfig, tile: np.ndarray) -> None:
-    """Replace the floor of a model by a height field with the heights of one period (n, n) [m]."""
+class Boxes(NamedTuple):
+    """Ground near N robots as K boxes each.
+
+    Attributes:
+        position, quaternion, half: (N, K, 3), (N, K, 4), (N, K, 3) [m].
+    """
+
+    position: np.ndarray
+    quaternion: np.ndarray
+    half: np.ndarray
+
+
+def lay(spec: "mujoco.MjSpec") -> None:
+    """Give a described robot the boxes of the ground near it, and let sensors feel them."""
     import mujoco
 
-    margin = int(np.ceil(_MARGIN / config.cell))
-    nodes = len(tile) + 2 * margin + 1
-    rows = (np.arange(nodes) - margin) % len(tile)
-    heights = tile[np.ix_(rows, rows)]
-    half = 0.5 * (nodes - 1) * config.cell
-    lowest, highest = float(heights.min()), float(heights.max())
-    field = spec.add_hfield(
-        name="ground", nrow=nodes, ncol=nodes, size=[half, half, highest - lowest, _BASE]
-    )
-    field.userdata = heights.ravel()  # MuJoCo maps the lowest to 0, the highest to 1
     floor = spec.geom(names.FLOOR)
-    floor.type = mujoco.mjtGeom.mjGEOM_HFIELD
-    floor.hfieldname = field.name
-    floor.pos = [0.5 * config.period, 0.5 * config.period, lowest - SKIN]
-    floor.margin = SKIN
+    for index in range(_BOXES):
+        box = spec.worldbody.add_geom(
+            name=_box(index), type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1, 0.1, _THICK]
+        )
+        box.pos, box.quat = [0.1, 0.1, _HIDDEN], [0.8, 0.6, 0.0, 0.0]  # neither is left out
+        box.contype, box.conaffinity = floor.contype, floor.conaffinity
+    floor.pos, floor.quat = [0.1, 0.1, 0.0], [0.8, 0.6, 0.0, 0.0]
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE  # its tree does not move
     for side in names.SIDES:
         _stud(spec, side)
+    for sensor in spec.sensors:
+        if sensor.objname == names.FLOOR:
+            sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_BODY, "world"
 
 
 def _stud(spec: "mujoco.MjSpec", side: str) -> None:
     """Let a row of spheres touch the ground in place of the foot's capsule, which they fill.
 
-    MuJoCo finds one contact of a capsule with each triangle: a light foot would rock on it.
+    MuJoCo's contacts of a capsule with a box jump along it: a light foot rocks on them.
     """
     import mujoco
 
     line, body = spec.geom(names.foot(side)), spec.body(names.foot(side))
     start, end = np.array(line.fromto[:3]), np.array(line.fromto[3:])
-    for share in _POINTS:
+    for share in _ALONG:
         stud = body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[line.size[0], 0, 0], mass=0.0)
         stud.pos = (1 - share) * start + share * end
         stud.contype, stud.conaffinity = line.contype, line.conaffinity
@@ -136,52 +228,275 @@ def _stud(spec: "mujoco.MjSpec", side: str) -> None:
     sensor.reftype, sensor.refname = mujoco.mjtObj.mjOBJ_BODY, body.name
 
 
+def _box(index: int) -> str:
+    return f"ground_{index}"
+
+
 class Terrain:
-    """Where N robots are on the ground.
+    """Grounds of N robots in their models.
+
+    Args:
+        config: kinds and levels.
+        robot: for its feet.
+        models: of the N robots, laid out by :func:`lay`.
+        table: heights of tiles (64, 64) in [-1, 1].
 
     Attributes:
-        offset: (N, 2) place of a robot in the world minus its place on the height field [m].
-        sensor_offset: (N, 2) the same for sensors, which were read before the last wrap [m].
+        levels: (N,).
+        ground: under the robots.
     """
 
     def __init__(
-        self, config: GroundConfig, robot: RobotConfig, tile: np.ndarray, count: int
+        self,
+        config: TerrainConfig,
+        robot: RobotConfig,
+        models: Sequence["mujoco.MjModel"],
+        table: np.ndarray,
     ) -> None:
-        self._config, self._geometry, self._tile = config, robot.geometry, tile
-        self.offset, self.sensor_offset = np.zeros((2, count, 2))
+        self._config, self._geometry, count = config, robot.geometry, len(models)
+        self.kinds = np.array([config.kinds[i % len(config.kinds)] for i in range(count)])
+        self.levels = np.full(count, config.level.lower)
+        self.ground = UnevenGround(
+            slope=np.zeros((count, 2)),
+            **{name: np.zeros(count) for name in ("rise", "gap", "start", "bars")},
+            tread=np.ones(count),
+            **{name: np.zeros(count) for name in ("tiles", "waves")},
+            place=np.zeros((count, 2)),
+            table=table,
+        )
+        self._uneven = np.flatnonzero(self.kinds != "flat")
+        self._views = [_Views(models[i]) for i in self._uneven]
+
+    def grade(self, passed: np.ndarray, fell: np.ndarray) -> None:
+        """Move the levels of robots (N,) that walked an episode through, or fell, by one."""
+        if not self._config.curriculum:
+            return
+        levels = self.levels + (1.0 * passed - 1.0 * fell)
+        self.levels[:] = levels.clip(self._config.level.lower, None)
 
     @property
-    def ground(self) -> UnevenGround:
-        """The ground as it lies in the world of each robot."""
-        return UnevenGround(self._tile, self._config.cell, self.offset.copy())
+    def mean_level(self) -> float:
+        """Mean level of the robots that are not on flat ground."""
+        return float(self.levels[self._uneven].clip(None, self._config.level.upper).mean())
 
-    def place(self, index: np.ndarray, qpos: np.ndarray, uniform: np.ndarray) -> np.ndarray:
-        """Put robots ``index`` somewhere on the field by numbers (N, 2) in [0, 1).
+    def speeds(self, share: float) -> np.ndarray:
+        """Factors (N,) on velocities: ``share`` of robots on uneven ground."""
+        return np.where(self.kinds == "flat", 1.0, share)
+
+    def begin(self, index: np.ndarray, qpos: np.ndarray, uniform: np.ndarray) -> np.ndarray:
+        """Give robots ``index`` new grounds by numbers (n, ``DRAWS``) in [0, 1), and lay them.
 
         Returns:
-            Positions (n, 19) on the field: the feet are as high above the ground as they were
-            above a plane in ``qpos`` (n, 19).
+            Positions (n, 19): legs as long, and feet as steep, as the ground below them asks for;
+            the lowest foot as high above the ground as in ``qpos`` (n, 19) above a plane.
         """
-        qpos = qpos.copy()
-        self.offset[index] = qpos[:, :2] - self._config.period * uniform[index]
-        self.sensor_offset[index] = self.offset[index]
-        qpos[:, 2] += self._lift(index, qpos)
-        qpos[:, :2] -= self.offset[index]
+        self._draw(index, uniform)
+        place = replace_rows(self.ground, index)
+        qpos = self._stand(place, qpos)
+        ends = self._ends(qpos)
+        self._lay(index, place, qpos[:, :2], ends.mean(axis=2)[..., :2])
         return qpos
 
-    def _lift(self, index: np.ndarray, qpos: np.ndarray) -> np.ndarray:
-        rotation = rotation_from_quaternion(qpos[:, 3:7])
-        ends = foot_ends(self._geometry, rotation, qpos[:, 7:]) + qpos[:, None, None, :3]
-        line = (1 - _POINTS)[:, None] * ends[:, :, :1] + _POINTS[:, None] * ends[:, :, 1:]
-        points = line.reshape(len(qpos), -1, 3)
-        here = UnevenGround(self._tile, self._config.cell, self.offset[index])
-        above = points[..., 2] - here.height(points[..., :2])
-        return points[..., 2].min(axis=1) - above.min(axis=1)
+    def _draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
+        bounds, level = self._config.level, self.levels[index]
+        drawn = bounds.lower + (bounds.upper - bounds.lower) * uniform[:, 0]
+        # Robots beyond the highest level do not all stay there.
+        there = self._config.curriculum & (level <= bounds.upper)
+        self.levels[index] = np.where(there, level, drawn)
+        level, kinds, ground = self.levels[index], self.kinds[index], self.ground
 
-    def wrap(self, qpos: np.ndarray) -> None:
-        """Put robots that left the period back by one, in place in positions (N, 19)."""
-        period = self._config.period
-        gone = period * np.floor(qpos[:, :2] / period)
-        qpos[:, :2] -= gone
-        self.sensor_offset[:] = self.offset
-        self.offset += gone
+        def of(*wanted: str) -> np.ndarray:
+            return level * np.isin(kinds, wanted)
+
+        side = np.where(uniform[:, 1] < 0.5, -1.0, 1.0)
+        along = of("slope_up") - of("slope_down")
+        ground.slope[index] = np.tan(SLOPE * np.stack([along, side * of("slope_across")], axis=1))
+        stairs, boards = np.isin(kinds, ["stairs_up", "stairs_down"]), kinds == "gaps"
+        single = np.isin(kinds, ["step_up", "step_down"])
+        ground.rise[index] = STEP * (of("step_up") - of("step_down"))
+        ground.rise[index] += RISE * (of("stairs_up") - of("stairs_down"))
+        ground.gap[index] = GAP * of("gaps")
+        ground.tread[index] = np.where(boards, BOARD, TREAD)
+        ground.bars[index] = 1.0 * single + STAIRS * stairs + BOARDS * boards
+        least, most = PLATFORM
+        ground.start[index] = least + (most - least) * uniform[:, 2]
+        ground.tiles[index], ground.waves[index] = TILE * of("tiles"), WAVE * of("field")
+        ground.place[index] = TILES * CELL * uniform[:, 3:5]
+
+    def _ends(self, qpos: np.ndarray) -> np.ndarray:
+        """Lowest points of heels and toes (n, 2, 2, 3) [m]."""
+        rotation = rotation_from_quaternion(qpos[:, 3:7])
+        ends = foot_ends(self._geometry, rotation, qpos[:, 7:])
+        return ends + qpos[:, None, None, :3]
+
+    def _stand(self, ground: UnevenGround, qpos: np.ndarray) -> np.ndarray:
+        """Fit the legs to the ground, and lift the robot until no foot is lower in it."""
+        before = self._ends(qpos)
+        yaw = yaw_of(rotation_from_quaternion(qpos[:, 3:7]))
+        qpos = qpos.copy()
+        qpos[:, 7:] += fitted(ground, before.mean(axis=2)[..., :2], yaw)
+        line = _ALONG[:, None]
+        ends = self._ends(qpos)
+        points = (1 - line) * ends[:, :, :1] + line * ends[:, :, 1:]
+        above = points[..., 2] - ground.height(points[..., :2])
+        qpos[:, 2] += before[..., 2].min(axis=(1, 2)) - above.min(axis=(1, 2))
+        return qpos
+
+    def follow(self, base: np.ndarray, feet: np.ndarray, velocities: np.ndarray) -> None:
+        """Put the boxes under the feet.
+
+        Args:
+            base: positions (N, 2) [m] of the bases.
+            feet: positions (N, 2, 2) [m] of the middles of the feet.
+            velocities: of these (N, 2, 2) [m/s].
+        """
+        index = self._uneven
+        feet = feet[index] + _LOOK_AHEAD * velocities[index]
+        self._lay(index, replace_rows(self.ground, index), base[index], feet)
+
+    def _lay(
+        self, index: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
+    ) -> None:
+        boxes = boxes_near(ground, base, feet)
+        floor = floors(ground)
+        order = np.searchsorted(self._uneven, index)
+        for row, number in enumerate(order):
+            if self.kinds[index[row]] != "flat":
+                self._views[number].set(*(values[row] for values in (*floor, *boxes)))
+
+
+class _Views:
+    """The arrays of a model that place its ground."""
+
+    def __init__(self, model: "mujoco.MjModel") -> None:
+        floor, first = model.geom(names.FLOOR).id, model.geom(_box(0)).id
+        boxes = slice(first, first + _BOXES)
+        self._floor = model.geom_pos[floor], model.geom_quat[floor]
+        self._position, self._quaternion = model.geom_pos[boxes], model.geom_quat[boxes]
+        self._half, self._bound = model.geom_size[boxes], model.geom_rbound[boxes]
+        self._reach = model.geom_aabb[boxes, 3:]
+
+    def set(
+        self,
+        floor_position: np.ndarray,
+        floor_quaternion: np.ndarray,
+        position: np.ndarray,
+        quaternion: np.ndarray,
+        half: np.ndarray,
+    ) -> None:
+        self._floor[0][:], self._floor[1][:] = floor_position, floor_quaternion
+        self._position[:], self._quaternion[:] = position, quaternion
+        self._half[:] = self._reach[:] = half
+        self._bound[:] = np.sqrt((half * half).sum(axis=1))
+
+
+def replace_rows(ground: UnevenGround, index: np.ndarray) -> UnevenGround:
+    """The grounds of robots ``index``."""
+    rows = {name: values[index] for name, values in vars(ground).items() if name not in _WHOLE}
+    return UnevenGround(**rows, table=ground.table)
+
+
+_WHOLE = ("table", "flat")
+
+
+def floors(ground: UnevenGround) -> tuple[np.ndarray, np.ndarray]:
+    """Position (N, 3) and quaternion (N, 4) of the plane: the slope, or below everything else."""
+    boxed = (ground.bars > 0) | (ground.tiles > 0) | (ground.waves > 0)
+    position = np.zeros((len(boxed), 3))
+    lowest = np.minimum(ground.rise * ground.bars, 0.0) - DEPTH
+    position[:, 2] = np.where(boxed, lowest, 0.0)
+    return position, quaternion_to(ground.slope)
+
+
+def quaternion_to(slope: np.ndarray) -> np.ndarray:
+    """Turns (..., 4) from the vertical to the normal of planes with a slope (..., 2)."""
+    normal = np.concatenate([-slope, np.ones_like(slope[..., :1])], axis=-1)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    half = np.sqrt(0.5 * (1.0 + normal[..., 2]))
+    zero = np.zeros_like(half)
+    return np.stack(
+        [half, -0.5 * normal[..., 1] / half, 0.5 * normal[..., 0] / half, zero], axis=-1
+    )
+
+
+def boxes_near(ground: UnevenGround, base: np.ndarray, feet: np.ndarray) -> Boxes:
+    """The ground near bases (N, 2) and feet (N, 2, 2) [m] as boxes."""
+    count = len(base)
+    boxes = Boxes(
+        np.tile([0.0, 0.0, _HIDDEN], (count, _BOXES, 1)),
+        np.tile([1.0, 0.0, 0.0, 0.0], (count, _BOXES, 1)),
+        np.full((count, _BOXES, 3), 0.1),
+    )
+    for part, used in (
+        (_bars, ground.bars > 0),
+        (_tiles, ground.tiles > 0),
+        (_tangents, ground.waves > 0),
+    ):
+        rows = np.flatnonzero(used)
+        if len(rows):
+            part(boxes, rows, replace_rows(ground, rows), base[rows], feet[rows])
+    return boxes
+
+
+def _bars(
+    boxes: Boxes, rows: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
+) -> None:
+    """As many bars as there are boxes, about the base."""
+    bars, tread, start = ground.bars[:, None], ground.tread[:, None], ground.start[:, None]
+    here = np.floor((base[:, :1] - start) / tread) + 1.0 - _BOXES // 2
+    number = np.clip(here, 0.0, np.maximum(bars + 1.0 - _BOXES, 0.0)) + np.arange(_BOXES)
+    low = start + (number - 1.0) * tread + ground.gap[:, None]
+    high = start + number * tread
+    low = np.where(number == 0, np.minimum(base[:, :1], high) - 2 * _LONG, low)
+    high = np.where(number == bars, np.maximum(base[:, :1], low) + 2 * _LONG, high)
+    there = number <= bars
+    top = np.where(there, ground.rise[:, None] * number, _HIDDEN)
+    boxes.position[rows, :, 0] = 0.5 * (low + high)
+    boxes.position[rows, :, 1] = base[:, 1:]
+    boxes.position[rows, :, 2] = top - _THICK
+    boxes.half[rows, :, 0] = 0.5 * (high - low)
+    boxes.half[rows, :, 1], boxes.half[rows, :, 2] = _LONG, _THICK
+
+
+def _tiles(
+    boxes: Boxes, rows: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
+) -> None:
+    """The four tiles nearest to the middle of each foot."""
+    near = np.floor(feet / CELL)[:, :, None] + [[0, 0], [0, 1], [1, 0], [1, 1]]  # (N, 2, 4, 2)
+    cells = near.reshape(len(rows), _BOXES, 2)
+    boxes.position[rows, :, :2] = CELL * cells
+    boxes.position[rows, :, 2] = ground.tile(cells) - _THICK
+    boxes.half[rows] = [0.5 * CELL, 0.5 * CELL, _THICK]
+
+
+def _tangents(
+    boxes: Boxes, rows: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
+) -> None:
+    """The tangent plane under the middle of each foot."""
+    feet_of = slice(0, len(names.SIDES))
+    quaternion = quaternion_to(ground.gradient(feet))
+    rotation = rotation_from_quaternion(quaternion.reshape(-1, 4)).reshape(*feet.shape[:2], 3, 3)
+    top = np.concatenate([feet, ground.height(feet)[..., None]], axis=-1)
+    boxes.position[rows, feet_of] = top - _THICK * rotation[..., 2]
+    boxes.quaternion[rows, feet_of] = quaternion
+    boxes.half[rows, feet_of] = [*_PATCH, _THICK]
+
+
+def fitted(ground: Ground, feet: Array, yaw: Array) -> Array:
+    """Change of joint positions (N, 12) by which legs made for level ground fit to the ground.
+
+    A slide is shorter by as much as the ground under its foot is higher than the mean under both,
+    an ankle is turned by the slope along the heading.
+
+    Args:
+        ground: under the robots.
+        feet: middles of the feet (N, 2, 2) [m].
+        yaw: headings (N,) [rad].
+    """
+    heights, result = ground.height(feet, gaps=False), zeros((len(yaw), names.NUM_JOINTS), yaw)
+    mean, gradient = heights.mean(-1), ground.gradient(feet)
+    for leg, side in enumerate(names.SIDES):
+        steep = turn_to_heading(gradient[:, leg], yaw)[:, 0]
+        result[:, names.JOINTS.index(f"{side}_slide")] = mean - heights[:, leg]
+        result[:, names.JOINTS.index(f"{side}_ankle")] = -namespace(yaw).arctan(steep)
+    return result

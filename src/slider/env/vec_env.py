@@ -29,6 +29,8 @@ from slider.library.lookup import GaitTable, JointTable, StepTimes
 from slider.library.reader import GaitLibrary
 from slider.robot.names import ACTUATED, NUM_JOINTS
 
+_CROSSED = 1.0  # way of an episode after which its terrain counts as crossed [m]
+
 
 @dataclass(frozen=True)
 class Task:
@@ -125,6 +127,9 @@ class WalkingEnv(VecEnv):
         self.agent = AgentInterface(robot, config, self.num_envs, task.times, task.reference, like)
         self._commands = VelocitySampler(train.velocities, config.control_period, like)
         self.curriculum = Curriculum(train.velocities.curriculum, self.num_envs, like)
+        self._share: torch.Tensor | None = None  # of the velocities drawn, on uneven ground
+        if self.physics.terrain is not None:
+            self._share = like.new_tensor(self.physics.terrain.speeds(train.velocities.uneven))
         self._reward = Reward(train.reward)
         self._outputs = like.new_full((self.num_envs, 2, len(ACTUATED)), math.inf)
         self._reset(torch.arange(self.num_envs, device=self.device))
@@ -171,7 +176,7 @@ class WalkingEnv(VecEnv):
             self._outputs = seen.outputs.clone()
         speed_error = abs(view.filtered_velocity[:, 0] - view.command[:, 0])
         self._diverged += state.diverged.sum()
-        timed_out = self._end_episodes(fell)
+        timed_out = self._end_episodes(fell, state)
         self._change_velocities()
         self._observe()
         extras = {
@@ -186,12 +191,15 @@ class WalkingEnv(VecEnv):
         self._measured = self.physics.measure(state).tensors(self._like)
         return state.tensors(self._like)
 
-    def _end_episodes(self, fell: torch.Tensor) -> torch.Tensor:
+    def _end_episodes(self, fell: torch.Tensor, state: RobotState) -> torch.Tensor:
         """Reset robots that fell or timed out; return those (N,) that timed out."""
         self.episode_length_buf += 1
         timed_out = (self.episode_length_buf >= self.max_episode_length) & ~fell
         ended = fell | timed_out
         self.curriculum.note(ended, fell)
+        if self.physics.terrain is not None:
+            crossed = timed_out & (torch.hypot(*state.base_position[:, :2].T) > _CROSSED)
+            self.physics.terrain.grade(crossed.numpy(), fell.numpy())
         index = ended.nonzero().flatten()
         if len(index):
             self._reset(index)
@@ -211,12 +219,14 @@ class WalkingEnv(VecEnv):
         log["/episode/diverged"] = (1.0 * diverged).sum()
         if self.curriculum.enabled:
             log["/episode/command_share"] = self.curriculum.share.mean()
+        if self.physics.terrain is not None:
+            log["/episode/terrain_level"] = self.physics.terrain.mean_level
         return log
 
     def _reset(self, index: torch.Tensor) -> None:
         """Start robots ``index`` (n,)."""
         count, rng, agent = len(index), self._rng, self.agent
-        agent.set_velocity_command(index, self._draw_velocities(count))
+        agent.set_velocity_command(index, self._draw_velocities(index))
         command = agent.command[index, :3]
         phase = rng.uniform(size=count) if agent.clock is not None else command.new_zeros(count)
         fraction = 0.0 if self._guide is None else self._train.reset.reference_fraction
@@ -241,10 +251,11 @@ class WalkingEnv(VecEnv):
     def _change_velocities(self) -> None:
         index = self._commands.changing(self._rng, self.num_envs)
         if len(index):
-            self.agent.set_velocity_command(index, self._draw_velocities(len(index)))
+            self.agent.set_velocity_command(index, self._draw_velocities(index))
 
-    def _draw_velocities(self, count: int) -> torch.Tensor:
-        return self._commands.sample(self._rng, count, self.curriculum.share)
+    def _draw_velocities(self, index: torch.Tensor) -> torch.Tensor:
+        velocities = self._commands.sample(self._rng, len(index), self.curriculum.share)
+        return velocities if self._share is None else self._share[index, None] * velocities
 
     def _observe(self) -> None:
         values = self.agent.observe(self._measured)

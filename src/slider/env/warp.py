@@ -83,6 +83,7 @@ class Simulation:
         self._inputs = [control[i] for i in range(steps)]
         self.control = wp.to_torch(control)
         self.qpos, self.qvel = wp.to_torch(self._data.qpos), wp.to_torch(self._data.qvel)
+        self.applied = wp.to_torch(self._data.qfrc_applied)
         self.sensors = wp.to_torch(self._data.sensordata)
         self._overflow = wp.to_torch(self._data.overflow)
         self._advance = self._graph(self._simulate)
@@ -177,7 +178,10 @@ class WarpPhysics:
         qpos, qvel: (N, 19), (N, 18) positions and velocities, shared with the simulation.
         simulation: MuJoCo Warp's.
         model: of the nominal robot.
+        terrain: none; the ground is flat.
     """
+
+    terrain = None
 
     def __init__(
         self,
@@ -251,7 +255,9 @@ class WarpPhysics:
         """Simulate one ``period`` [s] with constant inputs (N, 12) [rad or m; N m or N]."""
         control = (inputs @ self._to_motors)[:, None].expand(-1, len(self.simulation.control), -1)
         if self._disturber is not None:
-            self._disturber.push(self.qvel)
+            force = self._disturber.push()
+            if force is not None:
+                self.simulation.applied[:, :2] = force
             control = self._disturber.drive(control)
         self.simulation.control.copy_(control.transpose(0, 1))
         self.simulation.step()
@@ -322,7 +328,7 @@ class WarpModels:
         if new.friction is not None:
             friction = torch.where(self._sliding, new.friction[:, None, None], friction)
         values = {
-            "body_mass": mass * nominal["body_mass"],
+            "body_mass": mass * nominal["body_mass"] + self._base * new.payload[:, None],
             "body_inertia": mass[:, :, None] * nominal["body_inertia"],
             "body_ipos": nominal["body_ipos"] + self._base[:, None] * new.shift[:, None],
             "geom_friction": friction,

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import torch
@@ -48,7 +48,9 @@ class Selector:
         robot, env, config = task.robot, task.env, task.train.selection
         self._env, self._config = env, config
         count = len(config.speeds) * config.robots
-        disturbed = Disturbance(task.train.disturbance, (config.seed,))
+        disturbance = task.train.disturbance
+        terrain = replace(disturbance.terrain, curriculum=False)  # all of its levels
+        disturbed = Disturbance(replace(disturbance, terrain=terrain), (config.seed,))
         self._physics = BatchedPhysics(
             robot, env.physics, count, threads, disturbance=disturbed, onboard=env.estimation
         )
@@ -56,6 +58,8 @@ class Selector:
         self._start = at_rest(robot, USUAL_NOISE, np.random.default_rng(config.seed), count)
         self._command = np.zeros((count, 3))
         self._command[:, 0] = np.repeat(config.speeds, config.robots)
+        if self._physics.terrain is not None:
+            self._command[:, 0] *= self._physics.terrain.speeds(task.train.velocities.uneven)
 
     def score(self, network: Callable[[torch.Tensor], torch.Tensor]) -> Score:
         """Score of a deterministic policy."""

@@ -53,6 +53,7 @@ def _job(
     """
     check_clock(config.env, train, label)
     train = _resolved(train)
+    config = replace(config, env=replace(config.env, sensing=train.sensing))
     section = simulation(config) | {"train": to_dict(train)}
     if train.simulator == "mujoco_warp":
         warp = code_of(WARP)

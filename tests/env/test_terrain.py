@@ -1,103 +1,210 @@
-"""Uneven ground: the same for MuJoCo, for feet, scan, starts, heights and terminations."""
+"""Terrain: closed forms, the boxes in MuJoCo, feet on them, starts, scan, guide and curriculum."""
 
 # pyright: reportAttributeAccessIssue=false
 
 from dataclasses import replace
+from typing import get_args
 
 import mujoco
 import numpy as np
+import pytest
 
-from slider.env import terminations
+from slider.config.env import TerrainKind
+from slider.core.arrays import tensors
+from slider.env import terminations, terrain
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
-from slider.env.terrain import FLAT, SKIN, UnevenGround
+from slider.env.physics import BatchedPhysics
+from slider.env.terrain import FLAT, UnevenGround, fitted, magnitude, replace_rows
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
-from tests.env.synthetic import disturbed_physics, make_arrays, make_view, robot_config, stand
+from tests.env.synthetic import (
+    disturbed_physics,
+    make_arrays,
+    make_guide,
+    make_view,
+    momentum,
+    robot_config,
+    stand,
+)
 
-AMPLITUDE = 0.03
-SETTING = f"ground.amplitude={AMPLITUDE}"
-COUNT = 30
-
-
-def ramp(count: int, slope: float = 0.1) -> UnevenGround:
-    """Rises with x, as long as nobody walks further than 50 m."""
-    tile = np.tile(slope * np.arange(100.0), (100, 1))
-    return UnevenGround(tile, 1.0, np.zeros((count, 2)))
-
-
-def offsets(physics) -> np.ndarray:
-    """Places in the world minus those on the height field (N, 2) [m]."""
-    return physics.read().base_position[:, :2] - physics.qpos[:, :2]
+COUNT = 12
+KINDS = tuple(kind for kind in get_args(TerrainKind) if kind != "flat")
+EVERY = np.arange(COUNT)
 
 
-def test_heights_are_those_of_mujocos_height_field():
-    physics = stand(disturbed_physics(1, SETTING))
-    ground = physics.read().ground
-    offset = offsets(physics)[0]
-    model = physics.model
+def on(*kinds: str, level: float = 5.0, more: tuple[str, ...] = (), **ends: float):
+    """Physics of robots on kinds of terrain in turn; ``ends`` of the curriculum's levels."""
+    lower, upper = ends.get("lower", level), ends.get("upper", level)
+    curriculum = str(bool(ends)).lower()
+    text = f"kinds: [{', '.join(kinds)}], level: {{lower: {lower}, upper: {upper}}}"
+    return disturbed_physics(COUNT, f"terrain={{{text}, curriculum: {curriculum}}}", *more)
+
+
+def ground_of(physics: BatchedPhysics) -> UnevenGround:
+    assert physics.terrain is not None
+    return physics.terrain.ground
+
+
+def height(physics: BatchedPhysics, x: list[float], y: float = 0.0) -> np.ndarray:
+    """Heights (N, points) [m] at places x on the way."""
+    points = np.stack([x, np.full(len(x), y)], axis=1)
+    return ground_of(physics).height(np.tile(points, (COUNT, 1, 1)))
+
+
+def test_slopes_rise_by_their_angle():
+    slope = np.tan(np.radians(5 * 1.25))
+    np.testing.assert_allclose(height(stand(on("slope_up")), [2.0])[0], 2.0 * slope)
+    np.testing.assert_allclose(height(stand(on("slope_down")), [2.0])[0], -2.0 * slope)
+    across = height(stand(on("slope_across")), [0.0], y=1.0)[:, 0]
+    np.testing.assert_allclose(np.abs(across), slope)
+    assert len(np.unique(across.round(9))) == 2, "to either side"
+
+
+@pytest.mark.parametrize(("sign", "way"), [(1.0, "up"), (-1.0, "down")])
+def test_steps_and_stairs_begin_after_level_ground(sign, way):
+    step = height(stand(on(f"step_{way}")), [0.0, 0.29, 0.61, 5.0])
+    np.testing.assert_allclose(step[0], sign * np.array([0.0, 0.0, 0.06, 0.06]))
+    physics = stand(on(f"stairs_{way}"))
+    starts = ground_of(physics).start
+    assert np.ptp(starts) > 0.05, "not all at one place"
+    first = float(starts[0])
+    edges = first + 0.3 * np.arange(12)
+    risers = height(physics, [*(edges - 1e-6), *(edges + 1e-6)])[0].reshape(2, 12)
+    np.testing.assert_allclose(risers[0], sign * 0.05 * np.arange(12), atol=1e-12)
+    np.testing.assert_allclose(risers[1], sign * 0.05 * np.arange(1, 13), atol=1e-12)
+    np.testing.assert_allclose(height(physics, [20.0])[0], sign * 0.6)
+
+
+def test_gaps_lie_between_boards():
+    physics = stand(on("gaps"))
+    start = float(ground_of(physics).start[0])
+    places = [start + 0.01, start + 0.07, start + 0.08, start + 0.39, start + 0.41]
+    np.testing.assert_allclose(height(physics, places)[0], [-0.5, -0.5, 0.0, 0.0, -0.5])
+    points = np.zeros((COUNT, 1, 2)) + [start + 0.01, 0.0]
+    np.testing.assert_array_equal(ground_of(physics).height(points, gaps=False), 0.0)
+
+
+def test_tiles_are_level_within_themselves_and_about_the_start():
+    physics = stand(on("tiles"))
+    middle = height(physics, [1.0])
+    np.testing.assert_array_equal(height(physics, [0.9, 1.1]), np.tile(middle, 2))
+    far = height(physics, list(np.arange(2.0, 12.0, 0.25)))
+    assert 0.035 < np.abs(far).max() <= 0.04
+    assert np.ptp(far, axis=0).min() > 0.01, "every robot has other tiles"
+    np.testing.assert_array_equal(height(physics, [-0.37, 0.0, 0.37], y=0.3), 0.0)
+
+
+def test_the_gradient_of_a_field_is_that_of_its_heights():
+    ground = ground_of(stand(on("field")))
+    points = np.random.default_rng(0).uniform(-3.0, 3.0, (COUNT, 200, 2))
+    steps = 1e-6 * np.eye(2)
+    numeric = [(ground.height(points + s) - ground.height(points - s)) / 2e-6 for s in steps]
+    np.testing.assert_allclose(np.stack(numeric, axis=-1), ground.gradient(points), atol=1e-7)
+    heights = ground.height(points)
+    assert 0.015 < np.abs(heights).max() <= 0.02
+    assert not ground.height(points[:, :1] * 0).any(), "level where the robot starts"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_ray_meets_the_ground_of_the_formula_under_every_foot(kind):
+    physics = stand(on(kind))
+    rng = np.random.default_rng(0)
+    base = rng.uniform([0.0, -2.0], [6.0, 2.0], (COUNT, 2))
+    feet = base[:, None] + [[0.2, 0.1], [-0.2, -0.1]]
+    physics.terrain.follow(base, feet, np.zeros_like(feet))
+    along = np.linspace(-0.085, 0.085, 7)
+    points = feet[:, :, None] + np.stack([along, 0.001 + 0.0 * along], axis=-1)
+    expected = ground_of(physics).height(points)
+    tolerance = 0.002 if kind == "field" else 1e-9  # which is its tangent plane at the foot
+    for robot, model in enumerate(physics.models):
+        measured = [[_ray(model, point) for point in foot] for foot in points[robot]]
+        np.testing.assert_allclose(measured, expected[robot], atol=tolerance)
+
+
+def _ray(model: mujoco.MjModel, point: np.ndarray) -> float:
     data = mujoco.MjData(model)
+    data.qpos[2] = 50.0
     mujoco.mj_forward(model, data)
-    group, found = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8), np.zeros(1, dtype=np.int32)
-    model.geom_group[:] = 1
-    model.geom(names.FLOOR).group = 0
-    for place in np.random.default_rng(0).uniform(-1.4, 5.4, (200, 2)):
-        above, down = np.array([*place, 2.0]), np.array([0.0, 0.0, -1.0])
-        distance = mujoco.mj_ray(model, data, above, down, group, 1, -1, found, None)
-        here = ground.height((place + offset)[None])[0]
-        assert abs(2.0 - distance + SKIN - here) < 1e-6
-        assert abs(here) <= AMPLITUDE
+    model.geom_group[:] = np.where(model.geom_bodyid == 0, 0, 1)
+    above, down = np.array([*point, 3.0]), np.array([0.0, 0.0, -1.0])
+    group, geom = np.array([1, 0, 0, 0, 0, 0], dtype=np.uint8), np.zeros(1, dtype=np.int32)
+    return 3.0 - mujoco.mj_ray(model, data, above, down, group, 1, -1, geom, None)
 
 
-def lowest_clearance(state) -> np.ndarray:
-    """Of heel and toe of both feet above the ground (N,) [m]."""
+def clearance(physics: BatchedPhysics) -> np.ndarray:
+    """Of points along both feet above the ground (N, 2, 5) [m]."""
+    state, line = physics.read(), np.linspace(0.0, 1.0, 5)[:, None]
     ends = foot_ends(robot_config().geometry, state.rotation, state.joint_positions)
-    points = (ends + state.base_position[:, None, None]).reshape(state.num_robots, 4, 3)
-    return (points[..., 2] - state.ground.height(points[..., :2])).min(axis=1)
+    ends = ends + state.base_position[:, None, None]
+    points = (1 - line) * ends[:, :, :1] + line * ends[:, :, 1:]
+    return points[..., 2] - state.ground.height(points[..., :2])
 
 
-def test_a_start_touches_the_ground_and_the_feet_carry_the_robot():
-    physics = stand(disturbed_physics(COUNT, SETTING))
-    state = physics.read()
-    clearance = lowest_clearance(state)
-    assert (clearance > -1e-9).all()
-    assert (clearance < 2 * AMPLITUDE).all()
-    assert np.ptp(state.base_position[:, 2]) > AMPLITUDE, "not all on one height"
-    np.testing.assert_allclose(state.base_position[:, :2], 0.0, atol=1e-12)
-    for _ in range(15):
+@pytest.mark.parametrize("kind", ["slope_up", "slope_down", "slope_across", "tiles", "field"])
+def test_a_start_fits_the_ground_which_carries_the_robot(kind):
+    physics = stand(on(kind))
+    np.testing.assert_allclose(clearance(physics).min(axis=(1, 2)), 0.0, atol=1e-9)
+    assert clearance(physics).min(axis=2).max() < 0.004, "both feet are on the ground"
+    held = physics.qpos[:, 7:].copy()
+    for _ in range(10):
+        physics.step(held)
+    assert clearance(physics).min() > -0.002, "feet sink in as little as in a plane"
+    force = physics.read().foot_forces.sum(axis=1)
+    np.testing.assert_allclose(force, physics.masses * 9.81, rtol=0.2)
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.1])
+def test_a_robot_slides_down_a_slope_by_coulombs_law(friction):
+    """Momentum along the slope and normal to it: a_t = g sin θ − μ (g cos θ + a_n)."""
+    more = (f"friction={{lower: {friction}, upper: {friction}}}",)
+    physics = stand(on("slope_down", level=10.0, more=more))
+    held, before = physics.qpos[:, 7:].copy(), momentum(physics)
+    for _ in range(5):
+        physics.step(held)
+    gained = (momentum(physics) - before) / physics.masses[:, None] / (5 * physics.period)
+    angle = np.radians(12.5)
+    along = gained[:, 0] * np.cos(angle) - gained[:, 2] * np.sin(angle)
+    normal = gained[:, 0] * np.sin(angle) + gained[:, 2] * np.cos(angle)
+    expected = 9.81 * np.sin(angle) - friction * (9.81 * np.cos(angle) + normal)
+    np.testing.assert_allclose(along, expected, rtol=0.03)
+
+
+def test_boxes_follow_feet_that_walk_on():
+    physics = stand(on("stairs_up", "tiles", "field"))
+    for step in range(60):  # carried over the ground, feet down
+        physics.qvel[:, 0] = 2.0
         physics.step(np.zeros((COUNT, names.NUM_JOINTS)))
+        if step == 5:
+            physics.qpos[:, 2] += 0.3
+            physics.qvel[:, 2] = 0.0
     state = physics.read()
-    assert (lowest_clearance(state) > -0.002).all(), "feet sink in as little as in a plane"
-    force = state.foot_forces.sum(axis=1).mean()
-    np.testing.assert_allclose(force, physics.masses[0] * 9.81, rtol=0.1)
+    for robot in range(0, COUNT, 3):
+        model = physics.models[robot]
+        for foot in state.foot_positions[robot, :, :2]:
+            here = ground_of(physics).height(np.tile(foot, (COUNT, 1)))[robot]
+            assert abs(_ray(model, foot) - here) < 0.003
 
 
-def test_a_robot_that_leaves_the_field_goes_on_in_its_world():
-    physics = stand(disturbed_physics(COUNT, SETTING))
-    placed = offsets(physics)[:, 0]
-    physics.qvel[:, 0] = 3.0
-    xs = [physics.read().base_position[:, 0]]
-    heights, feet = [], []
-    for _ in range(15):
-        physics.step(np.zeros((COUNT, names.NUM_JOINTS)))
-        state = physics.read()
-        xs.append(state.base_position[:, 0])
-        heights.append(lowest_clearance(state))
-        feet.append(state.foot_positions[:, :, 0])
-    now = offsets(physics)[:, 0]
-    assert np.isin((now - placed).round(9), [0.0, 4.0]).all(), "by whole periods"
-    assert (now - placed > 1.0).any(), "somebody was put back by a period"
-    assert (np.abs(np.diff(feet, axis=0)) < 0.2).all(), "no jumps"
-    moved = np.diff(xs, axis=0)
-    assert (np.abs(moved) < 0.1).all(), "no jumps"
-    assert ((physics.qpos[:, :2] >= 0) & (physics.qpos[:, :2] < 4.0)).all()
-    assert np.min(heights) > -0.02
+def test_flat_robots_among_others_are_as_on_the_plane():
+    physics, plain = stand(on("flat", "tiles")), stand(disturbed_physics(COUNT))
+    for moment in (physics, plain):
+        for _ in range(10):
+            moment.step(np.zeros((COUNT, names.NUM_JOINTS)))
+    np.testing.assert_allclose(physics.qpos[::2], plain.qpos[::2], atol=1e-2)
+    assert not physics.read().ground.height(np.ones((COUNT, 2)))[::2].any()
+
+
+def ramp(slope: float = 0.1) -> UnevenGround:
+    """Rises with x."""
+    rows = replace_rows(ground_of(stand(on("slope_up"))), np.arange(2))
+    return replace(rows, slope=np.array([[slope, 0.0]] * 2))
 
 
 def test_the_scan_reads_the_ground_below_each_point():
     state = replace(
         make_arrays(2, base_position=[[50.0, 20.0, 6.0], [50.0, 20.0, 6.0]], yaw=[0.0, np.pi / 2]),
-        ground=ramp(2),
+        ground=ramp(),
     ).tensors(FLOAT64)
     scan = height_scan(make_view(state)).reshape(2, 15, 12)
     x = 0.1 * (np.arange(15) - 7.0)
@@ -108,13 +215,78 @@ def test_the_scan_reads_the_ground_below_each_point():
     np.testing.assert_array_equal(flat, 6.0)
 
 
-def test_base_height_and_terminations_are_about_the_ground_below():
+def test_base_height_and_terminations_are_about_the_ground_under_the_feet():
     heights = [5.0 + 0.5, 5.0 + 0.3]
     state = replace(
-        make_arrays(2, base_position=[[50.0, 0.0, heights[0]], [50.0, 0.0, heights[1]]]),
-        ground=ramp(2),
+        make_arrays(
+            2,
+            base_position=[[50.0, 0.0, heights[0]], [50.0, 0.0, heights[1]]],
+            foot_positions=[[[49.0, 0.1, 0.0], [51.0, -0.1, 0.0]]] * 2,
+        ),
+        ground=ramp(),
     ).tensors(FLOAT64)
     np.testing.assert_allclose(state.base_height, [0.5, 0.3])
     np.testing.assert_array_equal(terminations.failed(state, {"base_height": 0.4}), [False, True])
     view = make_view(state)
     np.testing.assert_allclose(base_height(view)[:, 0], state.base_height - view.nominal_height)
+
+
+def test_the_guide_follows_the_ground_under_each_foot():
+    feet = np.array([[[0.2, 0.1], [-0.2, -0.1]]] * 2)
+    change = fitted(ramp(), feet, np.array([0.0, np.pi]))
+    left, right = (names.JOINTS.index(f"{side}_slide") for side in names.SIDES)
+    np.testing.assert_allclose(change[:, left], -0.02, atol=1e-12)
+    np.testing.assert_allclose(change[:, right], 0.02, atol=1e-12)
+    ankle = names.JOINTS.index("left_ankle")
+    np.testing.assert_allclose(change[:, ankle], [-np.arctan(0.1), np.arctan(0.1)])
+    positions = np.concatenate([feet, np.zeros((2, 2, 1))], axis=-1)
+    state = make_arrays(2, foot_positions=positions, yaw=[0.0, np.pi])
+    view = make_view(state.tensors(FLOAT64))
+    level = make_guide().at_phase(view)
+    uneven = replace(view, state=replace(view.state, ground=tensors(ramp(), FLOAT64)))
+    difference = make_guide().at_phase(uneven) - level
+    np.testing.assert_allclose(difference[:, :12], change, atol=1e-12)
+    assert not difference[:, 12:].any()
+
+
+def test_levels_go_up_with_a_walk_and_down_with_a_fall():
+    physics = stand(on("stairs_up", "flat", lower=2.0, upper=4.0))
+    levels = physics.terrain
+    assert levels.mean_level == 2.0
+    walked, fell = np.arange(COUNT) < 6, np.arange(COUNT) >= 8
+    levels.grade(walked, fell)
+    np.testing.assert_array_equal(levels.levels[[0, 6, 8]], [3.0, 2.0, 2.0])
+    stand(physics)
+    np.testing.assert_allclose(ground_of(physics).rise[[0, 6]], [0.03, 0.02])
+    for _ in range(2):
+        levels.grade(np.ones(COUNT, dtype=bool), ~np.ones(COUNT, dtype=bool))
+    assert levels.levels[0] == 5.0
+    stand(physics)  # beyond the highest level: any of them
+    drawn = levels.levels[[0, 2, 4]]
+    assert ((drawn >= 2.0) & (drawn <= 4.0)).all()
+    assert np.ptp(drawn) > 0.1
+
+
+def test_levels_are_drawn_within_their_interval():
+    text = "terrain={kinds: [step_up], level: {lower: 1.0, upper: 3.0}, curriculum: false}"
+    physics = stand(disturbed_physics(200, text))
+    levels = physics.terrain.levels
+    assert levels.min() >= 1.0
+    assert levels.max() <= 3.0
+    assert np.ptp(levels) > 1.8
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [("slope_up", "6.25°"), ("step_up", "6 cm"), ("stairs_down", "5 cm"), ("gaps", "7.5 cm")]
+    + [("tiles", "± 4 cm"), ("field", "± 2 cm")],
+)
+def test_a_level_is_said_in_words(kind, text):
+    assert magnitude(kind, 5.0) == text
+
+
+def test_boxes_cost_no_dimension_of_the_robot():
+    physics = on("tiles")
+    plain = disturbed_physics(COUNT)
+    assert (physics.model.nq, physics.model.nv) == (plain.model.nq, plain.model.nv)
+    assert physics.model.ngeom - plain.model.ngeom == 8 + 10, terrain._BOXES

@@ -229,7 +229,7 @@ class EnvConfig:
     phase: PhaseConfig
     start: StartNoise = field(default_factory=lambda: StartNoise(0, 0, 0, 0, 0, 0))
     sensing: Sensing = "true_state"
-    """what agents receive in training: the true state, or its estimate from sensors on board"""
+    """what agents receive: the true state, or its estimate from sensors on board"""
     onboard: OnboardConfig | None = None
     """not in the section of a stage that does not use it"""
 

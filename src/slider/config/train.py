@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.env import DisturbanceConfig
+from slider.config.env import DisturbanceConfig, Sensing
 from slider.config.types import (
     STRICT,
     Count,
@@ -52,7 +52,7 @@ class VelocitiesConfig:
     standing_fraction: Share
     """share of zero velocities"""
     curriculum: CurriculumConfig
-    uneven: Share = 1.0
+    uneven: Share
     """on ground that is not flat velocities are this share of those drawn"""
 
 
@@ -212,6 +212,8 @@ class TrainConfig:
     ppo: PpoConfig
     selection: SelectionConfig
     disturbance: DisturbanceConfig
+    sensing: Sensing
+    """what agents receive: the true state, or its estimate from sensors on board"""
 
 
 @dataclass(frozen=True, config=STRICT)

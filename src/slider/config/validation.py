@@ -174,18 +174,18 @@ def _trainings(config: Config) -> None:
                 expected = f"{own}, as train.walking.network has it"
                 require(other == own, f"{key}.network.{name}", expected, other)
         _train(train, config.env, key)
-        _processor(train, config.env, key)
+        _processor(train, key)
         _disturbance(train.disturbance, config.env, f"{key}.disturbance")
 
 
-def _processor(train: TrainConfig, env: EnvConfig, key: str) -> None:
+def _processor(train: TrainConfig, key: str) -> None:
     """Physics, ground and device that go together."""
     simulator, device = train.simulator, train.device
     possible = simulator == "mujoco" or train.disturbance.terrain.kinds == ["flat"]
     expected = "mujoco with disturbance.terrain"
     require(possible, f"{key}.simulator", expected, simulator)
-    possible = simulator == "mujoco" or env.sensing == "true_state"
-    require(possible, f"{key}.simulator", "mujoco with env.sensing=onboard", simulator)
+    possible = simulator == "mujoco" or train.sensing == "true_state"
+    require(possible, f"{key}.simulator", "mujoco with sensing=onboard", simulator)
     possible = simulator == "mujoco_warp" or device == "cpu"
     require(possible, f"{key}.device", f"cpu with simulator={simulator}", device)
     possible = device == "cuda" or train.gpus == 1

@@ -198,9 +198,8 @@ def lay(spec: "mujoco.MjSpec") -> None:
         box = spec.worldbody.add_geom(
             name=_box(index), type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1, 0.1, _THICK]
         )
-        box.pos, box.quat = [0.1, 0.1, _HIDDEN], [0.8, 0.6, 0.0, 0.0]  # neither is left out
+        box.pos = [0.0, 0.0, _HIDDEN]
         box.contype, box.conaffinity = floor.contype, floor.conaffinity
-    floor.pos, floor.quat = [0.1, 0.1, 0.0], [0.8, 0.6, 0.0, 0.0]
     spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE  # its tree does not move
     for side in names.SIDES:
         _stud(spec, side)
@@ -265,7 +264,9 @@ class Terrain:
             table=table,
         )
         self._uneven = np.flatnonzero(self.kinds != "flat")
-        self._views = [_Views(models[i]) for i in self._uneven]
+        self._views = [_Views(model) for model in models]
+        everyone, origin = np.arange(count), np.zeros((count, 2))
+        self._lay(everyone, self.ground, origin, np.stack([origin, origin], axis=1))
 
     def grade(self, passed: np.ndarray, fell: np.ndarray) -> None:
         """Move the levels of robots (N,) that walked an episode through, or fell, by one."""
@@ -293,8 +294,7 @@ class Terrain:
         self._draw(index, uniform)
         place = replace_rows(self.ground, index)
         qpos = self._stand(place, qpos)
-        ends = self._ends(qpos)
-        self._lay(index, place, qpos[:, :2], ends.mean(axis=2)[..., :2])
+        self._lay(index, place, qpos[:, :2], self._ends(qpos).mean(axis=2)[..., :2])
         return qpos
 
     def _draw(self, index: np.ndarray, uniform: np.ndarray) -> None:
@@ -357,12 +357,8 @@ class Terrain:
     def _lay(
         self, index: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
     ) -> None:
-        boxes = boxes_near(ground, base, feet)
-        floor = floors(ground)
-        order = np.searchsorted(self._uneven, index)
-        for row, number in enumerate(order):
-            if self.kinds[index[row]] != "flat":
-                self._views[number].set(*(values[row] for values in (*floor, *boxes)))
+        for robot, *values in zip(index, *floors(ground), *boxes_near(ground, base, feet)):
+            self._views[robot].set(*values)
 
 
 class _Views:
@@ -371,10 +367,12 @@ class _Views:
     def __init__(self, model: "mujoco.MjModel") -> None:
         floor, first = model.geom(names.FLOOR).id, model.geom(_box(0)).id
         boxes = slice(first, first + _BOXES)
+        assert first == floor + 1
         self._floor = model.geom_pos[floor], model.geom_quat[floor]
         self._position, self._quaternion = model.geom_pos[boxes], model.geom_quat[boxes]
         self._half, self._bound = model.geom_size[boxes], model.geom_rbound[boxes]
         self._reach = model.geom_aabb[boxes, 3:]
+        self._shortcuts = model.geom_sameframe[floor : first + _BOXES]
 
     def set(
         self,
@@ -388,6 +386,7 @@ class _Views:
         self._position[:], self._quaternion[:] = position, quaternion
         self._half[:] = self._reach[:] = half
         self._bound[:] = np.sqrt((half * half).sum(axis=1))
+        self._shortcuts[:] = 0  # mj_setConst takes what lies in the world's frame to stay there
 
 
 def replace_rows(ground: UnevenGround, index: np.ndarray) -> UnevenGround:

@@ -44,9 +44,11 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.sensors.*",
             "*.delay.*",
             "*.centre_of_mass",
-            "*.push.speed",
+            "*.push.*",
+            "*.payload.*",
+            "*.terrain.*",
         ),  # nominal
-        *("*.amplitude", "*.damping", "*.armature"),  # flat; none of its own
+        *("*.damping", "*.armature"),  # none of its own
         *("*.kp", "*.kd", "*.whole_body.*.weight[[]*", "*_weight", "*_coefficient"),  # switched off
         *("*.reward.terms.*.weight", "*.reward.terms.*.params.*", "*.floor", "*.on_fall"),
         *("*.action.scale.*", "*.termination.terms.*"),  # a passive joint; no contact at all

@@ -29,8 +29,9 @@ EVERYTHING = (
     "mass={lower: 0.9, upper: 1.1}",
     "centre_of_mass=0.02",
     "friction={lower: 0.5, upper: 1.2}",
-    "push={speed: 0.5, interval: 0.1}",
-    "ground.amplitude=0.01",
+    "payload={lower: 0.0, upper: 2.0}",
+    "push={impulse: {lower: 6.5, upper: 6.5}, duration: 0.04, interval: 0.1}",
+    "terrain={kinds: [tiles], level: {lower: 2.0, upper: 3.0}}",
 )
 
 
@@ -52,28 +53,44 @@ def make_disturber(count: int, *settings: str) -> Disturber:
     return Disturber(disturbance, whole.robot, make_physics(1).model, "position", count)
 
 
-def test_a_push_changes_the_velocity_of_the_base_once_per_interval():
-    physics, disturber = make_physics(200), make_disturber(200, "push={speed: 0.5, interval: 0.1}")
-    disturber.begin(np.arange(200), physics.qpos)
-    change = np.zeros((200, 18))
-    for _ in range(5):
-        disturber.push(change)
-        assert not change.any()
-        disturber.drive(np.zeros((200, 4, 10)))  # 20 ms
-    disturber.push(change)
-    np.testing.assert_allclose(np.linalg.norm(change[:, :2], axis=1), 0.5)
-    assert not change[:, 2:].any()
-    angle = np.arctan2(change[:, 1], change[:, 0])
+def test_a_push_is_a_force_for_a_while_at_regular_times():
+    disturber = make_disturber(200, "push={impulse: {lower: 2.0, upper: 6.0}, duration: 0.04}")
+    disturber.begin(np.arange(200), make_physics(200).qpos)
+    forces = []
+    for _ in range(305):  # control steps of 20 ms
+        forces.append(disturber.push().copy())
+        disturber.drive(np.zeros((200, 4, 10)))
+    impulses = np.linalg.norm(forces, axis=2) * 0.04
+    pushed = np.flatnonzero(impulses.any(axis=1))
+    np.testing.assert_array_equal(pushed, [150, 151, 300, 301])
+    np.testing.assert_array_equal(forces[150], forces[151])
+    assert 2.0 <= impulses[pushed].min() < 2.2
+    assert 5.8 < impulses.max() <= 6.0
+    assert np.abs(np.array(forces[150]) - forces[300]).max() > 10.0, "every push is another one"
+    angle = np.arctan2(*forces[150].T)
     assert np.histogram(angle, 4, (-np.pi, np.pi))[0].min() > 30, "in all directions"
 
 
-def test_a_push_gives_the_whole_robot_momentum():
-    """The legs keep their joint speeds: all of the mass is faster by 0.5 m/s at first."""
-    physics = stand(make_physics(1), 0.1)
-    before = momentum(physics)
-    physics.qvel[0, :2] += [0.3, -0.4]
-    gained = momentum(physics) - before
-    np.testing.assert_allclose(gained[:, :2], physics.masses[:, None] * [[0.3, -0.4]], atol=1e-9)
+def test_a_push_may_have_a_direction():
+    disturber = make_disturber(2, f"push={{impulse: {{lower: 5, upper: 5}}, direction: {np.pi / 2}}}")
+    disturber.begin(np.arange(2), make_physics(2).qpos)
+    for _ in range(151):
+        force = disturber.push()
+        disturber.drive(np.zeros((2, 4, 10)))
+    np.testing.assert_allclose(force, [[0.0, 50.0]] * 2, atol=1e-9)
+
+
+@pytest.mark.parametrize("actuation", ["position", "torque"])
+def test_a_push_gives_a_robot_in_the_air_its_impulse(actuation):
+    push = "push={impulse: {lower: 4.0, upper: 4.0}, duration: 0.06, interval: 0.1, direction: 0.5}"
+    physics = disturbed_physics(3, push, actuation=actuation)
+    qpos = np.tile(physics.nominal, (3, 1))
+    qpos[:, 2] += 2.0
+    physics.reset(np.arange(3), qpos, np.zeros((3, 18)))
+    for _ in range(9):
+        physics.step(np.zeros((3, names.NUM_JOINTS)))
+    gained = momentum(physics)
+    np.testing.assert_allclose(gained[:, :2], 4.0 * np.array([[np.cos(0.5), np.sin(0.5)]] * 3), 0.01)
 
 
 def test_nothing_asked_for_is_bit_identical_to_no_disturbance():

@@ -176,7 +176,8 @@ def test_legs_that_move_in_the_air_carry_nothing():
 
 
 def test_uneven_ground_leaves_place_and_height_where_they_are():
-    whole = config("experiment=test", "evaluation.disturbance.ground.amplitude=0.005")
+    text = "terrain={kinds: [tiles], level: {lower: 1.0, upper: 1.0}}"
+    whole = config("experiment=test", f"evaluation.disturbance.{text}")
     disturbance = Disturbance(whole.evaluation.disturbance, (1,))
     physics = BatchedPhysics(
         robot_config(), whole.env.physics, COUNT, disturbance=disturbance, onboard=PERFECT

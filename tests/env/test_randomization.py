@@ -30,6 +30,15 @@ def test_mass_is_weight_on_the_feet():
     np.testing.assert_allclose(inertia, share[:, None, None] * physics.model.body_inertia)
 
 
+def test_a_payload_is_carried_by_the_base():
+    physics = stand(disturbed_physics(COUNT, "payload={lower: 1.0, upper: 3.0}"))
+    masses = np.array([model.body_mass for model in physics.models]) - physics.model.body_mass
+    base = physics.model.body(names.BASE).id
+    assert 1.0 <= masses[:, base].min() < 1.3 < 2.7 < masses[:, base].max() <= 3.0
+    assert not np.delete(masses, base, axis=1).any()
+    np.testing.assert_allclose(physics.masses, physics.model.body_mass.sum() + masses[:, base])
+
+
 def test_the_centre_of_mass_of_the_base_moves_and_no_other():
     physics = stand(disturbed_physics(COUNT, "centre_of_mass=0.02"))
     places = np.array([model.body_ipos for model in physics.models]) - physics.model.body_ipos

@@ -80,7 +80,7 @@ def test_a_fine_tuning_goes_on_from_a_walking_policy(library, tmp_path):
     for name, iterations in {"same": 0, "tuned": 1}.items():
         whole = config(*TINY, "finetuning=robust", *_tiny_finetuning(iterations))
         assert whole.finetuning is not None
-        assert whole.finetuning.disturbance.push.speed > 0
+        assert whole.finetuning.disturbance.push.impulse.upper > 0
         tuning = {**section(), "train": to_dict(whole.finetuning)}
         run_walking(tuning, inputs, folders[name], Job(tmp_path / f"work_{name}"))
     weights = {n: load_policy(f / POLICY_FILE).network.state_dict() for n, f in folders.items()}

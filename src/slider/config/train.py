@@ -52,7 +52,7 @@ class VelocitiesConfig:
     standing_fraction: Share
     """share of zero velocities"""
     curriculum: CurriculumConfig
-    uneven: Share
+    uneven: Annotated[Share, Field(gt=0)]
     """on ground that is not flat velocities are this share of those drawn"""
 
 

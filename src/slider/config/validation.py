@@ -159,6 +159,8 @@ def _disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> No
     push = disturbance.push
     _multiple(f"{key}.push.duration", push.duration, env.control_period)
     _multiple(f"{key}.push.interval", push.interval, env.control_period)
+    expected = f"less than its interval ({push.interval} s)"
+    require(push.duration < push.interval, f"{key}.push.duration", expected, push.duration)
 
 
 def _trainings(config: Config) -> None:

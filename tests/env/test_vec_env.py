@@ -21,7 +21,10 @@ from tests.env.synthetic import (
 )
 from tests.library.gaits import write_store
 
-EXPERIMENTS = ("default", "turning", "omni", "robust", "outdoor", "paper", "paper_alive", "smoke", "test")
+EXPERIMENTS = (
+    *("default", "turning", "omni", "robust", "outdoor"),
+    *("paper", "paper_alive", "smoke", "test"),
+)
 NUM_ENVS = 6
 FEW = (f"train.standing.robots={NUM_ENVS}", f"train.walking.robots={NUM_ENVS}")
 

@@ -28,7 +28,8 @@ DISTURBED = config(
     "evaluation.disturbance.friction={lower: 0.4, upper: 1.0}",
     "evaluation.disturbance.centre_of_mass=0.03",
     "evaluation.disturbance.delay={lower: 0.0, upper: 0.03}",
-    "evaluation.disturbance.push={impulse: {lower: 0.65, upper: 0.65}, duration: 0.04, interval: 0.1}",
+    "evaluation.disturbance.push.impulse={lower: 0.65, upper: 0.65}",
+    "evaluation.disturbance.push={duration: 0.04, interval: 0.1}",
     "evaluation.disturbance.sensing.joint_position=0.005",
     "evaluation.disturbance.sensing.orientation=0.02",
 ).evaluation.disturbance

@@ -133,9 +133,12 @@ class UnevenGround:
         return values.reshape(len(values), *(1,) * (points.ndim - 2), *values.shape[1:])
 
     def _bar(self, points: Array, depth: float) -> Array:
-        xp, (rise, tread, gap, start, bars) = namespace(points), (
-            self._wide(values, points)
-            for values in (self.rise, self.tread, self.gap, self.start, self.bars)
+        xp, (rise, tread, gap, start, bars) = (
+            namespace(points),
+            (
+                self._wide(values, points)
+                for values in (self.rise, self.tread, self.gap, self.start, self.bars)
+            ),
         )
         ahead = points[..., 0] - start
         number = (xp.floor(ahead / tread) + 1.0).clip(0.0, None)
@@ -357,7 +360,8 @@ class Terrain:
     def _lay(
         self, index: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
     ) -> None:
-        for robot, *values in zip(index, *floors(ground), *boxes_near(ground, base, feet)):
+        arrays = (*floors(ground), *boxes_near(ground, base, feet))
+        for robot, *values in zip(index, *arrays, strict=True):
             self._views[robot].set(*values)
 
 

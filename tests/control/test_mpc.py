@@ -11,6 +11,7 @@ from slider.control.mpc import advance_swing, mpc_controller, swing_at_rest
 from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.memory import OFF, STAND, WALK
 from slider.control.whole_body.references import ReferenceVelocity
+from slider.env.disturbance import Disturbance
 from slider.env.metrics import CONTACT_FORCE
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
@@ -61,6 +62,21 @@ def test_walks_forward_with_the_mean_velocity_that_it_is_told():
     assert single[50:].mean() > 0.9
     assert 0.3 < contact[50:, :, 0].mean() < 0.7, "both legs carry"
     np.testing.assert_allclose(recording.yaw[-1], 0.0, atol=0.1)
+
+
+@pytest.mark.parametrize("kind", ["slope_up", "slope_down", "slope_across"])
+def test_walks_on_a_slope_that_it_receives(kind):
+    text = f"terrain={{kinds: [{kind}], level: {{lower: 4.8, upper: 4.8}}}}"
+    whole = config(f"evaluation.disturbance.{text}")
+    control = whole.control["mpc_wbc_tuned"]
+    settings = replace(whole.env.physics, substeps=control.substeps)
+    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
+    physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque", disturbance)
+    controller = mpc_controller(robot_config(), control, physics.period)
+    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
+    command = np.tile([0.6, 0.0, 0.0], (COUNT, 1))
+    recording = roll_out(controller, physics, whole.env, start, command, SETTLED)
+    np.testing.assert_allclose(steady(recording), [0.6, 0.0], atol=0.05)
 
 
 def test_literal_settings_walk_slower_than_the_command():
@@ -174,7 +190,7 @@ def fly(target_at) -> np.ndarray:
             np.array([tick * PERIOD]),
             np.array([TIME]),
             np.array([GROUND]),
-            APEX,
+            np.array([APEX + GROUND]),
             SETTINGS,
             PERIOD,
         )

@@ -15,7 +15,7 @@ from slider.env import terminations, terrain
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
 from slider.env.physics import BatchedPhysics
-from slider.env.terrain import FLAT, UnevenGround, fitted, magnitude, replace_rows
+from slider.env.terrain import FLAT, UnevenGround, fitted, magnitude
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
 from tests.env.synthetic import (
@@ -197,7 +197,7 @@ def test_flat_robots_among_others_are_as_on_the_plane():
 
 def ramp(slope: float = 0.1) -> UnevenGround:
     """Rises with x."""
-    rows = replace_rows(ground_of(stand(on("slope_up"))), np.arange(2))
+    rows = ground_of(stand(on("slope_up"))).of(np.arange(2))
     return replace(rows, slope=np.array([[slope, 0.0]] * 2))
 
 

@@ -86,10 +86,15 @@ class MpcSteps:
         foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
         heading = memory.heading[robots] + 0.5 * yaw_rate * config.step.time
         feet = stance[:, None]
+        # The pendulum goes along the plane of the ground under its foot.
+        slope = memory.slope(robots, support[:, :2])
+        height = support[:, 2] + (slope * (dynamics.com - support)[:, :2]).sum(axis=1)
+        climb = (slope * dynamics.com_velocity[:, :2]).sum(axis=1)
+        slope = memory.to_heading(memory.slope(robots, memory.foothold[robots]), robots)[:, 0]
         parts = [
-            *self._body.body(memory, robots, dynamics, flat, support[:, 2], weight),
+            *self._body.body(memory, robots, dynamics, flat, height, weight, climb),
             self._swing(dynamics, foot, memory.swing[robots]),
-            self._swing_rotation(dynamics, foot, heading, yaw_rate),
+            self._swing_rotation(dynamics, foot, heading, yaw_rate, np.arctan(slope)),
             self._body.stance(dynamics, feet, np.zeros(feet.shape)),
         ]
         return self._body.solve(dynamics, parts, feet, np.ones(feet.shape, dtype=bool))
@@ -101,14 +106,15 @@ class MpcSteps:
             left = memory.duration[robots] - memory.elapsed[robots]
             due = np.flatnonzero(left > config.planner.lock)
             self._plan(memory, robots[due], dynamics, due)
-        ground = dynamics.foot_positions[np.arange(len(robots)), memory.stance[robots], 2]
+        support = dynamics.foot_positions[np.arange(len(robots)), memory.stance[robots]]
+        ground = support[:, 2] + memory.rise(robots, support[:, :2], memory.foothold[robots])
         memory.swing[robots] = advance_swing(
             memory.swing[robots],
             memory.foothold[robots],
             memory.elapsed[robots],
             memory.duration[robots],
             ground + config.swing.compression,
-            config.step.apex,
+            np.maximum(support[:, 2], ground) + config.swing.compression + config.step.apex,
             config.swing,
             self._period,
         )
@@ -146,16 +152,21 @@ class MpcSteps:
         return jacobian, desired + reference[:, :, 2] - bias, weight
 
     def _swing_rotation(
-        self, dynamics: Dynamics, foot: np.ndarray, heading: np.ndarray, yaw_rate: np.ndarray
+        self,
+        dynamics: Dynamics,
+        foot: np.ndarray,
+        heading: np.ndarray,
+        yaw_rate: np.ndarray,
+        slope: np.ndarray,
     ) -> Part:
-        """Swing foot (n,) level, along ``heading`` (n,) [rad]; free about its line."""
+        """Swing foot (n,) along ``heading`` and ``slope`` (n,) [rad]; free about its line."""
         robots = np.arange(len(foot))
         rotation = dynamics.foot_rotations[robots, foot]
         axes = pitch_and_yaw(rotation)
         jacobian = axes @ dynamics.foot_jacobians[robots, foot, 3:]
         bias = (axes @ dynamics.foot_bias[robots, foot, 3:, None])[..., 0]
         error = np.stack(
-            [np.arcsin(rotation[:, 2, 0]), wrapped(heading - yaw_of(rotation))], axis=1
+            [np.arcsin(rotation[:, 2, 0]) - slope, wrapped(heading - yaw_of(rotation))], axis=1
         )
         rate = -point_velocity(jacobian, dynamics.qvel)
         rate[:, 1] += yaw_rate
@@ -176,7 +187,7 @@ def advance_swing(
     elapsed: np.ndarray,
     duration: np.ndarray,
     ground: np.ndarray,
-    apex: float,
+    apex: np.ndarray,
     config: SwingConfig,
     period: float,
 ) -> np.ndarray:
@@ -186,8 +197,8 @@ def advance_swing(
         reference: (n, 3, 3) coordinate; position, velocity, acceleration.
         target: foothold (n, 2) [m].
         elapsed, duration: of the step (n,) [s].
-        ground: height of the sole on the ground (n,) [m].
-        apex: largest height above it [m].
+        ground: height of the sole at touchdown (n,) [m].
+        apex: largest height of the sole (n,) [m].
         config: touchdown.
         period: of a tick [s].
     """
@@ -199,7 +210,7 @@ def advance_swing(
     result[:, :2] = quintic(reference[:, :2], goal, time[:, None], period)
     rising = elapsed < duration / 2 - 2 * period
     height = np.zeros((len(target), 3))
-    height[:, 0] = ground + np.where(rising, apex, 0.0)
+    height[:, 0] = np.where(rising, apex, ground)
     height[:, 1] = np.where(rising, 0.0, -config.touchdown_velocity)
     time = np.where(rising, np.maximum(duration / 2 - elapsed, 2 * period), time)
     result[:, 2] = quintic(reference[:, 2], height, time, period)

@@ -47,6 +47,7 @@ _LONG = 1.5  # half the width of bars, and half the length of the first and the 
 _PATCH = (0.14, 0.08)  # half the size of the tangent plane under a foot [m]
 _ALONG = np.linspace(0.0, 1.0, 5)  # of a foot, points that must be above the ground
 _LOOK_AHEAD = 0.01  # boxes lie where feet will be after this time, half a control period [s]
+_WHOLE = ("table", "flat")  # of all robots
 DRAWS = 5  # uniform numbers per robot: level, side, start of the bars, place (2)
 
 
@@ -69,6 +70,10 @@ class Ground(Protocol):
         """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
         ...
 
+    def of(self, robots: Array) -> "Ground":
+        """The ground under ``robots`` (n,) of the N."""
+        ...
+
 
 @dataclass(frozen=True)
 class FlatGround:
@@ -83,6 +88,10 @@ class FlatGround:
     def gradient(self, points: Array) -> Array:
         """Zeros (N, ..., 2) for points (N, ..., 2)."""
         return zeros(points.shape, points)
+
+    def of(self, robots: Array) -> "FlatGround":
+        """The same."""
+        return self
 
 
 FLAT = FlatGround()
@@ -127,6 +136,11 @@ class UnevenGround:
     def gradient(self, points: Array) -> Array:
         """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
         return self._wide(self.slope, points) + self._field(points)[1]
+
+    def of(self, robots: Array) -> "UnevenGround":
+        """The ground under ``robots`` (n,) of the N."""
+        rows = {name: values[robots] for name, values in vars(self).items() if name not in _WHOLE}
+        return UnevenGround(**rows, table=self.table)
 
     def _wide(self, values: Array, points: Array) -> Array:
         """Values (N, ...) of the robots with as many dimensions as their points (N, ..., 2)."""
@@ -295,7 +309,7 @@ class Terrain:
             the lowest foot as high above the ground as in ``qpos`` (n, 19) above a plane.
         """
         self._draw(index, uniform)
-        place = replace_rows(self.ground, index)
+        place = self.ground.of(index)
         qpos = self._stand(place, qpos)
         self._lay(index, place, qpos[:, :2], self._ends(qpos).mean(axis=2)[..., :2])
         return qpos
@@ -355,7 +369,7 @@ class Terrain:
         """
         index = self._uneven
         feet = feet[index] + _LOOK_AHEAD * velocities[index]
-        self._lay(index, replace_rows(self.ground, index), base[index], feet)
+        self._lay(index, self.ground.of(index), base[index], feet)
 
     def _lay(
         self, index: np.ndarray, ground: UnevenGround, base: np.ndarray, feet: np.ndarray
@@ -393,15 +407,6 @@ class _Views:
         self._shortcuts[:] = 0  # mj_setConst takes what lies in the world's frame to stay there
 
 
-def replace_rows(ground: UnevenGround, index: np.ndarray) -> UnevenGround:
-    """The grounds of robots ``index``."""
-    rows = {name: values[index] for name, values in vars(ground).items() if name not in _WHOLE}
-    return UnevenGround(**rows, table=ground.table)
-
-
-_WHOLE = ("table", "flat")
-
-
 def floors(ground: UnevenGround) -> tuple[np.ndarray, np.ndarray]:
     """Position (N, 3) and quaternion (N, 4) of the plane: the slope, or below everything else."""
     boxed = (ground.bars > 0) | (ground.tiles > 0) | (ground.waves > 0)
@@ -437,7 +442,7 @@ def boxes_near(ground: UnevenGround, base: np.ndarray, feet: np.ndarray) -> Boxe
     ):
         rows = np.flatnonzero(used)
         if len(rows):
-            part(boxes, rows, replace_rows(ground, rows), base[rows], feet[rows])
+            part(boxes, rows, ground.of(rows), base[rows], feet[rows])
     return boxes
 
 

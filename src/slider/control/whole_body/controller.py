@@ -120,6 +120,7 @@ class WalkingController:
     def control(self, state: RobotState) -> np.ndarray:
         """Torques (N, 12) [N m or N]; the upper feet have no drive."""
         memory = self.memory
+        memory.ground = state.ground
         memory.mode[-state.gravity[:, 2] < np.cos(_GIVE_UP_TILT)] = OFF
         torques = np.zeros((state.num_robots, names.NUM_JOINTS))
         active = np.flatnonzero(memory.mode != OFF)

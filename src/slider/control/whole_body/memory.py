@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slider.env.phase import standing
+from slider.env.terrain import FLAT, Ground
 from slider.robot.kinematics import turn_to_heading
 
 SWAY, WALK, OFF, STAND = 0, 1, 2, 3
@@ -62,6 +63,7 @@ class Memory:
         previous: (N, 2) reference velocity when the commanded one last changed [m/s].
         changed: ``walked`` at that time (N,) [s].
         target_yaw_rate: (N,) yaw rate [rad/s] to which that of ``velocity`` grows in a walk.
+        ground: under the N robots, as far as they receive it.
     """
 
     velocity: np.ndarray
@@ -81,6 +83,7 @@ class Memory:
     previous: np.ndarray
     changed: np.ndarray
     target_yaw_rate: np.ndarray
+    ground: Ground = FLAT
 
     @classmethod
     def on_both_feet(cls, velocity: np.ndarray, heading: np.ndarray) -> "Memory":
@@ -118,6 +121,15 @@ class Memory:
     def yaw_rate(self, robots: np.ndarray) -> np.ndarray:
         """Commanded yaw rate (n,) [rad/s]; on both feet the robot does not turn."""
         return np.where(self.mode[robots] == WALK, self.velocity[robots, 2], 0.0)
+
+    def rise(self, robots: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Height (n,) [m] of the ground at places ``end`` (n, 2) over that at ``start`` (n, 2)."""
+        ground = self.ground.of(robots)
+        return ground.height(end, gaps=False) - ground.height(start, gaps=False)
+
+    def slope(self, robots: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """Rise over run (n, 2) of the ground at ``places`` (n, 2) along world axes."""
+        return self.ground.of(robots).gradient(places)
 
     def to_heading(self, vectors: np.ndarray, robots: np.ndarray) -> np.ndarray:
         """World (n, 2) → forward, left."""

@@ -72,11 +72,15 @@ class BodyControl:
         flat: np.ndarray,
         ground: np.ndarray,
         weight: np.ndarray,
+        climb: np.ndarray | float = 0.0,
     ) -> list[Part]:
-        """Centre of mass with level acceleration ``flat`` (n, 2) above ``ground`` (n,), base."""
+        """Centre of mass with level acceleration ``flat`` (n, 2) above ``ground`` (n,), base.
+
+        The ground under it rises by ``climb`` (n,) [m/s].
+        """
         task = self._config.com
         error = self._height - (dynamics.com[:, 2] - ground)
-        lift = task.kp * error - task.kd * dynamics.com_velocity[:, 2]
+        lift = task.kp * error - task.kd * (dynamics.com_velocity[:, 2] - climb)
         acceleration = np.concatenate([flat, lift[:, None]], axis=1)
         return [
             (dynamics.com_jacobian, acceleration - dynamics.com_bias, weight),

@@ -16,7 +16,9 @@ from pipeline.stages.evaluation import (
 from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY
 from slider.config.convert import to_dict
+from slider.config.env import TerrainConfig, TerrainKind
 from slider.config.schema import Config
+from slider.config.types import Interval
 from slider.reports.sections import OPTIONAL, SECTIONS
 
 _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
@@ -25,15 +27,17 @@ _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     """The page; its sections declare what it needs: a target, or a group of its inputs."""
     video = config.report.video
-    available: dict[str, Sequence[JobSpec]] = {name: [job] for name, job in targets.items()}
+    available: dict[str, list[JobSpec]] = {name: [job] for name, job in targets.items()}
     for name, target in targets.items():
-        available |= {f"{name}.{group}": jobs for group, jobs in target.inputs.items()}
+        available |= {f"{name}.{group}": list(jobs) for group, jobs in target.inputs.items()}
     available["videos"] = [
         _video(config, controller, speed, targets)
         for controller in config.evaluation.controllers
         for speed in video.speeds
         if video.renderer != "none" and base_of(controller) == controller
     ]
+    if video.terrain is not None and video.renderer != "none":
+        available["videos"] += [_on_terrain(config, kind, targets) for kind in video.terrain.kinds]
     inputs = {}
     for need in needs(config):
         name = need.removesuffix(OPTIONAL)
@@ -75,11 +79,23 @@ def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, Job
         "label": labels(config, [controller])[controller],
         "start": to_dict(config.evaluation.start),
         "disturbance": to_dict(config.evaluation.disturbance),
-        "video": without(to_dict(config.report.video), "speeds"),
+        "video": without(to_dict(config.report.video), "speeds", "terrain"),
     }
     label = f"video of {controller} at {speed:.1f} m/s"
     inputs = control_inputs(config, controller, jobs)
     return job("video", label, section, inputs, tracked=False)
+
+
+def _on_terrain(config: Config, kind: TerrainKind, jobs: Mapping[str, JobSpec]) -> JobSpec:
+    """A short film of the policy on a kind of terrain."""
+    filmed = config.report.video.terrain
+    assert filmed is not None
+    level = Interval(filmed.level, filmed.level)
+    terrain = TerrainConfig([kind], level, curriculum=False)
+    disturbance = replace(config.evaluation.disturbance, terrain=terrain)
+    evaluation = replace(config.evaluation, disturbance=disturbance)
+    config = replace(config, evaluation=evaluation)
+    return _video(config, f"{POLICY}{ONBOARD}", filmed.speed, jobs)
 
 
 def with_renderer(config: Config) -> Config:

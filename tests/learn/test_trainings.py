@@ -1,5 +1,6 @@
 """The shipped configuration, cut short, teaches robots that fall at once to stand and to walk."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from slider.env.starts import USUAL_NOISE, at_rest
 from slider.env.vec_env import Task
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
-from slider.training.trainer import Trainer
+from slider.training.trainer import WEIGHTS, Trainer
 from tests.env.synthetic import config
 from tests.training.test_trainer import Run, job
 
@@ -34,20 +35,31 @@ SHORT = (
     "train.walking.velocities.vy={lower: 0.0, upper: 0.0}",
     "train.walking.velocities.standing_fraction=0.0",
     f"train.walking.selection={{interval: 50, speeds: [{SPEED}], robots: 20, duration: 3.0}}",
+    "finetuning=outdoor",
+    "finetuning.robots=60",
+    "finetuning.velocities.uneven=1.0",
+    "finetuning.disturbance.push.impulse.upper=0.0",
+    "finetuning.ppo.precision=float32",
+    "finetuning.selection={interval: 50, robots: 1, duration: 3.0}",
 )
 
 
-def train(folder: Path, training: str, iterations: int) -> Run:
-    """A training with its policy in the same folder."""
-    whole = config(*SHORT, f"train.{training}.iterations={iterations}")
+def train(folder: Path, training: str, iterations: int, start: Path | None = None) -> Run:
+    """A training, from the weights in a folder if there is one, with its policy in ``folder``."""
+    whole = config(*SHORT, f"{training}.iterations={iterations}")
     with np.load(GAITS) as arrays:
         library = GaitLibrary({name: arrays[name].astype(float) for name in arrays}, {})
     table = GaitTable.from_library(library)
-    settings = getattr(whole.train, training)
-    guide = Guide(library, table, settings.guide.gait) if training == "walking" else None
+    settings = whole.trainings[training]
+    guide = None
+    if training != "train.standing":
+        guide = Guide(library, table, settings.guide.gait)
     made = job(folder)
-    task = Task(whole.robot, whole.env, settings, table.times, guide, table.joints)
+    env = replace(whole.env, sensing=settings.sensing)
+    task = Task(whole.robot, env, settings, table.times, guide, table.joints)
     run = Run(Trainer(task, made), made)
+    if start is not None:
+        run.trainer.start_from(start / WEIGHTS)
     run.trainer.run()
     run.trainer.export(folder)
     return run
@@ -72,22 +84,29 @@ def falls(run: Run) -> np.ndarray:
 
 @pytest.mark.learn
 def test_standing_is_learned_in_half_a_minute(tmp_path):
-    train(tmp_path / "before", "standing", 0)
+    train(tmp_path / "before", "train.standing", 0)
     assert not roll(tmp_path / "before", 0.0).survived.any()
-    rate = falls(train(tmp_path / "after", "standing", 100))
+    rate = falls(train(tmp_path / "after", "train.standing", 100))
     recording = roll(tmp_path / "after", 0.0)
     assert recording.survived.mean() >= 0.6
     assert np.nanmean(gait_quality(recording, SETTLED).flight) < 0.1, "without hopping"
     assert rate[-10:].mean() < 0.4 * rate[1:11].mean()
 
 
+@pytest.fixture(scope="module")
+def walked(tmp_path_factory) -> tuple[Path, Run]:
+    """A walking training, and its folder."""
+    folder = tmp_path_factory.mktemp("walked")
+    return folder, train(folder, "train.walking", 300)
+
+
 @pytest.mark.learn
-def test_walking_is_learned_in_a_minute(tmp_path):
+def test_walking_is_learned_in_a_minute(walked, tmp_path):
     """Without a pre-trained policy. Bounds are about twice the worst of three seeds."""
-    train(tmp_path / "before", "walking", 0)
+    train(tmp_path / "before", "train.walking", 0)
     assert not roll(tmp_path / "before", SPEED).survived.any()
-    rate = falls(train(tmp_path / "after", "walking", 300))
-    recording = roll(tmp_path / "after", SPEED)
+    folder, run = walked
+    rate, recording = falls(run), roll(folder, SPEED)
     tracked, quality = tracking(recording, SETTLED, 0.1, 0.1), gait_quality(recording, SETTLED)
     assert tracked.survived.mean() >= 0.9
     assert np.nanmean(tracked.mean_velocity) == pytest.approx(SPEED, abs=0.04)
@@ -99,3 +118,12 @@ def test_walking_is_learned_in_a_minute(tmp_path):
     assert np.nanmean(quality.clearance) > 0.05
     assert np.nanmean(quality.heading) < 0.5
     assert rate[-20:].mean() < 0.2 * rate[1:21].mean()
+
+
+@pytest.mark.learn
+def test_terrain_is_learned_from_a_walk(walked, tmp_path):
+    """In six episodes, of robots that are not pushed."""
+    run = train(tmp_path, "finetuning", 60, start=walked[0])
+    levels = np.array([value for _, value in run.notes.series("episode/terrain_level")])
+    assert levels[0] < 0.5
+    assert levels[-5:].mean() > 1.2

@@ -40,8 +40,8 @@ def write_policy(path: Path, config) -> None:
     save_policy(policy, path)
 
 
-def film(folder: Path, renderer: str):
-    config = compose(["experiment=test"], CONF)
+def film(folder: Path, renderer: str, *overrides: str):
+    config = compose(["experiment=test", *overrides], CONF)
     write_policy(folder / "policy.pt", config)
     robot = to_dict(config.robot)
     robot.pop("provenance")
@@ -95,3 +95,20 @@ def test_films_what_the_configuration_asks_for(tmp_path):
     assert (about["controller"], about["speed"]) == ("policy", 0.2)
     for name in ("video.mp4", "about.json", "poster.jpg"):
         assert (out / name).read_bytes() == (folders[1] / "out" / name).read_bytes()
+
+
+@pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
+def test_terrain_is_in_the_picture(tmp_path):
+    pictures = {}
+    for kind, words in (("flat", ""), ("stairs_up", "stairs up, 10 cm")):
+        folder = tmp_path / kind
+        folder.mkdir()
+        terrain = f"terrain={{kinds: [{kind}], level: {{lower: 10, upper: 10}}}}"
+        done = film(folder, find_renderer(), f"evaluation.disturbance.{terrain}")
+        assert done.returncode == 0, done.stderr
+        assert json.loads((folder / "out/about.json").read_text())["terrain"] == words
+        with av.open(str(folder / "out/video.mp4")) as container:
+            frame = next(container.decode(video=0))
+            pictures[kind] = frame.to_ndarray(format="rgb24").astype(int)
+    changed = np.abs(pictures["stairs_up"] - pictures["flat"]).max(axis=2) > 20
+    assert changed.mean() > 0.02, "stairs instead of a plane"

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from slider.config.env import Level, TerrainKind
 from slider.config.types import (
     STRICT,
     Count,
@@ -24,8 +25,20 @@ Pixels = Annotated[Even[int], Field(ge=32, le=1920)]
 
 
 @dataclass(frozen=True, config=STRICT)
+class FilmedTerrain:
+    """Videos of the policy on terrain, with onboard state."""
+
+    kinds: Distinct[list[TerrainKind]]
+    """one video for each"""
+    level: Level
+    """of all of them"""
+    speed: MetresPerSecond
+    """commanded forward velocity"""
+
+
+@dataclass(frozen=True, config=STRICT)
 class VideoConfig:
-    """Which videos are made, and how; ``speeds`` is not in the section of a single one."""
+    """Which videos are made, and how; the section of a single one has no lists of them."""
 
     renderer: Literal["auto", "egl", "osmesa", "none"]
     """none: a page without videos; auto: the first that works"""
@@ -45,6 +58,8 @@ class VideoConfig:
     """of the start's noise"""
     speeds: Distinct[list[MetresPerSecond]] = field(default_factory=list)
     """one video per controller and speed"""
+    terrain: FilmedTerrain | None = None
+    """videos on ground that is not flat; null: none"""
 
     @property
     def cameras(self) -> tuple[str, ...]:

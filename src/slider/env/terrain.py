@@ -185,6 +185,14 @@ class UnevenGround:
         return fade * wave, fade[..., None] * gradient + (steep * wave)[..., None] * points
 
 
+def described(config: TerrainConfig) -> str:
+    """The first kind at its highest level, in words; nothing for flat ground."""
+    kind = config.kinds[0]
+    if kind == "flat":
+        return ""
+    return f"{kind.replace('_', ' ')}, {magnitude(kind, config.level.upper)}"
+
+
 def magnitude(kind: str, level: float) -> str:
     """A level of a kind, in words."""
     if kind.startswith("slope"):

@@ -171,13 +171,15 @@ def tracking(sources: Sources) -> Blocks:
 
 
 def videos(sources: Sources) -> Blocks:
-    """A row of films per speed, one film per controller."""
+    """A row of films per speed, one film per controller; then those on terrain."""
     if sources.report.video.renderer == "none":
         yield Text("No videos: `report.video.renderer` is `none`.", "note")
         return
     rows: dict[str, list[Film]] = {}
-    for about, film in sorted(_films(sources), key=lambda item: item[0]["speed"]):
-        rows.setdefault(f"{speed_text(about['speed'])} m/s", []).append(film)
+    films = sorted(_films(sources), key=lambda item: (item[0]["terrain"], item[0]["speed"]))
+    for about, film in films:
+        place = f"{about['terrain']}, " if about["terrain"] else ""
+        rows.setdefault(f"{place}{speed_text(about['speed'])} m/s", []).append(film)
     if not rows:
         yield Text(_NO_RENDERER, "note")
         return

@@ -17,13 +17,25 @@ from PIL import Image, ImageDraw, ImageFont
 
 from slider.config.report import VideoConfig
 from slider.env.rollout import Frame
-from slider.robot.scene import aim
+from slider.env.terrain import Ground
+from slider.robot.scene import Relief, aim
 
 _DISTANCE = 2.15  # of the camera [m]
-_LOOK_AT_HEIGHT = 0.43  # [m]
+_BELOW = 0.25  # the base, what the camera looks at [m]
+_AROUND = 4.0  # ground that is drawn on all sides of the way [m]
+_CELL = 0.02  # of that ground [m]
 _COLUMN = 9.0  # width of a fact, in heights of a line
 _FOLLOW = 0.12  # time constant of the camera behind the base [s]
 _INK, _PAPER, _ALARM = (255, 255, 255), (20, 28, 38, 170), (190, 40, 40, 215)
+
+
+def relief(ground: Ground, frames: Sequence[Frame]) -> Relief:
+    """The ground (of one robot) around the way that the robot takes in ``frames``."""
+    way = np.array([frame.qpos[:2] for frame in frames])
+    (left, back), (right, front) = way.min(axis=0) - _AROUND, way.max(axis=0) + _AROUND
+    x, y = np.arange(left, right, _CELL), np.arange(back, front, _CELL)
+    heights = ground.height(np.stack(np.meshgrid(x, y), axis=-1)[None])[0]
+    return Relief(heights, (left, x[-1]), (back, y[-1]))
 
 
 def render(
@@ -42,12 +54,12 @@ def render(
     """
     width, height = size
     data, views = mujoco.MjData(model), [_camera(name) for name in cameras]
-    position = frames[0].qpos[:2].copy()
+    position = frames[0].qpos[:3].copy()
     with mujoco.Renderer(model, height, width // len(views)) as renderer:
         before = frames[0].time
         for frame in frames:
             gain = 1.0 - np.exp(-(frame.time - before) / _FOLLOW)
-            position += gain * (frame.qpos[:2] - position)
+            position += gain * (frame.qpos[[0, 1, 2]] - position)
             before = frame.time
             data.qpos[:] = frame.qpos
             mujoco.mj_kinematics(model, data)
@@ -68,8 +80,8 @@ def _look(
     camera: mujoco.MjvCamera,
     position: np.ndarray,
 ) -> np.ndarray:
-    """What a camera sees that looks at a place (2,) [m] on the ground."""
-    camera.lookat[:] = [*position, _LOOK_AT_HEIGHT]
+    """What a camera sees that follows a place (3,) [m]."""
+    camera.lookat[:] = position - [0.0, 0.0, _BELOW]
     renderer.update_scene(data, camera)
     return renderer.render()
 

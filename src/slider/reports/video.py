@@ -31,6 +31,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     from slider.env.disturbance import Disturbance
     from slider.env.rollout import Episode
     from slider.env.starts import at_rest
+    from slider.env.terrain import described
     from slider.evaluation import stage
 
     torch.set_num_threads(job.threads)
@@ -45,19 +46,23 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     start = at_rest(robot, noise, np.random.default_rng(video.seed), 1)
     frames = [episode.start(*start, np.array([[section["speed"], 0.0, 0.0]]))]
     frames += [episode.step() for _ in range(round(video.duration / one.env.control_period))]
-    _film(section, robot, video, frames, out)
-    summary = _summary(section, frames)
+    terrain = one.physics.terrain
+    _film(section, robot, video, frames, out, None if terrain is None else terrain.ground)
+    summary = _summary(section, frames) | {"terrain": described(config.terrain)}
     (out / ABOUT).write_text(json.dumps(summary) + "\n", encoding="utf-8")
     return summary
 
 
-def _film(section: Section, robot: RobotConfig, video: VideoConfig, frames, out: Path) -> None:
+def _film(
+    section: Section, robot: RobotConfig, video: VideoConfig, frames, out: Path, ground
+) -> None:
     from slider.reports import film
     from slider.robot.scene import build_scene
 
+    relief = None if ground is None else film.relief(ground, frames)
     period = frames[1].time - frames[0].time
     shown = frames[:: round(1.0 / (video.frame_rate * period))]
-    model = build_scene(robot, video.width, video.height)
+    model = build_scene(robot, video.width, video.height, relief)
     pictures = film.render(model, shown, (video.width, video.height), video.cameras)
     images = []
     fallen = False

@@ -6,6 +6,7 @@
 from typing import Any, NamedTuple
 
 import mujoco
+import numpy as np
 
 from slider.config.robot import RobotConfig
 from slider.robot import names
@@ -41,12 +42,28 @@ def aim(camera: Any, name: str, distance: float) -> None:
     camera.distance = distance
 
 
-def build_scene(robot: RobotConfig, width: int = 640, height: int = 480) -> mujoco.MjModel:
+class Relief(NamedTuple):
+    """Heights of the ground on a grid, to look at.
+
+    Attributes:
+        heights: (rows along y, columns along x) [m].
+        x, y: first and last place of the columns, and of the rows [m].
+    """
+
+    heights: np.ndarray
+    x: tuple[float, float]
+    y: tuple[float, float]
+
+
+def build_scene(
+    robot: RobotConfig, width: int = 640, height: int = 480, relief: Relief | None = None
+) -> mujoco.MjModel:
     """Compile the robot with everything that makes it good to look at.
 
     Args:
         robot: parameters of the robot.
         width, height: size of the largest picture rendered offscreen [pixel].
+        relief: ground in place of the flat floor.
     """
     spec = build_spec(robot, SimulationOptions())
     spec.visual.global_.offwidth, spec.visual.global_.offheight = width, height
@@ -59,6 +76,8 @@ def build_scene(robot: RobotConfig, width: int = 640, height: int = 480) -> mujo
     spec.visual.map.zfar = 40.0 / _EXTENT
     _add_sky(spec)
     _add_floor(spec)
+    if relief is not None:
+        _raise_floor(spec, relief)
     _add_light(spec)
     for side in names.SIDES:
         _complete_leg(spec, robot, side)
@@ -93,6 +112,18 @@ def _add_floor(spec: mujoco.MjSpec) -> None:
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "tiles"
     material.specular = 0.0
     spec.geom(names.FLOOR).material = material.name
+
+
+def _raise_floor(spec: mujoco.MjSpec, relief: Relief) -> None:
+    heights, (left, right), (back, front) = relief.heights, relief.x, relief.y
+    lowest, span = float(heights.min()), max(float(np.ptp(heights)), 1e-3)
+    size = [0.5 * (right - left), 0.5 * (front - back), span, 0.1]
+    rows, columns = heights.shape
+    field = spec.add_hfield(name="ground", nrow=rows, ncol=columns, size=size)
+    field.userdata = heights.ravel()  # MuJoCo maps the lowest to 0, the highest to 1
+    floor = spec.geom(names.FLOOR)
+    floor.type, floor.hfieldname = mujoco.mjtGeom.mjGEOM_HFIELD, field.name
+    floor.pos = [0.5 * (left + right), 0.5 * (back + front), lowest]
 
 
 def _add_light(spec: mujoco.MjSpec) -> None:

@@ -21,6 +21,7 @@ from pipeline.stages.evaluation import (
     velocity_tracking,
 )
 from pipeline.stages.gaits import library_job, stability_jobs, verification_jobs
+from pipeline.stages.gauge import gauge_job
 from pipeline.stages.training import policy_export, training_jobs
 from slider.artefacts.plan import JobSpec
 from slider.config.schema import Config
@@ -36,6 +37,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
         "figures": job("figures", "figures", {}, {"library": [library]}),
         "policy_export": policy_export(config.env, targets["walking"]),
         "velocity_tracking": velocity_tracking(config, targets["table1"]),
+        "gauge": gauge_job(config, targets),
     }
     return targets | gait_walks(config, targets) | protocol_jobs(config, targets)
 

@@ -18,6 +18,8 @@ ENTRIES = {
     "walking": "slider.training.stage:run_walking",
     "evaluation": "slider.evaluation.stage:run",
     "baseline": "slider.evaluation.stage:run_baseline",
+    "gauge_axis": "slider.evaluation.gauge:run",
+    "gauge": "slider.reports.gauge:run",
     "table1": "slider.reports.table1:run",
     "velocity_tracking": "slider.reports.protocols:run_tracking",
     "speeds": "slider.reports.protocols:run",

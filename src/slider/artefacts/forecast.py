@@ -28,11 +28,13 @@ _LATEST = 64  # remembered jobs of a stage
 _TRUST = 20.0  # seconds of finished jobs that weigh as much as the expectation
 _TRAINING = ("train.robots", "train.steps_per_iteration", "train.iterations")
 _EVALUATION = ("evaluation.trials", "evaluation.robots", "evaluation.duration")
+_GAUGE = tuple(f"protocol.{name}" for name in ("trials", "speeds", "robots", "duration"))
 _FACTORS = {
     **dict.fromkeys(("gait", "gait_start"), ("formulation.nodes",)),
     **dict.fromkeys(("stability_gaits", "return_maps", "verification_gaits"), ("velocities",)),
     **dict.fromkeys(("standing", "walking"), _TRAINING),
     **dict.fromkeys(("evaluation", "baseline"), _EVALUATION),
+    "gauge_axis": (*_GAUGE, "values", "directions"),
     "gait_walks": ("steps",),
     "video": ("video.duration",),
 }

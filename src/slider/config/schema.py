@@ -9,6 +9,7 @@ from slider.config.control import AnyControl
 from slider.config.env import EnvConfig
 from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
 from slider.config.gait import GaitConfig, LibraryConfig, StartSpread
+from slider.config.gauge import GaugeConfig
 from slider.config.hzd import HzdConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import Provenance, RobotConfig
@@ -159,6 +160,7 @@ class Config:
     seeds: SeedsConfig
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]
+    gauge: GaugeConfig
     verification: VerificationConfig
     report: ReportConfig
     study: dict[str, StudyConfig]

@@ -20,6 +20,7 @@ from slider.config.control import (
 from slider.config.env import DisturbanceConfig, EnvConfig
 from slider.config.evaluation import EvaluationConfig, ProfileConfig, SeedBlock, Segment
 from slider.config.gait import Axis, GaitConfig, axis_size
+from slider.config.gauge import AXES, FALLING
 from slider.config.parameters import choose, parameters
 from slider.config.robot import LEG_DRIVES, LEG_JOINTS, RobotConfig
 from slider.config.schema import Config, ScalingConfig, StudyConfig
@@ -45,6 +46,7 @@ def validate(config: Config) -> None:
     _trainings(config)
     _controls(config.control, config.env)
     _protocols(config)
+    _gauge(config)
     regulator = config.verification.replay.regulator
     shares, speeds = regulator.forward, regulator.speeds
     key, expected = "verification.replay.regulator.forward", "one share for each of the `speeds`"
@@ -280,6 +282,28 @@ def _protocol(
     _warm_up(key, protocol.warm_up, protocol.duration, period)
 
 
+def _gauge(config: Config) -> None:
+    """Controllers and axes that there are, levels that get harder, policies with names."""
+    gauge, key = config.gauge, "gauge"
+    _named(f"{key}.policies", gauge.policies)
+    for name in gauge.policies:
+        taken = name in (*_RESERVED, *config.control) or name.endswith(ONBOARD)
+        expected = f"a name that no controller has and that does not end with {ONBOARD}"
+        require(not taken, f"{key}.policies", expected, name)
+    for name in gauge.controllers:
+        there = (POLICY, *config.control, *gauge.policies)
+        one_of(f"{key}.controllers", name.removesuffix(ONBOARD), there)
+    for axis in gauge.axes:
+        one_of(f"{key}.axes", axis, AXES)
+    for name, values in vars(gauge.scales).items():
+        ordered = sorted(set(values), reverse=name in FALLING)
+        expected = "falling values" if name in FALLING else "rising values"
+        require(ordered == values, f"{key}.scales.{name}", expected, values)
+    for index, delay in enumerate(gauge.scales.delay):
+        _multiple(f"{key}.scales.delay[{index}]", delay, config.env.physics.timestep)
+    _disturbance(gauge.disturbance, config.env, f"{key}.disturbance")
+
+
 def _profile(profile: ProfileConfig, duration: float, period: float, key: str) -> None:
     names = [case.name for case in profile.cases]
     _distinct(key, names)
@@ -320,6 +344,7 @@ def _seeds(config: Config) -> None:
     require(apart, "seeds.final", f"no seed of seeds.development ({development})", final)
     for key, protocol in config.evaluations.items():
         _within(f"{key}.seed", protocol.seed, protocol.trials, final, development)
+    _within("gauge.seed", config.gauge.seed, config.gauge.trials, final, development)
     for name, study in config.study.items():
         key, training, rollouts = f"study.{name}", study.training, study.evaluation
         if rollouts is not None:

@@ -1,0 +1,79 @@
+"""The gauge: each controller along each axis, and their comparison."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from pipeline.stages.entries import job, only
+from pipeline.stages.evaluation import base_of, control_inputs, control_section, labels
+from slider.artefacts.plan import JobSpec
+from slider.config.control import ONBOARD, POLICY
+from slider.config.convert import to_dict
+from slider.config.gauge import GaugeProtocol
+from slider.config.schema import Config
+from slider.control import LAYOUT, ONNX, REFERENCE
+from slider.core.errors import require
+from slider.core.files import digest_file
+
+_FILES = (ONNX, LAYOUT, REFERENCE)  # of an exported policy
+
+
+def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
+    """The comparison, and with it a job per controller and axis.
+
+    Raises:
+        UserError: an exported policy is not there.
+    """
+    gauge = config.gauge
+    own = [name for name in gauge.controllers if base_of(name) in gauge.policies]
+    names = {name: name.replace(ONBOARD, ", onboard state") for name in own}
+    names |= labels(config, (name for name in gauge.controllers if name not in own))
+    cells = [
+        _axis(config, controller, axis, jobs)
+        for controller in gauge.controllers
+        for axis in gauge.axes
+    ]
+    section = {
+        "labels": {name: names[name] for name in gauge.controllers},
+        "cells": [(cell.section["controller"], cell.section["axis"]) for cell in cells],
+        "protocol": _protocol(config),
+        "survival": gauge.survival,
+    }
+    return job("gauge", "gauge", section, {"cells": cells})
+
+
+def _axis(config: Config, controller: str, axis: str, jobs: Mapping[str, JobSpec]) -> JobSpec:
+    """One controller along one axis."""
+    gauge, base = config.gauge, base_of(controller)
+    if base in gauge.policies:
+        like = controller.replace(base, POLICY)
+        about = {"policy": _exported(Path(gauge.policies[base]), f"gauge.policies.{base}")}
+        section, inputs = control_section(config, like) | {"controller": controller} | about, {}
+    else:
+        section = control_section(config, controller)
+        inputs = control_inputs(config, controller, jobs)
+    turn = 2 * math.pi / gauge.directions
+    pushed = [turn * index for index in range(gauge.directions)]
+    section |= {
+        "axis": axis,
+        "values": gauge.values(axis),
+        "directions": pushed if axis == "push" else [None],
+        "protocol": _protocol(config),
+    }
+    label = f"gauge of {controller}, {axis.replace('_', ' ')}"
+    return job("gauge_axis", label, section, inputs, tracked=False)
+
+
+def _protocol(config: Config) -> dict[str, Any]:
+    return only(to_dict(config.gauge), *(item.name for item in fields(GaugeProtocol)))
+
+
+def _exported(folder: Path, key: str) -> dict[str, Any]:
+    """Folder of an exported policy, and what its files are."""
+    for name in _FILES:
+        there = (folder / name).is_file()
+        require(there, key, f"a folder with {', '.join(_FILES)}", f"no {folder / name}")
+    files = {name: digest_file(folder / name) for name in _FILES}
+    return {"folder": str(folder), "files": files}

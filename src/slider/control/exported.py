@@ -1,0 +1,124 @@
+"""A policy from the files of its export, ``policy.onnx``, ``policy.json`` and ``reference.npy``.
+
+It runs in this package's environment, so its layout must be that of the configured robot and env.
+"""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import onnxruntime
+import torch
+
+from slider.config.env import EnvConfig
+from slider.config.robot import RobotConfig
+from slider.control import LAYOUT, ONNX, REFERENCE
+from slider.control.layout import FORMAT, INPUT, VERSION, describe
+from slider.control.policy import Policy, PolicyNetwork
+from slider.core.errors import UserError, require
+from slider.core.files import flatten
+from slider.env.observations import Observer
+from slider.library.lookup import JointTable, StepTimes
+from slider.robot.names import JOINTS, VELOCITY
+
+_COMPARED = ("robot", "control_period", "observation", "action")  # parts of the layout
+
+
+class Exported(NamedTuple):
+    """A network and what its agent needs.
+
+    Attributes:
+        network: observations (N, size) → actions (N, 12).
+        times: step times for the clock.
+        reference: joint positions of a zero action.
+    """
+
+    network: "OnnxNetwork"
+    times: StepTimes
+    reference: JointTable
+
+
+class OnnxNetwork:
+    """A network in an ONNX file, on one thread of the processor."""
+
+    def __init__(self, path: Path) -> None:
+        options = onnxruntime.SessionOptions()
+        options.intra_op_num_threads = options.inter_op_num_threads = 1
+        try:
+            self._session = onnxruntime.InferenceSession(
+                path, options, providers=["CPUExecutionProvider"]
+            )
+        except Exception:  # onnxruntime raises errors of its own kinds
+            raise UserError(f"{path}: expected an ONNX file, found another one") from None
+        names = [item.name for item in self._session.get_inputs()]
+        require(names == [INPUT], str(path), f"the input {INPUT}", ", ".join(names))
+
+    def __call__(self, observations: torch.Tensor) -> torch.Tensor:
+        """Actions (N, 12) of observations (N, size)."""
+        values = observations.numpy().astype(np.float32)
+        return torch.from_numpy(np.asarray(self._session.run(None, {INPUT: values})[0]))
+
+
+def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
+    """Read a policy.
+
+    Raises:
+        UserError: the layout is of another version, or not that of ``robot`` and ``env``.
+    """
+    path = folder / LAYOUT
+    try:
+        layout = json.loads(path.read_text(encoding="utf-8"))
+        found = layout["format"], layout["version"]
+        require(found == (FORMAT, VERSION), str(path), f"{FORMAT} {VERSION}", "{} {}".format(*found))
+        clock, reference = layout["clock"], layout["reference"]
+        times = StepTimes.constant(1.0)
+        if clock is not None:
+            times = StepTimes(*_axes(clock), np.array(clock["step_time"]))
+        axes = _axes(reference)
+        positions = np.load(folder / REFERENCE, allow_pickle=False)
+        table = JointTable(StepTimes(*axes, np.ones(tuple(map(len, axes)))), positions)
+        _check(layout, robot, env, times, table, path)
+    except (KeyError, TypeError, ValueError):
+        raise UserError(f"{path}: expected a layout of this project, found another file") from None
+    return Exported(OnnxNetwork(folder / ONNX), times, table)
+
+
+def _axes(node: Mapping[str, Any]) -> list[np.ndarray]:
+    return [np.array(node[name]) for name in VELOCITY]
+
+
+def _check(
+    layout: Mapping[str, Any],
+    robot: RobotConfig,
+    env: EnvConfig,
+    times: StepTimes,
+    reference: JointTable,
+    path: Path,
+) -> None:
+    """The layout is the one that the configured robot and env would be exported with."""
+    sizes = Observer(env.observation).layout
+    network = PolicyNetwork(sum(sizes.values()), len(JOINTS), (), "elu")
+    policy = Policy(network, (), "elu", dict(sizes), times, robot, env, {}, reference)
+    expected, found = (_leaves(node) for node in (describe(policy, {}), layout))
+    for key in dict.fromkeys([*expected, *found]):
+        value, other = expected.get(key, "nothing"), found.get(key, "nothing")
+        require(value == other, f"{path}, {key}", f"{value}, as configured", other)
+
+
+def _leaves(layout: Mapping[str, Any]) -> dict[str, Any]:
+    """What must agree, by dotted place; not the meanings, which are words."""
+
+    def named(value: Any) -> Any:
+        if isinstance(value, list):
+            value = {str(index): item for index, item in enumerate(value)}
+        if isinstance(value, dict):
+            return {name: named(item) for name, item in value.items() if name != "meaning"}
+        return value
+
+    parts = {name: layout[name] for name in _COMPARED}
+    parts["reference"] = {"acceleration": layout["reference"]["acceleration"]}
+    if layout["clock"] is not None:
+        parts["clock"] = {name: layout["clock"][name] for name in ("mirror", "halt")}
+    return flatten(named(parts))

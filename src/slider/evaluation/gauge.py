@@ -1,0 +1,159 @@
+"""The stage ``gauge_axis``: one controller along one axis of the gauge, level by level.
+
+A level is one roll-out of all robots per direction. Levels above one that no robot passes are not
+simulated.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+
+from slider.config.convert import from_dict
+from slider.config.env import EnvConfig
+from slider.config.gauge import GaugeProtocol
+from slider.config.robot import RobotConfig
+from slider.control.exported import load_exported
+from slider.control.policy import PolicyController
+from slider.core.errors import require
+from slider.core.files import digest_file
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.disturbance import Disturbance
+from slider.env.interface import AgentInterface
+from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Controller, Recording, roll_out
+from slider.env.starts import at_rest
+from slider.evaluation.axes import disturbed
+from slider.evaluation.stage import Simulated, simulate, simulate_baseline
+
+CSV = "cells.csv"
+COUNTS = ("survived", "passed", "mean_velocity")  # empty where a level was not run
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write a row per level, direction [rad], speed [m/s] and seed: robots, survivors, passes."""
+    torch.set_num_threads(job.threads)
+    protocol = from_dict(GaugeProtocol, section["protocol"])
+    values, directions = section["values"], section["directions"]
+    cells, failed = [], False
+    for level, value in enumerate(values, 1):
+        passed = 0
+        for direction in directions:
+            job.progress(f"level {level} of at most {len(values)}")
+            rows = _rows(protocol, {"level": level, "value": value, "direction": direction})
+            if not failed:
+                counts = _measure(section, inputs, protocol, value, direction, job.threads)
+                rows = rows.assign(**counts)
+                passed += int(counts["passed"].sum())
+            cells.append(rows)
+        failed = failed or passed == 0
+    table = pd.concat(cells).reindex(columns=[*cells[0].columns[:6], *COUNTS])
+    table.to_csv(out / CSV, index=False, float_format="%.6g")
+    return {"levels": int(table.dropna(subset="passed")["level"].max())}
+
+
+def _rows(protocol: GaugeProtocol, about: Mapping[str, Any]) -> pd.DataFrame:
+    """Seeds and speeds in the order of the robots' blocks."""
+    seeds = range(protocol.seed, protocol.seed + protocol.trials)
+    places = pd.DataFrame(product(seeds, protocol.speeds), columns=["seed", "speed"])
+    return places.assign(**about, robots=protocol.robots)
+
+
+def _measure(
+    section: Section,
+    inputs: Inputs,
+    protocol: GaugeProtocol,
+    value: float,
+    direction: float | None,
+    threads: int,
+) -> dict[str, np.ndarray]:
+    """Columns ``COUNTS`` of all seeds and speeds at a level."""
+    axis, seeds = section["axis"], range(protocol.seed, protocol.seed + protocol.trials)
+    config = disturbed(protocol.disturbance, protocol.sensing, axis, value, direction)
+    if axis == "sensor_noise":
+        section = with_noisier_sensors(section, value)
+    count = protocol.trials * len(protocol.speeds) * protocol.robots
+    disturbance = Disturbance(config, tuple(seeds))
+    simulated = _simulate(section, inputs, count, disturbance, threads)
+    robot = from_dict(RobotConfig, section["robot"])
+    starts = [
+        np.tile(np.concatenate(at_rest(robot, protocol.start, rng, protocol.robots), axis=1), (s, 1))
+        for s, rng in ((len(protocol.speeds), np.random.default_rng(seed)) for seed in seeds)
+    ]
+    qpos, qvel = np.split(np.concatenate(starts), [simulated.physics.qpos.shape[1]], axis=1)
+    velocities = np.zeros((count, 3))
+    velocities[:, 0] = np.tile(np.repeat(protocol.speeds, protocol.robots), protocol.trials)
+    recording = roll_out(
+        simulated.controller,
+        simulated.physics,
+        simulated.env,
+        (qpos, qvel),
+        velocities,
+        protocol.duration,
+    )
+    return count_passes(recording, protocol)
+
+
+def count_passes(recording: Recording, protocol: GaugeProtocol) -> dict[str, np.ndarray]:
+    """Survivors, robots that pass, mean velocity [m/s] of survivors, of each block of robots.
+
+    A robot passes if it survives and its base has come forward, along the world's x axis, at least
+    the share ``distance`` of commanded speed × duration. Robots start at x = 0.
+    """
+    blocks = (-1, protocol.robots)
+    survived = recording.survived.reshape(blocks)
+    covered = recording.position[-1, :, 0].reshape(blocks)
+    commanded = protocol.duration * recording.command[0, :, 0].reshape(blocks)
+    passed = survived & (covered >= protocol.distance * commanded)
+    with np.errstate(invalid="ignore"):  # NaN where nobody survived
+        mean = np.where(survived, covered, 0.0).sum(axis=1) / survived.sum(axis=1)
+    counts = (survived.sum(axis=1), passed.sum(axis=1), mean / protocol.duration)
+    return dict(zip(COUNTS, counts, strict=True))
+
+
+def with_noisier_sensors(section: Section, factor: float) -> Section:
+    """A section whose sensors on board, where the controller has them, err by ``factor`` more."""
+    key = "plant" if "plant" in section else "env"
+    onboard = section[key]["onboard"]
+    if onboard is None:
+        return section
+    sensors = {name: factor * deviation for name, deviation in onboard["sensors"].items()}
+    return section | {key: section[key] | {"onboard": onboard | {"sensors": sensors}}}
+
+
+def _simulate(
+    section: Section, inputs: Inputs, count: int, disturbance: Disturbance, threads: int
+) -> Simulated:
+    """The controller of a section; robots that have failed are not simulated further."""
+    if "control" in section:
+        return simulate_baseline(section, inputs, count, disturbance, threads)
+    if "policy" not in section:
+        simulated = simulate(section, inputs, count, disturbance, threads)
+        return replace(simulated, controller=_GivesUp(simulated.controller))
+    robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
+    folder = Path(section["policy"]["folder"])
+    for name, digest in section["policy"]["files"].items():
+        same = (folder / name).is_file() and digest_file(folder / name) == digest
+        require(same, str(folder / name), "the file that the job was laid out for", "another one")
+    policy = load_exported(folder, robot, env)
+    agent = AgentInterface(robot, env, count, policy.times, policy.reference)
+    physics = BatchedPhysics(
+        robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation
+    )
+    return Simulated(_GivesUp(PolicyController(policy.network, agent)), physics, env)
+
+
+class _GivesUp:
+    """A policy whose fallen robots need no simulation; its network costs the same with them."""
+
+    def __init__(self, controller: Controller) -> None:
+        self.reset, self.set_velocity = controller.reset, controller.set_velocity
+        self.control = controller.control
+
+    def give_up(self, robots: np.ndarray) -> None:
+        """Do nothing: the roll-out retires them."""

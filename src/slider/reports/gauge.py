@@ -1,0 +1,123 @@
+"""The stage ``gauge``: the highest level of each controller along each axis, and one number.
+
+The level of an axis is the highest one up to which, at every level, at least the share ``survival``
+of all robots passes, over all speeds, seeds and directions. The gauge number of a controller is the
+mean of its levels over the axes.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation.axes import words
+from slider.evaluation.gauge import CSV
+from slider.reports import rows as tables
+from slider.reports.figures import gauge as figures
+from slider.reports.figures.style import write_pictures
+from slider.reports.quantities import NONE
+from slider.reports.rows import NAN, Row, by
+from slider.reports.table import Cell, Picture, Table, Text, Written, document
+
+NUMBER = "gauge number"
+_CAPTION = """\
+Each level has {trials} seeds × {robots} robots at each of {speeds} m/s, {duration:g} s from rest. A
+robot passes if it stays up and covers at least {distance:.0%} of the commanded distance. The level
+of an axis is the highest one up to which, at every level, at least {survival:.0%} of the robots
+pass, over all speeds, seeds and directions of pushes. The gauge number is the mean of the levels.
+Above: levels of each axis. Below: share of robots that pass, by direction in which the robot is
+pushed (forward is up, left is left) and impulse [N s]; grey was not simulated.
+
+Above a level that no robot passes none is simulated (–). `reports/gauge_cells.csv` has each speed,
+seed and direction.
+"""
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write ``gauge.csv``, ``gauge_cells.csv``, ``gauge.md`` and ``gauge.svg``."""
+    frames = []
+    for (controller, axis), folder in zip(section["cells"], inputs["cells"], strict=True):
+        frame = pd.read_csv(folder / CSV)
+        frame.insert(0, "axis", axis)
+        frame.insert(0, "controller", controller)
+        frames.append(frame)
+    cells = pd.concat(frames)
+    cells.to_csv(out / "gauge_cells.csv", index=False, float_format="%.6g")
+    rows = gauge_rows(cells, section["labels"], section["survival"])
+    tables.write(rows, out / "gauge.csv")
+    write_pictures(out / "gauge", partial(figures.draw, rows, cells, section["labels"]))
+    text = document("Gauge", _blocks(rows, out / "gauge.svg", section))
+    (out / "gauge.md").write_text(text, encoding="utf-8")
+    job.tracker.log_file(out / "gauge.svg")
+    numbers = {row["controller"]: row["level"] for row in rows if row["axis"] == NUMBER}
+    job.tracker.log_metrics({f"gauge/{name}": value for name, value in numbers.items()}, 0)
+    return {"rows": len(rows), "gauge": numbers}
+
+
+def gauge_rows(cells: pd.DataFrame, labels: dict[str, str], survival: float) -> list[Row]:
+    """A row per controller and axis, and after those of a controller its gauge number.
+
+    ``level`` is the highest one, ``magnitude`` what it is, ``pass_3`` the pass rate of level 3.
+    """
+    rows: list[Row] = []
+    highest = int(cells["level"].max())
+    for controller, label in labels.items():
+        mine, levels = cells[cells["controller"] == controller], []
+        about = {"controller": controller, "label": label}
+        for axis, tested in mine.groupby("axis", sort=False):
+            groups = tested.groupby("level")
+            rates = groups["passed"].sum(min_count=1) / groups["robots"].sum()
+            level = highest_level(rates.tolist(), survival)
+            magnitude = words(str(axis), groups["value"].first()[level]) if level else ""
+            values = {f"pass_{k}": rates.get(k, NAN) for k in range(1, highest + 1)}
+            rows.append(about | {"axis": axis, "level": level, "magnitude": magnitude} | values)
+            levels.append(level)
+        mean = sum(levels) / len(levels)
+        rows.append(about | {"axis": NUMBER, "level": mean, "magnitude": ""})
+    return rows
+
+
+def highest_level(rates: Sequence[float], survival: float) -> int:
+    """Highest level, counted from 1, up to which no pass rate is below ``survival``; 0: none."""
+    below = (index for index, rate in enumerate(rates) if not rate >= survival)
+    return next(below, len(rates))
+
+
+def _blocks(rows: Sequence[Row], svg: Path, section: Section) -> Iterator[Written]:
+    """Figure, explanation, levels of all controllers, and the pass rates of each."""
+    protocol = section["protocol"]
+    speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
+    values: dict[str, Any] = protocol | {"speeds": speeds, "survival": section["survival"]}
+    yield Picture(svg)
+    yield Text(_CAPTION.format(**values))
+    groups = by(rows, "axis")
+    body = [[Cell(_title(axis)), *map(_level, mine)] for axis, mine in groups.items()]
+    yield Table(["axis", *section["labels"].values()], body)
+    for label, mine in by(rows, "label").items():
+        yield _rates(label, [row for row in mine if row["axis"] != NUMBER])
+
+
+def _rates(label: str, rows: Sequence[Row]) -> Table:
+    """Pass rates [%], axes down, levels across."""
+    names = [name for name in rows[0] if name.startswith("pass_")]
+    body = []
+    for row in rows:
+        texts = [NONE if math.isnan(row[name]) else f"{100 * row[name]:.0f}" for name in names]
+        body.append([Cell(_title(row["axis"])), *(Cell(text) for text in texts)])
+    heads = ["robots that pass [%] at level", *(name.removeprefix("pass_") for name in names)]
+    return Table(heads, body, label)
+
+
+def _title(axis: str) -> str:
+    return axis.replace("_", " ")
+
+
+def _level(row: Row) -> Cell:
+    """Level and magnitude."""
+    if row["axis"] == NUMBER:
+        return Cell(f"**{row['level']:.1f}**", row["level"])
+    return Cell(f"{row['level']} ({row['magnitude']})" if row["level"] else "0", row["level"])

@@ -37,6 +37,7 @@ ENTRIES = {
     "gait_walks": "slider.evaluation.gait_walks:run",
     "figures": "slider.reports.figures.stage:run",
     "policy_export": "slider.control.export:run",
+    "policy_import": "slider.control.exported:run",
     "study": "slider.reports.study:run",
     "video": "slider.reports.video:run",
     "report": "slider.reports.page:run",

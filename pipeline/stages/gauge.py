@@ -49,8 +49,8 @@ def _axis(config: Config, controller: str, axis: str, jobs: Mapping[str, JobSpec
     gauge, base = config.gauge, base_of(controller)
     if base in gauge.policies:
         like = controller.replace(base, POLICY)
-        about = {"policy": _exported(Path(gauge.policies[base]), f"gauge.policies.{base}")}
-        section, inputs = control_section(config, like) | {"controller": controller} | about, {}
+        section = control_section(config, like) | {"controller": controller}
+        inputs = {"policy": [_import(gauge.policies[base], base)]}
     else:
         section = control_section(config, controller)
         inputs = control_inputs(config, controller, jobs)
@@ -70,10 +70,12 @@ def _protocol(config: Config) -> dict[str, Any]:
     return only(to_dict(config.gauge), *(item.name for item in fields(GaugeProtocol)))
 
 
-def _exported(folder: Path, key: str) -> dict[str, Any]:
-    """Folder of an exported policy, and what its files are."""
-    for name in _FILES:
-        there = (folder / name).is_file()
-        require(there, key, f"a folder with {', '.join(_FILES)}", f"no {folder / name}")
-    files = {name: digest_file(folder / name) for name in _FILES}
-    return {"folder": str(folder), "files": files}
+def _import(folder: str, name: str) -> JobSpec:
+    """The files of an exported policy; what follows depends on their content, not on the place."""
+    place, files = Path(folder).absolute(), {}
+    for file in _FILES:
+        there, expected = (place / file).is_file(), f"a folder with {', '.join(_FILES)}"
+        require(there, f"gauge.policies.{name}", expected, f"no {Path(folder) / file}")
+        files[file] = digest_file(place / file)
+    section = {"folder": str(place), "files": files}
+    return job("policy_import", f"import of {name}", section, tracked=False)

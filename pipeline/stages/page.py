@@ -63,7 +63,9 @@ def needs(config: Config) -> list[str]:
 
 def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str, Any]:
     """The configuration of what the page shows."""
-    shown = without(to_dict(config), "resources", "tracking", "store", "study", "protocols", "gauge")
+    shown = without(
+        to_dict(config), "resources", "tracking", "store", "study", "protocols", "gauge"
+    )
     shown["evaluation"] = protocol_section(config.evaluation)
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}
     if protocols:

@@ -109,6 +109,29 @@ def test_what_is_beside_the_way_to_the_table(real, tmp_path):
     assert workspace.computed(strict, target="reports/verification.csv") == ["verification"]
 
 
+def test_the_gauge_and_the_export_of_the_policy_in_it(real, tmp_path):
+    """Another axis computes itself alone; a policy that changed computes its axes again."""
+    workspace = real.copy(tmp_path / "copy")
+    target, mine = "reports/gauge.csv", "gauge.controllers=[mine_onboard]"
+    assert workspace.computed(target=target) == ["gauge", *["gauge_axis"] * 3]
+    more = "gauge.axes=[slope_up,delay,push,friction]"
+    assert workspace.computed(more, target=target) == ["gauge", "gauge_axis"]
+    assert (workspace.folder / "reports" / "figures" / "gauge.svg").is_file()
+    missing = workspace.snakemake("-n", target, hydra=f"{mine} +gauge.policies.mine=nowhere")
+    expected = "a folder with policy.onnx, policy.json, reference.npy"
+    assert f"policies.mine: expected {expected}, found no nowhere/policy.onnx" in missing.stderr
+    assert workspace.snakemake("policy", hydra=QUIET).returncode == 0
+    exported = f"{mine} +gauge.policies.mine=reports/policy gauge.axes=[delay]"
+    assert workspace.computed(exported, target=target) == ["gauge", "gauge_axis", "policy_import"]
+    rows = list(csv.DictReader((workspace.folder / target).read_text().splitlines()))
+    assert [row["axis"] for row in rows] == ["delay", "gauge number"]
+    assert rows[0]["label"] == "mine, onboard state"
+    layout = workspace.folder / "reports" / "policy" / "policy.json"
+    layout.chmod(0o644)
+    layout.write_text(layout.read_text() + "\n")
+    assert workspace.computed(exported, target=target) == ["gauge_axis", "policy_import"]
+
+
 # Stages in miniature.
 
 

@@ -1,9 +1,10 @@
-"""A policy from the files of its export, ``policy.onnx``, ``policy.json`` and ``reference.npy``.
+"""A policy from the files of its export, and the stage ``policy_import``, which stores these.
 
 It runs in this package's environment, so its layout must be that of the configured robot and env.
 """
 
 import json
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,7 +19,8 @@ from slider.control import LAYOUT, ONNX, REFERENCE
 from slider.control.layout import FORMAT, INPUT, VERSION, describe
 from slider.control.policy import Policy, PolicyNetwork
 from slider.core.errors import UserError, require
-from slider.core.files import flatten
+from slider.core.files import digest_file, flatten
+from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.observations import Observer
 from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import JOINTS, VELOCITY
@@ -61,6 +63,20 @@ class OnnxNetwork:
         return torch.from_numpy(np.asarray(self._session.run(None, {INPUT: values})[0]))
 
 
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Copy the files of an export.
+
+    Raises:
+        UserError: a file is not the one that the job was laid out for.
+    """
+    for name, digest in section["files"].items():
+        path = Path(section["folder"]) / name
+        same = path.is_file() and digest_file(path) == digest
+        require(same, str(path), "the file that the job was laid out for", "another one")
+        shutil.copyfile(path, out / name)
+    return dict(section["files"])
+
+
 def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
     """Read a policy.
 
@@ -71,7 +87,9 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
     try:
         layout = json.loads(path.read_text(encoding="utf-8"))
         found = layout["format"], layout["version"]
-        require(found == (FORMAT, VERSION), str(path), f"{FORMAT} {VERSION}", "{} {}".format(*found))
+        require(
+            found == (FORMAT, VERSION), str(path), f"{FORMAT} {VERSION}", "{} {}".format(*found)
+        )
         clock, reference = layout["clock"], layout["reference"]
         times = StepTimes.constant(1.0)
         if clock is not None:

@@ -20,8 +20,6 @@ from slider.config.gauge import GaugeProtocol
 from slider.config.robot import RobotConfig
 from slider.control.exported import load_exported
 from slider.control.policy import PolicyController
-from slider.core.errors import require
-from slider.core.files import digest_file
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
@@ -82,7 +80,9 @@ def _measure(
     simulated = _simulate(section, inputs, count, disturbance, threads)
     robot = from_dict(RobotConfig, section["robot"])
     starts = [
-        np.tile(np.concatenate(at_rest(robot, protocol.start, rng, protocol.robots), axis=1), (s, 1))
+        np.tile(
+            np.concatenate(at_rest(robot, protocol.start, rng, protocol.robots), axis=1), (s, 1)
+        )
         for s, rng in ((len(protocol.speeds), np.random.default_rng(seed)) for seed in seeds)
     ]
     qpos, qvel = np.split(np.concatenate(starts), [simulated.physics.qpos.shape[1]], axis=1)
@@ -132,15 +132,11 @@ def _simulate(
     """The controller of a section; robots that have failed are not simulated further."""
     if "control" in section:
         return simulate_baseline(section, inputs, count, disturbance, threads)
-    if "policy" not in section:
+    if "policy" not in inputs:
         simulated = simulate(section, inputs, count, disturbance, threads)
         return replace(simulated, controller=_GivesUp(simulated.controller))
     robot, env = from_dict(RobotConfig, section["robot"]), from_dict(EnvConfig, section["env"])
-    folder = Path(section["policy"]["folder"])
-    for name, digest in section["policy"]["files"].items():
-        same = (folder / name).is_file() and digest_file(folder / name) == digest
-        require(same, str(folder / name), "the file that the job was laid out for", "another one")
-    policy = load_exported(folder, robot, env)
+    policy = load_exported(inputs["policy"][0], robot, env)
     agent = AgentInterface(robot, env, count, policy.times, policy.reference)
     physics = BatchedPhysics(
         robot, env.physics, count, threads, disturbance=disturbance, onboard=env.estimation

@@ -19,15 +19,16 @@ def draw(rows: Sequence[Row], cells: pd.DataFrame, labels: Mapping[str, str]) ->
     """A radar above, a map of pushes for each controller below; ``rows`` of the table."""
     pushed = cells[cells["axis"] == "push"]
     names = [name for name in labels if (pushed["controller"] == name).any()]
-    lines = math.ceil(len(names) / _ACROSS)
-    heights = [4.2, *[3.2] * lines]
+    heights = [4.2, *[3.2] * math.ceil(len(names) / _ACROSS)]
     figure = new_figure(sum(heights))
-    panels = figure.subfigures(1 + lines, 1, height_ratios=heights, squeeze=False)[:, 0]
-    axes_of = {axis: mine for axis, mine in by(rows, "axis").items() if "pass_1" in mine[0]}
-    _radar(panels[0].add_subplot(projection="polar"), [r for m in axes_of.values() for r in m])
+    grid = figure.add_gridspec(len(heights), _ACROSS, height_ratios=heights)
+    _radar(
+        figure.add_subplot(grid[0, :], projection="polar"),
+        [row for row in rows if "pass_1" in row],
+    )
     for index, name in enumerate(names):
-        line, column = divmod(index, _ACROSS)
-        axes = panels[1 + line].add_subplot(1, _ACROSS, column + 1, projection="polar")
+        place = grid[1 + index // _ACROSS, index % _ACROSS]
+        axes = figure.add_subplot(place, projection="polar")
         _pushes(axes, pushed[pushed["controller"] == name], labels[name])
     return figure
 

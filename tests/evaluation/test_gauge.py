@@ -1,0 +1,177 @@
+"""The gauge: levels that get harder, robots that pass, and a small run of a random policy."""
+
+import json
+import re
+from dataclasses import fields, replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from slider.config.compose import compose
+from slider.config.convert import to_dict
+from slider.config.gauge import AXES, FALLING, LEVELS, TERRAINS, GaugeProtocol
+from slider.control.export import write_files
+from slider.core.errors import UserError
+from slider.core.job import Job
+from slider.evaluation import gauge
+from slider.evaluation.axes import disturbed, words
+from slider.evaluation.gauge import count_passes, with_noisier_sensors
+from tests.control.policies import write_policy
+from tests.env.synthetic import CONF, config
+
+SETTINGS = config().gauge
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_levels_get_harder_and_each_has_its_own_words(axis):
+    values = SETTINGS.values(axis)
+    assert len(values) == LEVELS
+    assert values == sorted(values, reverse=axis in FALLING)
+    texts = [words(axis, value) for value in values]
+    assert len(set(texts)) == LEVELS
+    numbers = [float(re.sub(r"[^\d.]", "", text)) for text in texts]
+    assert numbers == sorted(numbers, reverse=axis in FALLING)
+
+
+@pytest.mark.parametrize(
+    ("axis", "value", "text"),
+    [
+        ("slope_up", 5.0, "6.25°"),
+        ("tiles", 5.0, "± 4 cm"),
+        ("delay", 0.04, "40 ms"),
+        ("motor_strength", 0.85, "85 %"),
+        ("sensor_noise", 1.5, "× 1.5"),
+        ("push", 12.5, "12.5 N s"),
+    ],
+)
+def test_words_have_the_unit(axis, value, text):
+    assert words(axis, value) == text
+
+
+@pytest.mark.parametrize("axis", AXES)
+def test_an_axis_changes_one_thing_alone(axis):
+    base, sensing = SETTINGS.disturbance, SETTINGS.sensing
+    changed = disturbed(base, sensing, axis, SETTINGS.values(axis)[6], 1.0)
+    different = [name for name in vars(base) if getattr(base, name) != getattr(changed, name)]
+    of = {"motor_strength": "motor_gain", "sensor_noise": "sensing"}
+    assert different == ["terrain" if axis in TERRAINS else of.get(axis, axis)]
+
+
+def test_the_page_has_the_levels():
+    page = (ROOT / "docs" / "how-to" / "gauge.md").read_text()
+    for axis in AXES:
+        first, fifth, last = (words(axis, SETTINGS.values(axis)[k]) for k in (0, 4, 9))
+        assert re.search(rf"^\| `{axis}` \| [^|]+ \| {first} \| {fifth} \| {last} \|$", page, re.M)
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("gauge.axes=[mud]", "gauge.axes: expected one of slope_up, "),
+        ("gauge.controllers=[mine]", "gauge.controllers: expected one of policy, "),
+        ("+gauge.policies.hzd=here", "gauge.policies: expected a name that no controller has"),
+        ("gauge.seed=5", "gauge.seed: expected seeds within"),
+        (
+            "gauge.scales.payload=[1,2,3,4,5,6,7,8,9,9.0]",
+            "gauge.scales.payload: expected rising values, found",
+        ),
+        (
+            "gauge.scales.delay=[0.01,0.02,0.03,0.04,0.05,0.06,0.07,0.08,0.09,0.099]",
+            "gauge.scales.delay[9]: expected a multiple of 0.005, found 0.099",
+        ),
+    ],
+)
+def test_a_mistake_is_one_line(override, message):
+    with pytest.raises(UserError, match=f"^{re.escape(message)}"):
+        compose([override], CONF)
+
+
+def test_a_robot_passes_if_it_stays_up_and_covers_half_the_way():
+    """Of two blocks: one that stands still, one on its way; one that fell far ahead, one short."""
+    protocol = replace(SETTINGS, robots=2, duration=10.0, distance=0.5)
+    covered = np.array([0.1, 2.0, 9.0, 3.9])
+    command = np.zeros((3, 4, 3))
+    command[:, :2, 0], command[:, 2:, 0] = 0.4, 0.8
+    recording = SimpleNamespace(
+        survived=np.array([True, True, False, True]),
+        position=np.stack([np.stack([covered, 0 * covered], axis=1)] * 3),
+        command=command,
+    )
+    counts = count_passes(recording, protocol)  # pyright: ignore[reportArgumentType]
+    np.testing.assert_array_equal(counts["survived"], [2, 1])
+    np.testing.assert_array_equal(counts["passed"], [1, 0])
+    np.testing.assert_allclose(counts["mean_velocity"], [0.105, 0.39])
+
+
+def test_sensors_on_board_err_more_and_controllers_without_them_stay():
+    whole = config("env.sensing=onboard")
+    section = {"env": to_dict(whole.env)}
+    noisier = with_noisier_sensors(section, 3.0)["env"]["onboard"]
+    before = section["env"]["onboard"]
+    assert noisier["estimator"] == before["estimator"]
+    assert noisier["sensors"]["torque"] == 3 * before["sensors"]["torque"]
+    plain = {"plant": to_dict(config().env.plant)}
+    assert with_noisier_sensors(plain, 3.0) == plain
+
+
+@pytest.fixture(scope="module")
+def walking(tmp_path_factory):
+    """A policy with random weights, and its export."""
+    folder = tmp_path_factory.mktemp("walking")
+    write_policy(folder / "policy.pt")
+    write_files(folder / "policy.pt", {}, folder)
+    return folder
+
+
+def run(
+    folder, out, axis: str, values: list[float], directions=(None,), source="walking"
+) -> pd.DataFrame:
+    whole = config("experiment=test")
+    push = replace(whole.gauge.disturbance.push, interval=0.1, duration=0.02)
+    settings = replace(
+        whole.gauge,
+        speeds=[0.2, 0.4],
+        trials=2,
+        robots=3,
+        duration=0.3,
+        disturbance=replace(whole.gauge.disturbance, push=push),
+    )
+    names = [item.name for item in fields(GaugeProtocol)]
+    protocol = {name: to_dict(settings)[name] for name in names}
+    section = {
+        "controller": "policy",
+        "robot": to_dict(whole.robot),
+        "env": to_dict(whole.env),
+        "axis": axis,
+        "values": values,
+        "directions": list(directions),
+        "protocol": protocol | {"distance": 0.0},
+    }
+    out.mkdir()
+    gauge.run(json.loads(json.dumps(section)), {source: [folder]}, out, Job(out / "work"))
+    return pd.read_csv(out / gauge.CSV)
+
+
+def test_levels_have_all_speeds_seeds_and_directions_up_to_one_that_nobody_passes(
+    walking, tmp_path
+):
+    table = run(walking, tmp_path / "out", "push", [0.01, 500.0, 600.0], (0.0, np.pi))
+    assert len(table) == 3 * 2 * 2 * 2
+    assert set(table["robots"]) == {3}
+    assert list(table["seed"].unique()) == [1000, 1001]
+    counts = table.groupby("level")[["survived", "passed"]].sum(min_count=1)
+    assert 0 < counts.loc[1, "passed"] <= counts.loc[1, "survived"]
+    assert counts.loc[2, "survived"] == 0
+    assert counts.loc[3].isna().all()
+    assert table[table["level"] > 1]["mean_velocity"].isna().all()
+
+
+def test_an_export_is_gauged_as_the_policy_that_it_is_of(walking, tmp_path):
+    tables = [
+        run(walking, tmp_path / name, "tiles", [2.0], source=name) for name in ("walking", "policy")
+    ]
+    pd.testing.assert_frame_equal(*tables, atol=1e-5)

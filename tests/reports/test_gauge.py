@@ -1,0 +1,99 @@
+"""The gauge's table: highest levels, the number, and its files, from counts made by hand."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from slider.config.convert import to_dict
+from slider.core.job import Job
+from slider.reports import gauge
+from slider.reports.gauge import NUMBER, gauge_rows, highest_level
+from tests.env.synthetic import config
+
+LABELS = {"policy": "policy (ours)", "hzd": "HZD"}
+
+
+@pytest.mark.parametrize(
+    ("rates", "level"),
+    [
+        ([1.0, 0.9, 0.89, 1.0], 2),  # a level above does not make up for one below
+        ([0.5, 1.0], 0),
+        ([1.0, 0.95, 0.9], 3),
+        ([1.0, 0.0, np.nan], 1),
+    ],
+)
+def test_the_highest_level_has_no_bad_one_below(rates, level):
+    assert highest_level(rates, 0.9) == level
+
+
+def cells(passed: dict[int, list[float]], directions=(None,)) -> pd.DataFrame:
+    """Of ten robots per speed, level and direction."""
+    rows = [
+        {"level": level, "value": 2.5 * level, "direction": direction, "speed": speed, "seed": 0}
+        | {"robots": 10, "survived": 10, "passed": count, "mean_velocity": speed}
+        for level, counts in passed.items()
+        for speed, count in zip((0.4, 0.8), counts, strict=True)
+        for direction in directions
+    ]
+    return pd.DataFrame(rows)
+
+
+def both() -> dict[tuple[str, str], pd.DataFrame]:
+    pushed = cells({1: [10, 10], 2: [8, 10], 3: [0, 0]}, (0.0, np.pi / 2, np.pi, 3 * np.pi / 2))
+    return {
+        ("policy", "slope_up"): cells({1: [10, 10], 2: [8, 10], 3: [10, 7]}),
+        ("policy", "push"): pushed,
+        ("hzd", "slope_up"): cells({1: [0, 0], 2: [np.nan, np.nan], 3: [np.nan, np.nan]}),
+        ("hzd", "push"): cells({1: [10, 10], 2: [10, 10], 3: [10, 10]}, (0.0, np.pi)),
+    }
+
+
+def joined() -> pd.DataFrame:
+    return pd.concat(
+        table.assign(controller=controller, axis=axis)
+        for (controller, axis), table in both().items()
+    )
+
+
+def test_levels_magnitudes_and_numbers():
+    rows = gauge_rows(joined(), LABELS, 0.9)
+    found = [(row["controller"], row["axis"], row["level"], row["magnitude"]) for row in rows]
+    assert found == [
+        ("policy", "slope_up", 2, "6.25°"),
+        ("policy", "push", 2, "5 N s"),
+        ("policy", NUMBER, 2.0, ""),
+        ("hzd", "slope_up", 0, ""),
+        ("hzd", "push", 3, "7.5 N s"),
+        ("hzd", NUMBER, 1.5, ""),
+    ]
+    assert [rows[0][f"pass_{level}"] for level in (1, 2, 3)] == [1.0, 0.9, 0.85]
+    assert np.isnan(rows[3]["pass_2"])
+    assert gauge_rows(joined(), LABELS, 0.95)[0]["level"] == 1
+
+
+def test_files(tmp_path):
+    folders = []
+    for index, table in enumerate(both().values()):
+        folders.append(tmp_path / str(index))
+        folders[-1].mkdir()
+        table.to_csv(folders[-1] / gauge.CSV, index=False)
+    section = {
+        "labels": LABELS,
+        "cells": list(both()),
+        "protocol": to_dict(config().gauge),
+        "survival": 0.9,
+    }
+    out = tmp_path / "out"
+    out.mkdir()
+    summary = gauge.run(section, {"cells": folders}, out, Job(tmp_path))
+    assert summary == {"rows": 6, "gauge": {"policy": 2.0, "hzd": 1.5}}
+    names = {path.name for path in out.iterdir()}
+    assert names == {"gauge.csv", "gauge_cells.csv", "gauge.md", "gauge.svg"}
+    lines = (out / "gauge.csv").read_text().splitlines()
+    assert lines[0] == "controller,label,axis,level,magnitude,pass_1,pass_2,pass_3"
+    assert lines[4] == "hzd,HZD,slope_up,0,,0,,"
+    text = (out / "gauge.md").read_text()
+    assert "| slope up | 2 (6.25°) | 0 |" in text
+    assert "| gauge number | **2.0** | **1.5** |" in text
+    assert "| slope up | 0 | – | – |" in text
+    assert len(pd.read_csv(out / "gauge_cells.csv")) == len(joined())

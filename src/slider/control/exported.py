@@ -86,10 +86,8 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
     path = folder / LAYOUT
     try:
         layout = json.loads(path.read_text(encoding="utf-8"))
-        found = layout["format"], layout["version"]
-        require(
-            found == (FORMAT, VERSION), str(path), f"{FORMAT} {VERSION}", "{} {}".format(*found)
-        )
+        found, expected = f"{layout['format']} {layout['version']}", f"{FORMAT} {VERSION}"
+        require(found == expected, str(path), expected, found)
         clock, reference = layout["clock"], layout["reference"]
         times = StepTimes.constant(1.0)
         if clock is not None:

@@ -75,28 +75,32 @@ def _measure(
     config = disturbed(protocol.disturbance, protocol.sensing, axis, value, direction)
     if axis == "sensor_noise":
         section = with_noisier_sensors(section, value)
-    count = protocol.trials * len(protocol.speeds) * protocol.robots
+    starts, velocities = _starts(from_dict(RobotConfig, section["robot"]), protocol)
     disturbance = Disturbance(config, tuple(seeds))
-    simulated = _simulate(section, inputs, count, disturbance, threads)
-    robot = from_dict(RobotConfig, section["robot"])
-    starts = [
-        np.tile(
-            np.concatenate(at_rest(robot, protocol.start, rng, protocol.robots), axis=1), (s, 1)
-        )
-        for s, rng in ((len(protocol.speeds), np.random.default_rng(seed)) for seed in seeds)
-    ]
-    qpos, qvel = np.split(np.concatenate(starts), [simulated.physics.qpos.shape[1]], axis=1)
-    velocities = np.zeros((count, 3))
-    velocities[:, 0] = np.tile(np.repeat(protocol.speeds, protocol.robots), protocol.trials)
+    simulated = _simulate(section, inputs, len(velocities), disturbance, threads)
     recording = roll_out(
         simulated.controller,
         simulated.physics,
         simulated.env,
-        (qpos, qvel),
+        starts,
         velocities,
         protocol.duration,
     )
     return count_passes(recording, protocol)
+
+
+def _starts(
+    robot: RobotConfig, protocol: GaugeProtocol
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """Starts and commanded velocities (N, 3) in blocks of a seed, and in these of a speed."""
+    starts = []
+    for trial in range(protocol.trials):
+        rng = np.random.default_rng(protocol.seed + trial)
+        starts += [at_rest(robot, protocol.start, rng, protocol.robots)] * len(protocol.speeds)
+    velocities = np.zeros((len(starts) * protocol.robots, 3))
+    velocities[:, 0] = np.tile(np.repeat(protocol.speeds, protocol.robots), protocol.trials)
+    qpos, qvel = zip(*starts, strict=True)
+    return (np.concatenate(qpos), np.concatenate(qvel)), velocities
 
 
 def count_passes(recording: Recording, protocol: GaugeProtocol) -> dict[str, np.ndarray]:

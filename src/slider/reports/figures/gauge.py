@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
-from slider.reports.figures.style import COLOURS, DARK, EMPTY, WIDTH, new_figure
+from slider.reports.figures.style import COLOURS, DARK, EMPTY, new_figure
 from slider.reports.quantities import colour
 from slider.reports.rows import Row, by
 

@@ -168,6 +168,7 @@ BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
     "quality": ("gait_quality.csv", partial(across, _WALKING, ("policy",))),
     "learning": ("gait_quality.csv", partial(across, _WALKING, ("policy", "hzd", "mpc_wbc_tuned"))),
     "robust": ("robust.csv", partial(across, ("success_rate", "tracking_rate", "mse_steady"), ())),
+    "gauge": ("gauge.md", partial(markdown_tables, count=1)),
     "sweep": ("sweep.md", partial(markdown_tables, count=1)),
     "stability": ("stability.md", partial(markdown_tables, count=1)),
 }

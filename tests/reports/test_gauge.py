@@ -1,13 +1,13 @@
 """The gauge's table: highest levels, the number, and its files, from counts made by hand."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from slider.config.convert import to_dict
 from slider.core.job import Job
 from slider.reports import gauge
 from slider.reports.gauge import NUMBER, gauge_rows, highest_level
+from slider.reports.rows import Row, read, write
 from tests.env.synthetic import config
 
 LABELS = {"policy": "policy (ours)", "hzd": "HZD"}
@@ -26,19 +26,18 @@ def test_the_highest_level_has_no_bad_one_below(rates, level):
     assert highest_level(rates, 0.9) == level
 
 
-def cells(passed: dict[int, list[float]], directions=(None,)) -> pd.DataFrame:
+def cells(passed: dict[int, list[float]], directions=(np.nan,)) -> list[Row]:
     """Of ten robots per speed, level and direction."""
-    rows = [
+    return [
         {"level": level, "value": 2.5 * level, "direction": direction, "speed": speed, "seed": 0}
         | {"robots": 10, "survived": 10, "passed": count, "mean_velocity": speed}
         for level, counts in passed.items()
         for speed, count in zip((0.4, 0.8), counts, strict=True)
         for direction in directions
     ]
-    return pd.DataFrame(rows)
 
 
-def both() -> dict[tuple[str, str], pd.DataFrame]:
+def both() -> dict[tuple[str, str], list[Row]]:
     pushed = cells({1: [10, 10], 2: [8, 10], 3: [0, 0]}, (0.0, np.pi / 2, np.pi, 3 * np.pi / 2))
     return {
         ("policy", "slope_up"): cells({1: [10, 10], 2: [8, 10], 3: [10, 7]}),
@@ -48,11 +47,12 @@ def both() -> dict[tuple[str, str], pd.DataFrame]:
     }
 
 
-def joined() -> pd.DataFrame:
-    return pd.concat(
-        table.assign(controller=controller, axis=axis)
+def joined() -> list[Row]:
+    return [
+        {"controller": controller, "axis": axis} | row
         for (controller, axis), table in both().items()
-    )
+        for row in table
+    ]
 
 
 def test_levels_magnitudes_and_numbers():
@@ -76,7 +76,7 @@ def test_files(tmp_path):
     for index, table in enumerate(both().values()):
         folders.append(tmp_path / str(index))
         folders[-1].mkdir()
-        table.to_csv(folders[-1] / gauge.CSV, index=False)
+        write(table, folders[-1] / gauge.CSV)
     section = {
         "labels": LABELS,
         "cells": list(both()),
@@ -96,4 +96,4 @@ def test_files(tmp_path):
     assert "| slope up | 2 (6.25°) | 0 |" in text
     assert "| gauge number | **2.0** | **1.5** |" in text
     assert "| slope up | 0 | – | – |" in text
-    assert len(pd.read_csv(out / "gauge_cells.csv")) == len(joined())
+    assert len(read(out / "gauge_cells.csv")) == len(joined())

@@ -89,20 +89,19 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
         found, expected = f"{layout['format']} {layout['version']}", f"{FORMAT} {VERSION}"
         require(found == expected, str(path), expected, found)
         clock, reference = layout["clock"], layout["reference"]
-        times = StepTimes.constant(1.0)
-        if clock is not None:
-            times = StepTimes(*_axes(clock), np.array(clock["step_time"]))
-        axes = _axes(reference)
-        positions = np.load(folder / REFERENCE, allow_pickle=False)
-        table = JointTable(StepTimes(*axes, np.ones(tuple(map(len, axes)))), positions)
+        times = StepTimes.constant(1.0) if clock is None else _times(clock, clock["step_time"])
+        shape = reference["shape"]
+        positions = np.load(folder / REFERENCE, allow_pickle=False).reshape(shape)
+        table = JointTable(_times(reference, np.ones(shape[:3])), positions)
         _check(layout, robot, env, times, table, path)
     except (KeyError, TypeError, ValueError):
         raise UserError(f"{path}: expected a layout of this project, found another file") from None
     return Exported(OnnxNetwork(folder / ONNX), times, table)
 
 
-def _axes(node: Mapping[str, Any]) -> list[np.ndarray]:
-    return [np.array(node[name]) for name in VELOCITY]
+def _times(node: Mapping[str, Any], step_time: Any) -> StepTimes:
+    axes = {name: np.array(node[name]) for name in VELOCITY}
+    return StepTimes(**axes, step_time=np.array(step_time))
 
 
 def _check(

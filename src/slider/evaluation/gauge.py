@@ -31,6 +31,7 @@ from slider.evaluation.stage import Simulated, simulate, simulate_baseline
 
 CSV = "cells.csv"
 COUNTS = ("survived", "passed", "mean_velocity")  # empty where a level was not run
+COLUMNS = ("level", "value", "direction", "seed", "speed", "robots", *COUNTS)
 
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
@@ -38,28 +39,24 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     torch.set_num_threads(job.threads)
     protocol = from_dict(GaugeProtocol, section["protocol"])
     values, directions = section["values"], section["directions"]
-    cells, failed = [], False
+    seeds = range(protocol.seed, protocol.seed + protocol.trials)
+    rows, failed, tested = [], False, 0
     for level, value in enumerate(values, 1):
         passed = 0
         for direction in directions:
             job.progress(f"level {level} of at most {len(values)}")
-            rows = _rows(protocol, {"level": level, "value": value, "direction": direction})
+            counts: Mapping[str, Any] = {}
             if not failed:
                 counts = _measure(section, inputs, protocol, value, direction, job.threads)
-                rows = rows.assign(**counts)
-                passed += int(counts["passed"].sum())
-            cells.append(rows)
+                passed += counts["passed"].sum()
+            for block, place in enumerate(product(seeds, protocol.speeds)):
+                found = [column[block] for column in counts.values()]
+                rows.append([level, value, direction, *place, protocol.robots, *found])
+        tested += not failed
         failed = failed or passed == 0
-    table = pd.concat(cells).reindex(columns=[*cells[0].columns[:6], *COUNTS])
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
     table.to_csv(out / CSV, index=False, float_format="%.6g")
-    return {"levels": int(table.dropna(subset="passed")["level"].max())}
-
-
-def _rows(protocol: GaugeProtocol, about: Mapping[str, Any]) -> pd.DataFrame:
-    """Seeds and speeds in the order of the robots' blocks."""
-    seeds = range(protocol.seed, protocol.seed + protocol.trials)
-    places = pd.DataFrame(product(seeds, protocol.speeds), columns=["seed", "speed"])
-    return places.assign(**about, robots=protocol.robots)
+    return {"levels": tested}
 
 
 def _measure(

@@ -6,21 +6,19 @@ mean of its levels over the axes.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
-
-import pandas as pd
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.axes import words
 from slider.evaluation.gauge import CSV
 from slider.reports import rows as tables
-from slider.reports.figures import gauge as figures
+from slider.reports.figures.gauge import draw, pass_rate
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import NONE
-from slider.reports.rows import NAN, Row, by
+from slider.reports.rows import Row, by
 from slider.reports.table import Cell, Picture, Table, Text, Written, document
 
 NUMBER = "gauge number"
@@ -39,17 +37,15 @@ seed and direction.
 
 def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     """Write ``gauge.csv``, ``gauge_cells.csv``, ``gauge.md`` and ``gauge.svg``."""
-    frames = []
-    for (controller, axis), folder in zip(section["cells"], inputs["cells"], strict=True):
-        frame = pd.read_csv(folder / CSV)
-        frame.insert(0, "axis", axis)
-        frame.insert(0, "controller", controller)
-        frames.append(frame)
-    cells = pd.concat(frames)
-    cells.to_csv(out / "gauge_cells.csv", index=False, float_format="%.6g")
+    cells = [
+        {"controller": controller, "axis": axis} | row
+        for (controller, axis), folder in zip(section["cells"], inputs["cells"], strict=True)
+        for row in tables.read(folder / CSV)
+    ]
+    tables.write(cells, out / "gauge_cells.csv")
     rows = gauge_rows(cells, section["labels"], section["survival"])
     tables.write(rows, out / "gauge.csv")
-    write_pictures(out / "gauge", partial(figures.draw, rows, cells, section["labels"]))
+    write_pictures(out / "gauge", partial(draw, rows, cells, section["labels"]))
     text = document("Gauge", _blocks(rows, out / "gauge.svg", section))
     (out / "gauge.md").write_text(text, encoding="utf-8")
     job.tracker.log_file(out / "gauge.svg")
@@ -58,22 +54,20 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     return {"rows": len(rows), "gauge": numbers}
 
 
-def gauge_rows(cells: pd.DataFrame, labels: dict[str, str], survival: float) -> list[Row]:
+def gauge_rows(cells: Sequence[Row], labels: Mapping[str, str], survival: float) -> list[Row]:
     """A row per controller and axis, and after those of a controller its gauge number.
 
     ``level`` is the highest one, ``magnitude`` what it is, ``pass_3`` the pass rate of level 3.
     """
     rows: list[Row] = []
-    highest = int(cells["level"].max())
-    for controller, label in labels.items():
-        mine, levels = cells[cells["controller"] == controller], []
-        about = {"controller": controller, "label": label}
-        for axis, tested in mine.groupby("axis", sort=False):
-            groups = tested.groupby("level")
-            rates = groups["passed"].sum(min_count=1) / groups["robots"].sum()
-            level = highest_level(rates.tolist(), survival)
-            magnitude = words(str(axis), groups["value"].first()[level]) if level else ""
-            values = {f"pass_{k}": rates.get(k, NAN) for k in range(1, highest + 1)}
+    for controller, mine in by(cells, "controller").items():
+        about, levels = {"controller": controller, "label": labels[controller]}, []
+        for axis, tested in by(mine, "axis").items():
+            groups = list(by(tested, "level").values())
+            rates = [pass_rate(group) for group in groups]
+            level = highest_level(rates, survival)
+            magnitude = words(axis, groups[level - 1][0]["value"]) if level else ""
+            values = {f"pass_{number}": rate for number, rate in enumerate(rates, 1)}
             rows.append(about | {"axis": axis, "level": level, "magnitude": magnitude} | values)
             levels.append(level)
         mean = sum(levels) / len(levels)

@@ -4,33 +4,39 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import pandas as pd
 from matplotlib import colormaps
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from slider.reports.figures.style import COLOURS, DARK, EMPTY, new_figure
 from slider.reports.quantities import colour
-from slider.reports.rows import Row, by
+from slider.reports.rows import Row, by, distinct
 
 _ACROSS = 2  # maps next to each other
+_ARCS = 8  # straight pieces of an arc
 
 
-def draw(rows: Sequence[Row], cells: pd.DataFrame, labels: Mapping[str, str]) -> Figure:
+def draw(rows: Sequence[Row], cells: Sequence[Row], labels: Mapping[str, str]) -> Figure:
     """A radar above, a map of pushes for each controller below; ``rows`` of the table."""
-    pushed = cells[cells["axis"] == "push"]
-    names = [name for name in labels if (pushed["controller"] == name).any()]
-    heights = [4.2, *[3.2] * math.ceil(len(names) / _ACROSS)]
+    pushed = by((cell for cell in cells if cell["axis"] == "push"), "controller")
+    heights = [4.2, *[3.2] * math.ceil(len(pushed) / _ACROSS)]
     figure = new_figure(sum(heights))
     grid = figure.add_gridspec(len(heights), _ACROSS, height_ratios=heights)
     _radar(
         figure.add_subplot(grid[0, :], projection="polar"),
         [row for row in rows if "pass_1" in row],
     )
-    for index, name in enumerate(names):
+    figure.legend(loc="outside upper center", ncols=_ACROSS)
+    for index, (name, mine) in enumerate(pushed.items()):
         place = grid[1 + index // _ACROSS, index % _ACROSS]
         axes = figure.add_subplot(place, projection="polar")
-        _pushes(axes, pushed[pushed["controller"] == name], labels[name])
+        _pushes(axes, mine, labels[name])
     return figure
+
+
+def pass_rate(cells: Sequence[Row]) -> float:
+    """Share of all robots of some cells that pass; NaN where these were not simulated."""
+    return sum(cell["passed"] for cell in cells) / sum(cell["robots"] for cell in cells)
 
 
 def _radar(axes, rows: Sequence[Row]) -> None:
@@ -46,25 +52,28 @@ def _radar(axes, rows: Sequence[Row]) -> None:
     axes.set(ylim=(0, highest), xticks=angles, xticklabels=[n.replace("_", " ") for n in names])
     axes.set_yticks(range(2, highest + 1, 2) if highest > 2 else [1, highest])
     axes.set_rlabel_position(180 / len(names))
-    axes.tick_params(axis="x", pad=6)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.25, 1.0))
+    for text, angle in zip(axes.get_xticklabels(), angles, strict=True):
+        side = round(np.cos(angle), 9)
+        text.set_horizontalalignment("left" if side > 0 else "right" if side < 0 else "center")
 
 
-def _pushes(axes, cells: pd.DataFrame, label: str) -> None:
+def _pushes(axes, cells: Sequence[Row], label: str) -> None:
     """Share of robots that pass, by direction and impulse."""
-    groups = cells.groupby(["value", "direction"])
-    rates = (groups["passed"].sum(min_count=1) / groups["robots"].sum()).unstack()
-    impulse, direction = rates.index.to_numpy(), rates.columns.to_numpy()
-    width = 2 * np.pi / len(direction)
-    edges = np.append(direction, direction[0] + 2 * np.pi) - width / 2
+    impulse, directions = distinct(cells, "value"), len(distinct(cells, "direction"))
+    groups = by(cells, "value", "direction").values()
+    rates = 100 * np.reshape([pass_rate(group) for group in groups], (len(impulse), directions))
+    width = 2 * np.pi / directions
+    edges = np.linspace(0.0, 2 * np.pi, _ARCS * directions + 1) - width / 2  # from forward on
     rings = np.concatenate([[0.0], impulse])  # a ring ends at its impulse
     colours = colormaps[COLOURS].with_extremes(bad=EMPTY)
-    values = np.ma.masked_invalid(100 * rates.to_numpy())
+    values = np.ma.masked_invalid(np.repeat(rates, _ARCS, axis=1))
     mesh = axes.pcolormesh(edges, rings, values, cmap=colours, vmin=0, vmax=100)
     axes.set_theta_zero_location("N")
     axes.set_yticks(impulse[1::2] if len(impulse) > 3 else impulse)
     axes.set_rlabel_position(np.degrees(width) / 2)
-    axes.tick_params(axis="y", labelcolor=DARK)
+    axes.set_axisbelow(False)
+    for text in axes.get_yticklabels():
+        text.set(color=DARK, path_effects=[withStroke(linewidth=2, foreground="white")])
     axes.set_xticks(np.radians([0, 90, 180, 270]), ["forward", "left", "backward", "right"])
     axes.grid(visible=False)
     axes.set_title(f"pushes, {label}")

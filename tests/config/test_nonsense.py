@@ -53,6 +53,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.reward.terms.*.weight", "*.reward.terms.*.params.*", "*.floor", "*.on_fall"),
         *("*.action.scale.*", "*.termination.terms.*"),  # a passive joint; no contact at all
         *("*.warm_up", "*.ramp", "*.segments[[]0].time", "*.tracking_*"),  # at once, exact
+        "gauge.distance",  # survival alone
         *("*.iterations", "*.period", "*fraction", "*.lam", "*.actor_ema"),  # never, none
         *("*.estimator.lifted", "*.estimator.force_filter"),
         *("*.velocity_filter", "*.step_time", "*.halt.*", "*.acceleration"),  # documented: off

@@ -35,7 +35,7 @@ class ScalesConfig:
 
     friction: Scale[Positive[Factor]]
     """of the feet on the ground"""
-    payload: Scale[Kilograms]
+    payload: Scale[Positive[Kilograms]]
     """on the base"""
     delay: Scale[Positive[Seconds]]
     """in place of that of ``disturbance``; multiples of env.physics.timestep"""
@@ -68,7 +68,7 @@ class GaugeProtocol:
     duration: Positive[Seconds]
     """of a rollout"""
     distance: Share
-    """of speed × duration, which a robot must cover to pass"""
+    """of speed × duration, which a robot must cover to pass; 0: it must not go back"""
     start: StartNoise
     disturbance: DisturbanceConfig
     """of every robot, but for what its axis changes"""

@@ -17,6 +17,7 @@ from slider.config.report import ReportConfig
 from slider.core.job import Inputs
 from slider.evaluation.results import Evaluation
 from slider.library.reader import STORE, GaitLibrary
+from slider.reports import gauge as gauge_report
 from slider.reports import protocols, study
 from slider.reports import provenance as origins_report
 from slider.reports import table1 as table1_report
@@ -24,7 +25,7 @@ from slider.reports.figures import checks, maps, walking
 from slider.reports.figures import gaits as gait_figures
 from slider.reports.figures.style import write_pictures
 from slider.reports.quantities import PAPER, QUANTITIES, speed_text
-from slider.reports.rows import Row, by, evaluations
+from slider.reports.rows import Row, by, evaluations, read
 from slider.reports.table import Cell, Heading, Picture, Table, Text, Written
 from slider.reports.video import ABOUT, FILM, POSTER
 from slider.training.results import Training
@@ -277,6 +278,13 @@ def learning(sources: Sources) -> Blocks:
 def ablation(sources: Sources) -> Blocks:
     """What each choice of the method is worth."""
     return study.blocks("ablation", sources.inputs["ablation"][0])
+
+
+def gauge(sources: Sources) -> Blocks:
+    """How far along each axis of trouble a controller gets."""
+    yield Text("Highest levels of which 90 % of the robots pass; `docs/how-to/gauge.md` has all.")
+    rows = read(sources.file("gauge", "gauge.csv"))
+    yield from gauge_report.blocks(rows, sources.file("gauge", "gauge.svg"))
 
 
 def readings(sources: Sources) -> Blocks:

@@ -9,7 +9,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.evaluation.axes import words
@@ -25,7 +24,7 @@ NUMBER = "gauge number"
 _CAPTION = """\
 Each level has {trials} seeds × {robots} robots at each of {speeds} m/s, {duration:g} s from rest. A
 robot passes if it stays up and covers at least {distance:.0%} of the commanded distance. The level
-of an axis is the highest one up to which, at every level, at least {survival:.0%} of the robots
+of an axis is the highest one up to which, at every level, at least {share:.0%} of the robots
 pass, over all speeds, seeds and directions of pushes. The gauge number is the mean of the levels.
 Above: levels of each axis. Below: share of robots that pass, by direction in which the robot is
 pushed (forward is up, left is left) and impulse [N s]; grey was not simulated.
@@ -46,7 +45,10 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     rows = gauge_rows(cells, section["labels"], section["survival"])
     tables.write(rows, out / "gauge.csv")
     write_pictures(out / "gauge", partial(draw, rows, cells, section["labels"]))
-    text = document("Gauge", _blocks(rows, out / "gauge.svg", section))
+    protocol, figure, *written = section["protocol"], *blocks(rows, out / "gauge.svg")
+    speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
+    caption = Text(_CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]}))
+    text = document("Gauge", [figure, caption, *written])
     (out / "gauge.md").write_text(text, encoding="utf-8")
     job.tracker.log_file(out / "gauge.svg")
     numbers = {row["controller"]: row["level"] for row in rows if row["axis"] == NUMBER}
@@ -81,16 +83,11 @@ def highest_level(rates: Sequence[float], survival: float) -> int:
     return next(below, len(rates))
 
 
-def _blocks(rows: Sequence[Row], svg: Path, section: Section) -> Iterator[Written]:
-    """Figure, explanation, levels of all controllers, and the pass rates of each."""
-    protocol = section["protocol"]
-    speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
-    values: dict[str, Any] = protocol | {"speeds": speeds, "survival": section["survival"]}
+def blocks(rows: Sequence[Row], svg: Path) -> Iterator[Written]:
+    """Figure, levels of all controllers, and the pass rates of each; ``rows`` of the table."""
     yield Picture(svg)
-    yield Text(_CAPTION.format(**values))
-    groups = by(rows, "axis")
-    body = [[Cell(_title(axis)), *map(_level, mine)] for axis, mine in groups.items()]
-    yield Table(["axis", *section["labels"].values()], body)
+    body = [[Cell(_title(axis)), *map(_level, mine)] for axis, mine in by(rows, "axis").items()]
+    yield Table(["axis", *by(rows, "label")], body)
     for label, mine in by(rows, "label").items():
         yield _rates(label, [row for row in mine if row["axis"] != NUMBER])
 
@@ -114,4 +111,4 @@ def _level(row: Row) -> Cell:
     """Level and magnitude."""
     if row["axis"] == NUMBER:
         return Cell(f"**{row['level']:.1f}**", row["level"])
-    return Cell(f"{row['level']} ({row['magnitude']})" if row["level"] else "0", row["level"])
+    return Cell(f"{row['level']:g} ({row['magnitude']})" if row["level"] else "0", row["level"])

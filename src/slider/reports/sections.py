@@ -40,6 +40,7 @@ SECTIONS = {
     ),
     "learning": PageSection("Learning curves", _TRAININGS),
     "ablation": PageSection("Ablation", ("ablation",)),
+    "gauge": PageSection("Gauge", ("gauge",)),
     "readings": PageSection("The paper, statement by statement"),
     "provenance": PageSection(
         "Provenance",

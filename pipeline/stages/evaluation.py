@@ -118,6 +118,7 @@ def protocol_jobs(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobS
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
     """Names of controllers in tables and figures."""
     texts = {POLICY: POLICY_LABEL} | {name: c.label for name, c in config.control.items()}
+    texts |= {name: name for name in config.gauge.policies}
     texts |= {f"{name}{ONBOARD}": f"{text}, onboard state" for name, text in texts.items()}
     return {name: texts[name] for name in controllers}
 

@@ -9,7 +9,7 @@ from typing import Any
 from pipeline.stages.entries import job, only
 from pipeline.stages.evaluation import base_of, control_inputs, control_section, labels
 from slider.artefacts.plan import JobSpec
-from slider.config.control import ONBOARD, POLICY
+from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.gauge import GaugeProtocol
 from slider.config.schema import Config
@@ -27,16 +27,13 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
         UserError: an exported policy is not there.
     """
     gauge = config.gauge
-    own = [name for name in gauge.controllers if base_of(name) in gauge.policies]
-    names = {name: name.replace(ONBOARD, ", onboard state") for name in own}
-    names |= labels(config, (name for name in gauge.controllers if name not in own))
     cells = [
         _axis(config, controller, axis, jobs)
         for controller in gauge.controllers
         for axis in gauge.axes
     ]
     section = {
-        "labels": {name: names[name] for name in gauge.controllers},
+        "labels": labels(config, gauge.controllers),
         "cells": [(cell.section["controller"], cell.section["axis"]) for cell in cells],
         "protocol": _protocol(config),
         "survival": gauge.survival,
@@ -48,7 +45,7 @@ def _axis(config: Config, controller: str, axis: str, jobs: Mapping[str, JobSpec
     """One controller along one axis."""
     gauge, base = config.gauge, base_of(controller)
     if base in gauge.policies:
-        like = controller.replace(base, POLICY)
+        like = f"{POLICY}{controller.removeprefix(base)}"
         section = control_section(config, like) | {"controller": controller}
         inputs = {"policy": [_import(gauge.policies[base], base)]}
     else:

@@ -285,3 +285,42 @@ def test_gaits_of_the_virtual_knee_have_no_controller_that_enforces_them():
     jobs = table1_jobs(compose(["gait.dynamics=knee", "evaluation.controllers=[policy]"], CONF))
     assert "table1" in jobs
     assert "table1" in table1_jobs(compose(["experiment=paper"], CONF))
+
+
+def gauge(*overrides: str) -> JobSpec:
+    return all_jobs(compose(["experiment=test", *overrides], CONF))["gauge"]
+
+
+@pytest.mark.parametrize(
+    ("override", "changed"),
+    [
+        ("gauge.scales.delay=[0.005,0.02,0.03,0.04,0.05,0.06,0.07,0.08,0.09,0.1]", {"delay"}),
+        ("gauge.directions=8", {"push"}),
+        ("gauge.survival=0.8", set()),
+        ("gauge.robots=3", {"slope_up", "delay", "push"}),
+        ("train.walking.seed=3", {"slope_up", "delay", "push"}),
+        ("evaluation.trials=3", set()),
+    ],
+)
+def test_an_axis_depends_on_its_own_levels_and_on_what_all_share(override, changed):
+    before, after = (
+        {cell.section["axis"]: cell.recipe for cell in made.inputs["cells"]}
+        for made in (gauge(), gauge(override))
+    )
+    assert {axis for axis in before if before[axis] != after[axis]} == changed
+
+
+def test_an_exported_policy_is_gauged_with_its_own_sensing(tmp_path):
+    for name in ("policy.onnx", "policy.json", "reference.npy"):
+        (tmp_path / name).write_text(name)
+    made = gauge("gauge.controllers=[o,o_onboard]", f"+gauge.policies.o={tmp_path}")
+    assert made.section["labels"] == {"o": "o", "o_onboard": "o, onboard state"}
+    sensing = {cell.section["controller"]: cell.section["env"] for cell in made.inputs["cells"]}
+    assert [env["sensing"] for env in sensing.values()] == ["true_state", "onboard"]
+    assert all(set(cell.inputs) == {"policy"} for cell in made.inputs["cells"])
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    with pytest.raises(
+        UserError, match=r"^gauge\.policies\.o: expected a folder with policy\.onnx"
+    ):
+        gauge("gauge.controllers=[o]", f"+gauge.policies.o={elsewhere}")

@@ -117,7 +117,7 @@ def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, tu
 
 
 def test_it_estimates_the_state_like_the_package(tmp_path):
-    onboard = replace(ONBOARD, sensors=SensorsConfig(*[0.0] * 13))
+    onboard = replace(ONBOARD, sensors=SensorsConfig(*[0.0] * 17))
     policy = write_files(written(tmp_path), {}, tmp_path, onboard.estimator)
     physics = BatchedPhysics(policy.robot, policy.env.physics, 1, onboard=onboard)
     example = load_example()

@@ -9,13 +9,16 @@ import torch
 from slider.config.env import OnboardConfig, SensorsConfig
 from slider.env.disturbance import Disturbance
 from slider.env.estimator import Measurement, StateEstimator
+from slider.env.interface import FLOAT64
+from slider.env.observations import height_scan
 from slider.env.physics import BatchedPhysics
 from slider.robot.names import GRAVITY, JOINTS, NUM_JOINTS
-from tests.env.synthetic import config, robot_config, stand
+from tests.env.synthetic import config, make_view, robot_config, stand
 
 ONBOARD = config("experiment=test").env.onboard
 assert ONBOARD is not None
-PERFECT = replace(ONBOARD, sensors=SensorsConfig(*[0.0] * 13))
+NO_ERRORS = SensorsConfig(*[0.0] * 17)
+PERFECT = replace(ONBOARD, sensors=NO_ERRORS)
 COUNT = 3
 
 
@@ -200,3 +203,39 @@ def test_controllers_at_other_rates_meet_the_same_errors():
         true = physics.read()
         found.append(physics.measure(true).joint_positions - true.joint_positions)
     np.testing.assert_allclose(*found, atol=1e-12)
+
+
+def scans(sensors: SensorsConfig, kind: str = "slope_up") -> tuple[np.ndarray, np.ndarray]:
+    """Height scans (N, 180) by the estimate and by the true state, of robots that slide forward."""
+    text = f"terrain={{kinds: [{kind}], level: {{lower: 5.0, upper: 5.0}}}}"
+    whole = config("experiment=test", f"evaluation.disturbance.{text}")
+    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
+    onboard = replace(ONBOARD, sensors=sensors)
+    physics = BatchedPhysics(
+        robot_config(), whole.env.physics, COUNT, disturbance=disturbance, onboard=onboard
+    )
+    stand(physics)
+    physics.qvel[:, 0] = 1.0
+    true = physics.read()
+    states = physics.measure(true).tensors(FLOAT64), true.tensors(FLOAT64)
+    measured, expected = (height_scan(make_view(state)).numpy() for state in states)
+    return measured, expected
+
+
+@pytest.mark.parametrize("kind", ["flat", "slope_up", "tiles"])
+def test_a_perfect_scan_sees_the_ground_as_it_is(kind):
+    measured, expected = scans(NO_ERRORS, kind)
+    np.testing.assert_allclose(measured, expected, atol=1e-9)
+
+
+def test_a_scan_has_noise_bias_drop_outs_and_a_delay():
+    measured, expected = scans(replace(NO_ERRORS, scan=0.02))
+    np.testing.assert_allclose((measured - expected).std(), 0.02, rtol=0.1)
+    measured, expected = scans(replace(NO_ERRORS, scan_bias=0.02))
+    assert np.ptp(measured - expected, axis=1).max() < 1e-9
+    assert 0.01 < np.std(measured - expected) < 0.04
+    measured, expected = scans(replace(NO_ERRORS, scan_drop_out=0.2))
+    lost = np.abs(measured - expected) > 1e-6
+    assert 0.15 < lost.mean() < 0.25
+    late, expected = scans(replace(NO_ERRORS, scan_delay=0.1))
+    np.testing.assert_allclose(late - expected, 0.1 * np.tan(np.radians(6.25)), atol=1e-9)

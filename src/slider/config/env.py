@@ -120,6 +120,14 @@ class SensorsConfig:
     acceleration_bias: NonNegative[MetresPerSecond2]
     torque: NonNegative[Factor]
     """error of each motor's torque constant"""
+    scan: NonNegative[Metres]
+    """of each point of the height scan"""
+    scan_bias: NonNegative[Metres]
+    """of the whole scan"""
+    scan_drop_out: Share
+    """of its points, which read the ground under the feet"""
+    scan_delay: Seconds
+    """by which the map under the scan is late: it is off by this times the velocity"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -26,7 +26,8 @@ from slider.env.state import RobotState
 from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_spec
 from slider.robot.transmission import Transmission
 
-ROBOT, NOISE, PUSH, GROUND, BIAS, READING, TILES = range(7)  # uses of random numbers
+# Uses of random numbers.
+ROBOT, NOISE, PUSH, GROUND, BIAS, READING, TILES, SCAN, SCAN_BIAS = range(9)
 _STREAM = 81  # keeps these generators apart from others of the same seed
 
 

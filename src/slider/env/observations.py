@@ -220,13 +220,14 @@ def height_scan(view: View) -> Array:
     From back to front, in each row from right to left.
     """
     state, (nx, ny) = view.state, view.scan_points
-    if state.ground.flat:
+    ground = state.ground if state.scanned is None else state.scanned
+    if ground.flat:
         return state.base_position[:, 2:3].expand(-1, nx * ny)
     grid = [view.scan_spacing * (np.arange(n) - 0.5 * (n - 1)) for n in (nx, ny)]
     x, y = (values.ravel() for values in np.meshgrid(*grid, indexing="ij"))
     grid = asarray(np.stack([x, y], axis=-1), state.yaw)
     points = turn_to_heading(grid, -state.yaw[:, None]) + state.base_position[:, None, :2]
-    return state.base_position[:, 2:3] - state.ground.height(points)
+    return state.base_position[:, 2:3] - ground.height(points)
 
 
 class Observer:

@@ -1,15 +1,16 @@
 """Sensors on board of the robots, and the state that is estimated from them."""
 
 from dataclasses import replace
+from functools import partial
 
 from slider.config.env import OnboardConfig, SensingConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env.disturbance import BIAS, READING, Draws
+from slider.env.disturbance import BIAS, READING, SCAN, SCAN_BIAS, Draws
 from slider.env.estimator import Measurement, StateEstimator
 from slider.env.sensing import NUMBERS, SLIDES, turned, with_noise
 from slider.env.state import RobotState
-from slider.env.terrain import FLAT
+from slider.env.terrain import FLAT, ScannedGround
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
 from slider.robot.names import GRAVITY, MOTORS, NUM_JOINTS
 
@@ -53,7 +54,7 @@ class OnboardState:
     def restart(self) -> None:
         """Begin again: the same errors follow."""
         self._steps, self._episodes = 0, 0
-        self._elapsed, self._age = zeros((2, self._count), self._like)
+        self._elapsed, self._age, self._scan_bias = zeros((3, self._count), self._like)
         self._velocity = zeros((self._count, 3), self._like)
         self._torques = zeros((self._count, len(MOTORS)), self._like)
         self._bias = zeros((self._count, _BIASES), self._like)
@@ -61,6 +62,7 @@ class OnboardState:
     def begin(self, index: Array, qpos: Array, qvel: Array) -> None:
         """Start robots ``index`` at positions (n, 19) and velocities (n, 18) with new biases."""
         self._bias[index] = self._draws.normal(BIAS, self._episodes, _BIASES)[index]
+        self._scan_bias[index] = self._draws.normal(SCAN_BIAS, self._episodes, 1)[index, 0]
         self._episodes += 1
         self._velocity[index] = qvel[:, :3]
         self._elapsed[index] = self._age[index] = self._torques[index] = 0.0
@@ -115,6 +117,18 @@ class OnboardState:
         self._velocity = velocity
         self._elapsed = 0.0 * self._elapsed
         position, feet = estimate.position, estimate.feet
+        scanned = ScannedGround(
+            state.ground,
+            centre=position[:, :2],
+            place=state.base_position[:, :2] - sensors.scan_delay * velocity[:, :2],
+            turn=state.yaw - read.yaw,
+            lift=position[:, 2] - state.base_position[:, 2] + sensors.scan_bias * self._scan_bias,
+            level=0.0 * position[:, 2],
+            noise=sensors.scan,
+            drop_out=sensors.scan_drop_out,
+            normal=partial(self._draws.normal, SCAN, self._steps),
+            uniform=partial(self._draws.uniform, SCAN, self._steps),
+        )
         return replace(
             read,
             base_position=position,
@@ -126,4 +140,5 @@ class OnboardState:
             motor_torques=torques,
             body_contacts=0 * state.body_contacts,
             ground=FLAT,
+            scanned=scanned,
         )

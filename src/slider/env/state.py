@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from slider.core.arrays import Array, namespace, tensors
 from slider.env.phase import gait_velocity_of
-from slider.env.terrain import FLAT, Ground
+from slider.env.terrain import FLAT, Ground, ScannedGround
 from slider.robot import names
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading, yaw_of
 
@@ -44,6 +44,7 @@ class RobotState:
         body_contacts: (N,) number of contacts of other bodies with the ground.
         diverged: (N,) the simulation of this robot blew up in the last control step.
         ground: on which the robots are.
+        scanned: the ground as the height scan shows it; none: as it is.
     """
 
     base_position: Array
@@ -63,6 +64,7 @@ class RobotState:
     body_contacts: Array
     diverged: Array
     ground: Ground = FLAT
+    scanned: ScannedGround | None = None
 
     def tensors(self, like: "torch.Tensor") -> "RobotState":
         """The same as tensors on the device and in the precision of ``like``.

@@ -9,7 +9,7 @@ touches a slope, a step or a tile exactly; of a smooth field it touches the tang
 # pyright: reportAttributeAccessIssue=false
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
@@ -183,6 +183,43 @@ class UnevenGround:
         wave = waves * (xp.sin(phases) @ shares)
         gradient = waves[..., None] * ((xp.cos(phases) * shares) @ vectors)
         return fade * wave, fade[..., None] * gradient + (steep * wave)[..., None] * points
+
+
+@dataclass(frozen=True)
+class ScannedGround:
+    """Ground as a height sensor shows it around estimated positions of N robots.
+
+    Attributes:
+        ground: under the robots.
+        centre: (N, 2) estimated position of the base [m].
+        place: (N, 2) what of the ground the sensor takes for that [m].
+        turn: (N,) heading of the sensor over the estimated one [rad].
+        lift: (N,) added to heights: estimated over true height of the base, and the bias [m].
+        level: (N,) height that points without a reading have [m].
+        noise, drop_out: standard deviation [m], share of points without a reading.
+        normal, uniform: random numbers (N, columns) of this reading, by the number of columns.
+    """
+
+    ground: Ground
+    centre: Array
+    place: Array
+    turn: Array
+    lift: Array
+    level: Array
+    noise: float
+    drop_out: float
+    normal: Callable[[int], Array]
+    uniform: Callable[[int], Array]
+    flat: bool = False
+
+    def height(self, points: Array, gaps: bool = True) -> Array:
+        """Heights (N, P) [m] at points (N, P, 2) [m]."""
+        away = turn_to_heading(points - self.centre[:, None], -self.turn[:, None])
+        heights = self.ground.height(away + self.place[:, None], gaps) + self.lift[:, None]
+        count, xp = points.shape[1], namespace(points)
+        heights = heights + self.noise * asarray(self.normal(count), points)
+        seen = asarray(self.uniform(count), points) >= self.drop_out
+        return xp.where(seen, heights, self.level[:, None])
 
 
 def described(config: TerrainConfig) -> str:

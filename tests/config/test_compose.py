@@ -56,11 +56,11 @@ def test_every_option_composes(option):
         ("nonsense=3", "unknown configuration key 'nonsense'"),
         (
             "finetuning.iterations=3",
-            "finetuning.iterations: expected finetuning=robust beside it, found none",
+            "finetuning.iterations: expected finetuning=outdoor or finetuning=robust beside it",
         ),
         ("env.phase.halt.below=0.1", "env.phase.halt.above: expected a value ≥ 0.1, found 0.0"),
         ("env.phase.halt=true", "phase.halt: expected values of below, above, found true"),
-        ("finetuning=nope", "unknown option finetuning=nope, expected one of: robust"),
+        ("finetuning=nope", "unknown option finetuning=nope, expected one of: outdoor, robust"),
         ("env.action.clip=${nothing}", "Interpolation key 'nothing' not found"),
         ("experiment=nope", "unknown option experiment=nope, expected one of: default"),
         ("+gait.extra=3", "gait.extra"),

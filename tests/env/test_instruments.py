@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from slider.env.ground import FLAT
 from slider.env.instruments import (
     CONTACT_FORCE,
     LIFT_TIME,
@@ -17,7 +18,6 @@ from slider.env.instruments import (
     touchdowns,
 )
 from slider.env.physics import BatchedPhysics
-from slider.env.terrain import FLAT
 from slider.robot import names
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
 from slider.robot.mjcf import DISTANCE_CUTOFF, nominal_qpos

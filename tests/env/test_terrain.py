@@ -12,10 +12,11 @@ import pytest
 from slider.config.env import TerrainKind
 from slider.core.arrays import tensors
 from slider.env import terminations, terrain
+from slider.env.ground import FLAT, UnevenGround, fitted
 from slider.env.interface import FLOAT64
 from slider.env.observations import base_height, height_scan
 from slider.env.physics import BatchedPhysics
-from slider.env.terrain import FLAT, UnevenGround, fitted, magnitude
+from slider.env.terrain import magnitude
 from slider.robot import names
 from slider.robot.kinematics import foot_ends
 from tests.env.synthetic import (

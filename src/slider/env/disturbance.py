@@ -19,7 +19,7 @@ from slider.config.env import DisturbanceConfig
 from slider.config.robot import RobotConfig
 from slider.config.types import Interval
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env import randomization, terrain
+from slider.env import ground, randomization, terrain
 from slider.env.sensing import NUMBERS, with_noise
 from slider.env.starts import NUMPY
 from slider.env.state import RobotState
@@ -103,7 +103,7 @@ def build_terrain(
 ) -> terrain.Terrain:
     """The grounds of robots with a model each; all seeds share one table of tiles."""
     generator = Draws(disturbance.seeds[:1], 1).generators(TILES, 0)[0]
-    table = generator.uniform(-1.0, 1.0, (terrain.TILES, terrain.TILES))
+    table = generator.uniform(-1.0, 1.0, (ground.TILES, ground.TILES))
     return terrain.Terrain(disturbance.config.terrain, robot, models, table)
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import torch
 
 from slider.core.arrays import Array, tensors
+from slider.env.ground import fitted
 from slider.env.interface import FLOAT64
 from slider.env.state import View
-from slider.env.terrain import fitted
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
 from slider.robot.names import CHANNELS, JOINTS, NUM_CHANNELS, NUM_JOINTS, SIDES
@@ -57,7 +57,7 @@ class Guide:
         """Reference at the clock's phase: channels and base motion (N, 26 + 13).
 
         Where the clock is halted: standing on both feet, at rest. On uneven ground the legs fit to
-        the ground under their feet (:func:`slider.env.terrain.fitted`).
+        the ground under their feet (:func:`slider.env.ground.fitted`).
         """
         command = view.gait_velocity
         if self._nearest:

@@ -8,9 +8,9 @@ from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
 from slider.env.disturbance import BIAS, READING, SCAN, SCAN_BIAS, Draws
 from slider.env.estimator import Measurement, StateEstimator
+from slider.env.ground import FLAT, ScannedGround
 from slider.env.sensing import NUMBERS, SLIDES, turned, with_noise
 from slider.env.state import RobotState
-from slider.env.terrain import FLAT, ScannedGround
 from slider.robot.kinematics import rotation_from_quaternion, turn_to_heading
 from slider.robot.names import GRAVITY, MOTORS, NUM_JOINTS
 

@@ -18,10 +18,11 @@ from slider.config.robot import RobotConfig
 from slider.core.arrays import Array
 from slider.env import randomization
 from slider.env.disturbance import Disturbance, Disturber, build_plant, build_terrain, uneven
+from slider.env.ground import FLAT, Ground
 from slider.env.instruments import Contacts, DriveLoads, loads, observe
 from slider.env.onboard import OnboardState
 from slider.env.state import SPEED_LIMIT, RobotState, SensorIndex, columns_of, read_state
-from slider.env.terrain import FLAT, Ground, Terrain
+from slider.env.terrain import Terrain
 from slider.robot import names
 from slider.robot.mjcf import Actuation, SimulationOptions, nominal_qpos
 from slider.robot.transmission import Transmission, by_motor

@@ -16,8 +16,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from slider.config.report import VideoConfig
+from slider.env.ground import Ground
 from slider.env.rollout import Frame
-from slider.env.terrain import Ground
 from slider.robot.scene import Relief, aim
 
 _DISTANCE = 2.15  # of the camera [m]

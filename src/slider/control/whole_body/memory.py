@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.env.ground import FLAT, Ground
 from slider.env.phase import standing
-from slider.env.terrain import FLAT, Ground
 from slider.robot.kinematics import turn_to_heading
 
 SWAY, WALK, OFF, STAND = 0, 1, 2, 3

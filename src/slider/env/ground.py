@@ -1,0 +1,212 @@
+"""Ground under the robots by formula, flat, uneven, or as a sensor shows it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from slider.core.arrays import Array, asarray, namespace, zeros
+from slider.robot import names
+from slider.robot.kinematics import turn_to_heading
+
+DEPTH = 0.5  # of a gap [m]
+CELL = 0.25  # edge of a tile [m]
+TILES = 64  # after so many tiles their heights repeat
+_FADE = 0.3  # from its level start to its full height a field has this [m]
+# Wave vectors [rad/m] of a field; their amplitudes add up to 1.
+_WAVES = 2 * math.pi * np.array([[0.8, 0.15], [-0.3, 0.7], [0.6, -0.9], [1.1, 0.6]])
+_SHARES = np.array([0.4, 0.3, 0.2, 0.1])
+_WHOLE = ("table", "flat")  # of all robots
+
+
+class Ground(Protocol):
+    """Height of the ground under each of N robots."""
+
+    @property
+    def flat(self) -> bool:
+        """Whether it is z = 0 everywhere."""
+        ...
+
+    def height(self, points: Array, gaps: bool = True) -> Array:
+        """Heights (N, ...) [m] at points (N, ..., 2) of the world [m].
+
+        Without ``gaps`` the ground goes on level over them, where a foot should not be.
+        """
+        ...
+
+    def gradient(self, points: Array) -> Array:
+        """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
+        ...
+
+    def of(self, robots: Array) -> "Ground":
+        """The ground under ``robots`` (n,) of the N."""
+        ...
+
+
+@dataclass(frozen=True)
+class FlatGround:
+    """A plane at z = 0."""
+
+    flat: bool = True
+
+    def height(self, points: Array, gaps: bool = True) -> Array:
+        """Zeros (N, ...) for points (N, ..., 2)."""
+        return zeros(points.shape[:-1], points)
+
+    def gradient(self, points: Array) -> Array:
+        """Zeros (N, ..., 2) for points (N, ..., 2)."""
+        return zeros(points.shape, points)
+
+    def of(self, robots: Array) -> "FlatGround":
+        """The same."""
+        return self
+
+
+FLAT = FlatGround()
+
+
+@dataclass(frozen=True)
+class UnevenGround:
+    """Grounds of N robots: a plane, bars across the way, square tiles and waves, added up.
+
+    The world's x axis is the way. Bars are steps, stairs or boards: bar j of n has its top at j
+    times the rise, from start + (j − 1) tread + gap to start + j tread. The first and the last go
+    on without end; between them are gaps.
+
+    Attributes:
+        slope: (N, 2) rise over run along x and y.
+        rise, tread, gap, start: (N,) of the bars [m].
+        bars: (N,) number of bars beside the first; 0: none.
+        tiles: (N,) amplitude of the tiles' heights [m].
+        waves: (N,) amplitude of the waves [m].
+        place: (N, 2) where on the table of tiles, in the field [m], the robot's origin is.
+        table: (64, 64) of tiles, uniform in [-1, 1].
+    """
+
+    slope: Array
+    rise: Array
+    tread: Array
+    gap: Array
+    start: Array
+    bars: Array
+    tiles: Array
+    waves: Array
+    place: Array
+    table: Array
+    flat: bool = False
+
+    def height(self, points: Array, gaps: bool = True) -> Array:
+        """Heights (N, ...) [m] at points (N, ..., 2) [m]; see :class:`Ground`."""
+        plane = (self._wide(self.slope, points) * points).sum(-1)
+        depth = DEPTH if gaps else 0.0
+        return plane + self._bar(points, depth) + self._tile(points) + self._field(points)[0]
+
+    def gradient(self, points: Array) -> Array:
+        """Rise over run (N, ..., 2) at points (N, ..., 2), without that of vertical faces."""
+        return self._wide(self.slope, points) + self._field(points)[1]
+
+    def of(self, robots: Array) -> "UnevenGround":
+        """The ground under ``robots`` (n,) of the N."""
+        rows = {name: values[robots] for name, values in vars(self).items() if name not in _WHOLE}
+        return UnevenGround(**rows, table=self.table)
+
+    def _wide(self, values: Array, points: Array) -> Array:
+        """Values (N, ...) of the robots with as many dimensions as their points (N, ..., 2)."""
+        return values.reshape(len(values), *(1,) * (points.ndim - 2), *values.shape[1:])
+
+    def _bar(self, points: Array, depth: float) -> Array:
+        xp, (rise, tread, gap, start, bars) = (
+            namespace(points),
+            (
+                self._wide(values, points)
+                for values in (self.rise, self.tread, self.gap, self.start, self.bars)
+            ),
+        )
+        ahead = points[..., 0] - start
+        number = (xp.floor(ahead / tread) + 1.0).clip(0.0, None)
+        number = xp.minimum(number, bars)
+        hole = (number > 0) & (ahead - (number - 1.0) * tread < gap)
+        return rise * number - depth * hole
+
+    def tile(self, cells: Array) -> Array:
+        """Heights (N, ...) [m] of tiles by their numbers (N, ..., 2); nine about the origin: 0."""
+        xp = namespace(cells)
+        place = xp.floor(self._wide(self.place, cells) / CELL)
+        index = xp.asarray(cells + place, dtype=xp.int64) % TILES
+        level = (abs(cells) <= 1.0).all(-1)
+        return self._wide(self.tiles, cells) * self.table[index[..., 0], index[..., 1]] * ~level
+
+    def _tile(self, points: Array) -> Array:
+        return self.tile(namespace(points).floor(points / CELL + 0.5))
+
+    def _field(self, points: Array) -> tuple[Array, Array]:
+        """Heights (N, ...) and gradients (N, ..., 2) of the waves, which fade in from the start."""
+        xp, waves = namespace(points), self._wide(self.waves, points)
+        vectors, shares = asarray(_WAVES, points), asarray(_SHARES, points)
+        phases = (points + self._wide(self.place, points)) @ vectors.T
+        distance = xp.sqrt((points**2).sum(-1) + 1e-12)
+        share = ((distance - _FADE) / _FADE).clip(0.0, 1.0)
+        fade = share * share * (3.0 - 2.0 * share)
+        steep = 6.0 * share * (1.0 - share) / _FADE / distance
+        wave = waves * (xp.sin(phases) @ shares)
+        gradient = waves[..., None] * ((xp.cos(phases) * shares) @ vectors)
+        return fade * wave, fade[..., None] * gradient + (steep * wave)[..., None] * points
+
+
+@dataclass(frozen=True)
+class ScannedGround:
+    """Ground as a height sensor shows it around estimated positions of N robots.
+
+    Attributes:
+        ground: under the robots.
+        centre: (N, 2) estimated position of the base [m].
+        place: (N, 2) what of the ground the sensor takes for that [m].
+        turn: (N,) heading of the sensor over the estimated one [rad].
+        lift: (N,) added to heights: estimated over true height of the base, and the bias [m].
+        level: (N,) height that points without a reading have [m].
+        noise, drop_out: standard deviation [m], share of points without a reading.
+        normal, uniform: random numbers (N, columns) of this reading, by the number of columns.
+    """
+
+    ground: Ground
+    centre: Array
+    place: Array
+    turn: Array
+    lift: Array
+    level: Array
+    noise: float
+    drop_out: float
+    normal: Callable[[int], Array]
+    uniform: Callable[[int], Array]
+    flat: bool = False
+
+    def height(self, points: Array, gaps: bool = True) -> Array:
+        """Heights (N, P) [m] at points (N, P, 2) [m]."""
+        away = turn_to_heading(points - self.centre[:, None], -self.turn[:, None])
+        heights = self.ground.height(away + self.place[:, None], gaps) + self.lift[:, None]
+        count, xp = points.shape[1], namespace(points)
+        heights = heights + self.noise * asarray(self.normal(count), points)
+        seen = asarray(self.uniform(count), points) >= self.drop_out
+        return xp.where(seen, heights, self.level[:, None])
+
+
+def fitted(ground: Ground, feet: Array, yaw: Array) -> Array:
+    """Change of joint positions (N, 12) by which legs made for level ground fit to the ground.
+
+    A slide is shorter by as much as the ground under its foot is higher than the mean under both,
+    an ankle is turned by the slope along the heading.
+
+    Args:
+        ground: under the robots.
+        feet: middles of the feet (N, 2, 2) [m].
+        yaw: headings (N,) [rad].
+    """
+    heights, result = ground.height(feet, gaps=False), zeros((len(yaw), names.NUM_JOINTS), yaw)
+    mean, gradient = heights.mean(-1), ground.gradient(feet)
+    for leg, side in enumerate(names.SIDES):
+        steep = turn_to_heading(gradient[:, leg], yaw)[:, 0]
+        result[:, names.JOINTS.index(f"{side}_slide")] = mean - heights[:, leg]
+        result[:, names.JOINTS.index(f"{side}_ankle")] = -namespace(yaw).arctan(steep)
+    return result

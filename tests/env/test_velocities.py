@@ -19,7 +19,7 @@ def rng() -> Random:
 def sampler(period: float = 5.0, standing: float = 0.25) -> VelocitySampler:
     ranges = (Interval(0.2, 3.0), Interval(-0.1, 0.3), Interval(-0.5, 0.5))
     curriculum = CurriculumConfig(1.0, 0.1, 0.9)
-    config = VelocitiesConfig(*ranges, period, standing, curriculum)
+    config = VelocitiesConfig(*ranges, period, standing, curriculum, uneven=1.0)
     return VelocitySampler(config, control_period=0.02, like=FLOAT64)
 
 

@@ -123,7 +123,7 @@ def test_fifty_steps_from_stance_equal_mujocos(physics):
     np.testing.assert_allclose(physics.qvel, other.qvel, rtol=0, atol=1e-4)
     found, expected = physics.read(), other.read()
     for name in vars(expected):
-        if name != "ground":
+        if name not in ("ground", "scanned"):
             values = getattr(found, name)
             assert isinstance(values, torch.Tensor)
             assert values.dtype in (torch.float32, torch.bool)

@@ -83,7 +83,10 @@ def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, Job
         "disturbance": to_dict(config.evaluation.disturbance),
         "video": without(to_dict(config.report.video), "speeds", "terrain"),
     }
-    label = f"video of {controller} at {speed:.1f} m/s"
+    ground = config.evaluation.disturbance.terrain.kinds[0].replace("_", " ")
+    label = f"video of {controller} at {speed:.1f} m/s" + (
+        f", {ground}" if ground != "flat" else ""
+    )
     inputs = control_inputs(config, controller, jobs)
     return job("video", label, section, inputs, tracked=False)
 

@@ -117,6 +117,9 @@ def test_every_option_composes(option):
         ("evaluation.disturbance.mass={lower: 1.1, upper: 0.9}", "mass: expected lower ≤ upper"),
         ("train.walking.disturbance.push.interval=0.03", "push.interval: expected a multiple of"),
         ("evaluation.disturbance.push.duration=3.0", "push.duration: expected less than its"),
+        ("evaluation.disturbance.terrain.curriculum=true", "expected false outside trainings"),
+        ("gauge.duration=3.0", "gauge.duration: expected at least 3.1 s, with a push, found 3.0"),
+        ("gauge.duration=10.01", "gauge.duration: expected a multiple of 0.02, found 10.01"),
         ("evaluation.disturbance.terrain.kinds=[moon]", "terrain.kinds[0]: expected one of flat,"),
         ("evaluation.disturbance.terrain.level.upper=21", "terrain.level.upper: expected a number"),
         (

@@ -166,10 +166,12 @@ def disturbed_physics(
     actuation: Actuation = "position",
     substeps: int = 4,
     seeds: tuple[int, ...] = (1,),
+    curriculum: bool = False,
 ) -> BatchedPhysics:
     """Physics with disturbances; ``settings`` such as ``mass={lower: 0.9, upper: 1.1}``."""
     whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
-    disturbance = Disturbance(whole.evaluation.disturbance, seeds)
+    terrain = replace(whole.evaluation.disturbance.terrain, curriculum=curriculum)
+    disturbance = Disturbance(replace(whole.evaluation.disturbance, terrain=terrain), seeds)
     physics = replace(whole.env.physics, substeps=substeps)
     return BatchedPhysics(robot_config(), physics, count, 1, actuation, disturbance)
 

@@ -347,3 +347,28 @@ def test_the_clock_runs_at_its_own_pace_or_at_that_of_the_gaits(library):
         np.testing.assert_allclose(times.at(commands), expected)
     assert make(library, "env/phase=none").times is None
     assert make(None, "env/phase=clock").times is None
+
+
+def test_terrain_grades_robots_and_slows_them():
+    """Levels: up after an episode of a metre, down after a fall; half of the velocity off it."""
+    terrain = "{kinds: [flat, tiles], level: {lower: 3, upper: 5}, curriculum: true}"
+    values = (
+        f"disturbance.terrain={terrain}",
+        "velocities={uneven: 0.5, vx: {lower: 1.0, upper: 1.0}, standing_fraction: 0.0}",
+        "episode_length=0.1",
+    )
+    whole = settings(*(f"train.walking.{value}" for value in values))
+    env = build(whole)
+    np.testing.assert_allclose(env.agent.command[:, 0], [1.0, 0.5] * 3)
+    levels = env.physics.terrain.levels
+    levels[:] = 4.0
+    env.physics.qpos[:4, 0] += 1.5  # these come further than a metre
+    env.physics.qpos[4:, 2] -= 0.5  # these have fallen
+    for _ in range(5):
+        env.step(torch.zeros(NUM_ENVS, 12))
+    np.testing.assert_array_equal(levels[[1, 3]], 5.0)
+    assert levels[5] == 3.0
+    state = env.terrain_levels
+    other = build(whole)
+    other.restore_levels(state)
+    np.testing.assert_array_equal(other.physics.terrain.levels, state)

@@ -96,9 +96,10 @@ class ReferenceConfig:
 
 @dataclass(frozen=True, config=STRICT)
 class SensorsConfig:
-    """Errors of encoders, inertial unit and motor currents: standard deviations.
+    """Errors of encoders, inertial unit, motor currents and height scan.
 
-    White noise is drawn at each reading, a bias once per episode.
+    All are standard deviations but ``scan_drop_out`` and ``scan_delay``. White noise is drawn at
+    each reading, a bias once per episode.
     """
 
     joint_position: NonNegative[Radians]
@@ -278,7 +279,7 @@ class PushConfig:
     interval: Positive[Seconds]
     """time from the start and between pushes, a multiple of env.control_period"""
     direction: Radians | None
-    """in which the robot is pushed, from forward towards left; null: drawn anew for each push"""
+    """from the world's x axis, along which robots start, to y; null: drawn anew for each push"""
 
 
 TerrainKind = Literal[
@@ -306,8 +307,8 @@ class TerrainConfig:
     level: Interval[Level]
     """drawn per robot and episode"""
     curriculum: bool
-    """in place of that: from ``lower`` one up after an episode walked through, one down after a
-    fall"""
+    """in trainings, in place of that: from ``lower`` one up after an episode of 1 m without a fall,
+    one down after a fall; beyond ``upper`` drawn"""
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -154,8 +154,12 @@ def _env(env: EnvConfig) -> None:
     require(possible, "env.phase", "a clock for mirror and halt", "none")
 
 
-def _disturbance(disturbance: DisturbanceConfig, env: EnvConfig, key: str) -> None:
-    """Times that the simulation can hit."""
+def _disturbance(
+    disturbance: DisturbanceConfig, env: EnvConfig, key: str, curriculum: bool = True
+) -> None:
+    """Times that the simulation can hit; only trainings have a ``curriculum``."""
+    possible = curriculum or not disturbance.terrain.curriculum
+    require(possible, f"{key}.terrain.curriculum", "false outside trainings", "true")
     _multiple(f"{key}.delay.lower", disturbance.delay.lower, env.physics.timestep)
     _multiple(f"{key}.delay.upper", disturbance.delay.upper, env.physics.timestep)
     push = disturbance.push
@@ -264,7 +268,7 @@ def _protocols(config: Config) -> None:
     require(config.evaluation.profile is None, "evaluation.profile", expected, "one")
     for key, protocol in config.evaluations.items():
         _protocol(protocol, (POLICY, *config.control), key, config.env.control_period)
-        _disturbance(protocol.disturbance, config.env, f"{key}.disturbance")
+        _disturbance(protocol.disturbance, config.env, f"{key}.disturbance", curriculum=False)
 
 
 def _protocol(
@@ -301,7 +305,12 @@ def _gauge(config: Config) -> None:
         require(ordered == values, f"{key}.scales.{name}", expected, values)
     for index, delay in enumerate(gauge.scales.delay):
         _multiple(f"{key}.scales.delay[{index}]", delay, config.env.physics.timestep)
-    _disturbance(gauge.disturbance, config.env, f"{key}.disturbance")
+    _disturbance(gauge.disturbance, config.env, f"{key}.disturbance", curriculum=False)
+    period, push = config.env.control_period, gauge.disturbance.push
+    least = push.interval + push.duration if "push" in gauge.axes else period
+    expected = f"at least {least:g} s, with a push" if "push" in gauge.axes else f"at least {least}"
+    require(gauge.duration >= least, f"{key}.duration", expected, gauge.duration)
+    _multiple(f"{key}.duration", gauge.duration, period)
 
 
 def _profile(profile: ProfileConfig, duration: float, period: float, key: str) -> None:

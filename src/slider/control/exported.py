@@ -23,7 +23,7 @@ from slider.core.files import digest_file, flatten
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.observations import Observer
 from slider.library.lookup import JointTable, StepTimes
-from slider.robot.names import JOINTS, VELOCITY
+from slider.robot.names import JOINTS, NUM_JOINTS, VELOCITY
 
 _COMPARED = ("robot", "control_period", "observation", "action")  # parts of the layout
 
@@ -45,7 +45,7 @@ class Exported(NamedTuple):
 class OnnxNetwork:
     """A network in an ONNX file, on one thread of the processor."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, size: int) -> None:
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
         try:
@@ -56,6 +56,9 @@ class OnnxNetwork:
             raise UserError(f"{path}: expected an ONNX file, found another one") from None
         names = [item.name for item in self._session.get_inputs()]
         require(names == [INPUT], str(path), f"the input {INPUT}", ", ".join(names))
+        ends = self._session.get_inputs()[0], self._session.get_outputs()[0]
+        found, expected = [item.shape[-1] for item in ends], [size, NUM_JOINTS]
+        require(found == expected, str(path), f"sizes {expected} of input and output", found)
 
     def __call__(self, observations: torch.Tensor) -> torch.Tensor:
         """Actions (N, 12) of observations (N, size)."""
@@ -96,7 +99,8 @@ def load_exported(folder: Path, robot: RobotConfig, env: EnvConfig) -> Exported:
         _check(layout, robot, env, times, table, path)
     except (KeyError, TypeError, ValueError):
         raise UserError(f"{path}: expected a layout of this project, found another file") from None
-    return Exported(OnnxNetwork(folder / ONNX), times, table)
+    size = Observer(env.observation).size
+    return Exported(OnnxNetwork(folder / ONNX, size), times, table)
 
 
 def _times(node: Mapping[str, Any], step_time: Any) -> StepTimes:

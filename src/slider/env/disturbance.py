@@ -27,7 +27,7 @@ from slider.robot.mjcf import Actuation, SimulationOptions, build_spec, compile_
 from slider.robot.transmission import Transmission
 
 # Uses of random numbers.
-ROBOT, NOISE, PUSH, GROUND, BIAS, READING, TILES, SCAN, SCAN_BIAS = range(9)
+ROBOT, NOISE, PUSH, GROUND, BIAS, READING, TILES, SCAN, SCAN_BIAS, DROP_OUT = range(10)
 _STREAM = 81  # keeps these generators apart from others of the same seed
 
 
@@ -177,15 +177,15 @@ class Disturber:
         self._age[index], self._force[index] = 0.0, 0.0
         if self._robots is not None:
             self._robots.draw(index, uniform)
+        if self._terrain is not None:
+            numbers = self._draws.uniform(GROUND, self._episodes, terrain.DRAWS)
+            qpos = self._terrain.begin(index, qpos, numbers[index])
+        self._episodes += 1
         if self._delay is not None:
             self._delay.draw(index, uniform[index, randomization.DELAY])
             # Until the first input arrives the motors hold the pose, or are without torque.
             held = qpos[:, 7:] @ self._to_motors
             self._delay.fill(index, 0.0 * held if self._torque else held)
-        if self._terrain is not None:
-            numbers = self._draws.uniform(GROUND, self._episodes, terrain.DRAWS)
-            qpos = self._terrain.begin(index, qpos, numbers[index])
-        self._episodes += 1
         return qpos
 
     def push(self) -> Array | None:

@@ -117,13 +117,8 @@ class UnevenGround:
         return values.reshape(len(values), *(1,) * (points.ndim - 2), *values.shape[1:])
 
     def _bar(self, points: Array, depth: float) -> Array:
-        xp, (rise, tread, gap, start, bars) = (
-            namespace(points),
-            (
-                self._wide(values, points)
-                for values in (self.rise, self.tread, self.gap, self.start, self.bars)
-            ),
-        )
+        xp, values = namespace(points), (self.rise, self.tread, self.gap, self.start, self.bars)
+        rise, tread, gap, start, bars = (self._wide(value, points) for value in values)
         ahead = points[..., 0] - start
         number = (xp.floor(ahead / tread) + 1.0).clip(0.0, None)
         number = xp.minimum(number, bars)

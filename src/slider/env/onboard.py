@@ -6,7 +6,7 @@ from functools import partial
 from slider.config.env import OnboardConfig, SensingConfig
 from slider.config.robot import RobotConfig
 from slider.core.arrays import Array, asarray, namespace, zeros
-from slider.env.disturbance import BIAS, READING, SCAN, SCAN_BIAS, Draws
+from slider.env.disturbance import BIAS, DROP_OUT, READING, SCAN, SCAN_BIAS, Draws
 from slider.env.estimator import Measurement, StateEstimator
 from slider.env.ground import FLAT, ScannedGround
 from slider.env.sensing import NUMBERS, SLIDES, turned, with_noise
@@ -127,7 +127,7 @@ class OnboardState:
             noise=sensors.scan,
             drop_out=sensors.scan_drop_out,
             normal=partial(self._draws.normal, SCAN, self._steps),
-            uniform=partial(self._draws.uniform, SCAN, self._steps),
+            uniform=partial(self._draws.uniform, DROP_OUT, self._steps),
         )
         return replace(
             read,

@@ -203,7 +203,7 @@ def _estimate_error(measured: RobotState, state: RobotState) -> np.ndarray:
 
 def _row(alive: np.ndarray, state: RobotState) -> dict[str, np.ndarray]:
     feet = state.foot_positions.copy()
-    feet[..., 2] -= state.ground.height(feet[..., :2])
+    feet[..., 2] -= state.ground.height(feet[..., :2], gaps=False)
     return {
         "alive": alive,
         "velocity": state.heading_velocity,

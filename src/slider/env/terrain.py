@@ -2,7 +2,7 @@
 
 Every robot has a ground of its own, by formula and without end. Its MuJoCo model has the floor's
 plane and a few boxes, which are put under the feet again in each control step. A foot therefore
-touches a slope, a step or a tile exactly; of a smooth field it touches the tangent plane.
+touches a slope, a step or a tile exactly, at five points; of a smooth field the tangent plane.
 """
 
 # mujoco has no type stubs for its compiled part.
@@ -34,18 +34,10 @@ _BOXES = 8  # of a robot: bars ahead and behind, or four tiles under each foot
 _HIDDEN = -50.0  # height of boxes that are not in use [m]
 _THICK = 0.15  # half the thickness of a box [m]
 _LONG = 1.5  # half the width of bars, and half the length of the first and the last [m]
-_PATCH = (0.14, 0.08)  # half the size of the tangent plane under a foot [m]
+_PATCH = (0.14, 0.14)  # half the size of the tangent plane under a foot [m]
 _ALONG = np.linspace(0.0, 1.0, 5)  # of a foot, points that must be above the ground
-_LOOK_AHEAD = 0.01  # boxes lie where feet will be after this time, half a control period [s]
+_LOOK_AHEAD = 0.01  # boxes lie where feet will be after this time, half of 20 ms [s]
 DRAWS = 5  # uniform numbers per robot: level, side, start of the bars, place (2)
-
-
-def described(config: TerrainConfig) -> str:
-    """The first kind at its highest level, in words; nothing for flat ground."""
-    kind = config.kinds[0]
-    if kind == "flat":
-        return ""
-    return f"{kind.replace('_', ' ')}, {magnitude(kind, config.level.upper)}"
 
 
 def magnitude(kind: str, level: float) -> str:
@@ -70,7 +62,7 @@ class Boxes(NamedTuple):
 
 
 def lay(spec: mujoco.MjSpec) -> None:
-    """Give a described robot the boxes of the ground near it, and let sensors feel them."""
+    """Add the boxes of the ground to a described robot, and let contact sensors count them."""
     floor = spec.geom(names.FLOOR)
     for index in range(_BOXES):
         box = spec.worldbody.add_geom(
@@ -153,8 +145,15 @@ class Terrain:
 
     @property
     def mean_level(self) -> float:
-        """Mean level of the robots that are not on flat ground."""
+        """Mean level of the robots that are not on flat ground; 0 without any."""
+        if not len(self._uneven):
+            return 0.0
         return float(self.levels[self._uneven].clip(None, self._config.level.upper).mean())
+
+    def described(self, robot: int) -> str:
+        """Kind and level of a robot's ground, in words."""
+        kind = str(self.kinds[robot])
+        return f"{kind.replace('_', ' ')}, {magnitude(kind, self.levels[robot])}"
 
     def speeds(self, share: float) -> np.ndarray:
         """Factors (N,) on velocities: ``share`` of robots on uneven ground."""
@@ -164,8 +163,8 @@ class Terrain:
         """Give robots ``index`` new grounds by numbers (n, ``DRAWS``) in [0, 1), and lay them.
 
         Returns:
-            Positions (n, 19): legs as long, and feet as steep, as the ground below them asks for;
-            the lowest foot as high above the ground as in ``qpos`` (n, 19) above a plane.
+            Positions (n, 19): legs and feet fit the ground below them, the lowest foot is as high
+            above the ground as in ``qpos`` (n, 19) above a plane.
         """
         self._draw(index, uniform)
         place = self.ground.of(index)
@@ -332,7 +331,10 @@ def _tiles(
     near = np.floor(feet / CELL)[:, :, None] + [[0, 0], [0, 1], [1, 0], [1, 1]]  # (N, 2, 4, 2)
     cells = near.reshape(len(rows), _BOXES, 2)
     boxes.position[rows, :, :2] = CELL * cells
-    boxes.position[rows, :, 2] = ground.tile(cells) - _THICK
+    top = ground.tile(cells)
+    shared = (near[:, 1, :, None] == near[:, 0, None]).all(-1).any(-1)  # both feet's: once
+    top[:, _BOXES // 2 :][shared] = _HIDDEN
+    boxes.position[rows, :, 2] = top - _THICK
     boxes.half[rows] = [0.5 * CELL, 0.5 * CELL, _THICK]
 
 

@@ -140,6 +140,19 @@ class WalkingEnv(VecEnv):
         """Simulations that blew up so far."""
         return int(self._diverged.item())
 
+    @property
+    def terrain_levels(self) -> list[float]:
+        """Levels of the robots' terrain (N,); none on flat ground."""
+        terrain = self.physics.terrain
+        return [] if terrain is None else terrain.levels.tolist()
+
+    def restore_levels(self, levels: list[float]) -> None:
+        """Start all robots anew on terrain of such levels (N,)."""
+        if self.physics.terrain is not None:
+            self.physics.terrain.levels[:] = levels
+            self._reset(torch.arange(self.num_envs, device=self.device))
+            self._observe()
+
     def check(self) -> None:
         """Check the simulation for errors so far; this may wait for a device.
 

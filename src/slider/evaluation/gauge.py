@@ -30,6 +30,7 @@ from slider.evaluation.axes import disturbed
 from slider.evaluation.stage import Simulated, simulate, simulate_baseline
 
 CSV = "cells.csv"
+_NO_DEVIATIONS = ("scan_drop_out", "scan_delay")
 COUNTS = ("survived", "passed", "mean_velocity")  # empty where a level was not run
 COLUMNS = ("level", "value", "direction", "seed", "speed", "robots", *COUNTS)
 
@@ -123,7 +124,10 @@ def with_noisier_sensors(section: Section, factor: float) -> Section:
     onboard = section[key]["onboard"]
     if onboard is None:
         return section
-    sensors = {name: factor * deviation for name, deviation in onboard["sensors"].items()}
+    sensors = {
+        name: value if name in _NO_DEVIATIONS else factor * value
+        for name, value in onboard["sensors"].items()
+    }
     return section | {key: section[key] | {"onboard": onboard | {"sensors": sensors}}}
 
 

@@ -281,8 +281,8 @@ def ablation(sources: Sources) -> Blocks:
 
 
 def gauge(sources: Sources) -> Blocks:
-    """How far along each axis of trouble a controller gets."""
-    yield Text("Highest levels of which 90 % of the robots pass; `docs/how-to/gauge.md` has all.")
+    """The highest level of each axis that a controller passes."""
+    yield Text("Highest levels that the robots pass; `docs/how-to/gauge.md` defines them.")
     rows = read(sources.file("gauge", "gauge.csv"))
     yield from gauge_report.blocks(rows, sources.file("gauge", "gauge.svg"))
 

@@ -31,7 +31,6 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     from slider.env.disturbance import Disturbance
     from slider.env.rollout import Episode
     from slider.env.starts import at_rest
-    from slider.env.terrain import described
     from slider.evaluation import stage
 
     torch.set_num_threads(job.threads)
@@ -48,7 +47,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     frames += [episode.step() for _ in range(round(video.duration / one.env.control_period))]
     terrain = one.physics.terrain
     _film(section, robot, video, frames, out, None if terrain is None else terrain.ground)
-    summary = _summary(section, frames) | {"terrain": described(config.terrain)}
+    place = "" if terrain is None else terrain.described(0)
+    summary = _summary(section, frames) | {"terrain": place}
     (out / ABOUT).write_text(json.dumps(summary) + "\n", encoding="utf-8")
     return summary
 

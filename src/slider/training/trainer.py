@@ -141,6 +141,7 @@ class Trainer:
             "history": self._history,
             "curve": self._curve,
             "command_share": self.env.curriculum.share.item(),
+            "terrain_levels": self.env.terrain_levels,
         }
         checkpoint.write(content, self._job.work)
         for leftover in self._job.work.glob("model_*.pt"):  # rsl-rl saves at the end of each chunk
@@ -155,6 +156,7 @@ class Trainer:
         self._best, self._history = content["best"], content["history"]
         self._curve[:] = content["curve"]
         self.env.curriculum.share[:] = content["command_share"]
+        self.env.restore_levels(content["terrain_levels"])
         self._job.volatile["resumed"] = True
 
     def export(self, out: Path) -> dict[str, Any]:

@@ -195,7 +195,8 @@ class BatchedPhysics:
     ) -> tuple[np.ndarray, np.ndarray]:
         pushed = control.shape[2] > self.model.nu
         spec = _CONTROL | _APPLIED if pushed else _CONTROL
-        return self._pool.rollout(models, self._data, state, control, control_spec=int(spec))
+        series = self._pool.rollout(models, self._data, state, control, control_spec=int(spec))
+        return np.asarray(series[0]), np.asarray(series[1])
 
     def _mean_torques(self, after: np.ndarray, sensors: np.ndarray) -> np.ndarray:
         """Torques (N, 10) [N m] that acted on average; ``after`` (N, 38) is the state at the end.
@@ -216,8 +217,7 @@ class BatchedPhysics:
     def _simulate(self, control: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """States (N, S, 38) and sensors (N, S, sensors) after each of S steps."""
         if not self._retired.any():
-            series = self._roll_out(self.models, self._state, control)
-            return np.asarray(series[0]), np.asarray(series[1])
+            return self._roll_out(self.models, self._state, control)
         states = np.repeat(self._state[:, None], self._substeps, axis=1)
         sensors = np.repeat(self._sensors[:, None], self._substeps, axis=1)
         going = np.flatnonzero(~self._retired)

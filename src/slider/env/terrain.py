@@ -123,14 +123,10 @@ class Terrain:
         self._config, self._geometry, count = config, robot.geometry, len(models)
         self.kinds = np.array([config.kinds[i % len(config.kinds)] for i in range(count)])
         self.levels = np.full(count, config.level.lower)
-        self.ground = UnevenGround(
-            slope=np.zeros((count, 2)),
-            **{name: np.zeros(count) for name in ("rise", "gap", "start", "bars")},
-            tread=np.ones(count),
-            **{name: np.zeros(count) for name in ("tiles", "waves")},
-            place=np.zeros((count, 2)),
-            table=table,
-        )
+        slope, place = np.zeros((2, count, 2))
+        rise, gap, start, bars, tiles, waves = np.zeros((6, count))
+        tread = np.ones(count)
+        self.ground = UnevenGround(slope, rise, tread, gap, start, bars, tiles, waves, place, table)
         self._uneven = np.flatnonzero(self.kinds != "flat")
         self._views = [_Views(model) for model in models]
         everyone, origin = np.arange(count), np.zeros((count, 2))

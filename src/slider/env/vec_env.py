@@ -226,7 +226,7 @@ class WalkingEnv(VecEnv):
         fell: torch.Tensor,
         diverged: torch.Tensor,
     ) -> dict[str, Any]:
-        log = {f"/reward/{name}": values.mean() for name, values in parts.items()}
+        log: dict[str, Any] = {f"/reward/{name}": value.mean() for name, value in parts.items()}
         log["/episode/falls_per_second"] = (1.0 * fell).mean() / self._config.control_period
         log["/episode/speed_error"] = speed_error.mean()
         log["/episode/diverged"] = (1.0 * diverged).sum()

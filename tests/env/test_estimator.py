@@ -205,7 +205,9 @@ def test_controllers_at_other_rates_meet_the_same_errors():
     np.testing.assert_allclose(*found, atol=1e-12)
 
 
-def scans(sensors: SensorsConfig, kind: str = "slope_up") -> tuple[np.ndarray, np.ndarray]:
+def scans(
+    sensors: SensorsConfig, kind: str = "slope_up", steps: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
     """Height scans (N, 180) by the estimate and by the true state, of robots that slide forward."""
     text = f"terrain={{kinds: [{kind}], level: {{lower: 5.0, upper: 5.0}}}}"
     whole = config("experiment=test", f"evaluation.disturbance.{text}")
@@ -215,6 +217,10 @@ def scans(sensors: SensorsConfig, kind: str = "slope_up") -> tuple[np.ndarray, n
         robot_config(), whole.env.physics, COUNT, disturbance=disturbance, onboard=onboard
     )
     stand(physics)
+    for _ in range(steps):
+        physics.qvel[:, 0] = 1.0
+        physics.step(np.zeros((COUNT, NUM_JOINTS)))
+        physics.measure(physics.read())
     physics.qvel[:, 0] = 1.0
     true = physics.read()
     states = physics.measure(true).tensors(FLOAT64), true.tensors(FLOAT64)
@@ -226,6 +232,14 @@ def scans(sensors: SensorsConfig, kind: str = "slope_up") -> tuple[np.ndarray, n
 def test_a_perfect_scan_sees_the_ground_as_it_is(kind):
     measured, expected = scans(NO_ERRORS, kind)
     np.testing.assert_allclose(measured, expected, atol=1e-9)
+
+
+def test_a_scan_moves_and_turns_with_the_robot_whatever_its_estimate():
+    """Place and heading of the estimate are off: the scan is still that around the robot."""
+    sensors = replace(NO_ERRORS, heading_drift=1.0, acceleration_bias=1.0)
+    measured, expected = scans(sensors, "tiles", steps=25)
+    np.testing.assert_allclose(measured, expected, atol=1e-9)
+    assert np.ptp(expected, axis=1).min() > 0.02
 
 
 def test_a_scan_has_noise_bias_drop_outs_and_a_delay():

@@ -117,18 +117,6 @@ class OnboardState:
         self._velocity = velocity
         self._elapsed = 0.0 * self._elapsed
         position, feet = estimate.position, estimate.feet
-        scanned = ScannedGround(
-            state.ground,
-            centre=position[:, :2],
-            place=state.base_position[:, :2] - sensors.scan_delay * velocity[:, :2],
-            turn=state.yaw - read.yaw,
-            lift=position[:, 2] - state.base_position[:, 2] + sensors.scan_bias * self._scan_bias,
-            level=0.0 * position[:, 2],
-            noise=sensors.scan,
-            drop_out=sensors.scan_drop_out,
-            normal=partial(self._draws.normal, SCAN, self._steps),
-            uniform=partial(self._draws.uniform, DROP_OUT, self._steps),
-        )
         return replace(
             read,
             base_position=position,
@@ -140,5 +128,21 @@ class OnboardState:
             motor_torques=torques,
             body_contacts=0 * state.body_contacts,
             ground=FLAT,
-            scanned=scanned,
+            scanned=self._scanned(state, position, read.yaw),
+        )
+
+    def _scanned(self, state: RobotState, position: Array, yaw: Array) -> ScannedGround:
+        """The ground around the true ``state`` as at estimated positions (N, 3), yaws (N,)."""
+        sensors, late = self._sensors, self._sensors.scan_delay * state.qvel[:, :2]
+        return ScannedGround(
+            state.ground,
+            centre=position[:, :2],
+            place=state.base_position[:, :2] - late,
+            turn=state.yaw - yaw,
+            lift=position[:, 2] - state.base_position[:, 2] + sensors.scan_bias * self._scan_bias,
+            level=0.0 * position[:, 2],
+            noise=sensors.scan,
+            drop_out=sensors.scan_drop_out,
+            normal=partial(self._draws.normal, SCAN, self._steps),
+            uniform=partial(self._draws.uniform, DROP_OUT, self._steps),
         )

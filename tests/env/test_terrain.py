@@ -142,6 +142,34 @@ def clearance(physics: BatchedPhysics) -> np.ndarray:
     return points[..., 2] - state.ground.height(points[..., :2])
 
 
+def test_level_tiles_push_a_dropped_robot_upwards():
+    physics = stand(on("tiles", level=0.02))
+    rng, force = np.random.default_rng(0), np.zeros(2)
+    for robot, model in enumerate(physics.models):
+        data = mujoco.MjData(model)
+        data.qpos[:] = physics.qpos[robot]
+        data.qpos[:3] += [*rng.uniform(-0.1, 0.1, 2), 0.03]
+        data.qvel[:3] = rng.uniform([0.0, 0.0, -0.5], [1.0, 0.0, 0.0])
+        mujoco.mj_forward(model, data)
+        data.ctrl[:] = data.actuator_length
+        for _ in range(60):
+            mujoco.mj_step(model, data)
+            force += _normal_forces(model, data)
+    assert force[1] > 1e4
+    assert force[0] < 0.02 * force[1], "spheres that sink in at a seam are pushed sideways"
+
+
+def _normal_forces(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+    """Sums of horizontal and vertical parts of the ground's normal forces (2,) [N]."""
+    total, force = np.zeros(2), np.zeros(6)
+    for index, contact in enumerate(data.contact):
+        if 0 in model.geom_bodyid[contact.geom]:
+            mujoco.mj_contactForce(model, data, index, force)
+            normal = np.abs(contact.frame[:3])
+            total += force[0] * np.array([np.hypot(*normal[:2]), normal[2]])
+    return total
+
+
 @pytest.mark.parametrize("kind", ["slope_up", "slope_down", "slope_across", "tiles", "field"])
 def test_a_start_fits_the_ground_which_carries_the_robot(kind):
     physics = stand(on(kind))

@@ -90,8 +90,10 @@ def test_table1_has_numbers_as_people_read_them_and_its_origin():
 
 def test_the_summary_has_the_papers_error_beside_ours():
     lines = filled("summary")
-    assert "| 0.2 | 99.6 | 100 | 0.00271 | 0.0317 |" in lines
-    assert "| 3.0 | 0 | 73.1 | ∞ | 1.60 |" in lines
+    assert "| Success rate [%] | policy (ours) | 99.6 | 0 |" in lines
+    assert "|  | guided RL (paper) | 0.0317 | 1.60 |" in lines
+    tracked = lines.index("| Tracking rate [%] | policy (ours) | 90 | 0 |")
+    assert "guided RL" not in lines[tracked + 1], "which the paper does not have"
 
 
 def test_times_sum_the_jobs_of_a_stage():

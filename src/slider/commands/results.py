@@ -21,12 +21,15 @@ from slider.artefacts.store import Store
 from slider.core import files
 from slider.core.errors import UserError
 from slider.reports.provenance import in_order, stage_title
-from slider.reports.quantities import PAPER, QUANTITIES, speed_text
+from slider.reports.quantities import NONE, PAPER, QUANTITIES, speed_text
 from slider.reports.rows import NAN, Row, by, distinct, read
 from slider.reports.table import grid
+from slider.reports.table1 import METRICS
 
 MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", re.S | re.M)
 _TABLE1 = ("success_rate", "mse_steady", "mse", "tracking_rate")
+_SUMMARY = ("success_rate", "tracking_rate", "mse_steady")
+_COMPARED = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")  # in README.md
 _WALKING = (
     *("alternation", "touchdown_rate", "asymmetry", "flight", "slip", "clearance", "leg_distance"),
     *("robots_touch", "robots_cross", "heading", "heading_worst", "velocity_variance"),
@@ -91,40 +94,31 @@ def origin(command: str, facts: dict[str, Any]) -> str:
     return f"Made by `{command}`, {commit}{changed}, {date}, {machine}."
 
 
-def across(names: Sequence[str], controllers: Sequence[str], report: Path) -> str:
-    """Quantities and controllers down, speeds across; with intervals where the report has them."""
+def across(
+    names: Sequence[str], controllers: Sequence[str], report: Path, intervals: bool = True
+) -> str:
+    """Quantities and controllers down, speeds across; with intervals where the report has them.
+
+    The paper's error is beside both of ours.
+    """
     rows = [row for row in read(report) if not controllers or row["controller"] in controllers]
     speeds, body = distinct(rows, "speed"), []
     for name in names:
         for (_, label), mine in by(rows, "controller", "label").items():
-            cells = {row["speed"]: _text(row, name) for row in mine}
-            if any(row[name] == row[name] for row in mine):
+            cells = {row["speed"]: _text(row, name, intervals) for row in mine}
+            if any(text != NONE for text in cells.values()):
                 heading = QUANTITIES[name].heading
                 title = "" if body and heading in {line[0] for line in body} else heading
                 body.append([title, label, *(cells.get(value, "–") for value in speeds)])
     return grid(["command [m/s]", "", *map(speed_text, speeds)], body).markdown
 
 
-def _text(row: Row, name: str) -> str:
-    ends = (row.get("success_low", NAN), row.get("success_high", NAN))
-    return QUANTITIES[name].between(row[name], *(ends if name == "success_rate" else (NAN, NAN)))
-
-
-def summary(report: Path) -> str:
-    """A line per speed: success and error of ours, the gaits', the best baseline's, the paper's."""
-    groups = by(read(report), "controller")
-    controllers = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")
-    shown = [name for name in controllers if name in groups]
-    columns = {}
-    for name, short in (("success_rate", "success [%]"), ("mse_steady", "MSE [m²/s²]")):
-        for mine in (groups[controller] for controller in shown):
-            printed = mine[0]["source"] == PAPER and name == "mse_steady"
-            columns[f"{short}, {mine[0]['label']}"] = {
-                speed_text(row["speed"]): QUANTITIES[name].text(row["mse" if printed else name])
-                for row in mine
-            }
-    frame = pd.DataFrame(columns).reindex([*next(iter(columns.values()))]).fillna("–")
-    return grid(["command [m/s]", *frame.columns], frame.reset_index().to_numpy().tolist()).markdown
+def _text(row: Row, name: str, intervals: bool) -> str:
+    if intervals and name == "success_rate":
+        ends = (row.get("success_low", NAN), row.get("success_high", NAN))
+        return QUANTITIES[name].between(row[name], *ends)
+    printed = row.get("source") == PAPER
+    return QUANTITIES[name].text(row[(METRICS[name] or name) if printed else name])
 
 
 def markdown_tables(report: Path, count: int | None = None) -> str:
@@ -163,7 +157,7 @@ def stage_times(jobs: Sequence[Manifest], store: Store) -> str:
 
 BLOCKS: dict[str, tuple[str, Callable[[Path], str]]] = {
     "table1": ("table1.csv", partial(across, _TABLE1, ())),
-    "summary": ("table1.csv", summary),
+    "summary": ("table1.csv", partial(across, _SUMMARY, _COMPARED, intervals=False)),
     "times": ("table1.csv", str),
     "quality": ("gait_quality.csv", partial(across, _WALKING, ("policy",))),
     "learning": ("gait_quality.csv", partial(across, _WALKING, ("policy", "hzd", "mpc_wbc_tuned"))),

@@ -130,6 +130,13 @@ def test_hopping_and_limping():
     assert only_left.alternation[0] == 0.0
 
 
+def test_bounces_are_contacts_but_no_touchdowns():
+    bouncing, lifted = pattern((10, 20), (21, 40), (60, 80)), pattern((0, 0))
+    quality = gait_quality(recording(1, foot_forces=contact(bouncing, lifted)), 0.0)
+    assert quality.touchdown_rate[0] == pytest.approx(2 / 2.0)
+    assert quality.contact_rate[0] == pytest.approx(3 / 2.0)
+
+
 def test_the_start_does_not_count():
     left, right = pattern((50, 100)), pattern((0, 50), (75, 100))
     quality = gait_quality(recording(1, foot_forces=contact(left, right)), 1.0)

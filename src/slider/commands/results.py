@@ -31,8 +31,15 @@ _TABLE1 = ("success_rate", "mse_steady", "mse", "tracking_rate")
 _SUMMARY = ("success_rate", "tracking_rate", "mse_steady")
 _COMPARED = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")  # in README.md
 _WALKING = (
-    *("alternation", "touchdown_rate", "asymmetry", "flight", "slip", "clearance", "leg_distance"),
-    *("robots_touch", "robots_cross", "heading", "heading_worst", "velocity_variance"),
+    *("alternation", "touchdown_rate", "contact_rate", "asymmetry", "flight", "slip", "clearance"),
+    *(
+        "leg_distance",
+        "robots_touch",
+        "robots_cross",
+        "heading",
+        "heading_worst",
+        "velocity_variance",
+    ),
     *(
         "reference_velocity_variance",
         "reference_touchdown_rate",

@@ -86,6 +86,7 @@ class GaitQuality:
             :func:`slider.env.instruments.in_contact`.
         double_support: share of time with both feet on the ground, likewise.
         touchdown_rate: touchdowns per second, both feet, likewise.
+        contact_rate: contacts that begin per second, both feet, bounces counted.
         alternation: share of touchdowns that follow one of the other foot; two feet that touch down
             together follow none.
         clearance: mean over feet of the 90th percentile over time of the sole's height [m], which
@@ -109,6 +110,7 @@ class GaitQuality:
     flight: np.ndarray
     double_support: np.ndarray
     touchdown_rate: np.ndarray
+    contact_rate: np.ndarray
     alternation: np.ndarray
     clearance: np.ndarray
     slip: np.ndarray
@@ -126,8 +128,10 @@ class GaitQuality:
 def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     """Quality of the gait: contacts at every simulation step, motion at every control step."""
     first, tick = round(warm_up / recording.period), round(warm_up / recording.timestep)
-    contact = in_contact(recording.contacts.forces, recording.timestep)
+    forces, per_second = recording.contacts.forces, 1.0 / recording.timestep
+    contact = in_contact(forces, recording.timestep)
     touchdown, contact = landings(contact)[tick:], contact[tick:]
+    bounces = landings(forces > CONTACT_FORCE)[tick:]
     settled = Contacts(*(series[tick:] for series in recording.contacts))
     loaded = recording.foot_forces[first:] > CONTACT_FORCE
     distance = recording.contacts.leg_distance
@@ -136,7 +140,8 @@ def gait_quality(recording: Recording, warm_up: float) -> GaitQuality:
     values = {
         "flight": (~contact.any(axis=2)).mean(axis=0),
         "double_support": contact.all(axis=2).mean(axis=0),
-        "touchdown_rate": touchdown.sum(axis=(0, 2)) / (len(touchdown) * recording.timestep),
+        "touchdown_rate": touchdown.sum(axis=2).mean(axis=0) * per_second,
+        "contact_rate": bounces.sum(axis=2).mean(axis=0) * per_second,
         "alternation": _alternation(touchdown, TOGETHER / recording.timestep),
         "clearance": _clearance(recording.foot_positions[first:], loaded),
         "slip": _slip(settled),

@@ -70,6 +70,7 @@ QUANTITIES = {
     "flight": _share("Flight", "of time"),
     "double_support": _share("Double support", "of time"),
     "touchdown_rate": Quantity("Touchdowns", "1/s"),
+    "contact_rate": Quantity("Contacts that begin, bounces counted", "1/s"),
     "reference_touchdown_rate": Quantity("Touchdowns of the library's gait", "1/s"),
     "alternation": _share("Touchdowns that follow one of the other foot"),
     "clearance": Quantity("Foot clearance", "cm", 100.0),

@@ -75,6 +75,7 @@ def _files() -> dict[str, tuple[str, ...]]:
         "table1": ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
         "velocity_tracking": _compared("velocity_tracking"),
         "gauge": (*_compared("gauge"), "gauge_cells.csv"),
+        "baseline_tuning": _compared("baseline_tuning"),
         "report": ("index.html",),
         "policy_export": tuple(f"policy/{name}" for name in POLICY_FILES),
         "figures": tuple(f"figures/{name}" for name in FIGURES),

@@ -13,6 +13,7 @@ Studies compare several configurations: ``pipeline.studies``.
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import (
     base_of,
+    baseline_tuning,
     evaluations_of,
     gait_controllers,
     gait_walks,
@@ -38,6 +39,7 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
         "policy_export": policy_export(config.env, targets["walking"]),
         "velocity_tracking": velocity_tracking(config, targets["table1"]),
         "gauge": gauge_job(config, targets),
+        "baseline_tuning": baseline_tuning(config, targets),
     }
     return targets | gait_walks(config, targets) | protocol_jobs(config, targets)
 

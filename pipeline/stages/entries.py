@@ -20,6 +20,8 @@ ENTRIES = {
     "baseline": "slider.evaluation.stage:run_baseline",
     "gauge_axis": "slider.evaluation.gauge:run",
     "gauge": "slider.reports.gauge:run",
+    "tuning": "slider.evaluation.tuning:run",
+    "baseline_tuning": "slider.reports.tuning:run",
     "table1": "slider.reports.table1:run",
     "velocity_tracking": "slider.reports.protocols:run_tracking",
     "speeds": "slider.reports.protocols:run",

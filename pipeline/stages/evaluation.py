@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from pipeline.stages.entries import job, plant, robot, simulation, without
+from pipeline.stages.entries import job, only, plant, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
@@ -12,6 +12,8 @@ from slider.config.evaluation import EvaluationConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 from slider.core.machine import kernels
+
+_SEARCH = ("trials", "sampler_seed", "speeds")  # what all of them share, and no evaluation has
 
 
 def evaluations_of(
@@ -135,6 +137,20 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
         if "library" in user.inputs:
             inputs.setdefault("library", list(user.inputs["library"]))
     return job("table1", "table 1", section, inputs)
+
+
+def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
+    """The searches for settings of the controllers that have a space for it, in one table."""
+    tuning, values, searches = config.tuning, to_dict(config.tuning), []
+    protocol = replace(config.evaluation, trials=1, robots=tuning.robots, seed=tuning.seed)
+    evaluation = without(protocol_section(protocol), "controllers", "speeds", "profile")
+    for name, space in values["spaces"].items():
+        section = control_section(config, name) | only(values, *_SEARCH)
+        section |= {"evaluation": evaluation, "space": space}
+        inputs = control_inputs(config, name, jobs)
+        searches.append(job("tuning", f"search for settings of {name}", section, inputs))
+    section = {"labels": labels(config, tuning.spaces), "spaces": values["spaces"]}
+    return job("baseline_tuning", "tuned baselines", section, {"searches": searches})
 
 
 def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:

@@ -201,7 +201,7 @@ def test_kernels_and_precision_are_in_the_recipes_whose_bytes_depend_on_them(pro
         assert {job.section.get("numerics", machine.kernels()) for job in jobs} == {
             machine.kernels()
         }
-    of_arrays = {"gait", "gait_start", "baseline", "gait_walks", "verification_gaits"}
+    of_arrays = {"gait", "gait_start", "baseline", "tuning", "gait_walks", "verification_gaits"}
     of_hzd = {"stability_gaits", "return_maps", "basin"}
     of_networks = {"standing", "walking", "evaluation", "gauge_axis", "video"}
     assert stages == 2 * [of_arrays | of_hzd | of_networks]

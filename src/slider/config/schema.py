@@ -14,6 +14,7 @@ from slider.config.hzd import HzdConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import Provenance, RobotConfig
 from slider.config.train import TrainConfig, TrainingsConfig
+from slider.config.tuning import TuningConfig
 from slider.config.types import (
     STRICT,
     Count,
@@ -161,6 +162,7 @@ class Config:
     evaluation: EvaluationConfig
     protocols: dict[str, EvaluationConfig]
     gauge: GaugeConfig
+    tuning: TuningConfig
     verification: VerificationConfig
     report: ReportConfig
     study: dict[str, StudyConfig]

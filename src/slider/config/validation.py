@@ -17,6 +17,7 @@ from slider.config.control import (
     AnyControl,
     MpcConfig,
 )
+from slider.config.convert import to_dict
 from slider.config.env import DisturbanceConfig, EnvConfig
 from slider.config.evaluation import EvaluationConfig, ProfileConfig, SeedBlock, Segment
 from slider.config.gait import Axis, GaitConfig, axis_size
@@ -25,6 +26,7 @@ from slider.config.parameters import choose, parameters
 from slider.config.robot import LEG_DRIVES, LEG_JOINTS, RobotConfig
 from slider.config.schema import Config, ScalingConfig, StudyConfig
 from slider.config.train import TrainConfig
+from slider.config.tuning import setting
 from slider.core.errors import one_of, require
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -47,6 +49,7 @@ def validate(config: Config) -> None:
     _controls(config.control, config.env)
     _protocols(config)
     _gauge(config)
+    _tuning(config)
     regulator = config.verification.replay.regulator
     shares, speeds = regulator.forward, regulator.speeds
     key, expected = "verification.replay.regulator.forward", "one share for each of the `speeds`"
@@ -313,6 +316,19 @@ def _gauge(config: Config) -> None:
     _multiple(f"{key}.duration", gauge.duration, period)
 
 
+def _tuning(config: Config) -> None:
+    """Settings that there are."""
+    for name, space in config.tuning.spaces.items():
+        one_of("tuning.spaces", name, config.control)
+        control = to_dict(config.control[name])
+        for dotted, bounds in space.items():
+            key = f"tuning.spaces.{name}"
+            there = setting(control, dotted) is not None
+            require(there, key, f"names of numbers of control.{name}", dotted)
+            above = not bounds.log or bounds.lower > 0
+            require(above, f"{key}.{dotted}.lower", "more than 0 with log", bounds.lower)
+
+
 def _profile(profile: ProfileConfig, duration: float, period: float, key: str) -> None:
     names = [case.name for case in profile.cases]
     _distinct(key, names)
@@ -354,6 +370,7 @@ def _seeds(config: Config) -> None:
     for key, protocol in config.evaluations.items():
         _within(f"{key}.seed", protocol.seed, protocol.trials, final, development)
     _within("gauge.seed", config.gauge.seed, config.gauge.trials, final, development)
+    _within("tuning.seed", config.tuning.seed, 1, development)
     for name, study in config.study.items():
         key, training, rollouts = f"study.{name}", study.training, study.evaluation
         if rollouts is not None:

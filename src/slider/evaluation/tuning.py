@@ -1,0 +1,126 @@
+"""The stage ``tuning``: a search for a controller's settings with Optuna's TPE sampler.
+
+A trial is one set of settings at all speeds; the first has the present ones. Its score, to be
+minimised, is the mean over the speeds v of log10(e / v²): e is the mean over the robots of the
+squared velocity error after the warm-up, where a robot that falls counts with v², as if it had
+stood still. A killed search goes on from its journal.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import optuna
+import pandas as pd
+from optuna.distributions import BaseDistribution, FloatDistribution, IntDistribution
+from optuna.storages import JournalStorage
+from optuna.storages.journal import JournalFileBackend
+from optuna.trial import FrozenTrial, TrialState
+
+from slider.config.tuning import setting, with_settings
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.env.disturbance import Disturbance
+from slider.env.metrics import Tracking, tracking
+from slider.env.rollout import roll_out
+from slider.env.starts import at_rest
+from slider.evaluation.stage import read_protocol, simulate_baseline
+
+CSV = "trials.csv"
+_JOURNAL = "trials.log"
+_STUDY = "tuning"
+SUCCESS, ERROR = "success_rate", "error"  # of a speed: columns NAME_SPEED
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write a row per trial: score, settings, success and error [m²/s²] of each speed."""
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    ranges = _distributions(section)
+    study, done = _open(section, ranges, job)
+    for number in range(done, section["trials"]):
+        trial = study.ask(ranges)
+        columns, score = _measure(section, inputs, trial.params, job.threads)
+        for name, value in columns.items():
+            trial.set_user_attr(name, value)
+        study.tell(trial, score)
+        job.progress(f"trial {number + 1}/{section['trials']}, best score {study.best_value:.3f}")
+        job.tracker.log_metrics({"score": score, "best": study.best_value}, number)
+    complete = _complete(study)
+    rows = [
+        {"score": trial.value} | {name: trial.params[name] for name in ranges} | trial.user_attrs
+        for trial in complete
+    ]
+    table = pd.DataFrame(rows).rename_axis("trial")
+    table.to_csv(out / CSV, float_format="%.6g", lineterminator="\n")
+    return {"best": int(np.argmin([trial.value for trial in complete])), "score": study.best_value}
+
+
+def _distributions(section: Section) -> dict[str, BaseDistribution]:
+    """Ranges of the settings, with the present values in them; those that count are whole."""
+    ranges: dict[str, BaseDistribution] = {}
+    for name, bounds in section["space"].items():
+        present, log = _present(section, name), bounds["log"]
+        ends = min(bounds["lower"], present), max(bounds["upper"], present)
+        if isinstance(present, int):
+            ranges[name] = IntDistribution(*map(round, ends), log=log)
+        else:
+            ranges[name] = FloatDistribution(*ends, log=log)
+    return ranges
+
+
+def _present(section: Section, name: str) -> float:
+    value = setting(section["control"], name)
+    assert value is not None  # checked with the configuration
+    return value
+
+
+def _open(
+    section: Section, ranges: Mapping[str, BaseDistribution], job: Job
+) -> tuple[optuna.Study, int]:
+    """A search, new or from its journal, and the number of its finished trials."""
+    storage = JournalStorage(JournalFileBackend(str(job.work / _JOURNAL)))
+    study = optuna.create_study(storage=storage, study_name=_STUDY, load_if_exists=True)
+    done = len(_complete(study))
+    if done:
+        job.volatile["resumed"] = True
+    else:
+        study.enqueue_trial({name: _present(section, name) for name in ranges})
+    # A resumed search must not draw again what it has drawn.
+    study.sampler = optuna.samplers.TPESampler(seed=section["sampler_seed"] + done)
+    return study, done
+
+
+def _complete(study: optuna.Study) -> list[FrozenTrial]:
+    return study.get_trials(states=(TrialState.COMPLETE,))
+
+
+def _measure(
+    section: Section, inputs: Inputs, settings: Mapping[str, float], threads: int
+) -> tuple[dict[str, float], float]:
+    """Success and error of each speed, and the score."""
+    protocol, speeds = read_protocol(section), section["speeds"]
+    config, count = protocol.config, protocol.config.robots * len(speeds)
+    rng = np.random.default_rng(config.seed)
+    qpos, qvel = at_rest(protocol.robot, config.start, rng, config.robots)
+    start = np.tile(qpos, (len(speeds), 1)), np.tile(qvel, (len(speeds), 1))
+    velocities = np.zeros((count, 3))
+    velocities[:, 0] = np.repeat(speeds, config.robots)
+    section = section | {"control": with_settings(section["control"], settings)}
+    disturbance = Disturbance(config.disturbance, (config.seed,))
+    plant = simulate_baseline(section, inputs, count, disturbance, threads)
+    recording = roll_out(
+        plant.controller, plant.physics, plant.env, start, velocities, config.duration
+    )
+    limits = config.warm_up, config.tracking_tolerance, config.tracking_relative
+    return scored(tracking(recording, *limits), speeds)
+
+
+def scored(tracked: Tracking, speeds: list[float]) -> tuple[dict[str, float], float]:
+    """Success and error of each speed [m/s], and the score, of robots in blocks of a speed."""
+    blocks, squares = (len(speeds), -1), np.square(speeds)
+    survived = tracked.survived.reshape(blocks)
+    errors = tracked.squared_error_steady.reshape(blocks)
+    errors = np.where(survived, errors, squares[:, None]).mean(axis=1)
+    columns: dict[str, float] = {}
+    for speed, alive, error in zip(speeds, survived.mean(axis=1), errors, strict=True):
+        columns |= {f"{SUCCESS}_{speed:g}": float(alive), f"{ERROR}_{speed:g}": float(error)}
+    return columns, float(np.log10(errors / squares).mean())

@@ -1,0 +1,82 @@
+"""The stage ``baseline_tuning``: what the searches for settings found, present and best values."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from slider.core.job import Inputs, Job, Section, Summary
+from slider.evaluation.tuning import CSV, ERROR, SUCCESS
+from slider.reports import rows as tables
+from slider.reports.figures.style import new_figure, write_pictures
+from slider.reports.quantities import QUANTITIES, colour, speed_text
+from slider.reports.rows import Row
+from slider.reports.table import Cell, Picture, Table, Text, Written, document, grid
+
+_CAPTION = """\
+The score is the mean over the commands v of log10(e / v²), with e the mean squared velocity error
+of the robots after the warm-up; a robot that falls counts with v². Trial 0 is the present one.
+"""
+
+
+def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
+    """Write all trials as ``baseline_tuning.csv``, present and best ones as Markdown, a figure."""
+    names = [*section["labels"]]
+    trials = {
+        name: tables.read(folder / CSV)
+        for name, folder in zip(names, inputs["searches"], strict=True)
+    }
+    rows = [{"controller": name} | row for name, mine in trials.items() for row in mine]
+    columns = dict.fromkeys(column for row in rows for column in row)
+    tables.write(rows, out / "baseline_tuning.csv", list(columns))
+    write_pictures(out / "baseline_tuning", partial(_draw, trials, section["labels"]))
+    written = [block for name in names for block in _blocks(name, trials[name], section)]
+    figure = Picture(out / "baseline_tuning.svg", "Best score so far over the trials.")
+    text = document("Tuned baselines", [Text(_CAPTION), figure, *written])
+    (out / "baseline_tuning.md").write_text(text, encoding="utf-8")
+    job.tracker.log_file(out / "baseline_tuning.csv")
+    return {"trials": len(rows), "scores": {name: _best(trials[name])["score"] for name in names}}
+
+
+def _best(trials: Sequence[Row]) -> Row:
+    return min(trials, key=lambda row: row["score"])
+
+
+def _blocks(name: str, trials: Sequence[Row], section: Mapping[str, Any]) -> Iterator[Written]:
+    """Settings, then success and error at each command, of the present and the best trial."""
+    present, best, label = trials[0], _best(trials), section["labels"][name]
+    score = f"trial {best['trial']:g} of {len(trials)}, score {best['score']:.3f}"
+    heads = [f"control.{name}", "range", f"present, score {present['score']:.3f}", score]
+    body = [
+        [
+            key,
+            f"{limits['lower']:g} to {limits['upper']:g}",
+            *(f"{t[key]:.3g}" for t in (present, best)),
+        ]
+        for key, limits in section["spaces"][name].items()
+    ]
+    yield grid(heads, body, label)
+    prefix = f"{SUCCESS}_"
+    speeds = [column.removeprefix(prefix) for column in best if column.startswith(prefix)]
+    lines = []
+    for title, row in (("present", present), ("best", best)):
+        for key, quantity in ((SUCCESS, "success_rate"), (ERROR, "mse_steady")):
+            shown = QUANTITIES[quantity]
+            texts = (Cell.of(shown, row[f"{key}_{speed}"]) for speed in speeds)
+            lines.append([Cell(f"{shown.heading}, {title}"), *texts])
+    yield Table(["command [m/s]", *(speed_text(float(speed)) for speed in speeds)], lines)
+
+
+def _draw(trials: Mapping[str, Sequence[Row]], labels: Mapping[str, str]) -> Figure:
+    """Best score so far, over the trials."""
+    figure = new_figure(2.6)
+    axes = figure.add_subplot()
+    for index, (name, mine) in enumerate(trials.items()):
+        best = np.minimum.accumulate([row["score"] for row in mine])
+        axes.step(range(len(best)), best, where="post", color=colour(index), label=labels[name])
+    axes.set(xlabel="trial", ylabel="best score so far")
+    axes.legend()
+    return figure

@@ -1,0 +1,114 @@
+"""The search for a controller's settings: its score, its trials, and going on after a kill."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from slider.config.convert import to_dict
+from slider.config.tuning import setting, with_settings
+from slider.core.job import Job
+from slider.env.metrics import Tracking
+from slider.evaluation import tuning
+from slider.reports import tuning as report
+from tests.env.synthetic import config
+
+SPACE = {"step.apex": {"lower": 0.05, "upper": 0.09, "log": False}} | {
+    "planner.steps": {"lower": 4.0, "upper": 5.0, "log": False},
+}
+
+
+def section(trials: int = 3, seed: int = 1) -> dict:
+    whole = config("experiment=test", "evaluation.duration=1.0", "evaluation.warm_up=0.4")
+    env = to_dict(whole.env)
+    return {
+        "robot": to_dict(whole.robot),
+        "plant": {name: env[name] for name in ("control_period", "physics", "termination")},
+        "control": to_dict(whole.control["mpc_wbc_tuned"]),
+        "evaluation": to_dict(replace(whole.evaluation, trials=1, robots=2, seed=1000)),
+        "controller": "mpc_wbc_tuned",
+        "speed": None,
+        "speeds": [0.2, 0.4],
+        "trials": trials,
+        "sampler_seed": seed,
+        "space": SPACE,
+    }
+
+
+def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFrame, Job]:
+    (folder / name).mkdir(exist_ok=True)
+    (folder / "work").mkdir(exist_ok=True)
+    job = Job(folder / "work")
+    summary = tuning.run(section(trials, seed), {}, folder / name, job)
+    table = pd.read_csv(folder / name / tuning.CSV)
+    assert summary == {
+        "best": table["score"].argmin(),
+        "score": pytest.approx(table["score"].min(), abs=1e-4),
+    }
+    return table, job
+
+
+def test_a_fall_counts_as_standing_still():
+    survived = np.array([True, True, False, True])
+    errors = np.array([0.04, 0.0, np.nan, 0.01])
+    tracked = Tracking(survived, errors, errors, errors, survived)
+    columns, score = tuning.scored(tracked, [1.0, 2.0])
+    assert columns == {
+        "success_rate_1": 1.0,
+        "error_1": 0.02,
+        "success_rate_2": 0.5,
+        "error_2": (4.0 + 0.01) / 2,
+    }
+    assert score == pytest.approx((np.log10(0.02) + np.log10(2.005 / 4.0)) / 2)
+
+
+def test_the_first_trial_is_the_present_one_and_a_search_repeats(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+    table, job = search(tmp_path / "a", "out")
+    assert list(table["trial"]) == [0, 1, 2]
+    assert (table["step.apex"][0], table["planner.steps"][0]) == (0.07, 3)
+    assert len(set(table["step.apex"])) == 3
+    assert table["step.apex"].between(0.05, 0.09).all()
+    assert table["planner.steps"].isin([3, 4, 5]).all(), "whole, and the present one among them"
+    assert job.volatile == {}
+    search(tmp_path / "b", "out")
+    files = [(tmp_path / name / "out" / tuning.CSV).read_bytes() for name in ("a", "b")]
+    assert files[0] == files[1]
+
+
+def test_a_killed_search_goes_on(tmp_path):
+    two, _ = search(tmp_path, "killed", trials=2)
+    four, job = search(tmp_path, "out", trials=4)
+    pd.testing.assert_frame_equal(four[:2], two)
+    assert len(set(four["step.apex"])) == 4
+    assert job.volatile == {"resumed": True}
+
+
+def test_dotted_names_are_those_of_numbers():
+    control = {"step": {"apex": 0.07, "switching": "contact"}, "lock": True}
+    assert setting(control, "step.apex") == 0.07
+    for name in ("step", "step.switching", "lock", "step.apex.more", "none.there"):
+        assert setting(control, name) is None
+    assert with_settings(control, {"step.apex": 0.1})["step"] == {
+        "apex": 0.1,
+        "switching": "contact",
+    }
+    assert control["step"]["apex"] == 0.07
+
+
+def test_the_table_has_present_and_best_values(tmp_path):
+    search(tmp_path, "search")
+    names = {"mpc_wbc_tuned": "MPC + WBC, tuned"}
+    (tmp_path / "out").mkdir()
+    table = {"labels": names, "spaces": {"mpc_wbc_tuned": SPACE}}
+    searches = {"searches": [tmp_path / "search"]}
+    summary = report.run(table, searches, tmp_path / "out", Job(tmp_path / "work"))
+    assert summary["trials"] == 3
+    text = (tmp_path / "out" / "baseline_tuning.md").read_text()
+    assert "| step.apex | 0.05 to 0.09 | 0.07 |" in text
+    assert "| Success rate [%], present | 100 | 100 |" in text
+    rows = pd.read_csv(tmp_path / "out" / "baseline_tuning.csv")
+    assert list(rows["controller"]) == 3 * ["mpc_wbc_tuned"]
+    assert (tmp_path / "out" / "baseline_tuning.svg").is_file()

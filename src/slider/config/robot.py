@@ -38,7 +38,7 @@ class Link:
     mass: Positive[Kilograms]
     """of the body; a leg's exists twice"""
     com: Vector3[Metres]
-    """centre of mass, in the frame of the link's joint"""
+    """centre of mass, in the frame of the link's joint; a right leg's has the other sign of y"""
     inertia: Annotated[
         Vector3[Positive[KilogramMetres2]],
         Rule("none above the sum of the others", lambda moments: 2 * max(moments) <= sum(moments)),

@@ -44,6 +44,7 @@ def validate(config: Config) -> None:
     """
     _robot(config.robot)
     _gait(config.gait)
+    _tube(config)
     _env(config.env)
     _trainings(config)
     _controls(config.control, config.env)
@@ -99,6 +100,8 @@ def _robot(robot: RobotConfig) -> None:
     for name, joint in robot.joints.items():
         bounds = f"{joint.lower} and {joint.upper}"
         require(joint.lower < joint.upper, f"robot.joints.{name}", "lower < upper", bounds)
+    base = robot.links.base.com
+    require(base[1] == 0.0, "robot.links.base.com", "y = 0 m: left and right are alike", base[1])
     length, knee = robot.geometry.leg_length, robot.virtual_knee
     reach = knee.thigh_length + knee.shank_length
     expected = f"thigh + shank longer than the leg ({length} m)"
@@ -133,6 +136,14 @@ def _gait(gait: GaitConfig) -> None:
     _ordered(f"{key}.knee", posture.knee_min, posture.knee_max)
     separation = posture.foot_separation_min, posture.foot_separation_max
     _ordered(f"{key}.foot_separation", *separation)
+
+
+def _tube(config: Config) -> None:
+    """Virtual thigh and shank share a tube whose centre lies on its axis."""
+    x, y, _ = config.robot.links.tube.com
+    possible = config.gait.dynamics == "prismatic" or x == y == 0.0
+    expected = "x = y = 0 m with gait.dynamics=knee"
+    require(possible, "robot.links.tube.com", expected, f"x = {x}, y = {y}")
 
 
 def _env(env: EnvConfig) -> None:

@@ -17,6 +17,7 @@ from slider.gait.tree import (
     LEG_JOINTS,
     NUM_JOINTS,
     STANCE,
+    SWING,
     BodyPose,
     Edge,
     LegMap,
@@ -55,7 +56,7 @@ class StanceTree:
     def __init__(self, robot: Mechanism) -> None:
         geometry = robot.geometry
         self.map = LegMap.of(robot.virtual_knee, geometry.leg_length)
-        self.bodies = knee_bodies(robot)
+        self.bodies = _both_legs(knee_bodies(robot))
         self.edges = edges_of(geometry.hip_offset, knee_leg(robot.virtual_knee))
         self.sole = np.array([0.0, 0.0, -geometry.ankle_height])  # in the foot's frame [m]
 
@@ -117,7 +118,7 @@ class SlideTree(StanceTree):
 
     def __init__(self, robot: Mechanism) -> None:
         super().__init__(robot)
-        self.bodies = prismatic_bodies(robot)
+        self.bodies = _both_legs(prismatic_bodies(robot))
         geometry = robot.geometry
         self.edges = edges_of(geometry.hip_offset, prismatic_leg(geometry.leg_length))
         damping = [robot.joints[name].damping for name in names.LEG_JOINTS[:LEG_JOINTS]]
@@ -151,6 +152,14 @@ class PrismaticTree(StanceTree):
         return replace(dynamics, torques=self.map.knee_torques(q, dynamics.efforts))
 
 
+def _both_legs(bodies: Mapping[str, Body]) -> dict[str, Body]:
+    """Bodies by their names in the tree: the stance leg is the left one."""
+    legs = {name: body for name, body in bodies.items() if name != "base"}
+    left = {f"{STANCE}_{name}": body for name, body in legs.items()}
+    right = {f"{SWING}_{name}": body.reflected for name, body in legs.items()}
+    return {"base": bodies["base"], **left, **right}
+
+
 def _pass(
     edges: list[Edge],
     bodies: Mapping[str, Body],
@@ -159,15 +168,12 @@ def _pass(
     v: ca.SX,
     a: ca.SX,
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Joint efforts (10,), force and moment on the stance foot of a motion of the foot and joints.
-
-    ``bodies`` are named as the last part of an edge's bodies.
-    """
+    """Joint efforts (10,), force and moment on the stance foot of a motion."""
     motion = {f"{STANCE}_foot": foot}
     frames: dict[str, ca.SX] = {}
     for edge in edges:
         frames[edge.child], motion[edge.child] = _next_motion(motion[edge.parent], edge, q, v, a)
-    wrench = {n: _inertial_wrench(bodies[n.rsplit("_", 1)[-1]], *motion[n]) for n in motion}
+    wrench = {n: _inertial_wrench(bodies[n], *motion[n]) for n in motion}
     efforts: list[ca.SX] = [ca.SX(0)] * NUM_JOINTS
     for edge in reversed(edges):
         force, moment = wrench[edge.child]
@@ -214,7 +220,7 @@ def _inertial_wrench(
     body: Body, angular: ca.SX, turning: ca.SX, linear: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """Force and moment about the frame's origin that produce a body's motion."""
-    inertia = ca.diag(ca.DM(body.inertia))
+    inertia = ca.sparsify(ca.DM(body.inertia))
     force = body.mass * (linear + _relative(angular, turning, body.com))
     moment = inertia @ turning + ca.cross(angular, inertia @ angular)
     return force, moment + ca.cross(ca.DM(body.com), force)

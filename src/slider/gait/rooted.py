@@ -64,11 +64,10 @@ class RootedRobot:
     def center_of_mass(self) -> tuple[ca.SX, ca.SX]:
         """Position and velocity (3,) relative to the stance sole [m], [m/s]."""
         bodies, poses = self.tree.bodies, self.poses(self.q)
-        masses = {name: bodies[name.rsplit("_", 1)[-1]] for name in poses}
-        total = sum(body.mass for body in masses.values())
-        points = {name: self.tree.point(poses[name], body.com) for name, body in masses.items()}
+        total = sum(bodies[name].mass for name in poses)
+        points = {name: self.tree.point(pose, bodies[name].com) for name, pose in poses.items()}
         place, rate = (
-            sum((masses[name].mass / total * points[name][k] for name in poses), ca.SX.zeros(3))
+            sum((bodies[name].mass / total * points[name][k] for name in poses), ca.SX.zeros(3))
             for k in range(2)
         )
         return place, rate

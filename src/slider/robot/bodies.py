@@ -15,10 +15,12 @@ import numpy as np
 
 from slider.config.robot import Geometry, Link, Mechanism, VirtualKnee
 
+_REFLECTION = np.array([1.0, -1.0, 1.0])  # at the sagittal plane
+
 
 @dataclass(frozen=True)
 class Body:
-    """Mass [kg], centre of mass (3,) [m] and diagonal inertia (3,) [kg m²] about it.
+    """Mass [kg], centre of mass (3,) [m] and inertia (3, 3) [kg m²] about it; of a left leg.
 
     The frame's origin is the joint on the side of the hip.
     """
@@ -26,6 +28,12 @@ class Body:
     mass: float
     com: np.ndarray
     inertia: np.ndarray
+
+    @property
+    def reflected(self) -> "Body":
+        """The right leg's; + 0.0 leaves no −0."""
+        turned = self.inertia * np.outer(_REFLECTION, _REFLECTION)
+        return Body(self.mass, self.com * _REFLECTION + 0.0, turned + 0.0)
 
 
 def prismatic_bodies(robot: Mechanism) -> dict[str, Body]:
@@ -56,31 +64,37 @@ def nominal_flexion(geometry: Geometry, knee: VirtualKnee) -> float:
 
 
 def joined(*parts: Body) -> Body:
-    """One rigid body; all centres of mass lie on the z axis of the frame."""
+    """One rigid body, by Huygens and Steiner."""
     mass = sum(part.mass for part in parts)
     com = np.sum([part.mass * part.com for part in parts], axis=0) / mass
-    inertia = np.zeros(3)
+    inertia = np.zeros((3, 3))
     for part in parts:
         offset = part.com - com
-        inertia += part.inertia + part.mass * (offset @ offset - offset**2)
+        steiner = (offset @ offset) * np.eye(3) - np.outer(offset, offset)
+        inertia += part.inertia + part.mass * steiner
     return Body(mass, com, inertia)
 
 
 def _body(link: Link) -> Body:
-    return Body(link.mass, np.array(link.com), np.array(link.inertia))
+    return Body(link.mass, np.array(link.com), np.diag(link.inertia))
 
 
 def _upper_foot(robot: Mechanism) -> Body:
     """The upper foot in the frame of the slide."""
     link = robot.links.upper_foot
     com = np.array(link.com) + [0.0, 0.0, robot.geometry.upper_foot_height]
-    return Body(link.mass, com, np.array(link.inertia))
+    return Body(link.mass, com, np.diag(link.inertia))
 
 
 def _shank(tube: Link, knee: VirtualKnee) -> Body:
     share = knee.shank_mass_fraction
     com = np.array([0.0, 0.0, -knee.shank_length / 2])
-    return Body(share * tube.mass, com, share**3 * np.array(tube.inertia) * [1, 1, 1 / share**2])
+    return Body(share * tube.mass, com, _part(tube, share))
+
+
+def _part(tube: Link, share: float) -> np.ndarray:
+    """Inertia (3, 3) of a share of the tube, cut across it [kg m²]."""
+    return np.diag(share**3 * np.array(tube.inertia) * [1, 1, 1 / share**2])
 
 
 def _thigh(robot: Mechanism) -> Body:
@@ -95,9 +109,5 @@ def _thigh(robot: Mechanism) -> Body:
     above += links.pitch.mass * links.pitch.com[2]
     below = -tube.mass * tube.com[2] - (1 - rest) * tube.mass * shank_centre
     depth = (below - above * (1 - np.cos(tilt))) / (rest * tube.mass * np.cos(tilt))
-    part = Body(
-        rest * tube.mass,
-        np.array([0.0, 0.0, -depth]),
-        rest**3 * np.array(tube.inertia) * [1, 1, 1 / rest**2],
-    )
+    part = Body(rest * tube.mass, np.array([0.0, 0.0, -depth]), _part(tube, rest))
     return joined(_body(links.pitch), part, _upper_foot(robot))

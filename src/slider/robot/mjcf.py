@@ -206,13 +206,15 @@ def _add_link(
         armature=config.armature + (0.0 if drive is None else drive.inertia),
         damping=np.array([config.damping]),
     )
-    _set_inertia(body, link)
+    _set_inertia(body, link, 1.0 if side == names.SIDES[0] else -1.0)
     return body
 
 
-def _set_inertia(body: mujoco.MjsBody, link: Link) -> None:
+def _set_inertia(body: mujoco.MjsBody, link: Link, lateral: float = 1.0) -> None:
+    """Mass and inertia of a link; ``lateral`` is −1 on the right, where y is reflected."""
+    x, y, z = link.com
     body.explicitinertial = True
-    body.mass, body.ipos, body.inertia = link.mass, link.com, link.inertia
+    body.mass, body.ipos, body.inertia = link.mass, [x, lateral * y + 0.0, z], link.inertia
 
 
 def _add_geom(body: mujoco.MjsBody, name: str, kind: mujoco.mjtGeom, **shape) -> mujoco.MjsGeom:

@@ -52,7 +52,8 @@ class PinRobot:
             for name, joint in zip(LEG_JOINTS, leg, strict=False):
                 place = pin.SE3(np.eye(3), np.array([0.0, lateral, joint.height]))
                 parent = self.model.addJoint(parent, joint.kind, place, f"{side}_{name}")
-                self.model.appendBodyToJoint(parent, joint.body, pin.SE3.Identity())
+                body = joint.body if side == SIDES[0] else _reflected(joint.body)
+                self.model.appendBodyToJoint(parent, body, pin.SE3.Identity())
                 lateral = 0.0
             sole = pin.SE3(np.eye(3), np.array([0.0, 0.0, -geometry.ankle_height]))
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
@@ -212,6 +213,12 @@ def _inertia_of(link: Link, share: float = 1.0) -> pin.Inertia:
     """
     scale = np.array([share**3, share**3, share])
     return pin.Inertia(share * link.mass, np.array(link.com), np.diag(scale * link.inertia))
+
+
+def _reflected(body: pin.Inertia) -> pin.Inertia:
+    """A body of the left leg, on the right one."""
+    turn = np.diag([1.0, -1.0, 1.0])
+    return pin.Inertia(body.mass, turn @ body.lever, turn @ body.inertia @ turn)
 
 
 def _raised(body: pin.Inertia, height: float) -> pin.Inertia:

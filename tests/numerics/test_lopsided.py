@@ -1,0 +1,89 @@
+"""Bodies off the sagittal plane and off the leg's axis: CasADi's robot against MuJoCo's."""
+
+from dataclasses import replace
+from functools import cache
+
+import casadi as ca
+import mujoco
+import numpy as np
+import pytest
+
+from slider.config.robot import RobotConfig
+from slider.gait.formulation import formulate
+from slider.gait.motion import NodeSymbols
+from slider.gait.rooted import NUM, RootedRobot
+from slider.gait.transcription import NODE
+from slider.robot.knee_map import reflected
+from slider.robot.names import GRAVITY, SIDES
+from slider.verification.plant import Plant, PlantState, plant_state
+from tests.gait.gaits import config
+
+POLAR, AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
+
+
+@cache
+def lopsided() -> RobotConfig:
+    """The robot with every centre of mass of a leg moved by centimetres along x and y."""
+    robot, rng = config().robot, np.random.default_rng(7)
+    links = {}
+    for name in ("yaw", "roll", "pitch", "tube", "foot", "upper_foot"):
+        link = getattr(robot.links, name)
+        place = np.array(link.com) + rng.choice([-1, 1], 3) * rng.uniform(0.02, 0.1, 3)
+        links[name] = replace(link, com=tuple(place.tolist()))
+    return replace(robot, links=replace(robot.links, **links))
+
+
+@cache
+def plant() -> Plant:
+    return Plant(lopsided())
+
+
+@cache
+def inverse_dynamics() -> ca.Function:
+    """Efforts, ground force and moment of a node vector (34,)."""
+    x = ca.SX.sym("x", NODE)
+    s, tree = NodeSymbols.of(x), formulate(lopsided(), config().gait).tree
+    dynamic = tree.inverse_dynamics(s.roll, s.roll_rate, s.roll_acceleration, s.q, s.v, s.a)
+    return ca.Function("rooted", [x], [dynamic.efforts, *tree.line_wrench(s.roll, dynamic)])
+
+
+def standing(side: str, roll: np.ndarray, q: np.ndarray, *motion: np.ndarray) -> PlantState:
+    """MuJoCo's state of roll (3,) and prismatic joints (10,), stance leg first, reflected."""
+    if side == "right":
+        roll, q, *motion = -roll, reflected(q), *map(reflected, motion)
+    return plant_state(plant().slides.standing(roll, q, *motion, side))
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_efforts_and_wrench(side):
+    rng = np.random.default_rng(0)
+    for _ in range(10):
+        x = rng.normal(size=NODE) * [0.2, 1, 5, *[0.5] * 10, *[1] * 10, *[2] * 10, 0]
+        x[[6, 11]], x[-1] = rng.uniform(0.3, 1.5, 2), 1.0  # bent knees; a step of 1 s
+        efforts, force, moment = (value.full().ravel() for value in inverse_dynamics()(x))
+        joints = plant().slides.joint_motion(x[3:13], x[13:23], x[23:33])
+        needed, jacobian = plant().inverse(standing(side, x[:3], *joints), side)
+        if side == "right":
+            efforts, force, moment = reflected(efforts), POLAR * force, AXIAL * moment
+        left = needed - jacobian.T @ np.concatenate([force, moment])
+        driven = np.delete(left, [11, 17])  # the upper feet are held
+        expected = np.concatenate([np.zeros(6), efforts])
+        np.testing.assert_allclose(driven, expected, rtol=0, atol=1e-9 * np.abs(needed).max())
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_energies(side):
+    rng, rooted = np.random.default_rng(1), RootedRobot(lopsided())
+    place = ca.Function("place", [rooted.q, rooted.v], [rooted.center_of_mass[0]])
+    model, data = plant().model, plant().data
+    for _ in range(5):
+        q, v = 0.3 * rng.standard_normal(NUM), rng.standard_normal(NUM)
+        mass = rooted.dynamics(q, v)[0].full()
+        state = standing(side, np.array([q[0], v[0], 0.0]), q[1:], v[1:], np.zeros(10))
+        data.qpos[:], data.qvel[:] = state.qpos, state.qvel
+        mujoco.mj_forward(model, data)
+        mujoco.mj_energyVel(model, data)
+        assert v @ mass @ v / 2 == pytest.approx(data.energy[1], rel=1e-9)
+        mujoco.mj_energyPos(model, data)
+        total = model.body_subtreemass[1] * GRAVITY
+        assert total * float(place(q, v)[2]) == pytest.approx(data.energy[0], rel=1e-9)

@@ -21,7 +21,7 @@ from slider.config.parameters import choose, parameters, scaled
 from slider.config.schema import BudgetConfig, Config, RolloutsConfig, StartsConfig, StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.validation import validate
-from slider.core.errors import UserError, one_of
+from slider.core.errors import UserError, one_of, require
 from slider.env.terms import checked
 from slider.reports.quantities import GAIT_QUANTITIES, QUANTITIES
 
@@ -111,7 +111,10 @@ def _variants(
     if study.scaling is None:
         return
     scaling = study.scaling
-    for item in choose(parameters(config.robot), scaling.provenance, scaling.parameters):
+    chosen = choose(parameters(config.robot), scaling.provenance, scaling.parameters)
+    expected = f"numbers of the robot tagged {' or '.join(scaling.provenance)}"
+    require(bool(chosen), f"{key}.scaling", expected, "none")
+    for item in chosen:
         for factor in (round(1 + sign * scaling.change, 10) for sign in (-1, 1)):
             yield _scaled(config, item.path, item.value, factor)
 

@@ -80,6 +80,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     None: (
         *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's
+        "robot.provenance.*",  # no tag
         *("protocols.*.profile", "verification.bounds.*"),  # constant commands; reported only
         *("study.*.scaling", "study.*.starts"),  # no further variants; own guesses
         *("study.*.training", "study.sensitivity.evaluation"),  # the pipeline's policy; gaits alone

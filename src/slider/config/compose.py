@@ -19,6 +19,7 @@ from yaml import MarkedYAMLError, YAMLError
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
 from slider.config.reference import BY_NAME, kind_at
+from slider.config.robot_file import store_robot
 from slider.config.schema import Config
 from slider.config.validation import NAME, validate
 from slider.core.errors import UserError, require
@@ -68,7 +69,8 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
         try:
-            config = hydra_compose("config", overrides=_as_hydra_wants(overrides))
+            options = store_robot(_as_hydra_wants(overrides), conf)
+            config = hydra_compose("config", overrides=options)
             return cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
         except HydraException as error:
             raise UserError(_explain(error, overrides, conf)) from None

@@ -47,10 +47,10 @@ def choose(
     ]
 
 
-def tag(tags: Mapping[str, str], path: str) -> str:
+def tag(tags: Mapping[str, str | None], path: str) -> str:
     """Tag of the longest path that is ``path`` or a group around it; empty without one."""
     matching = [name for name in tags if _within(path, name)]
-    return tags[max(matching, key=len)] if matching else ""
+    return tags[max(matching, key=len)] or "" if matching else ""
 
 
 def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:

@@ -25,7 +25,7 @@ from slider.config.types import (
     Vector3,
 )
 
-Provenance = Literal["paper", "earlier", "assumed"]
+Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
 LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
 LEG_DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan")  # one per hip joint; slide and ankle
@@ -168,5 +168,5 @@ class RobotConfig(Mechanism):
     name: Name
     gains: dict[str, Gains]
     contact: Contact
-    provenance: dict[str, Provenance] = field(default_factory=dict)
-    """where values come from, by dotted path; the longest matching path counts"""
+    provenance: dict[str, Provenance | None] = field(default_factory=dict)
+    """where values come from, by dotted path; the longest matching path counts; null: no tag"""

@@ -432,8 +432,6 @@ def _study(study: StudyConfig, key: str) -> None:
 
 def _scaling(scaling: ScalingConfig, robot: RobotConfig, key: str) -> None:
     items, tags = parameters(robot), scaling.provenance
-    for tag in tags:
-        one_of(f"{key}.provenance", tag, dict.fromkeys(item.provenance for item in items))
     expected = f"numbers of the robot tagged {' or '.join(tags)}"
     for path in scaling.parameters:
         require(bool(choose(items, tags, [path])), f"{key}.parameters", expected, path)

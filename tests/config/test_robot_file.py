@@ -1,0 +1,107 @@
+"""A robot from a file outside ``conf/``: its values, tags, recipes and mistakes."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline.stages.gaits import library_job
+from pipeline.stages.training import table1_jobs
+from slider.config.compose import compose
+from slider.config.parameters import parameters
+from slider.core.errors import UserError
+
+CONF = Path(__file__).parents[2] / "conf"
+SLIDER = (CONF / "robot" / "slider.yaml").read_text(encoding="utf-8")
+CHANGED = """
+defaults: [slider, _self_]
+name: mine
+geometry: {hip_offset: 0.12}
+links:
+  base: {mass: 3.0, com: [0.0, 0.0, 0.06]}
+provenance: {geometry: measured, links.base.com: measured}
+"""
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text: str, name: str = "my robot.yaml") -> str:
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return f"robot={path}"
+
+    return write
+
+
+def test_a_value_of_the_file_has_the_file_s_tag_or_none(written):
+    robot = compose([written(CHANGED), "robot.links.base.mass=4.0"], CONF).robot
+    tags = {item.path: item.provenance for item in parameters(robot)}
+    before = {item.path: item.provenance for item in parameters(compose([], CONF).robot)}
+    changed = {path: tag for path, tag in tags.items() if tag != before[path]}
+    assert robot.name == "mine"
+    assert (robot.geometry.hip_offset, robot.links.base.mass) == (0.12, 4.0)
+    assert changed.pop("links.base.mass") == ""  # it was assumed
+    assert changed.pop("links.base.com") == "measured"
+    assert changed.pop("geometry.hip_offset") == "measured"  # SLIDER's longer path had earlier
+    assert {path.partition(".")[0] for path in changed} == {"geometry"}
+    assert tags["geometry.leg_length"] == "earlier"
+
+
+def test_tags_are_optional(written):
+    text = SLIDER.partition("provenance:")[0]
+    robot = compose([written(text)], CONF).robot
+    assert {item.provenance for item in parameters(robot)} == {""}
+
+
+def test_recipes_follow_the_values_and_not_the_place(written):
+    def recipes(text: str, name: str) -> tuple[str, str]:
+        config = compose(["experiment=test", written(text, name)], CONF)
+        return library_job(config).recipe, table1_jobs(config)["table1"].recipe
+
+    plain = compose(["experiment=test"], CONF)
+    same = library_job(plain).recipe, table1_jobs(plain)["table1"].recipe
+    assert recipes(SLIDER, "a.yaml") == recipes(SLIDER, "folder/b.yml") == same
+    gains = recipes(SLIDER.replace("kp: 80.0", "kp: 81.0"), "a.yaml")
+    assert gains[0] == same[0]  # gaits do not know the drives' gains
+    assert gains[1] != same[1]
+    assert recipes(SLIDER.replace("mass: 2.25", "mass: 2.5"), "a.yaml")[0] != same[0]
+
+
+BASE = "defaults: [slider, _self_]\nname: mine\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name: [\n", "line 2: expected YAML, found an error"),
+        ("- a\n", "expected keys and values, found list"),
+        ("3\n", "expected a YAML file, found: Invalid loaded object type: int"),
+        ("", "expected the robot's name as `name`, found none"),
+        ("name: mine\n", "robot.geometry: expected values of hip_offset, leg_length"),
+        (BASE.replace("slider", "nope"), "expected [slider, _self_], found ['nope', '_self_']"),
+        (BASE.replace("[slider, _self_]", "slider"), "expected [slider, _self_], found slider"),
+        (BASE + "links: {base: {mass: .nan}}", "robot.links.base.mass: expected a number in (0,"),
+        (BASE + "links: {bass: 3}", "unknown configuration key 'robot.links.bass'"),
+        (BASE + "provenance: hello", "robot.provenance: expected a tag per dotted key, found hel"),
+        (BASE + "provenance: {links: cad}", "expected one of measured, paper, earlier, assumed,"),
+        (BASE + "links: {base: {com: [0, 0.01, 0]}}", "com: expected y = 0 m: left and right are"),
+    ],
+)
+def test_a_mistake_is_one_line(written, text, message):
+    with pytest.raises(UserError) as error:
+        compose([written(text)], CONF)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("path", ["none.yaml", "./none", "."])
+def test_no_such_file(path, tmp_path):
+    with pytest.raises(UserError, match=r"expected a YAML file, found: (No such|Is a directory)"):
+        compose([f"robot={tmp_path}/{path}"], CONF)
+
+
+def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():
+    off = "robot.links.tube.com=[0.01,0.0,-0.2]"
+    assert compose([off], CONF).robot.links.tube.com[0] == 0.01
+    with pytest.raises(UserError, match=r"expected x = y = 0 m with gait.dynamics=knee, found x"):
+        compose([off, "gait.dynamics=knee"], CONF)

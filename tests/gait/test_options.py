@@ -100,7 +100,7 @@ class Scripted(GaitSolver):
     def attempt(self, guess: str, vx: float, vy: float, yaw_rate: float = 0.0) -> Solve:
         cost, success = ENDS[guess]
         attempts = (Attempt(guess, "", 1, cost),)
-        return Solve(np.full(3, cost), "", success, 1, cost, {}, 0.0, 0.0, {}, attempts)
+        return Solve(np.full(3, cost), "", success, 1, cost, {}, {}, 0.0, 0.0, {}, attempts)
 
 
 @pytest.mark.parametrize(("keep", "cost", "tried"), [("first", 3.0, 1), ("best", 2.0, 3)])

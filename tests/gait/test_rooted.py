@@ -25,6 +25,7 @@ def test_a_gait_below_the_bound_names_it(tmp_path):
     assert values.shape == (42, 2)
     assert report["residuals"][DECOUPLING] == 1e3 - values[:, 0].min() > 900
     assert report["max_violation"] == report["residuals"][DECOUPLING]
+    assert report["worst"][DECOUPLING] == f"{values[:, 0].min():.3g}, at least 1e+03"
 
 
 @pytest.mark.parametrize("by_hip", [False, True])

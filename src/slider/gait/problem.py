@@ -9,6 +9,7 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from slider.config.gait import FormulationConfig
 from slider.core.casadi_code import Functions, Source, interpreted
@@ -136,6 +137,18 @@ def blocks_of(constraints: list[Constraint], count: int, first: int = 0) -> list
         blocks.append(Block(constraint.name, constraint.scale, rows))
         first += constraint.size
     return blocks
+
+
+def worst_of(
+    values: np.ndarray, lower: ArrayLike, upper: ArrayLike, scale: float = 1.0
+) -> tuple[float, str]:
+    """By how much the worst of scaled values is beyond its bound; ``0.951, at least 1``."""
+    lower, upper = (np.broadcast_to(side, values.shape) for side in (lower, upper))
+    beyond = excess(values, lower, upper)
+    row = int(beyond.argmax())
+    value, least, most = (float(each[row] * scale) for each in (values, lower, upper))
+    side, bound = ("at least", least) if value < least else ("at most", most)
+    return float(beyond[row] * scale), f"{value:.3g}, {side if least < most else 'not'} {bound:.3g}"
 
 
 def excess(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

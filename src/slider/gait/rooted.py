@@ -96,8 +96,3 @@ def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndar
     values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)
     with np.errstate(divide="ignore"):
         return np.stack([values[:, -1], values[:, 0] / values[:, -1]], axis=1)
-
-
-def shortfall(values: np.ndarray, least: float) -> float:
-    """By how much the least singular value of a gait (S, 2) misses its bound [rad/s², m/s²]."""
-    return float(max(0.0, least - values[:, 0].min()))

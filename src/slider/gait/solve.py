@@ -10,7 +10,7 @@ import numpy as np
 from slider.config.gait import SolverConfig, StepTime
 from slider.gait.costs import COSTS
 from slider.gait.guess import STARTS, cold_start
-from slider.gait.problem import GaitProblem, excess
+from slider.gait.problem import GaitProblem, worst_of
 from slider.gait.transcription import NODE
 from slider.robot.names import VELOCITY
 
@@ -47,6 +47,7 @@ class Solve:
         iterations: of IPOPT, of the attempt that is the result.
         cost: in SI units.
         residuals: worst violation by constraint name, in the constraint's own unit.
+        worst: the value behind it and its bound, as text.
         wall, cpu: time of all attempts [s].
         evaluations: time of the resulting attempt in each function [s].
         attempts: all attempts, in order.
@@ -58,6 +59,7 @@ class Solve:
     iterations: int
     cost: float
     residuals: dict[str, float]
+    worst: dict[str, str]
     wall: float
     cpu: float
     evaluations: dict[str, float] = field(default_factory=dict)
@@ -239,13 +241,15 @@ class GaitSolver:
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
         variables, rows = (np.array(result[name]).ravel() for name in ("x", "g"))
         name = guess if isinstance(guess, str) else GIVEN
+        worst = self.residuals(rows, variables, duration_bounds(self._step_time, vx, vy))
         return Solve(
             variables=variables,
             status=status,
             success=bool(stats["success"]),
             iterations=iterations,
             cost=cost,
-            residuals=self.residuals(rows, variables, duration_bounds(self._step_time, vx, vy)),
+            residuals={name: beyond for name, (beyond, _) in worst.items()},
+            worst={name: text for name, (_, text) in worst.items()},
             wall=time.perf_counter() - wall,
             cpu=time.process_time() - cpu,
             evaluations={k[7:]: v for k, v in stats.items() if k.startswith("t_proc_nlp")},
@@ -283,13 +287,12 @@ class GaitSolver:
 
     def residuals(
         self, rows: np.ndarray, variables: np.ndarray, duration: tuple[float, float]
-    ) -> dict[str, float]:
+    ) -> dict[str, tuple[float, str]]:
         """Worst violation by constraint name; constraints of both steps count together."""
-        beyond = excess(rows, *self.problem.row_bounds)
-        worst: dict[str, float] = {}
+        lower, upper = self.problem.row_bounds
+        worst: dict[str, tuple[float, str]] = {}
         for block in self.problem.blocks:
-            value = float(beyond[block.rows].max() * block.scale)
-            worst[block.name] = max(worst.get(block.name, 0.0), value)
-        limits = self.problem.variable_bounds(duration)
-        worst["variables"] = float(excess(variables, *limits).max())
+            found = worst_of(rows[block.rows], lower[block.rows], upper[block.rows], block.scale)
+            worst[block.name] = max(worst.setdefault(block.name, found), found)
+        worst["variables"] = worst_of(variables, *self.problem.variable_bounds(duration))
         return worst

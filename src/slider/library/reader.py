@@ -3,7 +3,7 @@
 The layout is documented in ``docs/reference/gait-library.md``.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,7 @@ from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES, VELOCITY, v
 
 STORE = "library.zarr"
 SCHEMA = "slider-gait-library"
-VERSION = 3
+VERSION = 4
 
 
 class Array(NamedTuple):
@@ -99,7 +99,7 @@ _SAME = 1e-6  # velocities closer than this are equal [m/s, rad/s]
 
 @dataclass(frozen=True)
 class Hole:
-    """A velocity without a gait; ``residuals`` are the violated constraints, worst first."""
+    """A velocity without a gait; ``violated`` are constraints with value and bound, worst first."""
 
     vx: float
     vy: float
@@ -107,7 +107,7 @@ class Hole:
     status: str
     iterations: int
     max_violation: float
-    residuals: Mapping[str, float]
+    violated: Sequence[str]
 
     @property
     def velocity(self) -> tuple[float, float, float]:
@@ -117,8 +117,7 @@ class Hole:
     @property
     def reason(self) -> str:
         """IPOPT's return status, and the three worst violated constraints by name."""
-        worst = [f"{name} {value:.1e}" for name, value in [*self.residuals.items()][:3]]
-        return f"{self.status}, {', '.join(worst)}"
+        return "; ".join([self.status, *self.violated[:3]])
 
 
 @dataclass(frozen=True)

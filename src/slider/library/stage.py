@@ -114,9 +114,16 @@ def _column(reports: Sequence[Report], name: str) -> np.ndarray:
 def _hole(report: Report, config: LibraryConfig) -> dict[str, Any]:
     """Attributes of a gait that did not converge, with the constraints that it violates."""
     names = (*VELOCITY, "status", "iterations", "max_violation")
-    violated = {k: v for k, v in report["residuals"].items() if v > config.max_violation}
-    worst_first = dict(sorted(violated.items(), key=lambda item: -item[1]))
-    return {name: report[name] for name in names} | {"residuals": worst_first}
+    violated = [name for name, v in report["residuals"].items() if v > config.max_violation]
+    worst_first = sorted(violated, key=lambda name: -report["residuals"][name])
+    return {name: report[name] for name in names} | {
+        "violated": [_beyond(report, name) for name in worst_first]
+    }
+
+
+def _beyond(report: Report, name: str) -> str:
+    """A constraint, its worst value and its bound."""
+    return f"{name} {report['worst'][name]} ({report['residuals'][name]:.1e} beyond)"
 
 
 def acceptable(report: Mapping[str, Any], max_violation: float) -> bool:
@@ -128,9 +135,9 @@ def _describe(holes: Sequence[Report], good: int) -> str:
     """One line: gaits that did not converge, their worst constraints, and how to go on."""
     texts = []
     for report in holes:
-        name, value = max(report["residuals"].items(), key=lambda item: item[1])
+        name = max(report["residuals"], key=report["residuals"].__getitem__)
         velocity = velocity_text(_velocity(report))
-        texts.append(f"{velocity} {report['status']}, {name} {value:.1e}")
+        texts.append(f"{velocity} {report['status']}, {_beyond(report, name)}")
     list_ = "; ".join(texts)
     if not good:
         return f"library: expected at least one gait, none of {len(holes)} converged: {list_}"

@@ -76,7 +76,7 @@ def test_tiny_libraries_can_be_drawn(velocities, tmp_path: Path):
 def test_captions_name_the_holes_and_what_they_violate(drawn):
     text = (drawn / "convergence.md").read_text()
     assert "9 of 11 gaits converged" in text
-    assert "hole at (0.5, 0) m/s: Infeasible_Problem_Detected; torso 3.0e-01" in text
+    assert "hole at (0.5, 0) m/s: Infeasible_Problem_Detected; torso 0.3, at most 0" in text
     assert "hole at (2, 0.1) m/s" in text
 
 

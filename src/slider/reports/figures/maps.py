@@ -210,8 +210,8 @@ def convergence_caption(library: GaitLibrary) -> str:
     if library.holes:
         lines.append("")
     for hole in library.holes:
-        worst = "; ".join(f"{name} {value:.1e}" for name, value in [*hole.residuals.items()][:5])
-        lines.append(f"* hole at ({hole.vx:g}, {hole.vy:g}) m/s: {hole.status}; {worst}")
+        worst = "; ".join([hole.status, *hole.violated[:5]])
+        lines.append(f"* hole at ({hole.vx:g}, {hole.vy:g}) m/s: {worst}")
     return "\n".join(lines) + "\n"
 
 

@@ -80,6 +80,7 @@ def study_job(
         rows += [(f"{v.name}{STARTS}", f"{v.label}, random starts", "", "") for v in variants]
     section = {
         "name": name,
+        "robot": config.robot.name,
         "metrics": study.metrics,
         "variants": rows,
         "keys": keys,

@@ -110,6 +110,7 @@ def protocol_jobs(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobS
             "name": name,
             "evaluation": protocol_section(protocol),
             "labels": labels(config, protocol.controllers),
+            "robot": config.robot.name,
         }
         stage = "speeds" if protocol.profile is None else protocol.profile.rows
         inputs = {"evaluations": evaluations_of(config, protocol, jobs)}
@@ -131,7 +132,8 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     The library of a controller or of the training also gives the gaits' own sway. A table without
     one (of baselines alone, of a training without library) does not wait for it.
     """
-    section = {"labels": labels(config, config.evaluation.controllers)}
+    names = labels(config, config.evaluation.controllers)
+    section = {"labels": names, "robot": config.robot.name}
     inputs = {"evaluations": evaluations}
     for user in (user for item in evaluations for user in (item, *item.inputs.get("walking", ()))):
         if "library" in user.inputs:
@@ -161,5 +163,6 @@ def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
         "speeds": speeds,
         "control_period": config.env.control_period,
         "labels": labels(config, config.evaluation.controllers),
+        "robot": config.robot.name,
     }
     return job("velocity_tracking", "velocity tracking", section, {"evaluations": shown})

@@ -34,6 +34,7 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     ]
     section = {
         "labels": labels(config, gauge.controllers),
+        "robot": config.robot.name,
         "cells": [(cell.section["controller"], cell.section["axis"]) for cell in cells],
         "protocol": _protocol(config),
         "survival": gauge.survival,

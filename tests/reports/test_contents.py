@@ -115,6 +115,7 @@ def test_the_page_is_one_file_without_script_or_network(tmp_path):
             "video": vars(VIDEO),
         },
         "configuration": {
+            "robot": {"name": "my biped"},
             "evaluation": settings | {"controllers": ["policy"]},
             "train": {"walking": {}},
             "finetuning": None,
@@ -126,6 +127,7 @@ def test_the_page_is_one_file_without_script_or_network(tmp_path):
     out.mkdir()
     page.run(section, {"table1.evaluations": [evaluation]}, out, Job(tmp_path))
     text = (out / "index.html").read_text()
+    assert "my biped" in text
     assert "<script" not in text
     assert "http" not in text.replace("http://www.w3.org", "").replace(
         "http%3A//www.w3.org", ""

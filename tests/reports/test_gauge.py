@@ -79,6 +79,7 @@ def test_files(tmp_path):
         write(table, folders[-1] / gauge.CSV)
     section = {
         "labels": LABELS,
+        "robot": "mine",
         "cells": list(both()),
         "protocol": to_dict(config().gauge),
         "survival": 0.9,

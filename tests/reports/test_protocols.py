@@ -84,6 +84,7 @@ def write_cases(folder: Path, alive: list[bool]):
         "name": "heldout",
         "evaluation": to_dict(cases_protocol()),
         "labels": {"policy": "policy (ours)"},
+        "robot": "mine",
     }
     summary = protocols.run(section, {"evaluations": inputs}, out, Job(folder))
     rows = list(csv.DictReader((out / "heldout.csv").read_text().splitlines()))
@@ -165,6 +166,7 @@ def run_segments(folder: Path, fall: bool = False):
         "name": "joystick",
         "evaluation": to_dict(protocol()),
         "labels": {"policy": "policy (ours)"},
+        "robot": "mine",
     }
     summary = protocols.run(section, {"evaluations": inputs}, out, Job(folder))
     rows = list(csv.DictReader((out / "joystick.csv").read_text().splitlines()))
@@ -192,7 +194,8 @@ FALLS = make_robots([[0, 0], [0, 0]], [[1, 1], [1, 1]])
 
 def sweep_section() -> dict:
     protocol = to_dict(config("experiment=test").protocols["sweep"])
-    return {"name": "sweep", "evaluation": protocol, "labels": {"policy": "policy (ours)"}}
+    labels = {"policy": "policy (ours)"}
+    return {"name": "sweep", "evaluation": protocol, "labels": labels, "robot": "mine"}
 
 
 def write_speeds(tmp_path, out):
@@ -241,7 +244,7 @@ def write_tracking(folder: Path, *controllers: str) -> Path:
         Evaluation(controller, 0.4, robots, TRACE).save(inputs[-1])
     out = folder / "out"
     out.mkdir(parents=True)
-    section = {"speeds": [0.4, 3.0], "control_period": 0.02, "labels": LABELS}
+    section = {"speeds": [0.4, 3.0], "control_period": 0.02, "labels": LABELS, "robot": "mine"}
     protocols.run_tracking(section, {"evaluations": inputs}, out, Job(folder))
     return out
 

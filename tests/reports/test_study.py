@@ -22,6 +22,7 @@ RUNS = [("default", 1), ("default", 2), ("hard", 1), ("hard", 2)]
 CHECKS = ([0.0, 0.96], [0.97, 1.0], [0.0, 0.5], [0.0, 0.0])
 TRAINED = {
     "name": "ablation",
+    "robot": "mine",
     "metrics": ["success_rate", "mse_steady", "alternation", "samples_to_walk"],
     "variants": [
         ["default", "as it is", "", ""],
@@ -163,6 +164,7 @@ COSTS = {
 }
 GAITS = {
     "name": "gaits",
+    "robot": "mine",
     "metrics": ["cost", "cost_change", "converged", "reaches_best", "joints_difference"],
     "variants": [[name, name, "", ""] for name in ("own", "coarse", "own_starts")],
     "keys": {"gaits": [[*key, speed] for key, costs in COSTS.items() for speed in costs]},

@@ -30,7 +30,7 @@ COLUMNS = [
     *(name + suffix for name in ("mse", "mse_steady", "tracking_rate") for suffix in ("", "_std")),
 ]
 
-SECTION = {"labels": {"policy": "policy (ours)"}}
+SECTION = {"labels": {"policy": "policy (ours)"}, "robot": "mine"}
 
 
 def test_a_row_has_the_numbers_of_its_evaluation():
@@ -66,10 +66,10 @@ def test_the_stage(tmp_path):
     ]
     out = tmp_path / "out"
     out.mkdir()
-    summary = table1.run(
-        {"labels": {"policy": "policy (ours)"}}, {"evaluations": inputs}, out, Job(tmp_path)
-    )
+    summary = table1.run(SECTION, {"evaluations": inputs}, out, Job(tmp_path))
     assert summary == {"rows": 2}
+    assert "Robot: mine" in (out / "table1.md").read_text().splitlines()
+    assert (out / "table1.tex").read_text().startswith("% Robot: mine. ")
     rows = list(csv.DictReader((out / "table1.csv").read_text().splitlines()))
     assert list(rows[0]) == COLUMNS
     ours = [row for row in rows if row["source"] == "measured"]

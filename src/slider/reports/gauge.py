@@ -48,7 +48,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     protocol, figure, *written = section["protocol"], *blocks(rows, out / "gauge.svg")
     speeds = ", ".join(f"{speed:g}" for speed in protocol["speeds"])
     caption = Text(_CAPTION.format(**protocol | {"speeds": speeds, "share": section["survival"]}))
-    text = document("Gauge", [figure, caption, *written])
+    text = document("Gauge", section["robot"], [figure, caption, *written])
     (out / "gauge.md").write_text(text, encoding="utf-8")
     job.tracker.log_file(out / "gauge.svg")
     numbers = {row["controller"]: row["level"] for row in rows if row["axis"] == NUMBER}

@@ -84,12 +84,13 @@ _SAFE = " /:;=,.-_()!$*+@?[]{}'|^`~"
 
 
 def _facts(sources: Sources) -> dict[str, str]:
-    """Controllers, commanded speeds, and amounts of evaluation and training."""
+    """Robot, controllers, commanded speeds, and amounts of evaluation and training."""
     configuration = sources.configuration
     evaluation = configuration["evaluation"]
     trainings = (configuration["train"]["walking"], configuration["finetuning"] or {})
     samples = sum(map(_samples, trainings))
     return {
+        "robot": configuration["robot"]["name"],
         "controllers": " · ".join(sources.labels[name] for name in evaluation["controllers"]),
         "commanded speeds": ", ".join(map(speed_text, evaluation["speeds"])) + " m/s",
         "robots per speed": f"{evaluation['trials']} trials × {evaluation['robots']}",

@@ -89,9 +89,10 @@ def run_tracking(section: Section, inputs: Inputs, out: Path, job: Job) -> Summa
         raise UserError(f"report.tracking_speeds: expected {expected}, found {speeds}")
     rows = [row for one in evaluations for row in tracking_rows(one, period)]
     shown = [Picture(out / f"{TRACKING}.svg", TRACKING_CAPTION), Text(TRACKING_CAPTION)]
+    shown += undrawn(evaluations, speeds)
     draw = partial(walking.draw_tracking, evaluations, period)
     title = "Forward velocity over time"
-    _write(out / TRACKING, title, rows, draw, [*shown, *undrawn(evaluations, speeds)], job)
+    _write(out / TRACKING, (title, section["robot"]), rows, draw, shown, job)
     return {"rows": len(rows)}
 
 
@@ -139,7 +140,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         draw, title = partial(walking.draw_cases, rows), "Cases"
     else:
         draw, title = partial(walking.draw_speeds, rows), "Mean speed over the commanded speed"
-    _write(out / name, title, rows, draw, shown, job)
+    _write(out / name, (title, section["robot"]), rows, draw, shown, job)
     if kind:
         pick = min if kind == "cases" else lambda rates: rates[-1]  # of all cases, or at the end
         groups = by(rows, "controller").items()
@@ -153,16 +154,17 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
 
 def _write(
     stem: Path,
-    title: str,
+    about: tuple[str, str],
     rows: list[Row],
     draw: Callable[[], Figure],
     blocks: Iterable[Written],
     job: Job,
 ) -> None:
-    """Write ``stem``.csv, .svg and .md."""
+    """Write ``stem``.csv, .svg and .md; ``about`` are a title and the robot's name."""
     tables.write(rows, stem.with_suffix(".csv"))
     write_pictures(stem, draw)
-    text = document(f"{title}: {stem.name}", blocks)
+    title, robot = about
+    text = document(f"{title}: {stem.name}", robot, blocks)
     stem.with_suffix(".md").write_text(text, encoding="utf-8")
     job.tracker.log_file(stem.with_suffix(".svg"))
 

@@ -58,7 +58,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
         table.to_csv(out / f"{stem}.csv", index=False, float_format="%.6g", lineterminator="\n")
         job.tracker.log_file(out / f"{stem}.csv")
     write_pictures(out / name, lambda: figure.draw(strongest(summary), curves))
-    text = document(name.replace("_", " ").capitalize(), blocks(name, out))
+    text = document(name.replace("_", " ").capitalize(), section["robot"], blocks(name, out))
     (out / f"{name}.md").write_text(text, encoding="utf-8")
     job.tracker.log_file(out / f"{name}.svg")
     return {"runs": len(runs), "variants": len(section["variants"])}

@@ -129,9 +129,9 @@ Written = Table | Text | Heading | Picture
 """Blocks of documents and of the page."""
 
 
-def document(title: str, blocks: Iterable[Written]) -> str:
-    """A Markdown document."""
-    return f"# {title}\n\n{markdown(blocks)}\n"
+def document(title: str, robot: str, blocks: Iterable[Written]) -> str:
+    """A Markdown document about a robot, by its name."""
+    return f"# {title}\n\nRobot: {robot}\n\n{markdown(blocks)}\n"
 
 
 def markdown(blocks: Iterable[Written], caption: str = "## {}") -> str:

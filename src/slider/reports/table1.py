@@ -64,9 +64,9 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     tables.write(rows, out / "table1.csv", COLUMNS)
     tables.write(quality, out / "gait_quality.csv")
     compared = comparisons(rows)
-    text = document("Table 1", [Text(_CAPTION), *compared])
+    text = document("Table 1", section["robot"], [Text(_CAPTION), *compared])
     (out / "table1.md").write_text(text, encoding="utf-8")
-    lines = [f"% {escape(_CAPTION)}", "% Needs \\usepackage{booktabs}."]
+    lines = [f"% Robot: {section['robot']}. {escape(_CAPTION)}", "% Needs \\usepackage{booktabs}."]
     lines += [table.latex for table in compared]
     (out / "table1.tex").write_text("\n".join(lines), encoding="utf-8")
     job.tracker.log_file(out / "table1.csv")

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.stages import table1_jobs
 from pipeline.stages.gaits import library_job
-from pipeline.stages.training import table1_jobs
 from slider.config.compose import compose
 from slider.config.parameters import parameters
 from slider.core.errors import UserError
@@ -105,3 +105,22 @@ def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():
     assert compose([off], CONF).robot.links.tube.com[0] == 0.01
     with pytest.raises(UserError, match=r"expected x = y = 0 m with gait.dynamics=knee, found x"):
         compose([off, "gait.dynamics=knee"], CONF)
+
+
+def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
+    small = "geometry: {leg_length: 0.32, hip_offset: 0.05, upper_foot_height: 0.18}\n"
+    knee = "virtual_knee: {thigh_length: 0.18, shank_length: 0.18}\n"
+    file = written(BASE + small + knee + "links: {base: {mass: 14.7748}}\n")  # 12.5248 kg more
+    config = compose([file, "gait.posture.swing_height=0.1"], CONF)
+    posture, mpc = config.gait.posture, config.control["mpc_wbc_tuned"]
+    assert config.env.termination.terms["base_height"] == pytest.approx(0.2)
+    assert (posture.clearance, posture.swing_height) == (pytest.approx(0.025), 0.1)
+    assert posture.foot_separation_max == pytest.approx(0.225)
+    assert (mpc.step.width, mpc.planner.width_max) == (pytest.approx(0.1), pytest.approx(0.2))
+    assert mpc.whole_body.force_max == pytest.approx(1200.0)
+    loaded = config.train.walking.reward.terms["contact_schedule"].params["loaded"]
+    assert loaded == pytest.approx(40.0)
+    with pytest.raises(UserError, match=r"less than 0.365 m, at which the robot stands, found 0.4"):
+        compose([file, "env.termination.terms.base_height=0.4"], CONF)
+    with pytest.raises(UserError, match=r"^robot.geometry.leg_length: expected a number in"):
+        compose(["robot.geometry.leg_length=long"], CONF)

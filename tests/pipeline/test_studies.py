@@ -199,7 +199,10 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
         ("sensitivity.scaling.parameters=[geometry.foot_radius]", "tagged assumed, found geometry"),
         ("sensitivity.speeds=[1.2,1.2]", "study.sensitivity.speeds: expected each once"),
-        ("sensitivity.scaling.provenance=[measured]", "tagged measured, found none"),
+        (
+            "sensitivity.scaling={change: 0.2, provenance: [measured], parameters: []}",
+            "study.sensitivity.scaling: expected numbers of the robot tagged measured, found none",
+        ),
     ],
 )
 def test_a_mistake_is_one_line_that_names_it(override, message):

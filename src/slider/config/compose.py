@@ -16,6 +16,7 @@ from omegaconf import ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
+from slider.config import scaling as scaling  # registers resolvers
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
 from slider.config.reference import BY_NAME, kind_at

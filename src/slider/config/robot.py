@@ -31,6 +31,11 @@ LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot"
 LEG_DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan")  # one per hip joint; slide and ankle
 
 
+def leg_scale(leg_length: float) -> float:
+    """Leg length [m] as a multiple of SLIDER's, for which defaults are chosen."""
+    return leg_length / 0.64
+
+
 @dataclass(frozen=True, config=STRICT)
 class Link:
     """A rigid body."""

@@ -46,6 +46,7 @@ def validate(config: Config) -> None:
     _gait(config.gait)
     _tube(config)
     _env(config.env)
+    _standing(config)
     _trainings(config)
     _controls(config.control, config.env)
     _protocols(config)
@@ -166,6 +167,15 @@ def _env(env: EnvConfig) -> None:
     require(possible, "env.phase.halt.above", f"a value ≥ {least}", phase.halt.above)
     possible = phase.enabled or not (phase.mirror or least > 0)
     require(possible, "env.phase", "a clock for mirror and halt", "none")
+
+
+def _standing(config: Config) -> None:
+    """A robot that stands has not failed."""
+    geometry, terms = config.robot.geometry, config.env.termination.terms
+    height = geometry.leg_length + geometry.ankle_height
+    least, key = terms.get("base_height", 0.0), "env.termination.terms.base_height"
+    expected = f"less than {height:g} m, at which the robot stands"
+    require(least < height, key, expected, least)
 
 
 def _disturbance(

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from slider.config.gait import FormulationConfig
-from slider.config.robot import Mechanism
+from slider.config.robot import Mechanism, leg_scale
 from slider.gait.dynamics import PrismaticTree, StanceTree
 from slider.robot.bodies import knee_bodies, total_mass
 from slider.robot.names import GRAVITY
@@ -50,6 +50,11 @@ class Formulation:
     def weight(self) -> float:
         """m g [N]."""
         return total_mass(knee_bodies(self.robot)) * GRAVITY
+
+    @property
+    def leg_scale(self) -> float:
+        """Leg length as a multiple of SLIDER's."""
+        return leg_scale(self.robot.geometry.leg_length)
 
     @property
     def foot_ends(self) -> tuple[np.ndarray, np.ndarray]:

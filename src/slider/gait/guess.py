@@ -7,7 +7,7 @@ import numpy as np
 from slider.gait.transcription import ROLL_STATES, Layout, from_polynomials
 from slider.gait.tree import LEG_JOINTS, NUM_JOINTS
 
-LEG = 0.65  # hip-ankle distance that turns speed into leg angle [m]
+LEG = 0.65  # hip-ankle distance that turns SLIDER's speed into leg angle [m]
 BUMP = 0.6  # extra flexion of the swing knee [rad]
 
 
@@ -34,7 +34,7 @@ STARTS = {
 def cold_start(
     layout: Layout, vx: float, degree: int, duration: tuple[float, float], start: Start
 ) -> np.ndarray:
-    """Variables (size,) of a gait at forward speed vx [m/s].
+    """Variables (size,) of a gait at forward speed vx [m/s], of a leg as long as SLIDER's.
 
     ``duration``: bounds of the step time [s].
     """

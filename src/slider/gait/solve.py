@@ -266,7 +266,8 @@ class GaitSolver:
             return self._ramp(velocity)
         duration = duration_bounds(self._step_time, *velocity[:2])
         degree = self.problem.config.degree
-        start = cold_start(self.problem.layout, velocity[0], degree, duration, STARTS[guess])
+        vx = velocity[0] / self.problem.form.leg_scale
+        start = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
         return self._cold, self._call(self._cold, velocity, x0=start)
 
     def _ramp(self, velocity: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:

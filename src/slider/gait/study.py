@@ -93,7 +93,8 @@ def random_start(
     step_time = generator.uniform(*duration)
     crouch = generator.uniform(spread.crouch.lower, spread.crouch.upper)
     stride = vx * step_time * generator.uniform(spread.stride.lower, spread.stride.upper)
-    walk = crouched_walk(stride / 2 / LEG, problem.config.degree + 1, crouch)
+    leg = LEG * problem.form.leg_scale
+    walk = crouched_walk(stride / 2 / leg, problem.config.degree + 1, crouch)
     noise = generator.uniform(-spread.joints, spread.joints, (2, *walk.shape))
     start = variables_of(problem.layout, walk + noise, step_time)
     return np.clip(start, *problem.variable_bounds(duration))

@@ -1,0 +1,35 @@
+"""Defaults that follow the robot: ``${by_leg:0.4}`` is 0.4 for SLIDER and in proportion for others.
+
+A number in the place of the expression stays as it is typed.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from slider.config.robot import leg_scale
+
+_HIP_OFFSET = 0.1  # of SLIDER [m]
+_MASS = 12.5248  # [kg]
+
+
+def _mass(robot: Any) -> float:
+    """Mass of the base and of two legs [kg]."""
+    return sum(link.mass * (1 if name == "base" else 2) for name, link in robot.links.items())
+
+
+def _register(name: str, scale: Callable[[Any], float]) -> None:
+    def resolve(value: float, *, _root_: DictConfig) -> float:
+        try:
+            return value * round(scale(_root_.robot), 12)  # a sum of masses has wrong last digits
+        except (OmegaConfBaseException, TypeError, AttributeError):
+            return value  # the schema has a line about the robot's value, which comes first
+
+    OmegaConf.register_new_resolver(name, resolve, replace=True)
+
+
+_register("by_leg", lambda robot: leg_scale(robot.geometry.leg_length))
+_register("by_hip", lambda robot: robot.geometry.hip_offset / _HIP_OFFSET)
+_register("by_weight", lambda robot: _mass(robot) / _MASS)

@@ -112,10 +112,12 @@ def _variants(
     if study.scaling is None:
         return
     scaling = study.scaling
-    chosen = choose(parameters(config.robot), scaling.provenance, scaling.parameters)
-    expected = f"numbers of the robot tagged {' or '.join(scaling.provenance)}"
-    require(bool(chosen), f"{key}.scaling", expected, "none")
-    for item in chosen:
+    items, tags = parameters(config.robot), scaling.provenance
+    expected = f"numbers of the robot tagged {' or '.join(tags)}"
+    require(bool(choose(items, tags, [])), f"{key}.scaling", expected, "none")
+    for path in scaling.parameters:
+        require(bool(choose(items, tags, [path])), f"{key}.scaling.parameters", expected, path)
+    for item in choose(items, tags, scaling.parameters):
         for factor in (round(1 + sign * scaling.change, 10) for sign in (-1, 1)):
             yield _scaled(config, item.path, item.value, factor)
 

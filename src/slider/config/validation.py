@@ -22,9 +22,9 @@ from slider.config.env import DisturbanceConfig, EnvConfig
 from slider.config.evaluation import EvaluationConfig, ProfileConfig, SeedBlock, Segment
 from slider.config.gait import Axis, GaitConfig, axis_size
 from slider.config.gauge import AXES, FALLING
-from slider.config.parameters import choose, parameters
+from slider.config.parameters import parameters
 from slider.config.robot import LEG_DRIVES, LEG_JOINTS, RobotConfig
-from slider.config.schema import Config, ScalingConfig, StudyConfig
+from slider.config.schema import Config, StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.tuning import setting
 from slider.core.errors import one_of, require
@@ -419,15 +419,13 @@ def _not_final(key: str, seed: int, final: SeedBlock) -> None:
 
 
 def _studies(config: Config) -> None:
-    """Variants and parameters that exist, and results to compare."""
+    """Variants that exist, and results to compare."""
     _named("study", config.study)
     for name, study in config.study.items():
         key = f"study.{name}"
         _named(f"{key}.variants", study.variants)
         for variant in study.run:
             one_of(f"{key}.run", variant, study.variants)
-        if study.scaling is not None:
-            _scaling(study.scaling, config.robot, f"{key}.scaling")
         _study(study, key)
 
 
@@ -438,10 +436,3 @@ def _study(study: StudyConfig, key: str) -> None:
     require(possible, f"{key}.starts", "null without gaits", "starts")
     possible = study.evaluation is not None or study.training is None
     require(possible, f"{key}.training", "null without an evaluation", "a training")
-
-
-def _scaling(scaling: ScalingConfig, robot: RobotConfig, key: str) -> None:
-    items, tags = parameters(robot), scaling.provenance
-    expected = f"numbers of the robot tagged {' or '.join(tags)}"
-    for path in scaling.parameters:
-        require(bool(choose(items, tags, [path])), f"{key}.parameters", expected, path)

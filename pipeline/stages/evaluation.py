@@ -151,7 +151,8 @@ def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
         section |= {"evaluation": evaluation, "space": space}
         inputs = control_inputs(config, name, jobs)
         searches.append(job("tuning", f"search for settings of {name}", section, inputs))
-    section = {"labels": labels(config, tuning.spaces), "spaces": values["spaces"]}
+    names = labels(config, tuning.spaces)
+    section = {"labels": names, "spaces": values["spaces"], "robot": config.robot.name}
     return job("baseline_tuning", "tuned baselines", section, {"searches": searches})
 
 

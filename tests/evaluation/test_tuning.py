@@ -102,7 +102,7 @@ def test_the_table_has_present_and_best_values(tmp_path):
     search(tmp_path, "search")
     names = {"mpc_wbc_tuned": "MPC + WBC, tuned"}
     (tmp_path / "out").mkdir()
-    table = {"labels": names, "spaces": {"mpc_wbc_tuned": SPACE}}
+    table = {"labels": names, "spaces": {"mpc_wbc_tuned": SPACE}, "robot": "slider"}
     searches = {"searches": [tmp_path / "search"]}
     summary = report.run(table, searches, tmp_path / "out", Job(tmp_path / "work"))
     assert summary["trials"] == 3

@@ -35,7 +35,7 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     write_pictures(out / "baseline_tuning", partial(_draw, trials, section["labels"]))
     written = [block for name in names for block in _blocks(name, trials[name], section)]
     figure = Picture(out / "baseline_tuning.svg", "Best score so far over the trials.")
-    text = document("Tuned baselines", [Text(_CAPTION), figure, *written])
+    text = document("Tuned baselines", section["robot"], [Text(_CAPTION), figure, *written])
     (out / "baseline_tuning.md").write_text(text, encoding="utf-8")
     job.tracker.log_file(out / "baseline_tuning.csv")
     return {"trials": len(rows), "scores": {name: _best(trials[name])["score"] for name in names}}

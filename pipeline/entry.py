@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.stages.page import with_renderer
-from pipeline.studies import study_job
-from pipeline.targets import all_targets, refresh_marker, report_files
+from pipeline.targets import all_targets, job_on_demand, refresh_marker, report_files
 from slider.artefacts.maintenance import date_now, drop_damaged
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_path, read_plan, write_plan
 from slider.artefacts.remote import Remote
@@ -118,11 +117,11 @@ class Pipeline:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.
 
         Raises:
-            UserError: a variant of a study does not compose.
+            UserError: it cannot be laid out.
         """
 
         def find(wildcards: Any) -> str:
-            if target in self.config.study:
+            if target not in self.plan.targets:
                 self._plan_also(target)
             return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
@@ -143,11 +142,9 @@ class Pipeline:
         return str(self.store.manifest_path(job.stage, job.recipe))
 
     def _plan_also(self, target: str) -> None:
-        """Add the jobs of a target on demand to the plan, once."""
+        """Add the jobs of a target on demand to the plan."""
         targets = {name: self.plan.jobs[recipe] for name, recipe in self.plan.targets.items()}
-        if target in targets:
-            return
-        job = study_job(target, self.config, targets, self.overrides, self.conf)
+        job = job_on_demand(target, self.config, targets, self.overrides, self.conf)
         self.plan = build_plan(targets | {target: job})
         self.plan_path = _lay_out(self.plan, self.store, self.config)
 

@@ -1,13 +1,15 @@
 """All targets, their files, and when these are copied out of the store again.
 
-Studies are laid out only when they are asked for, or where the page shows them.
+Studies and the gauge are laid out only when they are asked for, or where the page shows them: a
+variant that does not compose, or a policy that is not there, stops no other target.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeline.stages import all_jobs
 from pipeline.stages.entries import ENTRIES
+from pipeline.stages.gauge import gauge_job
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
 from slider.artefacts.manifest import parse_manifest
@@ -23,10 +25,11 @@ from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_section
 
 RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
 """Rules that are neither a target nor a stage."""
+GAUGE = "gauge"
 
 
 def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[str, JobSpec]:
-    """Jobs by the name of their target; a page without a study composes no variant.
+    """Jobs by the name of their target, of those on demand the ones that the page shows.
 
     Args:
         config: configuration of the pipeline.
@@ -35,15 +38,24 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
 
     Raises:
         UserError: there is no such section, a protocol or study has a name that is taken, or the
-            page shows a study of which a variant does not compose.
+            page shows a study or the gauge, which cannot be laid out.
     """
     check_sections(config)
     _check_names(config)
     targets = all_jobs(config)
     needed = {need.partition(".")[0] for need in needs(config)}
-    for name in (name for name in config.study if name in needed):
-        targets[name] = study_job(name, config, targets, overrides, conf)
+    for name in (name for name in (*config.study, GAUGE) if name in needed):
+        targets[name] = job_on_demand(name, config, targets, overrides, conf)
     return targets | {"report": report(config, targets)}
+
+
+def job_on_demand(
+    name: str, config: Config, targets: Mapping[str, JobSpec], overrides: Sequence[str], conf: Path
+) -> JobSpec:
+    """A study or the gauge; the arguments are those of ``study_job``."""
+    if name == GAUGE:
+        return gauge_job(config, targets)
+    return study_job(name, config, targets, overrides, conf)
 
 
 def _check_names(config: Config) -> None:
@@ -74,7 +86,7 @@ def _files() -> dict[str, tuple[str, ...]]:
     return {
         "table1": ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
         "velocity_tracking": _compared("velocity_tracking"),
-        "gauge": (*_compared("gauge"), "gauge_cells.csv"),
+        GAUGE: (*_compared(GAUGE), "gauge_cells.csv"),
         "baseline_tuning": _compared("baseline_tuning"),
         "report": ("index.html",),
         "policy_export": tuple(f"policy/{name}" for name in POLICY_FILES),

@@ -12,21 +12,18 @@ Studies compare several configurations: ``pipeline.studies``.
 
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import (
-    base_of,
     baseline_tuning,
+    check_walkable,
     evaluations_of,
-    gait_controllers,
     gait_walks,
     protocol_jobs,
     table1,
     velocity_tracking,
 )
 from pipeline.stages.gaits import library_job, stability_jobs, verification_jobs
-from pipeline.stages.gauge import gauge_job
 from pipeline.stages.training import policy_export, training_jobs
 from slider.artefacts.plan import JobSpec
 from slider.config.schema import Config
-from slider.core.errors import UserError
 
 
 def all_jobs(config: Config) -> dict[str, JobSpec]:
@@ -38,7 +35,6 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
         "figures": job("figures", "figures", {}, {"library": [library]}),
         "policy_export": policy_export(config.env, targets["walking"]),
         "velocity_tracking": velocity_tracking(config, targets["table1"]),
-        "gauge": gauge_job(config, targets),
         "baseline_tuning": baseline_tuning(config, targets),
     }
     return targets | gait_walks(config, targets) | protocol_jobs(config, targets)
@@ -50,12 +46,7 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
     Raises:
         UserError: a controller of Table 1 cannot walk these gaits.
     """
-    if config.gait.dynamics == "knee":  # whose gaits are no motions of the plant
-        for name in set(map(base_of, config.evaluation.controllers)).intersection(
-            gait_controllers(config)
-        ):
-            expected = "none of the family hzd with gait.dynamics=knee"
-            raise UserError(f"evaluation.controllers: expected {expected}, found {name}")
+    check_walkable(config, "evaluation", config.evaluation.controllers)
     library = library_job(config)
     trainings = training_jobs(config, library)
     jobs = {"library": library, **stability_jobs(config, library), **trainings}

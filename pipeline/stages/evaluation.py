@@ -11,6 +11,7 @@ from slider.config.convert import to_dict
 from slider.config.evaluation import EvaluationConfig
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
+from slider.core.errors import require
 from slider.core.machine import kernels
 
 _SEARCH = ("trials", "sampler_seed", "speeds")  # what all of them share, and no evaluation has
@@ -87,6 +88,17 @@ def control_inputs(
 def gait_controllers(config: Config) -> list[str]:
     """Controllers that walk by gaits."""
     return [name for name, c in config.control.items() if isinstance(c, HzdControlConfig)]
+
+
+def check_walkable(config: Config, key: str, controllers: Iterable[str]) -> None:
+    """Whether ``key``.controllers can walk the gaits: those of the knee are no plant's motions.
+
+    Raises:
+        UserError: names one that cannot.
+    """
+    for name in set(map(base_of, controllers)).intersection(gait_controllers(config)):
+        expected = "none of the family hzd with gait.dynamics=knee"
+        require(config.gait.dynamics != "knee", f"{key}.controllers", expected, name)
 
 
 def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:

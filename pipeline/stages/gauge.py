@@ -7,7 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.stages.entries import job, only
-from pipeline.stages.evaluation import base_of, control_inputs, control_section, labels
+from pipeline.stages.evaluation import (
+    base_of,
+    check_walkable,
+    control_inputs,
+    control_section,
+    labels,
+)
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
@@ -24,9 +30,10 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     """The comparison, and with it a job per controller and axis.
 
     Raises:
-        UserError: an exported policy is not there.
+        UserError: an exported policy is not there, or a controller cannot walk the gaits.
     """
     gauge = config.gauge
+    check_walkable(config, "gauge", gauge.controllers)
     cells = [
         _axis(config, controller, axis, jobs)
         for controller in gauge.controllers

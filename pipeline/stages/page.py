@@ -70,7 +70,11 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
     protocols = {name: p for name, p in config.protocols.items() if name in inputs}
     if protocols:
         shown["protocols"] = {name: protocol_section(p) for name, p in protocols.items()}
-    used = {base_of(c) for p in (config.evaluation, *protocols.values()) for c in p.controllers}
+    names = [name for p in (config.evaluation, *protocols.values()) for name in p.controllers]
+    if "gauge" in inputs:
+        shown["gauge"] = to_dict(config.gauge)
+        names += config.gauge.controllers
+    used = set(map(base_of, names))
     shown["control"] = {name: node for name, node in shown["control"].items() if name in used}
     return shown
 

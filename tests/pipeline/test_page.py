@@ -93,4 +93,8 @@ def test_a_page_shows_the_settings_of_its_protocols_only():
     assert {job.stage for job in report.inputs["joystick"]} == {"segments"}
     assert {job.stage for job in report.inputs["joystick.evaluations"]} == {"evaluation"}
     _, report = stages()
-    assert "protocols" not in report.section["configuration"]
+    assert {"protocols", "gauge"}.isdisjoint(report.section["configuration"])
+    _, report = stages("report.sections=[gauge]", "gauge.controllers=[mpc_wbc_tuned]")
+    shown = report.section["configuration"]
+    assert shown["gauge"]["controllers"] == ["mpc_wbc_tuned"]
+    assert "mpc_wbc_tuned" in shown["control"]

@@ -7,6 +7,7 @@ import pytest
 from pipeline.stages import all_jobs, entries, table1_jobs
 from pipeline.stages.evaluation import protocol_jobs
 from pipeline.stages.gaits import velocities
+from pipeline.stages.gauge import gauge_job
 from pipeline.stages.page import report
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec, build_plan
@@ -182,12 +183,13 @@ def processor(monkeypatch):
 
 
 def everything(*overrides: str) -> list[JobSpec]:
-    """All jobs, those of studies included."""
+    """All jobs, those of studies and of the gauge included."""
     given = ["experiment=test", "report.video.renderer=egl", CONTROLLERS, *overrides]
     config = compose(given, CONF)
     targets = all_jobs(config)
     studies = [study_job("gait_starts", config, targets, given, CONF)]
-    made = dict(enumerate([*targets.values(), *studies, report(config, targets)]))
+    on_demand = [gauge_job(config, targets), *studies, report(config, targets)]
+    made = dict(enumerate([*targets.values(), *on_demand]))
     return list(build_plan({str(name): job for name, job in made.items()}).jobs.values())
 
 
@@ -285,10 +287,13 @@ def test_gaits_of_the_virtual_knee_have_no_controller_that_enforces_them():
     jobs = table1_jobs(compose(["gait.dynamics=knee", "evaluation.controllers=[policy]"], CONF))
     assert "table1" in jobs
     assert "table1" in table1_jobs(compose(["experiment=paper"], CONF))
+    with pytest.raises(UserError, match=r"^gauge\.controllers: expected none .* found hzd"):
+        gauge("experiment=paper", "gauge.controllers=[policy,hzd_onboard]")
 
 
 def gauge(*overrides: str) -> JobSpec:
-    return all_jobs(compose(["experiment=test", *overrides], CONF))["gauge"]
+    config = compose(["experiment=test", *overrides], CONF)
+    return gauge_job(config, all_jobs(config))
 
 
 @pytest.mark.parametrize(

@@ -63,6 +63,13 @@ def test_another_protocol_is_a_target_with_files_of_its_own():
     assert len(files) == len(set(files))
 
 
+def test_a_policy_that_is_not_there_stops_the_gauge_alone():
+    missing = ["gauge.controllers=[mine]", "+gauge.policies.mine=nowhere"]
+    assert "table1" in targets(*missing)
+    with pytest.raises(UserError, match=r"policies\.mine: .* found no nowhere/policy\.onnx$"):
+        targets(*missing, "report.sections=[gauge]")
+
+
 def test_a_bound_is_of_something_that_is_verified():
     with pytest.raises(UserError, match=r"^verification\.bounds: expected one of dynamics_torque"):
         targets("+verification.bounds.zzz=1")

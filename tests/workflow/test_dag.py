@@ -120,6 +120,7 @@ def test_the_gauge_and_the_export_of_the_policy_in_it(real, tmp_path):
     missing = workspace.snakemake("-n", target, hydra=f"{mine} +gauge.policies.mine=nowhere")
     expected = "a folder with policy.onnx, policy.json, reference.npy"
     assert f"policies.mine: expected {expected}, found no nowhere/policy.onnx" in missing.stderr
+    assert "Traceback" not in missing.stderr
     assert workspace.snakemake("policy", hydra=QUIET).returncode == 0
     exported = f"{mine} +gauge.policies.mine=reports/policy gauge.axes=[delay]"
     assert workspace.computed(exported, target=target) == ["gauge", "gauge_axis", "policy_import"]

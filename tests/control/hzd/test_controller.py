@@ -17,6 +17,7 @@ from slider.control.whole_body.controller import WalkingController
 from slider.control.whole_body.memory import WALK
 from slider.core.errors import UserError
 from slider.core.job import Job
+from slider.env.disturbance import Disturbance
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import at_rest
@@ -36,16 +37,22 @@ def gaits() -> EnforcedGaits:
     return EnforcedGaits(GaitTables.of(library(), feedback), whole.hzd, whole.hzd.feedback.reach)
 
 
-def controlled(count: int, enforced: EnforcedGaits | None = None):
+def controlled(
+    count: int, enforced: EnforcedGaits | None = None, disturbance: Disturbance | None = None
+):
     whole = config()
     control = whole.control["hzd"]
     settings = replace(whole.env.physics, substeps=control.substeps)
-    physics = BatchedPhysics(robot_config(), settings, count, 1, "torque")
+    physics = BatchedPhysics(robot_config(), settings, count, 1, "torque", disturbance)
     return hzd_controller(robot_config(), control, enforced or gaits(), physics.period), physics
 
 
-def go(*segments: tuple[float, tuple[float, float, float]], noise: StartNoise = STILL):
-    controller, physics = controlled(COUNT)
+def go(
+    *segments: tuple[float, tuple[float, float, float]],
+    noise: StartNoise = STILL,
+    disturbance: Disturbance | None = None,
+):
+    controller, physics = controlled(COUNT, disturbance=disturbance)
     start = at_rest(robot_config(), noise, np.random.default_rng(7), COUNT)
     velocities = np.concatenate([np.tile(c, (round(t / 0.02), COUNT, 1)) for t, c in segments])
     seconds = sum(t for t, _ in segments)
@@ -58,6 +65,14 @@ def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
     assert recording.survived.all()
     assert (controller.memory.mode == WALK).all()
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.03)
+
+
+def test_walks_up_a_slope_that_it_receives():
+    text = "terrain={kinds: [slope_up], level: {lower: 4.8, upper: 4.8}}"
+    disturbance = Disturbance(config(f"evaluation.disturbance.{text}").evaluation.disturbance, (1,))
+    recording, _ = go((5.0, (0.2, 0.0, 0.0)), disturbance=disturbance)
+    assert recording.survived.all()
+    np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.04)
 
 
 def walked(controller: WalkingController, physics: BatchedPhysics, steps: int) -> np.ndarray:

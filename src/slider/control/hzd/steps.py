@@ -6,6 +6,7 @@ import numpy as np
 
 from slider.config.control import HzdControlConfig
 from slider.config.robot import RobotConfig
+from slider.control.hzd.footing import SLIDE, uneven
 from slider.control.hzd.gaits import EnforcedGaits, GaitSteps, at_phase
 from slider.control.hzd.motion import Motion, hip, motion, section, side_of
 from slider.control.whole_body.controller import PlantModel, WalkingController
@@ -16,12 +17,11 @@ from slider.control.whole_body.tasks import Part, Solved
 from slider.core.arrays import consecutive, scatter, take
 from slider.env.phase import standing
 from slider.gait.outputs import ANKLE, SWING, YAW, output_matrix
-from slider.hzd.constraints import StepConstraints, phase_of, phase_rate
+from slider.hzd.constraints import Orders, StepConstraints, phase_of, phase_rate
 from slider.robot.kinematics import turn_to_heading
 from slider.robot.knee_map import KneeLengths
 
 _NOT_ZERO = 1e-9  # share of a yaw rate that is about to grow
-SLIDE = 3  # place of the slide in a leg
 
 
 def hzd_controller(
@@ -42,6 +42,8 @@ class EnforcedSteps:
         phase, rate: of the steps [1], [1/s].
         by_hip: whether the hip's place gives the phase.
         line: yaw at which the gait has the stance foot's line (N,) [rad].
+        footholds: of the stance foot, of the swing foot before and, without its displacement, after
+            the step (N, 3, 2) [m], world.
     """
 
     constraints: StepConstraints
@@ -50,6 +52,7 @@ class EnforcedSteps:
     rate: np.ndarray
     by_hip: np.ndarray
     line: np.ndarray
+    footholds: np.ndarray
 
 
 class HzdSteps:
@@ -114,7 +117,9 @@ class HzdSteps:
         place, speed = hip(dynamics, stance, walk.line)
         walk.by_hip &= self._starts_by_hip(walk, place, speed)
         self._synchronise(walk, place, speed, np.ones(len(robots)))
-        now = self._motion(walk, memory, robots, dynamics)
+        walk.footholds = self._footholds(walk, memory, robots, dynamics)
+        ground = self._ground(walk, memory, robots)
+        now = self._motion(walk, memory, robots, dynamics, ground)
         walk.constraints.re_anchor(walk.phase, now.x, now.rate / walk.rate[:, None])
         scatter(self._walk, robots, walk)
 
@@ -131,9 +136,10 @@ class HzdSteps:
         """Torques that enforce the virtual constraints, as far as motors and contact allow."""
         walk = take(self._walk, consecutive(robots))
         self._place(walk, memory, robots, dynamics)
-        now = self._motion(walk, memory, robots, dynamics)
+        ground = self._ground(walk, memory, robots)
+        now = self._motion(walk, memory, robots, dynamics, ground)
         parts = [
-            self._outputs(walk, now),
+            self._outputs(walk, now, ground),
             self._body.stance(dynamics, memory.stance[robots, None], np.zeros((len(robots), 1))),
         ]
         feet = memory.stance[robots, None]
@@ -158,7 +164,27 @@ class HzdSteps:
         )
         by_hip = (velocities[:, 0] >= config.slowest_hip) & (config.phase == "hip")
         phase, line = np.zeros((2, len(stance)))
-        return EnforcedSteps(constraints, steps, phase, 1.0 / steps.duration, by_hip, line)
+        rate, footholds = 1.0 / steps.duration, np.zeros((len(stance), 3, 2))
+        return EnforcedSteps(constraints, steps, phase, rate, by_hip, line, footholds)
+
+    def _footholds(
+        self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray, dynamics: Dynamics
+    ) -> np.ndarray:
+        """Those of steps that begin; at the next one the gait's centre of mass starts again."""
+        rows, stance = np.arange(len(robots)), memory.stance[robots]
+        feet = dynamics.foot_positions[:, :, :2]
+        start, end = walk.steps.orbit[:, 0], walk.steps.orbit[:, -1]
+        sideways = side_of(stance) * (start + end)[:, 0]
+        stride = np.stack([(end - start)[:, 3], sideways], axis=1)
+        here, last = feet[rows, stance], feet[rows, 1 - stance]
+        return np.stack([here, last, here + memory.to_world(stride, robots)], axis=1)
+
+    def _ground(self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray) -> Orders:
+        """What the ground under the footholds, the next one displaced, changes of coordinates."""
+        moved, footholds = walk.constraints.displacement.copy(), walk.footholds.copy()
+        moved[:, 1] *= side_of(memory.stance[robots])
+        footholds[:, 2] += memory.to_world(moved, robots)
+        return uneven(memory, robots, footholds, walk.phase)
 
     def _next_velocity(self, memory: Memory, robots: np.ndarray, dynamics: Dynamics) -> np.ndarray:
         """Velocity (n, 2) of the next gait. Where that is bounded the integral action waits."""
@@ -207,16 +233,23 @@ class HzdSteps:
         walk.rate = np.where(walk.by_hip, rate, pace)
 
     def _motion(
-        self, walk: EnforcedSteps, memory: Memory, robots: np.ndarray, dynamics: Dynamics
+        self,
+        walk: EnforcedSteps,
+        memory: Memory,
+        robots: np.ndarray,
+        dynamics: Dynamics,
+        ground: Orders,
     ) -> Motion:
-        """Yaw of the line counts from where the course of the gait has it at this phase."""
+        """As if the ground were level, yaw of the line from where the gait's course has it."""
         stance, heading = memory.stance[robots], memory.heading[robots]
         result = motion(dynamics, stance, heading, memory.yaw_rate(robots))
         result.x[:, YAW] += walk.steps.turn * (walk.phase - 0.5)
         result.rate[:, YAW] += walk.steps.turn * walk.rate
+        result.x[:] -= ground[0]
+        result.rate[:] -= ground[1] * walk.rate[:, None]
         return result
 
-    def _outputs(self, walk: EnforcedSteps, now: Motion) -> Part:
+    def _outputs(self, walk: EnforcedSteps, now: Motion, ground: Orders) -> Part:
         """ÿ = −kp y − kd ẏ; by the hip nine of them, and the ankle drives the phase's rate.
 
         There s̈ = (∇p q̈ − p″ ṡ²)/p′ is what the robot makes of it: the nine do not depend on what
@@ -229,9 +262,10 @@ class HzdSteps:
         value[:, SWING + SLIDE] += sinking * late
         slope[:, SWING + SLIDE] += sinking
         error, error_rate = value - now.x, slope * rate - now.rate
-        desired = curve * rate**2 + config.kp * error + config.kd * error_rate
+        desired = (curve + ground[2]) * rate**2 + config.kp * error + config.kd * error_rate
         _, advance, bend = (order[:, 0] for order in walk.steps.hip.at(walk.phase))
         bend *= walk.rate**2
+        slope += ground[1]
         slope[:, YAW] -= walk.steps.turn
         slope *= np.where(by_hip, 1.0 / np.where(by_hip, advance, 1.0), 0.0)[:, None]
         ahead = np.stack([np.cos(walk.line), np.sin(walk.line)], axis=1)

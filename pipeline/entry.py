@@ -116,13 +116,13 @@ class Pipeline:
     def manifest(self, target: str) -> Callable[[Any], str]:
         """Input function: the manifest of a target, whose jobs join the plan if they are not in it.
 
-        Raises:
-            UserError: it cannot be laid out.
+        A target that cannot be laid out is one line and status 1.
         """
 
         def find(wildcards: Any) -> str:
             if target not in self.plan.targets:
-                self._plan_also(target)
+                with one_line():
+                    self._plan_also(target)
             return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
         return find

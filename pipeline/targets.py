@@ -1,7 +1,8 @@
 """All targets, their files, and when these are copied out of the store again.
 
-Studies and the gauge are laid out only when they are asked for, or where the page shows them: a
-variant that does not compose, or a policy that is not there, stops no other target.
+Studies, the gauge and the search for settings are laid out only when they are asked for, or where
+the page shows them: a variant that does not compose, or a policy that is not there, stops no other
+target.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,6 +10,7 @@ from pathlib import Path
 
 from pipeline.stages import all_jobs
 from pipeline.stages.entries import ENTRIES
+from pipeline.stages.evaluation import baseline_tuning
 from pipeline.stages.gauge import gauge_job
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
@@ -25,7 +27,8 @@ from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_section
 
 RULES = ("all", "draw_figures", "gait_library", "policy", "solve_times")
 """Rules that are neither a target nor a stage."""
-GAUGE = "gauge"
+ON_DEMAND = {"gauge": gauge_job, "baseline_tuning": baseline_tuning}
+"""Beside the studies."""
 
 
 def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[str, JobSpec]:
@@ -44,7 +47,7 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
     _check_names(config)
     targets = all_jobs(config)
     needed = {need.partition(".")[0] for need in needs(config)}
-    for name in (name for name in (*config.study, GAUGE) if name in needed):
+    for name in (name for name in (*config.study, *ON_DEMAND) if name in needed):
         targets[name] = job_on_demand(name, config, targets, overrides, conf)
     return targets | {"report": report(config, targets)}
 
@@ -52,9 +55,9 @@ def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[st
 def job_on_demand(
     name: str, config: Config, targets: Mapping[str, JobSpec], overrides: Sequence[str], conf: Path
 ) -> JobSpec:
-    """A study or the gauge; the arguments are those of ``study_job``."""
-    if name == GAUGE:
-        return gauge_job(config, targets)
+    """A study or one of ``ON_DEMAND``; the arguments are those of ``study_job``."""
+    if name in ON_DEMAND:
+        return ON_DEMAND[name](config, targets)
     return study_job(name, config, targets, overrides, conf)
 
 
@@ -86,7 +89,7 @@ def _files() -> dict[str, tuple[str, ...]]:
     return {
         "table1": ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
         "velocity_tracking": _compared("velocity_tracking"),
-        GAUGE: (*_compared(GAUGE), "gauge_cells.csv"),
+        "gauge": (*_compared("gauge"), "gauge_cells.csv"),
         "baseline_tuning": _compared("baseline_tuning"),
         "report": ("index.html",),
         "policy_export": tuple(f"policy/{name}" for name in POLICY_FILES),

@@ -12,7 +12,6 @@ Studies compare several configurations: ``pipeline.studies``.
 
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import (
-    baseline_tuning,
     check_walkable,
     evaluations_of,
     gait_walks,
@@ -35,7 +34,6 @@ def all_jobs(config: Config) -> dict[str, JobSpec]:
         "figures": job("figures", "figures", {}, {"library": [library]}),
         "policy_export": policy_export(config.env, targets["walking"]),
         "velocity_tracking": velocity_tracking(config, targets["table1"]),
-        "baseline_tuning": baseline_tuning(config, targets),
     }
     return targets | gait_walks(config, targets) | protocol_jobs(config, targets)
 
@@ -46,7 +44,7 @@ def table1_jobs(config: Config) -> dict[str, JobSpec]:
     Raises:
         UserError: a controller of Table 1 cannot walk these gaits.
     """
-    check_walkable(config, "evaluation", config.evaluation.controllers)
+    check_walkable(config, "evaluation.controllers", config.evaluation.controllers)
     library = library_job(config)
     trainings = training_jobs(config, library)
     jobs = {"library": library, **stability_jobs(config, library), **trainings}

@@ -91,14 +91,14 @@ def gait_controllers(config: Config) -> list[str]:
 
 
 def check_walkable(config: Config, key: str, controllers: Iterable[str]) -> None:
-    """Whether ``key``.controllers can walk the gaits: those of the knee are no plant's motions.
+    """Whether the controllers of a key walk the gaits: those of the knee are no plant's motions.
 
     Raises:
         UserError: names one that cannot.
     """
     for name in set(map(base_of, controllers)).intersection(gait_controllers(config)):
         expected = "none of the family hzd with gait.dynamics=knee"
-        require(config.gait.dynamics != "knee", f"{key}.controllers", expected, name)
+        require(config.gait.dynamics != "knee", key, expected, name)
 
 
 def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
@@ -154,7 +154,12 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
 
 
 def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """The searches for settings of the controllers that have a space for it, in one table."""
+    """The searches for settings of the controllers that have a space for it, in one table.
+
+    Raises:
+        UserError: a controller cannot walk the gaits.
+    """
+    check_walkable(config, "tuning.spaces", config.tuning.spaces)
     tuning, values, searches = config.tuning, to_dict(config.tuning), []
     protocol = replace(config.evaluation, trials=1, robots=tuning.robots, seed=tuning.seed)
     evaluation = without(protocol_section(protocol), "controllers", "speeds", "profile")

@@ -33,7 +33,7 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
         UserError: an exported policy is not there, or a controller cannot walk the gaits.
     """
     gauge = config.gauge
-    check_walkable(config, "gauge", gauge.controllers)
+    check_walkable(config, "gauge.controllers", gauge.controllers)
     cells = [
         _axis(config, controller, axis, jobs)
         for controller in gauge.controllers

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages import all_jobs, entries, table1_jobs
-from pipeline.stages.evaluation import protocol_jobs
+from pipeline.stages.evaluation import baseline_tuning, protocol_jobs
 from pipeline.stages.gaits import velocities
 from pipeline.stages.gauge import gauge_job
 from pipeline.stages.page import report
@@ -188,7 +188,8 @@ def everything(*overrides: str) -> list[JobSpec]:
     config = compose(given, CONF)
     targets = all_jobs(config)
     studies = [study_job("gait_starts", config, targets, given, CONF)]
-    on_demand = [gauge_job(config, targets), *studies, report(config, targets)]
+    searches = baseline_tuning(config, targets)
+    on_demand = [gauge_job(config, targets), searches, *studies, report(config, targets)]
     made = dict(enumerate([*targets.values(), *on_demand]))
     return list(build_plan({str(name): job for name, job in made.items()}).jobs.values())
 

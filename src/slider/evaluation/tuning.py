@@ -51,7 +51,8 @@ def run(section: Section, inputs: Inputs, out: Path, job: Job) -> Summary:
     ]
     table = pd.DataFrame(rows).rename_axis("trial")
     table.to_csv(out / CSV, float_format="%.6g", lineterminator="\n")
-    return {"best": int(np.argmin([trial.value for trial in complete])), "score": study.best_value}
+    best = min(range(len(complete)), key=lambda index: complete[index].values[0])
+    return {"best": best, "score": study.best_value}
 
 
 def _distributions(section: Section) -> dict[str, BaseDistribution]:

@@ -10,7 +10,6 @@ from slider.config.types import (
     STRICT,
     Count,
     Distinct,
-    Interval,
     MetresPerSecond,
     Number,
     Positive,
@@ -20,9 +19,13 @@ from slider.config.types import (
 
 
 @dataclass(frozen=True, config=STRICT)
-class RangeConfig(Interval[Number]):
+class RangeConfig:
     """What a setting is drawn from; the present value belongs to it."""
 
+    lower: Number
+    """least value"""
+    upper: Number
+    """greatest value"""
     log: bool = False
     """uniform in the logarithm"""
 

@@ -346,6 +346,7 @@ def _tuning(config: Config) -> None:
             key = f"tuning.spaces.{name}"
             there = setting(control, dotted) is not None
             require(there, key, f"names of numbers of control.{name}", dotted)
+            _ordered(f"{key}.{dotted}", bounds.lower, bounds.upper)
             above = not bounds.log or bounds.lower > 0
             require(above, f"{key}.{dotted}.lower", "more than 0 with log", bounds.lower)
 

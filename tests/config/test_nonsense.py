@@ -60,12 +60,18 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
         *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),
         *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
-        *("*.hzd.weights.*", "*.hzd.ahead", "*.hzd.lock"),  # switched off
+        *("*.hzd.weights.*", "*.hzd.ahead", "*.hzd.ahead.lower", "*.hzd.lock"),  # switched off
         *("*.hzd.hip_start.*", "*.hzd.descent"),  # as above
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
         *("hzd.impacts.*", "hzd.basin.*", "hzd.placement.lower", "hzd.feedback.reach"),
         "gait.decoupling_min",  # none is refused
-        *("*.seed", "*.seeds[[]*", "*seeds.*.first", "seeds.selection"),  # counted from
+        *(
+            "*.seed",
+            "*.sampler_seed",
+            "*.seeds[[]*",
+            "*seeds.*.first",
+            "seeds.selection",
+        ),  # counted from
         "*.quality",
     ),
     "": (),

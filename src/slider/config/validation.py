@@ -17,7 +17,7 @@ from slider.config.control import (
     AnyControl,
     MpcConfig,
 )
-from slider.config.convert import to_dict
+from slider.config.convert import from_dict, to_dict
 from slider.config.env import DisturbanceConfig, EnvConfig
 from slider.config.evaluation import EvaluationConfig, ProfileConfig, SeedBlock, Segment
 from slider.config.gait import Axis, GaitConfig, axis_size
@@ -26,7 +26,7 @@ from slider.config.parameters import parameters
 from slider.config.robot import LEG_DRIVES, LEG_JOINTS, RobotConfig
 from slider.config.schema import Config, StudyConfig
 from slider.config.train import TrainConfig
-from slider.config.tuning import setting
+from slider.config.tuning import setting, with_settings
 from slider.core.errors import one_of, require
 
 NAME = re.compile(r"[a-z][a-z0-9_]*")
@@ -338,14 +338,18 @@ def _gauge(config: Config) -> None:
 
 
 def _tuning(config: Config) -> None:
-    """Settings that there are."""
+    """Settings that there are, with ranges that they may have."""
     for name, space in config.tuning.spaces.items():
         one_of("tuning.spaces", name, config.control)
         control = to_dict(config.control[name])
         for dotted, bounds in space.items():
             key = f"tuning.spaces.{name}"
-            there = setting(control, dotted) is not None
+            present = setting(control, dotted)
+            there = present is not None
             require(there, key, f"names of numbers of control.{name}", dotted)
+            for end in (bounds.lower, bounds.upper):
+                value = round(end) if isinstance(present, int) else end
+                from_dict(type(config.control[name]), with_settings(control, {dotted: value}), key)
             _ordered(f"{key}.{dotted}", bounds.lower, bounds.upper)
             above = not bounds.log or bounds.lower > 0
             require(above, f"{key}.{dotted}.lower", "more than 0 with log", bounds.lower)

@@ -135,7 +135,7 @@ def test_the_gauge_and_the_export_of_the_policy_in_it(real, tmp_path):
 
 def test_a_search_for_the_baselines_settings(real, tmp_path):
     workspace, target = real.copy(tmp_path / "copy"), "reports/baseline_tuning.csv"
-    small = "tuning.spaces={mpc_wbc_tuned:{step.apex:{lower:0.05,upper:0.09}}}"
+    small = "~tuning.spaces.hzd"
     assert workspace.computed(small, target=target) == ["baseline_tuning", "tuning"]
     rows = list(csv.DictReader((workspace.folder / target).read_text().splitlines()))
     assert [float(row["trial"]) for row in rows] == [0, 1, 2]

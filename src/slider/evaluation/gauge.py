@@ -25,9 +25,8 @@ from slider.env.disturbance import Disturbance
 from slider.env.interface import AgentInterface
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Controller, Recording, roll_out
-from slider.env.starts import at_rest
 from slider.evaluation.axes import disturbed
-from slider.evaluation.stage import Simulated, simulate, simulate_baseline
+from slider.evaluation.stage import Simulated, at_speeds, simulate, simulate_baseline
 
 CSV = "cells.csv"
 _NO_DEVIATIONS = ("scan_drop_out", "scan_delay")
@@ -73,7 +72,8 @@ def _measure(
     config = disturbed(protocol.disturbance, protocol.sensing, axis, value, direction)
     if axis == "sensor_noise":
         section = with_noisier_sensors(section, value)
-    starts, velocities = _starts(from_dict(RobotConfig, section["robot"]), protocol)
+    robot = from_dict(RobotConfig, section["robot"])
+    starts, velocities = at_speeds(robot, protocol.start, seeds, protocol.robots, protocol.speeds)
     disturbance = Disturbance(config, tuple(seeds))
     simulated = _simulate(section, inputs, len(velocities), disturbance, threads)
     recording = roll_out(
@@ -85,20 +85,6 @@ def _measure(
         protocol.duration,
     )
     return count_passes(recording, protocol)
-
-
-def _starts(
-    robot: RobotConfig, protocol: GaugeProtocol
-) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
-    """Starts and commanded velocities (N, 3) in blocks of a seed, and in these of a speed."""
-    starts = []
-    for trial in range(protocol.trials):
-        rng = np.random.default_rng(protocol.seed + trial)
-        starts += [at_rest(robot, protocol.start, rng, protocol.robots)] * len(protocol.speeds)
-    velocities = np.zeros((len(starts) * protocol.robots, 3))
-    velocities[:, 0] = np.tile(np.repeat(protocol.speeds, protocol.robots), protocol.trials)
-    qpos, qvel = zip(*starts, strict=True)
-    return (np.concatenate(qpos), np.concatenate(qvel)), velocities
 
 
 def count_passes(recording: Recording, protocol: GaugeProtocol) -> dict[str, np.ndarray]:

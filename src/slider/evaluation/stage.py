@@ -3,6 +3,7 @@
 It fixes plant, starts, velocities, terminations, disturbances and records.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import torch
 
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
-from slider.config.env import EnvConfig, PlantConfig
+from slider.config.env import EnvConfig, PlantConfig, StartNoise
 from slider.config.evaluation import CaseConfig, EvaluationConfig
 from slider.config.robot import RobotConfig
 from slider.control import POLICY_FILE
@@ -138,6 +139,24 @@ def _starts(robot: RobotConfig, config: EvaluationConfig) -> tuple[np.ndarray, n
         for trial in range(config.trials)
     ]
     return np.concatenate([s[0] for s in starts]), np.concatenate([s[1] for s in starts])
+
+
+def at_speeds(
+    robot: RobotConfig,
+    noise: StartNoise,
+    seeds: Iterable[int],
+    robots: int,
+    speeds: Sequence[float],
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray]:
+    """Starts (N, 19), (N, 18) and commanded velocities (N, 3) of constant speeds [m/s].
+
+    In blocks of a seed, and in these of a speed with ``robots`` each: all speeds start alike.
+    """
+    draws = [at_rest(robot, noise, np.random.default_rng(seed), robots) for seed in seeds]
+    qpos, qvel = zip(*(start for start in draws for _ in speeds), strict=True)
+    velocities = np.zeros((len(qpos) * robots, 3))
+    velocities[:, 0] = np.tile(np.repeat(speeds, robots), len(draws))
+    return (np.concatenate(qpos), np.concatenate(qvel)), velocities
 
 
 def _traces(recording: Recording) -> np.ndarray:

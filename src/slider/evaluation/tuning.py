@@ -22,8 +22,7 @@ from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import Tracking, tracking
 from slider.env.rollout import roll_out
-from slider.env.starts import at_rest
-from slider.evaluation.stage import read_protocol, simulate_baseline
+from slider.evaluation.stage import at_speeds, read_protocol, simulate_baseline
 
 CSV = "trials.csv"
 _JOURNAL = "trials.log"
@@ -99,18 +98,12 @@ def _measure(
 ) -> tuple[dict[str, float], float]:
     """Success and error of each speed, and the score."""
     protocol, speeds = read_protocol(section), section["speeds"]
-    config, count = protocol.config, protocol.config.robots * len(speeds)
-    rng = np.random.default_rng(config.seed)
-    qpos, qvel = at_rest(protocol.robot, config.start, rng, config.robots)
-    start = np.tile(qpos, (len(speeds), 1)), np.tile(qvel, (len(speeds), 1))
-    velocities = np.zeros((count, 3))
-    velocities[:, 0] = np.repeat(speeds, config.robots)
+    config = protocol.config
+    starts = at_speeds(protocol.robot, config.start, [config.seed], config.robots, speeds)
     section = section | {"control": with_settings(section["control"], settings)}
     disturbance = Disturbance(config.disturbance, (config.seed,))
-    plant = simulate_baseline(section, inputs, count, disturbance, threads)
-    recording = roll_out(
-        plant.controller, plant.physics, plant.env, start, velocities, config.duration
-    )
+    plant = simulate_baseline(section, inputs, len(starts[1]), disturbance, threads)
+    recording = roll_out(plant.controller, plant.physics, plant.env, *starts, config.duration)
     limits = config.warm_up, config.tracking_tolerance, config.tracking_relative
     return scored(tracking(recording, *limits), speeds)
 

@@ -83,7 +83,7 @@ def test_who_tests_gets_the_tools_first(folder, target):
 SETUP = """#!/bin/sh
 case "$*" in
   "-I -m venv .venv") mkdir -p .venv/bin && cp made-by-venv .venv/bin/python;;
-  *) exec {python} "$@";;
+  *) exec "{python}" "$@";;
 esac
 """
 
@@ -123,7 +123,7 @@ def test_a_broken_environment_is_made_anew(folder, maker, python):
 def test_an_old_python_is_one_line_and_leaves_no_environment(folder):
     old = folder / "old"
     check = "import sys; sys.version_info = (3, 10, 2); sys.version = '3.10.2 x'"
-    old.write_text(f'#!/bin/sh\nexec {sys.executable} -c "{check}; $(echo "$3" | tail -c +12)"\n')
+    old.write_text(f'#!/bin/sh\nexec "{sys.executable}" -c "{check}; $(echo "$3" | tail -c +12)"\n')
     old.chmod(0o755)
     shutil.rmtree(folder / ".venv")
     done = subprocess.run(

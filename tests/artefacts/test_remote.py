@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shlex
 import socket
 import sys
 import time
@@ -96,15 +97,14 @@ def test_unknown_hosts_and_users_are_refused(tmp_path):
             Remote(f"{url}{tmp_path}/remote").open()
 
 
-@pytest.mark.parametrize("line", ["ProxyJump gate", "ProxyCommand {program} %h %p"])
+@pytest.mark.parametrize("line", ["ProxyJump gate", "ProxyCommand {python} {program} %h %p"])
 def test_a_host_behind_another(line, tmp_path):
     with ssh_server(tmp_path / "home") as url:
         config = tmp_path / "home" / ".ssh" / "config"
         program = tmp_path / "proxy"
-        program.write_text(f"#!{sys.executable}\n{PROXY}")
-        program.chmod(0o755)
+        program.write_text(PROXY)
         settings = config.read_text().replace(f"Host {HOST} gate", "Host behind")
-        line = line.format(program=program)
+        line = line.format(python=shlex.quote(sys.executable), program=program)
         config.write_text(f"{config.read_text()}{settings}  {line}\n")
         remote = Remote(f"{url.replace(HOST, 'behind')}{tmp_path}/remote")
         remote.write("results/x", "x" * 100_000)

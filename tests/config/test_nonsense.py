@@ -59,7 +59,13 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
         *("*.velocity_filter", "*.step_time", "*.halt.*", "*.acceleration"),  # documented: off
         *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
         *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),
-        *("*.step.time_change", "*.step.early", "*.step.late", "*.observer.delay"),
+        *(
+            "*.step.time_change",
+            "*.step.time_per_speed*",
+            "*.step.early",
+            "*.step.late",
+            "*.observer.delay",
+        ),
         *("*.hzd.weights.*", "*.hzd.ahead", "*.hzd.ahead.lower", "*.hzd.lock"),  # switched off
         *("*.hzd.hip_start.*", "*.hzd.descent"),  # as above
         *("verification.bounds.*", "verification.replay.*"),  # exact; no limit

@@ -136,6 +136,23 @@ def test_no_step_is_shortened_in_its_last_moments(left, shortened):
     assert duration == pytest.approx(TIME if shortened else late)
 
 
+def test_the_nominal_duration_grows_with_the_speed_and_the_orbit_stays_a_fixed_point():
+    """Robots of one batch have durations of their own; those on their orbits keep to them."""
+    case = planner(step={"time": 0.25, "time_per_speed": 0.05})
+    speeds = np.array([[0.0, 0.0], [-1.0, 0.1], [2.0, 0.0], [9.0, 0.0]])
+    np.testing.assert_allclose(case.nominal_time(speeds), [0.25, 0.3, 0.35, STEP.time_max])
+    time, straight = case.nominal_time(speeds), speeds * [1.0, 0.0]
+    forward = references.forward_end_velocity(OMEGA, time, speeds[:, 0])
+    sideways = references.lateral_end_velocity(OMEGA, time, STEP.width)
+    position = np.stack([-speeds[:, 0] * time / 2, np.full(4, -STEP.width / 2)], axis=1)
+    velocity = np.stack([forward, sideways], axis=1)
+    now = Pendulum(position, velocity, -np.ones(4), np.zeros(4), time, straight)
+    plan = case.plan(now)
+    np.testing.assert_allclose(plan.duration[:3], time[:3])
+    np.testing.assert_allclose(plan.cost[:3], 0.0, atol=1e-10)
+    np.testing.assert_allclose(plan.step[:3, 0], (speeds[:, 0] * time)[:3], atol=1e-9)
+
+
 def test_steps_for_several_times_are_those_for_each():
     """To the bit, also where bounds are active."""
     rng, case, ones = np.random.default_rng(3), planner(), np.ones(4)

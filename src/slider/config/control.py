@@ -53,6 +53,8 @@ class StepConfig:
 class PlannedStepConfig(StepConfig):
     """Steps of the footstep planner."""
 
+    time_per_speed: Annotated[NonNegative[Number], Unit("s²/m")] = 0.0
+    """growth of the nominal duration with the forward reference speed"""
     time_min: Positive[Seconds]
     """least duration that is adapted to"""
     time_max: Positive[Seconds]

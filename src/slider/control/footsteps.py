@@ -3,8 +3,8 @@
 Forward and sideways axes are independent. With ξ₀ the state at the end of the current step relative
 to its foot and dₖ the length of step k, the state at the end of step k is
 ξₖ = Aᵏ ξ₀ − Σⱼ Aᵏ⁻ʲ⁺¹ e₁ dⱼ, so the velocities there are v = f(ξ₀) + F d. The QP is
-min Σ (vₖ − v̂ₖ)² + w Σ (dₖ − d̂ₖ)² with bounds on d (largest step; feet do not cross). Its Hessian is
-constant.
+min Σ (vₖ − v̂ₖ)² + w Σ (dₖ − d̂ₖ)² with bounds on d (largest step; feet do not cross). Its matrices
+depend on the nominal duration of a step, which may grow with the speed.
 """
 
 from dataclasses import dataclass
@@ -45,6 +45,19 @@ class Plan:
     cost: np.ndarray
 
 
+@dataclass(frozen=True)
+class _Prediction:
+    """Velocities at the ends of N steps: free (n, N, 2) ξ₀ + effect (n, N, N) d.
+
+    Attributes:
+        hessian: of the QPs (n, N, N).
+    """
+
+    free: np.ndarray
+    effect: np.ndarray
+    hessian: np.ndarray
+
+
 class FootstepPlanner:
     """Plans the next step of n robots.
 
@@ -56,26 +69,22 @@ class FootstepPlanner:
 
     def __init__(self, step: PlannedStepConfig, config: PlannerConfig, omega: float) -> None:
         self._step, self._config, self.omega = step, config, omega
-        powers = [np.eye(2)]
-        for _ in range(config.steps):
-            powers.append(powers[-1] @ references.step_map(omega, step.time))
-        self._free = np.stack([power[1] for power in powers[1:]])  # (N, 2): ξ₀ → v
-        self._effect = np.zeros((config.steps, config.steps))  # F
-        for end in range(config.steps):
-            for length in range(end + 1):
-                self._effect[end, length] = -powers[end - length + 1][1, 0]
-        weight = config.length_weight * np.eye(config.steps)
-        self.hessian = self._effect.T @ self._effect + weight
-        self._inverse = np.linalg.inv(self.hessian)
         self._signs = (-1.0) ** np.arange(config.steps)
         changes = (0.0, -step.time_change, step.time_change)[: 3 if step.time_change else 1]
         self._changes = np.array(changes)[:, None]
+
+    def nominal_time(self, velocity: np.ndarray) -> np.ndarray:
+        """Duration (n,) [s] of steps at reference velocities (n, 2) [m/s]."""
+        step = self._step
+        time = step.time + step.time_per_speed * np.abs(velocity[:, 0])
+        return np.clip(time, step.time_min, step.time_max)
 
     def plan(self, pendulum: Pendulum) -> Plan:
         """The best next step over all candidates of the current step's duration."""
         duration = pendulum.duration + self._changes
         lengths, cost = self.solve(pendulum, duration - pendulum.elapsed)
-        cost = cost + self._config.time_weight * (duration - self._step.time) ** 2
+        nominal = self.nominal_time(pendulum.reference_velocity)
+        cost = cost + self._config.time_weight * (duration - nominal) ** 2
         in_range = (duration >= self._step.time_min) & (duration <= self._step.time_max)
         allowed = in_range & (duration - pendulum.elapsed >= 2 * self._config.lock)
         cost[1:] = np.where(allowed[1:], cost[1:], np.inf)  # the planned duration always is
@@ -87,43 +96,63 @@ class FootstepPlanner:
         start = np.stack([pendulum.position, pendulum.velocity], axis=-1)  # (n, axis, 2)
         end = np.einsum("...nij,naj->...nai", references.step_map(self.omega, remaining), start)
         speeds, lengths, lower, upper = self.references(pendulum)
-        free = np.einsum("kj,...naj->...nak", self._free, end) - speeds
-        gradient = free @ self._effect - self._config.length_weight * lengths
-        result = self._bounded(gradient, lower, upper)
-        quadratic = ((result @ self.hessian) * result).sum(axis=-1)
+        steps = self._prediction(self.nominal_time(pendulum.reference_velocity))
+        free = end @ steps.free.swapaxes(-1, -2) - speeds
+        gradient = free @ steps.effect - self._config.length_weight * lengths
+        result = _bounded(gradient, steps, lower, upper)
+        quadratic = ((result @ steps.hessian) * result).sum(axis=-1)
         constant = (free**2).sum(axis=-1) + self._config.length_weight * (lengths**2).sum(axis=-1)
         cost = quadratic + 2 * (gradient * result).sum(axis=-1) + constant
         return result, cost.sum(axis=-1)
 
-    def _bounded(self, gradient: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-        """Minimisers (…, n, 2, N); solved as a QP only where a bound is active."""
-        result = -gradient @ self._inverse
-        outside = ((result < lower) | (result > upper)).any(axis=-1)
-        if outside.any():
-            *_, robots, axes = np.nonzero(outside)
-            low, high, slope = lower[robots, axes], upper[robots, axes], gradient[outside]
-            count, size = slope.shape
-            hessians = np.broadcast_to(self.hessian, (count, size, size))
-            bounded, solved = qp.solve(hessians, slope, np.zeros((count, 0, size)), low, high)
-            bounded = np.where(solved[:, None], bounded, result[outside])
-            result[outside] = np.clip(bounded, low, high)
-        return result
+    def _prediction(self, time: np.ndarray) -> "_Prediction":
+        """Matrices of steps of nominal durations ``time`` (n,) [s]."""
+        count, one = self._config.steps, references.step_map(self.omega, time)
+        powers = [np.broadcast_to(np.eye(2), one.shape)]
+        for _ in range(count):
+            powers.append(powers[-1] @ one)
+        effect = np.zeros((len(time), count, count))
+        for end in range(count):
+            for length in range(end + 1):
+                effect[:, end, length] = -powers[end - length + 1][:, 1, 0]
+        weight = self._config.length_weight * np.eye(count)
+        free = np.stack([power[:, 1] for power in powers[1:]], axis=1)
+        return _Prediction(free, effect, effect.swapaxes(1, 2) @ effect + weight)
 
     def references(
         self, pendulum: Pendulum
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Velocities at the ends of the steps, lengths and their bounds, each (n, 2, N)."""
         step, config = self._step, self._config
+        time = self.nominal_time(pendulum.reference_velocity)[:, None]
         shape = (len(pendulum.elapsed), 2, config.steps)
         side = pendulum.swing_sign[:, None] * self._signs  # +1: on to the left foot
         along = np.broadcast_to(pendulum.reference_velocity[:, :, None], shape)
         speeds = along.copy()
         if config.speed == "mean":
-            speeds = references.forward_end_velocity(self.omega, step.time, along)
-        speeds[:, 1] -= side * references.lateral_end_velocity(self.omega, step.time, step.width)
-        lengths = along * step.time
+            speeds = references.forward_end_velocity(self.omega, time[..., None], along)
+        speeds[:, 1] -= side * references.lateral_end_velocity(self.omega, time, step.width)
+        lengths = along * time[..., None]
         lengths[:, 1] += side * step.width
         lower, upper = np.full(shape, -config.length_max), np.full(shape, config.length_max)
         lower[:, 1] = np.where(side > 0, config.width_min, -config.width_max)
         upper[:, 1] = np.where(side > 0, config.width_max, -config.width_min)
         return speeds, lengths, lower, upper
+
+
+def _bounded(
+    gradient: np.ndarray, steps: _Prediction, lower: np.ndarray, upper: np.ndarray
+) -> np.ndarray:
+    """Minimisers (…, n, 2, N); solved as a QP only where a bound is active."""
+    result = -gradient @ np.linalg.inv(steps.hessian)
+    outside = ((result < lower) | (result > upper)).any(axis=-1)
+    if outside.any():
+        *_, robots, axes = np.nonzero(outside)
+        low, high, slope = lower[robots, axes], upper[robots, axes], gradient[outside]
+        count, size = slope.shape
+        bounded, solved = qp.solve(
+            steps.hessian[robots], slope, np.zeros((count, 0, size)), low, high
+        )
+        bounded = np.where(solved[:, None], bounded, result[outside])
+        result[outside] = np.clip(bounded, low, high)
+    return result

@@ -61,11 +61,12 @@ class MpcSteps:
             return
         memory.stance[robots] = stance
         memory.elapsed[robots] = 0.0
-        memory.duration[robots] = self._config.step.time
         start = dynamics.foot_positions[np.arange(len(robots)), 1 - stance]
         memory.swing[robots] = swing_at_rest(start)
         memory.steps[robots] += 1
         self._velocity.correct(memory, robots, dynamics.com[:, :2])
+        planned = self._velocity.planned(memory, robots)
+        memory.duration[robots] = self._planner.nominal_time(planned)
         self._plan(memory, robots, dynamics, np.arange(len(robots)))
 
     def end(self, memory: Memory, robots: np.ndarray, contact: np.ndarray) -> np.ndarray:
@@ -84,7 +85,7 @@ class MpcSteps:
         flat = self._omega**2 * (dynamics.com - support)[:, :2]
         weight = np.array(config.whole_body.com.weight)
         foot, yaw_rate = 1 - stance, memory.yaw_rate(robots)
-        heading = memory.heading[robots] + 0.5 * yaw_rate * config.step.time
+        heading = memory.heading[robots] + 0.5 * yaw_rate * memory.duration[robots]
         feet = stance[:, None]
         # The pendulum goes along the plane of the ground under its foot.
         slope = memory.slope(robots, support[:, :2])

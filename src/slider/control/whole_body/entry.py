@@ -20,7 +20,7 @@ class Entry:
     def __init__(self, step: StepConfig, config: EntryConfig, omega: float, reach: float) -> None:
         self._config, self._omega, self._reach = config, omega, reach
         self._width, self._step_time = step.width, step.time
-        self._speed = references.lateral_end_velocity(omega, step.time, step.width)
+        self._speed = float(references.lateral_end_velocity(omega, step.time, step.width))
         half = step.width / 2
         self.energy = float(references.orbital_energy(omega, np.array([-half, self._speed])))
 

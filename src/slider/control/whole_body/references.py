@@ -25,7 +25,7 @@ def step_map(omega: float, time: np.ndarray | float) -> np.ndarray:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def forward_end_velocity(omega: float, time: float, mean: np.ndarray) -> np.ndarray:
+def forward_end_velocity(omega: float, time: np.ndarray | float, mean: np.ndarray) -> np.ndarray:
     """Velocity at the end of a step of the orbit with ``mean`` velocity (…) [m/s].
 
     The orbit goes from −L/2 to L/2 with L = mean · time, so that
@@ -34,13 +34,13 @@ def forward_end_velocity(omega: float, time: float, mean: np.ndarray) -> np.ndar
     return omega * mean * time / 2 / np.tanh(omega * time / 2)
 
 
-def lateral_end_velocity(omega: float, time: float, width: float) -> float:
-    """Speed [m/s] away from the foot at the end of a step of the sideways orbit.
+def lateral_end_velocity(omega: float, time: np.ndarray | float, width: float) -> np.ndarray:
+    """Speed (…) [m/s] away from the foot at the end of a step of the sideways orbit.
 
     The orbit starts and ends half of ``width`` [m] beside the foot:
     v = ω (width/2) tanh(ω time / 2).
     """
-    return float(omega * width / 2 * np.tanh(omega * time / 2))
+    return omega * width / 2 * np.tanh(omega * np.asarray(time) / 2)
 
 
 def orbital_energy(omega: float, state: np.ndarray) -> np.ndarray:

@@ -1,13 +1,14 @@
 """``robot=PATH``: a robot from a YAML file outside ``conf/``, as an option of Hydra's.
 
-The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. Tags are optional. A
-value that the file types has no other tag than the file's.
+The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
+``roles`` links, axes and joints come from a model file, but for those that are typed. Tags are
+optional. A value of either file has no other tag than the file's.
 """
 
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf
@@ -15,6 +16,9 @@ from omegaconf import OmegaConf
 from slider.config.parameters import tag
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
+
+if TYPE_CHECKING:
+    from slider.config.model_file import ModelFile
 
 _PATH = re.compile(r"robot=(.*/.*|.*\.ya?ml)")
 _OPTION = "outside"
@@ -38,19 +42,49 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Content of the file, with a tag for each of its values; null where the file gives none."""
+    """Content of the file, with a tag for each of its values; null where the file gives none.
+
+    ``model`` and ``roles`` are replaced by the values that they give.
+    """
+    node = _content(path)
+    require("name" in node, f"robot={path}", "the robot's name as `name`", "none")
+    if model := _model(node, path):
+        node = cast(dict[str, Any], OmegaConf.to_container(OmegaConf.merge(model.values, node)))
+    tags = node.get("provenance") or {}
+    require(isinstance(tags, dict), "robot.provenance", "a tag per dotted key", tags)
+    typed = flatten({k: v for k, v in node.items() if k not in ("defaults", "name", "provenance")})
+    numbers = [key for key, value in typed.items() if value is not None]
+    return node | {"provenance": tags | {key: tag(tags, key) or None for key in numbers}}
+
+
+def _content(path: Path) -> dict[str, Any]:
     try:
         content = OmegaConf.to_container(OmegaConf.load(path))
     except (OSError, UnicodeDecodeError) as error:
         found = getattr(error, "strerror", None) or error
         raise UserError(f"robot={path}: expected a YAML file, found: {found}") from None
     require(isinstance(content, dict), f"robot={path}", "keys and values", type(content).__name__)
-    node = cast(dict[str, Any], content)
-    require("name" in node, f"robot={path}", "the robot's name as `name`", "none")
-    tags = node.get("provenance") or {}
-    require(isinstance(tags, dict), "robot.provenance", "a tag per dotted key", tags)
-    typed = flatten({k: v for k, v in node.items() if k not in ("defaults", "name", "provenance")})
-    return node | {"provenance": tags | {key: tag(tags, key) or None for key in typed}}
+    return cast(dict[str, Any], content)
+
+
+def model_of(option: str) -> "ModelFile | None":
+    """What the model file of ``robot=option`` gives, if it is a file that names one."""
+    path = _PATH.fullmatch(f"robot={option}")
+    return _model(_content(Path(option).expanduser()), Path(option)) if path else None
+
+
+def _model(node: dict[str, Any], path: Path) -> "ModelFile | None":
+    """What ``model`` and ``roles`` give; they leave the content."""
+    file, roles = node.pop("model", None), node.pop("roles", None)
+    if file is None and roles is None:
+        return None
+    if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
+        raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
+    if not isinstance(roles, dict):
+        raise UserError(f"robot.roles: expected base and joints, found {roles}")
+    from slider.config.model_file import read_model  # imports MuJoCo
+
+    return read_model(path.parent / file, roles)
 
 
 def _check_defaults(option: str, defaults: Any, conf: Path) -> None:

@@ -30,14 +30,21 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     -1: (
         *("*.vx*", "*.vy*", "*.yaw_rate.lower", "*.yaw_rate"),  # backward, right
         *("*.yaw_rate[[]*", "*speeds[[]*", "speeds.table1[[]*"),  # as above
-        *("*.com[[]*", "*.lower", "*.joints.*.upper"),  # coordinates have both signs
+        *(
+            "*.com[[]*",
+            "*.axes.*",
+            "*.products[[]*",
+            "*.lower",
+            "*.joints.*.upper",
+        ),  # of both signs
         "gait.step_time.slope",  # faster walks step faster
         *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
         *("hzd.impacts.*", "hzd.basin.*"),  # perturbations to both sides
     ),
     0: (
         *("*.vx*", "*.vy*", "*.yaw_rate*", "*speeds[[]*", "speeds.table1[[]*"),  # to stand still
-        *("*.com[[]*", "*.joints.*.lower", "*.joints.*.upper", "gait.step_time.slope"),  # middle
+        *("*.com[[]*", "*.axes.*", "*.products[[]*", "gait.step_time.slope"),  # middle
+        *("*.joints.*.lower", "*.joints.*.upper"),  # as above
         *(
             "*.start.*",
             "*.sensing.*",
@@ -48,7 +55,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
             "*.payload.*",
             "*.terrain.*",
         ),  # nominal
-        *("*.damping", "*.armature"),  # none of its own
+        *("*.damping", "*.armature", "*.drives.*.inertia"),  # none of its own
         *("*.kp", "*.kd", "*.whole_body.*.weight[[]*", "*_weight", "*_coefficient"),  # switched off
         *("*.reward.terms.*.weight", "*.reward.terms.*.params.*", "*.floor", "*.on_fall"),
         *("*.action.scale.*", "*.termination.terms.*"),  # a passive joint; no contact at all
@@ -92,6 +99,7 @@ ALLOWED: dict[Any, tuple[str, ...]] = {
     ),
     None: (
         *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's
+        "robot.capstan",  # other drives are asked for
         "robot.provenance.*",  # no tag
         *("protocols.*.profile", "verification.bounds.*"),  # constant commands; reported only
         *("study.*.scaling", "study.*.starts"),  # no further variants; own guesses

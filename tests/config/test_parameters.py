@@ -47,7 +47,7 @@ def test_named_paths_are_parameters_or_groups(robot):
     found = parameters(robot)
     assert [p.path for p in choose(found, ["assumed"], ["geometry.toe"])] == ["geometry.toe"]
     base = choose(found, ["assumed"], ["links.base"])
-    assert [item.path.rpartition(".")[2] for item in base] == ["mass", "com", "inertia"]
+    assert [item.path.rpartition(".")[2] for item in base] == ["mass", "com", "inertia", "products"]
     assert choose(found, ["paper"], ["links.base"]) == []
 
 

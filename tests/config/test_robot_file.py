@@ -15,7 +15,7 @@ SLIDER = (CONF / "robot" / "slider.yaml").read_text(encoding="utf-8")
 CHANGED = """
 defaults: [slider, _self_]
 name: mine
-geometry: {hip_offset: 0.12}
+geometry: {ankle_height: 0.05}
 links:
   base: {mass: 3.0, com: [0.0, 0.0, 0.06]}
 provenance: {geometry: measured, links.base.com: measured}
@@ -39,10 +39,10 @@ def test_a_value_of_the_file_has_the_file_s_tag_or_none(written):
     before = {item.path: item.provenance for item in parameters(compose([], CONF).robot)}
     changed = {path: tag for path, tag in tags.items() if tag != before[path]}
     assert robot.name == "mine"
-    assert (robot.geometry.hip_offset, robot.links.base.mass) == (0.12, 4.0)
+    assert (robot.geometry.ankle_height, robot.links.base.mass) == (0.05, 4.0)
     assert changed.pop("links.base.mass") == ""  # it was assumed
     assert changed.pop("links.base.com") == "measured"
-    assert changed.pop("geometry.hip_offset") == "measured"  # SLIDER's longer path had earlier
+    assert changed.pop("geometry.ankle_height") == "measured"  # SLIDER's longer path had earlier
     assert {path.partition(".")[0] for path in changed} == {"geometry"}
     assert tags["geometry.leg_length"] == "earlier"
 
@@ -77,7 +77,7 @@ BASE = "defaults: [slider, _self_]\nname: mine\n"
         ("- a\n", "expected keys and values, found list"),
         ("3\n", "expected a YAML file, found: Invalid loaded object type: int"),
         ("", "expected the robot's name as `name`, found none"),
-        ("name: mine\n", "robot.geometry: expected values of hip_offset, leg_length"),
+        ("name: mine\n", "robot.geometry: expected values of axes, leg_length"),
         (BASE.replace("slider", "nope"), "expected [slider, _self_], found ['nope', '_self_']"),
         (BASE.replace("[slider, _self_]", "slider"), "expected [slider, _self_], found slider"),
         (BASE + "links: {base: {mass: .nan}}", "robot.links.base.mass: expected a number in (0,"),
@@ -108,7 +108,7 @@ def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():
 
 
 def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
-    small = "geometry: {leg_length: 0.32, hip_offset: 0.05, upper_foot_height: 0.18}\n"
+    small = "geometry: {leg_length: 0.32, axes: {hip_yaw: [0, 0.05, 0]}, upper_foot_height: 0.18}\n"
     knee = "virtual_knee: {thigh_length: 0.18, shank_length: 0.18}\n"
     file = written(BASE + small + knee + "links: {base: {mass: 14.7748}}\n")  # 12.5248 kg more
     config = compose([file, "gait.posture.swing_height=0.1"], CONF)

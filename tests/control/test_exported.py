@@ -57,7 +57,7 @@ def _clock(layout):
         (_scale, r"observation\.terms\.1\.scale: expected .*, as configured, found "),
         (_motor, r"action\.motors\.0\.kp: expected .*, as configured, found 1\.0$"),
         (_clock, r"clock\.mirror: expected .*, as configured, found what$"),
-        (lambda layout: layout.update(version=1), r"expected slider-policy-layout 9, found .* 1$"),
+        (lambda layout: layout.update(version=1), r"expected slider-policy-layout 10, found .* 1$"),
         (lambda layout: layout.pop("clock"), "expected a layout of this project, found another"),
     ],
 )

@@ -49,7 +49,7 @@ def test_gains_limits_and_scales_are_the_robots():
     assert list(motors) == [
         f"{side}_{motor}"
         for side in ("left", "right")
-        for motor in ("hip_yaw", "hip_roll", "hip_pitch", "capstan_1", "capstan_2")
+        for motor in ("hip_yaw", "hip_roll", "hip_pitch", "leg_1", "leg_2")
     ]
     assert motors["left_hip_yaw"] == {
         "name": "left_hip_yaw",
@@ -62,8 +62,8 @@ def test_gains_limits_and_scales_are_the_robots():
         "rotor_inertia": 0.02,
     }
     for number, sense in ((1, 1.0), (2, -1.0)):
-        assert motors[f"right_capstan_{number}"] == {
-            "name": f"right_capstan_{number}",
+        assert motors[f"right_leg_{number}"] == {
+            "name": f"right_leg_{number}",
             "joints": {"right_slide": 1 / 0.025, "right_ankle": sense * 1 / 0.35},
             "kp": 2.2,
             "kd": 0.047,

@@ -86,7 +86,7 @@ def foreign(path, content) -> None:
         (b"", "{path}: expected a policy file of this project"),
         (torch.zeros(3), "{path}: expected format slider-policy, found Tensor"),
         ({"format": None}, "{path}: expected format slider-policy, found None"),
-        ({"version": 99}, "{path}: expected version 8, found 99"),
+        ({"version": 99}, "{path}: expected version 9, found 99"),
         ({"joints": ["left_knee"]}, "{path}: expected the joints " + ", ".join(JOINTS)),
     ],
 )

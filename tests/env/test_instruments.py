@@ -120,7 +120,7 @@ def _touching_ends(model, data, foot: int, ends: np.ndarray) -> np.ndarray:
 def test_distance_of_legs_by_closed_forms():
     """Hip and tube in the nominal pose; soles where the legs lean inwards; and far apart."""
     geometry, angle = robot_config().geometry, 0.1
-    between = 2 * geometry.hip_offset
+    between = 2 * geometry.hip[1]
     beside = between - geometry.hip_radius - geometry.tube_radius
     reach = geometry.leg_length + geometry.ankle_height - geometry.foot_radius
     soles = between - 2 * reach * np.sin(angle) - 2 * geometry.foot_radius

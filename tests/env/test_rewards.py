@@ -114,7 +114,7 @@ HAND = {  # term → (state, view, parameters, value)
     ),
     "roll_pitch_rate": ({"angular_velocity": [0.3, -0.4, 7.0]}, {}, {}, 0.25),
     "effort": (  # half of a capstan motor's limit, a quarter of a hip's
-        {"motor_torques": motor("left_capstan_1", 4.5) + motor("right_hip_roll", -15.0)},
+        {"motor_torques": motor("left_leg_1", 4.5) + motor("right_hip_roll", -15.0)},
         {},
         {},
         0.25 + 0.0625,
@@ -136,7 +136,7 @@ HAND = {  # term → (state, view, parameters, value)
         1 - 0.03 / 0.12,
     ),
     "torque_tanh": (
-        {"motor_torques": motor("left_capstan_2", 0.3) + motor("right_hip_yaw", -0.4)},
+        {"motor_torques": motor("left_leg_2", 0.3) + motor("right_hip_yaw", -0.4)},
         {},
         {},
         np.tanh(0.5),

@@ -50,13 +50,13 @@ def test_shares_of_each_motor(library):
     torque, voltage = (
         dict(zip(MOTORS, s[GAIT], strict=True)) for s in measures.motor_shares(library)
     )
-    assert torque["left_capstan_1"] == pytest.approx(2.375 / 8)
-    assert torque["left_capstan_2"] == pytest.approx(7.625 / 8)
+    assert torque["left_leg_1"] == pytest.approx(2.375 / 8)
+    assert torque["left_leg_2"] == pytest.approx(7.625 / 8)
     assert torque["right_hip_roll"] == 0.5
     assert voltage["right_hip_roll"] == 0.25  # half of the stall torque's half, at rest
     assert voltage["left_hip_pitch"] == pytest.approx(0.8)
-    assert voltage["right_capstan_1"] == voltage["right_capstan_2"] == pytest.approx(0.5)
-    idle = set(MOTORS) - {"left_capstan_1", "left_capstan_2", "right_hip_roll"}
+    assert voltage["right_leg_1"] == voltage["right_leg_2"] == pytest.approx(0.5)
+    idle = set(MOTORS) - {"left_leg_1", "left_leg_2", "right_hip_roll"}
     assert not any(torque[name] for name in idle)
 
 

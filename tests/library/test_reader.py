@@ -27,7 +27,7 @@ def store(tmp_path_factory) -> Path:
             "expected a gait library at {}, found none",
         ),
         (lambda group: group.attrs.update(schema="x"), "expected a gait library at {}, found the"),
-        (lambda group: group.attrs.update(version=1), "{}: expected version 4 of the gait library"),
+        (lambda group: group.attrs.update(version=1), "{}: expected version 5 of the gait library"),
         *(
             (lambda group, name=name: group.__delitem__(name), f"{{}}: expected {name!r} in the")
             for name in ("samples", "status", CONSTRAINT)

@@ -1,6 +1,5 @@
-"""Bodies off the sagittal plane and off the leg's axis: CasADi's robot against MuJoCo's."""
+"""Axes apart, bodies off the sagittal plane and off the leg's axis: CasADi's robot and MuJoCo's."""
 
-from dataclasses import replace
 from functools import cache
 
 import casadi as ca
@@ -8,7 +7,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from slider.config.robot import RobotConfig
 from slider.gait.formulation import formulate
 from slider.gait.motion import NodeSymbols
 from slider.gait.rooted import NUM, RootedRobot
@@ -17,20 +15,9 @@ from slider.robot.knee_map import reflected
 from slider.robot.names import GRAVITY, SIDES
 from slider.verification.plant import Plant, PlantState, plant_state
 from tests.gait.gaits import config
+from tests.robot.lopsided import lopsided
 
 POLAR, AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
-
-
-@cache
-def lopsided() -> RobotConfig:
-    """The robot with every centre of mass of a leg moved by centimetres along x and y."""
-    robot, rng = config().robot, np.random.default_rng(7)
-    links = {}
-    for name in ("yaw", "roll", "pitch", "tube", "foot", "upper_foot"):
-        link = getattr(robot.links, name)
-        place = np.array(link.com) + rng.choice([-1, 1], 3) * rng.uniform(0.02, 0.1, 3)
-        links[name] = replace(link, com=tuple(place.tolist()))
-    return replace(robot, links=replace(robot.links, **links))
 
 
 @cache

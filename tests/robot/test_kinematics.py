@@ -20,8 +20,10 @@ from slider.robot.kinematics import (
     yaw_of,
 )
 from slider.robot.mjcf import SimulationOptions, build_model, nominal_qpos
+from tests.robot.lopsided import lopsided
 
 ROBOT = compose([], Path(__file__).parents[2] / "conf").robot
+ROBOTS = pytest.mark.parametrize("robot", [ROBOT, lopsided()], ids=["slider", "lopsided"])
 
 
 def test_a_quarter_turn_by_hand():
@@ -49,9 +51,10 @@ def test_the_yaw_is_that_of_the_nose_whatever_the_tilt():
     assert (nose[:, 0] > 0).all()
 
 
-def test_points_of_the_legs_are_where_mujoco_has_them():
-    model = build_model(ROBOT, SimulationOptions())
-    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(4), ROBOT.geometry
+@ROBOTS
+def test_points_of_the_legs_are_where_mujoco_has_them(robot):
+    model = build_model(robot, SimulationOptions())
+    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(4), robot.geometry
     for _ in range(20):
         tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
         data.qpos[3:7] = quaternion_from_tilt(tilt[:, 0], tilt[:, 1])[0]
@@ -74,9 +77,10 @@ def test_points_of_the_legs_are_where_mujoco_has_them():
             np.testing.assert_allclose(points[leg, 3:], upper, atol=1e-12)
 
 
-def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests():
-    model = build_model(ROBOT, SimulationOptions())
-    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(6), ROBOT.geometry
+@ROBOTS
+def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests(robot):
+    model = build_model(robot, SimulationOptions())
+    data, rng, geometry = mujoco.MjData(model), np.random.default_rng(6), robot.geometry
     velocity = np.zeros(6)
     for _ in range(20):
         tilt, joints = rng.normal(0, 0.3, (1, 2)), rng.uniform(-0.3, 0.3, (1, 12))
@@ -97,12 +101,13 @@ def test_the_feet_move_as_mujoco_moves_them_while_the_base_origin_rests():
             np.testing.assert_allclose(motion.axes[0, leg], axis, atol=1e-12)
 
 
-def test_standing_height_puts_the_lowest_foot_point_on_the_ground():
+@ROBOTS
+def test_standing_height_puts_the_lowest_foot_point_on_the_ground(robot):
     rng = np.random.default_rng(5)
     tilt, joints = rng.normal(0, 0.1, (8, 2)), rng.uniform(-0.1, 0.1, (8, 12))
     rotation = rotation_from_quaternion(quaternion_from_tilt(tilt[:, 0], tilt[:, 1]))
-    height = standing_height(ROBOT.geometry, rotation, joints)
-    ends = foot_ends(ROBOT.geometry, rotation, joints)
+    height = standing_height(robot.geometry, rotation, joints)
+    ends = foot_ends(robot.geometry, rotation, joints)
     np.testing.assert_allclose(ends[..., 2].min(axis=(1, 2)) + height, 0.0, atol=1e-12)
-    upright = standing_height(ROBOT.geometry, np.eye(3)[None], np.zeros((1, 12)))
-    assert upright[0] == pytest.approx(nominal_qpos(ROBOT)[2])
+    upright = standing_height(robot.geometry, np.eye(3)[None], np.zeros((1, 12)))
+    assert upright[0] == pytest.approx(nominal_qpos(robot)[2])

@@ -20,7 +20,7 @@ RADIUS, RATIO = 0.025, 0.35  # of the capstan
 TORQUE, STALL, NO_LOAD = 8.0, 16.0, 120.0  # of each of its motors
 ROTOR = 6.25e-4
 SLIDE, ANKLE = names.JOINTS.index("right_slide"), names.JOINTS.index("right_ankle")
-ONE, TWO = names.MOTORS.index("right_capstan_1"), names.MOTORS.index("right_capstan_2")
+ONE, TWO = names.MOTORS.index("right_leg_1"), names.MOTORS.index("right_leg_2")
 PASSIVE = [i for i in range(names.NUM_JOINTS) if i not in names.ACTUATED]
 
 

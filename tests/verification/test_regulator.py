@@ -8,12 +8,13 @@ from scipy.spatial.transform import Rotation
 from slider.robot import names
 from slider.robot.mjcf import SimulationOptions, build_model
 from slider.verification.regulator import level_leg
+from tests.robot.lopsided import lopsided
 from tests.verification.sample import config
 
 
+@pytest.mark.parametrize("robot", [config().robot, lopsided()], ids=["slider", "lopsided"])
 @pytest.mark.parametrize("side", names.SIDES)
-def test_the_sole_is_where_it_should_be_and_its_line_along_the_heading(side):
-    robot = config().robot
+def test_the_sole_is_where_it_should_be_and_its_line_along_the_heading(side, robot):
     model = build_model(robot, SimulationOptions())
     data = mujoco.MjData(model)
     rng = np.random.default_rng(3)

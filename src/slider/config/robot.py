@@ -3,6 +3,7 @@
 from dataclasses import field
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
@@ -28,7 +29,7 @@ from slider.config.types import (
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
 LEG_JOINTS = ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle", "upper_foot")
-LEG_DRIVES = ("hip_yaw", "hip_roll", "hip_pitch", "capstan")  # one per hip joint; slide and ankle
+HIP_JOINTS = LEG_JOINTS[:3]
 
 
 def leg_scale(leg_length: float) -> float:
@@ -48,7 +49,15 @@ class Link:
         Vector3[Positive[KilogramMetres2]],
         Rule("none above the sum of the others", lambda moments: 2 * max(moments) <= sum(moments)),
     ]
-    """diagonal inertia about the centre of mass"""
+    """Ixx, Iyy, Izz about the centre of mass, axes of the link's frame"""
+    products: Vector3[Annotated[Number, Unit("kg m²")]] = (0.0, 0.0, 0.0)
+    """Ixy, Ixz, Iyz likewise; a right leg's have the other sign of Ixy and Iyz"""
+
+    @property
+    def tensor(self) -> np.ndarray:
+        """Inertia (3, 3) about the centre of mass [kg m²]."""
+        xy, xz, yz = self.products
+        return np.diag(self.inertia) + np.array([[0.0, xy, xz], [xy, 0.0, yz], [xz, yz, 0.0]])
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -65,11 +74,22 @@ class Links:
 
 
 @dataclass(frozen=True, config=STRICT)
+class HipAxes:
+    """Places of a left hip's axes in the frame of the link above; y is reflected on the right."""
+
+    hip_yaw: Vector3[Metres]
+    """in the base"""
+    hip_roll: Vector3[Metres]
+    """in the yaw link"""
+    hip_pitch: Vector3[Metres]
+    """in the roll link; the slide goes through it"""
+
+
+@dataclass(frozen=True, config=STRICT)
 class Geometry:
     """Lengths."""
 
-    hip_offset: Positive[Metres]
-    """lateral distance of the hip roll axis from the middle"""
+    axes: HipAxes
     leg_length: Positive[Metres]
     """hip pitch axis to ankle at slide = 0"""
     ankle_height: Positive[Metres]
@@ -88,6 +108,18 @@ class Geometry:
     """of the drives about the hip"""
     base_half_size: Vector3[Positive[Metres]]
     """box between the hips"""
+
+    @property
+    def hip(self) -> tuple[float, float, float]:
+        """Left pitch axis in the base's frame, all joints at zero [m]."""
+        places = self.axes.hip_yaw, self.axes.hip_roll, self.axes.hip_pitch
+        x, y, z = (sum(values) for values in zip(*places, strict=True))
+        return x, y, z
+
+    @property
+    def standing_height(self) -> float:
+        """Base above the ground, all joints at zero [m]."""
+        return self.leg_length + self.ankle_height - self.hip[2]
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -116,7 +148,7 @@ class Joint:
 
 @dataclass(frozen=True, config=STRICT)
 class Drive:
-    """A motor with its gear."""
+    """A motor with its gear; of a slide without a capstan in N, m/s and kg."""
 
     torque: Positive[NewtonMetres]
     """limit"""
@@ -124,8 +156,8 @@ class Drive:
     """where the torque-speed line ends: no load"""
     stall_ratio: Annotated[Factor, Field(ge=1)]
     """torque of that line at rest, as a multiple of the limit"""
-    inertia: Positive[KilogramMetres2]
-    """of the rotor, reflected to the output"""
+    inertia: NonNegative[KilogramMetres2]
+    """of the rotor, reflected to the output; in addition to the joint's ``armature``"""
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -138,7 +170,7 @@ class Gains:
 
 @dataclass(frozen=True, config=STRICT)
 class Capstan:
-    """Differential of slide and foot, moved by two equal motors (``drives.capstan``)."""
+    """Differential of slide and ankle, moved by two equal motors (``drives.capstan``)."""
 
     drum_radius: Annotated[Positive[Factor], Unit("m/rad")]
     """way of the slide per angle of both motors in the same sense"""
@@ -156,14 +188,20 @@ class Contact:
 
 @dataclass(frozen=True, config=STRICT)
 class Mechanism:
-    """What gaits depend on: joints by leg joint, drives by leg drive."""
+    """What gaits depend on: joints and drives by their names."""
 
     geometry: Geometry
     links: Links
     virtual_knee: VirtualKnee
     joints: dict[str, Joint]
     drives: dict[str, Drive]
-    capstan: Capstan
+    capstan: Capstan | None
+    """null: slide and ankle have a motor each"""
+
+    @property
+    def leg_motors(self) -> tuple[str, ...]:
+        """Names in ``drives`` of the five motors of a leg, from the hip down."""
+        return HIP_JOINTS + (("slide", "ankle") if self.capstan is None else ("capstan",) * 2)
 
 
 @dataclass(frozen=True, config=STRICT)

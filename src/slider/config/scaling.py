@@ -11,7 +11,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from slider.config.robot import leg_scale
 
-_HIP_OFFSET = 0.1  # of SLIDER [m]
+_HALF_WIDTH = 0.1  # between the pitch axes of SLIDER [m]
 _MASS = 12.5248  # [kg]
 
 
@@ -31,5 +31,5 @@ def _register(name: str, scale: Callable[[Any], float]) -> None:
 
 
 _register("by_leg", lambda robot: leg_scale(robot.geometry.leg_length))
-_register("by_hip", lambda robot: robot.geometry.hip_offset / _HIP_OFFSET)
+_register("by_hip", lambda robot: sum(p[1] for p in robot.geometry.axes.values()) / _HALF_WIDTH)
 _register("by_weight", lambda robot: _mass(robot) / _MASS)

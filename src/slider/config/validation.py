@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterable, Mapping
 from itertools import pairwise
 
+import numpy as np
+
 from slider.config.control import (
     ONBOARD,
     PAPER_LABELS,
@@ -23,7 +25,7 @@ from slider.config.evaluation import EvaluationConfig, ProfileConfig, SeedBlock,
 from slider.config.gait import Axis, GaitConfig, axis_size
 from slider.config.gauge import AXES, FALLING
 from slider.config.parameters import parameters
-from slider.config.robot import LEG_DRIVES, LEG_JOINTS, RobotConfig
+from slider.config.robot import LEG_JOINTS, Link, RobotConfig
 from slider.config.schema import Config, StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.tuning import setting, with_settings
@@ -96,13 +98,22 @@ def _complete(key: str, names: Iterable[str], expected: Iterable[str]) -> None:
 def _robot(robot: RobotConfig) -> None:
     """Every joint and drive, ranges that are not empty, legs that reach, tags of parameters."""
     _complete("robot.joints", robot.joints, LEG_JOINTS)
-    _complete("robot.drives", robot.drives, LEG_DRIVES)
-    _complete("robot.gains", robot.gains, LEG_DRIVES)
+    motors = dict.fromkeys(robot.leg_motors)
+    _complete("robot.drives", robot.drives, motors)
+    _complete("robot.gains", robot.gains, motors)
     for name, joint in robot.joints.items():
         bounds = f"{joint.lower} and {joint.upper}"
         require(joint.lower < joint.upper, f"robot.joints.{name}", "lower < upper", bounds)
-    base = robot.links.base.com
-    require(base[1] == 0.0, "robot.links.base.com", "y = 0 m: left and right are alike", base[1])
+    lateral = robot.geometry.hip[1]
+    expected = "a sum of y > 0 m: left hips are on the left"
+    require(lateral > 0.0, "robot.geometry.axes", expected, f"{lateral:g}")
+    base, key = robot.links.base, "robot.links.base"
+    require(base.com[1] == 0.0, f"{key}.com", "y = 0 m: left and right are alike", base.com[1])
+    across, _, side = base.products
+    expected = "Ixy = Iyz = 0 kg m²: left and right are alike"
+    require(across == side == 0.0, f"{key}.products", expected, f"{across:g} and {side:g}")
+    for name in vars(robot.links):
+        _principal(f"robot.links.{name}", getattr(robot.links, name))
     length, knee = robot.geometry.leg_length, robot.virtual_knee
     reach = knee.thigh_length + knee.shank_length
     expected = f"thigh + shank longer than the leg ({length} m)"
@@ -111,6 +122,15 @@ def _robot(robot: RobotConfig) -> None:
     for group in robot.provenance:
         tags_numbers = any(path.startswith(f"{group}.") for path in paths)
         require(tags_numbers, "robot.provenance", "keys below robot that hold numbers", group)
+
+
+def _principal(key: str, link: Link) -> None:
+    """Inertia of a rigid body: principal moments that are positive, none above the others' sum."""
+    moments = np.linalg.eigvalsh(link.tensor)
+    possible = moments[0] > 0.0 and 2 * moments[-1] <= moments.sum() * (1 + 1e-9)
+    expected = "positive principal moments, none above the sum of the others"
+    found = ", ".join(f"{moment:.4g}" for moment in moments)
+    require(possible, f"{key}.products", expected, found)
 
 
 def _gait(gait: GaitConfig) -> None:
@@ -140,11 +160,15 @@ def _gait(gait: GaitConfig) -> None:
 
 
 def _tube(config: Config) -> None:
-    """Virtual thigh and shank share a tube whose centre lies on its axis."""
-    x, y, _ = config.robot.links.tube.com
-    possible = config.gait.dynamics == "prismatic" or x == y == 0.0
-    expected = "x = y = 0 m with gait.dynamics=knee"
-    require(possible, "robot.links.tube.com", expected, f"x = {x}, y = {y}")
+    """Virtual thigh and shank share a tube whose centre and principal axis lie on the leg's."""
+    tube, key = config.robot.links.tube, "robot.links.tube"
+    if config.gait.dynamics == "knee":
+        x, y, _ = tube.com
+        expected = "x = y = 0 m with gait.dynamics=knee"
+        require(x == y == 0.0, f"{key}.com", expected, f"x = {x}, y = {y}")
+        products = ", ".join(map(str, tube.products))
+        expected = "0, 0, 0 kg m² with gait.dynamics=knee"
+        require(not any(tube.products), f"{key}.products", expected, products)
 
 
 def _env(env: EnvConfig) -> None:
@@ -171,8 +195,7 @@ def _env(env: EnvConfig) -> None:
 
 def _standing(config: Config) -> None:
     """A robot that stands has not failed."""
-    geometry, terms = config.robot.geometry, config.env.termination.terms
-    height = geometry.leg_length + geometry.ankle_height
+    height, terms = config.robot.geometry.standing_height, config.env.termination.terms
     least, key = terms.get("base_height", 0.0), "env.termination.terms.base_height"
     expected = f"less than {height:g} m, at which the robot stands"
     require(least < height, key, expected, least)

@@ -30,7 +30,7 @@ from slider.robot.names import (
 from slider.robot.transmission import Transmission, by_motor
 
 FORMAT = "slider-policy-layout"
-VERSION = 9
+VERSION = 10
 INPUT, OUTPUT = "observations", "actions"
 OLDEST_MUJOCO = "3.12"  # that reads robot.xml: its motors are DC motors; 3.8 refuses them
 
@@ -191,7 +191,7 @@ def _joint(policy: Policy, agent: AgentInterface, index: int) -> dict[str, Any]:
 def _motors(policy: Policy) -> list[dict[str, Any]]:
     """Motors; the greatest torque falls linearly with speed from the stall torque to 0."""
     motors = Transmission.of(policy.robot)
-    gains = by_motor(policy.robot.gains) * len(SIDES)
+    gains = by_motor(policy.robot, policy.robot.gains) * len(SIDES)
     return [
         {
             "name": name,

@@ -22,7 +22,7 @@ from slider.library.lookup import JointTable, StepTimes
 from slider.robot.names import JOINTS
 
 FORMAT = "slider-policy"
-VERSION = 8
+VERSION = 9
 _ALL = slice(None)  # robots
 UNVARIED = 1e-3  # an observation with a smaller standard deviation did not vary in training
 ACTIVATIONS: dict[str, type[nn.Module]] = {

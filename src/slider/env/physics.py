@@ -107,7 +107,7 @@ class BatchedPhysics:
         self._index = SensorIndex(self.model)
         self._instruments = _Instruments(self.model) if instruments else None
         self._motors = Transmission.of(robot)
-        damping = np.array([gains.kd for gains in by_motor(robot.gains) * len(names.SIDES)])
+        damping = np.array([gains.kd for gains in by_motor(robot, robot.gains) * len(names.SIDES)])
         self._damping = damping if actuation == "position" else None
         self._to_motors = self._motors.torques if actuation == "torque" else self._motors.angles
 

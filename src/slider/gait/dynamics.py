@@ -57,7 +57,7 @@ class StanceTree:
         geometry = robot.geometry
         self.map = LegMap.of(robot.virtual_knee, geometry.leg_length)
         self.bodies = _both_legs(knee_bodies(robot))
-        self.edges = edges_of(geometry.hip_offset, knee_leg(robot.virtual_knee))
+        self.edges = edges_of(knee_leg(geometry.axes, robot.virtual_knee))
         self.sole = np.array([0.0, 0.0, -geometry.ankle_height])  # in the foot's frame [m]
 
     def foot_pose(self, roll: ca.SX, roll_rate: ca.SX) -> BodyPose:
@@ -120,7 +120,7 @@ class SlideTree(StanceTree):
         super().__init__(robot)
         self.bodies = _both_legs(prismatic_bodies(robot))
         geometry = robot.geometry
-        self.edges = edges_of(geometry.hip_offset, prismatic_leg(geometry.leg_length))
+        self.edges = edges_of(prismatic_leg(geometry.axes, geometry.leg_length))
         damping = [robot.joints[name].damping for name in names.LEG_JOINTS[:LEG_JOINTS]]
         self._inertia = ca.DM(np.kron(np.eye(2), leg_inertia(robot)))
         self._damping = ca.DM(np.tile(damping, 2))

@@ -126,7 +126,7 @@ class Node:
 
     @property
     def _drives(self) -> list[Drive]:
-        return by_motor(self.form.robot.drives) * len(SIDES)
+        return by_motor(self.form.robot, self.form.robot.drives) * len(SIDES)
 
     def along_course(self, vector: ca.SX) -> ca.SX:
         """A world vector (3,) forward, leftward and upward of the course."""
@@ -139,7 +139,7 @@ class Node:
 
     def tube_top(self, leg: str) -> ca.SX:
         """The upper foot's axis (3,) [m]: on the line from ankle to hip, beyond it."""
-        hip, ankle = self.poses[f"{leg}_roll"].origin, self.poses[f"{leg}_foot"].origin
+        hip, ankle = self.poses[f"{leg}_thigh"].origin, self.poses[f"{leg}_foot"].origin
         geometry = self.form.robot.geometry
         way = (geometry.leg_length + geometry.upper_foot_height) / ca.norm_2(hip - ankle)
         return ankle + way * (hip - ankle)

@@ -90,7 +90,7 @@ def decoupling(robot: Mechanism, q: np.ndarray, by_hip: bool = False) -> np.ndar
     if by_hip:
         hip = ca.gradient(rooted.poses(rooted.q)["base"].origin[0], rooted.q)
         rows[:, ANKLE] = ca.Function("hip", [rooted.q], [hip]).map(len(q))(q.T).full().T
-    limits = np.array([drive.torque for drive in by_motor(robot.drives)])
+    limits = np.array([drive.torque for drive in by_motor(robot, robot.drives)])
     motors = np.kron(np.eye(len(SIDES)), leg_matrix(robot.capstan).T * limits)
     inputs = np.concatenate([np.zeros((1, motors.shape[1])), motors])
     values = np.linalg.svd(rows @ np.linalg.solve(mass, inputs[None]), compute_uv=False)

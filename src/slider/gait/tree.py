@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from slider.config.robot import VirtualKnee
+from slider.config.robot import HipAxes, VirtualKnee
 from slider.robot.names import KNEE_JOINTS, KNEE_LEG_JOINTS
 
 NUM_JOINTS, LEG_JOINTS = len(KNEE_JOINTS), len(KNEE_LEG_JOINTS)
@@ -72,41 +72,46 @@ def rotation(axis: int, angle: ca.SX) -> ca.SX:
     return matrix
 
 
-# Bodies of a leg from the hip down: name, axis, its sign, place in the body above [m], slides.
+# Bodies of a left leg from the hip down: name, axis, its sign, place in the body above [m], slides.
 LegChain = list[tuple[str, int, float, np.ndarray, bool]]
 
 
 _ZERO = np.zeros(3)
-_HIP: LegChain = [("yaw", 2, 1.0, _ZERO, False), ("roll", 0, 1.0, _ZERO, False)]
 
 
-def knee_leg(knee: VirtualKnee) -> LegChain:
+def _hip(axes: HipAxes, below: str) -> LegChain:
+    return [
+        ("yaw", 2, 1.0, np.array(axes.hip_yaw), False),
+        ("roll", 0, 1.0, np.array(axes.hip_roll), False),
+        (below, 1, 1.0, np.array(axes.hip_pitch), False),
+    ]
+
+
+def knee_leg(axes: HipAxes, knee: VirtualKnee) -> LegChain:
     """The knee bends about −y."""
     return [
-        *_HIP,
-        ("thigh", 1, 1.0, _ZERO, False),
+        *_hip(axes, "thigh"),
         ("shank", 1, -1.0, np.array([0.0, 0.0, -knee.thigh_length]), False),
         ("foot", 1, 1.0, np.array([0.0, 0.0, -knee.shank_length]), False),
     ]
 
 
-def prismatic_leg(leg_length: float) -> LegChain:
+def prismatic_leg(axes: HipAxes, leg_length: float) -> LegChain:
     """The slide lowers the tube along −z."""
     return [
-        *_HIP,
-        ("pitch", 1, 1.0, _ZERO, False),
+        *_hip(axes, "pitch"),
         ("tube", 2, -1.0, _ZERO, True),
         ("foot", 1, 1.0, np.array([0.0, 0.0, -leg_length]), False),
     ]
 
 
-def edges_of(hip_offset: float, chain: LegChain) -> list[Edge]:
-    """From the stance foot up to the base and down to the swing foot."""
+def edges_of(chain: LegChain) -> list[Edge]:
+    """From the stance (left) foot up to the base and down to the swing foot."""
     edges: list[Edge] = []
-    for side, sign in ((STANCE, 1.0), (SWING, -1.0)):
-        parent, hip = "base", np.array([0.0, sign * hip_offset, 0.0])
-        for k, (name, axis, turn, below, slides) in enumerate(chain):
-            place, child = hip if k == 0 else below, f"{side}_{name}"
+    for side, lateral in ((STANCE, 1.0), (SWING, -1.0)):
+        parent = "base"
+        for k, (name, axis, turn, place, slides) in enumerate(chain):
+            place, child = place * [1.0, lateral, 1.0] + 0.0, f"{side}_{name}"
             if side == STANCE:
                 edges.insert(0, Edge(child, parent, k, axis, -turn, _ZERO, place, slides))
             else:

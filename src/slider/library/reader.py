@@ -21,7 +21,7 @@ from slider.robot.names import CHANNELS, JOINTS, KNEE_JOINTS, SIDES, VELOCITY, v
 
 STORE = "library.zarr"
 SCHEMA = "slider-gait-library"
-VERSION = 4
+VERSION = 5
 
 
 class Array(NamedTuple):

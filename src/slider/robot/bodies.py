@@ -76,14 +76,14 @@ def joined(*parts: Body) -> Body:
 
 
 def _body(link: Link) -> Body:
-    return Body(link.mass, np.array(link.com), np.diag(link.inertia))
+    return Body(link.mass, np.array(link.com), link.tensor)
 
 
 def _upper_foot(robot: Mechanism) -> Body:
     """The upper foot in the frame of the slide."""
     link = robot.links.upper_foot
     com = np.array(link.com) + [0.0, 0.0, robot.geometry.upper_foot_height]
-    return Body(link.mass, com, np.diag(link.inertia))
+    return Body(link.mass, com, link.tensor)
 
 
 def _shank(tube: Link, knee: VirtualKnee) -> Body:

@@ -63,8 +63,8 @@ def foot_ends(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     """
     ends = zeros((len(joints), 2, 2, 3), joints)
     for leg in range(2):
-        _, ankle, tube = _leg(geometry, rotation, joints, leg)
-        ends[:, leg] = _ends(geometry, ankle, tube, joints, leg)
+        links = _leg(geometry, rotation, joints, leg)
+        ends[:, leg] = _ends(geometry, links.ankle, links.tube, joints, leg)
     return ends
 
 
@@ -98,16 +98,20 @@ def foot_motion(
     positions, velocities = zeros((2, count, 2, 2, 3), joints)
     axes, turns = zeros((count, 2, 3), joints), zeros((count, 2), joints)
     for leg in range(2):
-        q, rate = (values[:, leg * len(LEG_JOINTS) :] for values in (joints, rates))
-        hip, ankle, tube = _leg(geometry, rotation, joints, leg)
-        yawed = rotation @ about_z(q[:, _YAW])
-        omega = turning + rotation[:, :, 2] * rate[:, _YAW, None]
-        omega = (
-            omega + yawed[:, :, 0] * rate[:, _ROLL, None] + tube[:, :, 1] * rate[:, _PITCH, None]
-        )
+        rate = rates[:, leg * len(LEG_JOINTS) :]
+        links = _leg(geometry, rotation, joints, leg)
+        tube, ankle, omega = links.tube, links.ankle, turning
+        place, velocity = zeros((2, count, 3), joints)  # of the base's origin
+        for axis, following, speed in (
+            (rotation[:, :, 2], links.hip_yaw, rate[:, _YAW]),
+            (links.yaw[:, :, 0], links.hip_roll, rate[:, _ROLL]),
+            (tube[:, :, 1], links.hip_pitch, rate[:, _PITCH]),
+        ):
+            velocity = velocity + xp.linalg.cross(omega, following - place)
+            omega, place = omega + axis * speed[:, None], following
         axes[:, leg] = tube[:, :, 2]
         turns[:, leg] = xp.linalg.vector_norm(xp.linalg.cross(omega, tube[:, :, 2]), axis=1)
-        velocity = xp.linalg.cross(turning, hip) + xp.linalg.cross(omega, ankle - hip)
+        velocity = velocity + xp.linalg.cross(omega, ankle - place)
         velocity = velocity - tube[:, :, 2] * rate[:, _SLIDE, None]
         omega = omega + tube[:, :, 1] * rate[:, _ANKLE, None]
         positions[:, leg] = _ends(geometry, ankle, tube, joints, leg)
@@ -126,25 +130,49 @@ def leg_points(geometry: Geometry, rotation: Array, joints: Array) -> Array:
     Returns:
         (N, 2, 5, 3): foot (left, right); hip, ankle, top, back and front of the upper foot, world.
     """
-    points = zeros((len(joints), 2, 5, 3), joints)
+    xp, points = namespace(joints), zeros((len(joints), 2, 5, 3), joints)
     for leg in range(2):
-        hip, ankle, tube = _leg(geometry, rotation, joints, leg)
+        links = _leg(geometry, rotation, joints, leg)
+        tube, ankle = links.tube, links.ankle
         top = ankle + tube[:, :, 2] * (geometry.leg_length + geometry.upper_foot_height)
         upper = tube @ _about_y(joints[:, leg * len(LEG_JOINTS) + _UPPER_FOOT])
-        points[:, leg, 0], points[:, leg, 1], points[:, leg, 2] = hip, ankle, top
+        points[:, leg, :3] = xp.stack([links.hip_pitch, ankle, top], axis=1)
         for end, x in ((3, -geometry.heel), (4, geometry.toe)):
             points[:, leg, end] = top + upper @ asarray([x, 0.0, geometry.ankle_height], joints)
     return points
 
 
-def _leg(
-    geometry: Geometry, rotation: Array, joints: Array, leg: int
-) -> tuple[Array, Array, Array]:
-    """Hip (N, 3) and ankle (N, 3) relative to the base origin, rotation of the tube (N, 3, 3)."""
-    q = joints[:, leg * len(LEG_JOINTS) :]
-    tube = rotation @ about_z(q[:, _YAW]) @ about_x(q[:, _ROLL]) @ _about_y(q[:, _PITCH])
-    hip = rotation @ asarray([0.0, (1.0, -1.0)[leg] * geometry.hip_offset, 0.0], joints)
-    return hip, hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None], tube
+class _Leg(NamedTuple):
+    """A leg of N robots relative to the base origin, in world axes.
+
+    Attributes:
+        hip_yaw, hip_roll, hip_pitch: places of these axes (N, 3) [m].
+        ankle: its place (N, 3) [m].
+        yaw, tube: rotations of these links to world (N, 3, 3).
+    """
+
+    hip_yaw: Array
+    hip_roll: Array
+    hip_pitch: Array
+    ankle: Array
+    yaw: Array
+    tube: Array
+
+
+def _leg(geometry: Geometry, rotation: Array, joints: Array, leg: int) -> _Leg:
+    q, axes, side = joints[:, leg * len(LEG_JOINTS) :], geometry.axes, (1.0, -1.0)[leg]
+    to_yaw, to_roll, to_pitch = (
+        asarray([x, side * y, z], joints)
+        for x, y, z in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
+    )
+    yaw = rotation @ about_z(q[:, _YAW])
+    roll = yaw @ about_x(q[:, _ROLL])
+    tube = roll @ _about_y(q[:, _PITCH])
+    hip_yaw = rotation @ to_yaw
+    hip_roll = hip_yaw + yaw @ to_roll
+    hip = hip_roll + roll @ to_pitch
+    ankle = hip - tube[:, :, 2] * (geometry.leg_length + q[:, _SLIDE])[:, None]
+    return _Leg(hip_yaw, hip_roll, hip, ankle, yaw, tube)
 
 
 def _ends(geometry: Geometry, ankle: Array, tube: Array, joints: Array, leg: int) -> Array:

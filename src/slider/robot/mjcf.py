@@ -1,8 +1,8 @@
 """The prismatic MuJoCo model, generated from the robot parameters.
 
-Motors are MuJoCo's DC motors, bounded by their torque limit and by a linear torque-speed line. Hip
-motors sit on their joints, the two capstan motors of a leg on fixed tendons over slide and ankle,
-with the rotor's inertia as the tendon's: limits, speeds and inertia of the two joints couple by
+Motors are MuJoCo's DC motors, bounded by their torque limit and by a linear torque-speed line. They
+sit on their joints; the two capstan motors of a leg sit on fixed tendons over slide and ankle, with
+the rotor's inertia as the tendon's, so that limits, speeds and inertia of the two joints couple by
 themselves. The input is a motor angle for the on-board PD loop, or a torque
 (:class:`slider.robot.transmission.Transmission`).
 
@@ -88,7 +88,7 @@ def build_spec(robot: RobotConfig, options: SimulationOptions) -> mujoco.MjSpec:
 def nominal_qpos(robot: RobotConfig) -> np.ndarray:
     """Base pose and joint positions of the upright nominal pose, soles on the ground (19,)."""
     qpos = np.zeros(7 + names.NUM_JOINTS)
-    qpos[2] = robot.geometry.leg_length + robot.geometry.ankle_height
+    qpos[2] = robot.geometry.standing_height
     qpos[3] = 1.0
     return qpos
 
@@ -143,8 +143,12 @@ def _add_leg(
     spec: mujoco.MjSpec, base: mujoco.MjsBody, robot: RobotConfig, side: str, sign: float
 ) -> None:
     geometry, links = robot.geometry, robot.links
-    yaw = _add_link(base, robot, side, "hip_yaw", links.yaw, [0, sign * geometry.hip_offset, 0])
-    roll = _add_link(yaw, robot, side, "hip_roll", links.roll)
+    yaw, roll, pitch = (
+        [x, sign * y + 0.0, z]
+        for x, y, z in (geometry.axes.hip_yaw, geometry.axes.hip_roll, geometry.axes.hip_pitch)
+    )
+    yaw = _add_link(base, robot, side, "hip_yaw", links.yaw, yaw)
+    roll = _add_link(yaw, robot, side, "hip_roll", links.roll, roll)
     _add_geom(
         roll,
         names.hip(side),
@@ -152,7 +156,7 @@ def _add_leg(
         size=[geometry.hip_radius, 0, 0],
         rgba=[0.35, 0.37, 0.4, 1],
     )
-    pitch = _add_link(roll, robot, side, "hip_pitch", links.pitch)
+    pitch = _add_link(roll, robot, side, "hip_pitch", links.pitch, pitch)
     tube = _add_link(pitch, robot, side, "slide", links.tube)
     # The collision tube ends above the ankle, so that the foot alone touches the ground.
     _add_geom(
@@ -212,9 +216,13 @@ def _add_link(
 
 def _set_inertia(body: mujoco.MjsBody, link: Link, lateral: float = 1.0) -> None:
     """Mass and inertia of a link; ``lateral`` is −1 on the right, where y is reflected."""
-    x, y, z = link.com
+    (x, y, z), (xy, xz, yz) = link.com, link.products
     body.explicitinertial = True
-    body.mass, body.ipos, body.inertia = link.mass, [x, lateral * y + 0.0, z], link.inertia
+    body.mass, body.ipos = link.mass, [x, lateral * y + 0.0, z]
+    if any(link.products):
+        body.fullinertia = [*link.inertia, lateral * xy, xz, lateral * yz]
+    else:
+        body.inertia = link.inertia
 
 
 def _add_geom(body: mujoco.MjsBody, name: str, kind: mujoco.mjtGeom, **shape) -> mujoco.MjsGeom:
@@ -256,14 +264,15 @@ def _add_pairs(spec: mujoco.MjSpec, robot: RobotConfig) -> None:
 
 def _add_motors(spec: mujoco.MjSpec, robot: RobotConfig, actuation: Actuation) -> None:
     inputs, motors = mujoco.mjtCtrlInput, Transmission.of(robot)
-    gains = by_motor(robot.gains) * len(names.SIDES)
+    gains = by_motor(robot, robot.gains) * len(names.SIDES)
     torque = actuation == "torque"
     for index, name in enumerate(names.MOTORS):
-        on_joint = name in names.JOINTS
-        if not on_joint:
+        joints = np.flatnonzero(motors.matrix[index])
+        kind, target = mujoco.mjtTrn.mjTRN_JOINT, names.JOINTS[joints[0]]
+        if len(joints) > 1:
+            kind, target = mujoco.mjtTrn.mjTRN_TENDON, name
             _add_tendon(spec, name, motors.matrix[index], motors.inertia[index])
-        transmission = mujoco.mjtTrn.mjTRN_JOINT if on_joint else mujoco.mjtTrn.mjTRN_TENDON
-        actuator = spec.add_actuator(name=name, trntype=transmission, target=name)
+        actuator = spec.add_actuator(name=name, trntype=kind, target=target)
         kp, kd = (0.0, 0.0) if torque else (gains[index].kp, gains[index].kd)
         actuator.set_to_dcmotor(
             motorconst=[0.0, 0.0],

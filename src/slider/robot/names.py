@@ -14,8 +14,8 @@ NUM_JOINTS = len(JOINTS)
 PASSIVE_LEG_JOINTS = ("upper_foot",)
 ACTUATED = tuple(i for i, name in enumerate(JOINTS) if not name.endswith(PASSIVE_LEG_JOINTS))
 
-# Motors: one per hip joint, and two equal ones for slide and ankle together.
-LEG_MOTORS = ("hip_yaw", "hip_roll", "hip_pitch", "capstan_1", "capstan_2")
+# Motors: one per hip joint; two for slide and ankle, one each or both by a capstan.
+LEG_MOTORS = ("hip_yaw", "hip_roll", "hip_pitch", "leg_1", "leg_2")
 MOTORS = tuple(f"{side}_{motor}" for side in SIDES for motor in LEG_MOTORS)
 
 # The virtual-knee model has a revolute knee in place of the slide and no upper foot.

@@ -1,8 +1,9 @@
-"""From motors to joints: hip motors drive their joints, two capstan motors slide and ankle.
+"""From motors to joints: hip motors drive their joints, two leg motors slide and ankle.
 
-Motor angles are ``matrix @ joints``, joint efforts ``matrix.T @ torques`` (virtual work). Both
-capstan motors in the same sense move the slide, in opposite senses they turn the foot: angles
-s/r ± β/n of a slide s [m] and an ankle β [rad], drum radius r and foot ratio n. Torque limit,
+Motor angles are ``matrix @ joints``, joint efforts ``matrix.T @ torques`` (virtual work). Leg
+motors drive a joint each, or both through a capstan: in the same sense they move the slide, in
+opposite senses they turn the foot, with angles s/r ± β/n of a slide s [m] and an ankle β [rad],
+drum radius r and foot ratio n. Torque limit,
 torque-speed line, rotor inertia and position loop belong to motors; their effect on joints
 follows from the matrix.
 """
@@ -23,23 +24,25 @@ _LEG = len(LEG_MOTORS)
 T = TypeVar("T")
 
 
-def leg_matrix(capstan: Capstan) -> np.ndarray:
+def leg_matrix(capstan: Capstan | None) -> np.ndarray:
     """Motor angles per joint position (5, 5): hip yaw, roll, pitch, slide, ankle in columns."""
     matrix = np.eye(_LEG)
+    if capstan is None:
+        return matrix
     slide, foot = 1.0 / capstan.drum_radius, 1.0 / capstan.foot_ratio
     matrix[3:, 3:] = [[slide, foot], [slide, -foot]]
     return matrix
 
 
-def by_motor(table: Mapping[str, T]) -> list[T]:
+def by_motor(robot: Mechanism, table: Mapping[str, T]) -> list[T]:
     """Entries of the drives of a leg for its five motors, in the order of ``LEG_MOTORS``."""
-    return [table["capstan" if name.startswith("capstan") else name] for name in LEG_MOTORS]
+    return [table[name] for name in robot.leg_motors]
 
 
 def leg_inertia(robot: Mechanism) -> np.ndarray:
     """Inertia (5, 5) of rotors and joints that adds to a leg's [kg m², kg]."""
     matrix = leg_matrix(robot.capstan)
-    rotors = np.array([drive.inertia for drive in by_motor(robot.drives)])
+    rotors = np.array([drive.inertia for drive in by_motor(robot, robot.drives)])
     armatures = np.array([robot.joints[name].armature for name in LEG_JOINTS[:_LEG]])
     return matrix.T @ (rotors[:, None] * matrix) + np.diag(armatures)
 
@@ -64,7 +67,7 @@ class Transmission:
     @classmethod
     def of(cls, robot: Mechanism) -> "Transmission":
         """The motors of both legs of a robot."""
-        motors = by_motor(robot.drives) * len(SIDES)
+        motors = by_motor(robot, robot.drives) * len(SIDES)
         matrix = np.zeros((len(motors), NUM_JOINTS))
         matrix[:, _DRIVEN] = np.kron(np.eye(len(SIDES)), leg_matrix(robot.capstan))
         torque, speed, ratio, inertia = (

@@ -48,13 +48,12 @@ class PinRobot:
         root = self.model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
         self.model.appendBodyToJoint(root, _inertia_of(robot.links.base), pin.SE3.Identity())
         for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
-            parent, lateral = root, sign * geometry.hip_offset
+            parent = root
             for name, joint in zip(LEG_JOINTS, leg, strict=False):
-                place = pin.SE3(np.eye(3), np.array([0.0, lateral, joint.height]))
+                place = pin.SE3(np.eye(3), joint.place * [1.0, sign, 1.0])
                 parent = self.model.addJoint(parent, joint.kind, place, f"{side}_{name}")
                 body = joint.body if side == SIDES[0] else _reflected(joint.body)
                 self.model.appendBodyToJoint(parent, body, pin.SE3.Identity())
-                lateral = 0.0
             sole = pin.SE3(np.eye(3), np.array([0.0, 0.0, -geometry.ankle_height]))
             self.model.addFrame(pin.Frame(f"{side}_sole", parent, 0, sole, pin.FrameType.OP_FRAME))
         both = leg * len(SIDES)
@@ -194,13 +193,13 @@ class _LegJoint:
 
     Attributes:
         kind: of the pinocchio joint.
-        height: of the joint in the frame above [m].
+        place: of the joint in the frame above (3,), of a left leg [m].
         body: inertia in the joint's frame.
         rotor, damping: what acts about or along the joint beside the body [kg m², kg], [N m s/rad].
     """
 
     kind: pin.JointModel
-    height: float
+    place: np.ndarray
     body: pin.Inertia
     rotor: float = 0.0
     damping: float = 0.0
@@ -212,7 +211,10 @@ def _inertia_of(link: Link, share: float = 1.0) -> pin.Inertia:
     A part of a rod keeps the share s of mass, s³ of the inertia across and s of that along.
     """
     scale = np.array([share**3, share**3, share])
-    return pin.Inertia(share * link.mass, np.array(link.com), np.diag(scale * link.inertia))
+    inertia = np.diag(scale * link.inertia)
+    for (i, j), product in zip(((0, 1), (0, 2), (1, 2)), link.products, strict=True):
+        inertia[i, j] = inertia[j, i] = product  # no part of a tube has any
+    return pin.Inertia(share * link.mass, np.array(link.com), inertia)
 
 
 def _reflected(body: pin.Inertia) -> pin.Inertia:
@@ -230,39 +232,42 @@ def _prismatic_leg(robot: Mechanism) -> list[_LegJoint]:
     """Hip, slide and ankle; the upper foot is held by the tube, the rotors turn with their joints.
 
     A rotor of inertia I in both capstan motors at angles s/r ± β/n has the energy of 2I/r² at the
-    slide and of 2I/n² at the ankle.
+    slide and of 2I/n² at the ankle. Without a capstan a rotor turns with its joint alone.
     """
     links, geometry, capstan = robot.links, robot.geometry, robot.capstan
-    pair = 2.0 * robot.drives["capstan"].inertia
     rotors = {name: drive.inertia for name, drive in robot.drives.items()}
-    rotors |= {"slide": pair / capstan.drum_radius**2, "ankle": pair / capstan.foot_ratio**2}
+    if capstan is not None:
+        pair = 2.0 * robot.drives["capstan"].inertia
+        rotors |= {"slide": pair / capstan.drum_radius**2, "ankle": pair / capstan.foot_ratio**2}
     upper = _raised(_inertia_of(links.upper_foot), geometry.upper_foot_height)
     down = pin.JointModelPrismaticUnaligned(-_UP)
+    axes = geometry.axes
     chain = {
-        "hip_yaw": (pin.JointModelRZ(), 0.0, _inertia_of(links.yaw)),
-        "hip_roll": (pin.JointModelRX(), 0.0, _inertia_of(links.roll)),
-        "hip_pitch": (pin.JointModelRY(), 0.0, _inertia_of(links.pitch)),
-        "slide": (down, 0.0, _inertia_of(links.tube) + upper),
-        "ankle": (pin.JointModelRY(), -geometry.leg_length, _inertia_of(links.foot)),
+        "hip_yaw": (pin.JointModelRZ(), np.array(axes.hip_yaw), _inertia_of(links.yaw)),
+        "hip_roll": (pin.JointModelRX(), np.array(axes.hip_roll), _inertia_of(links.roll)),
+        "hip_pitch": (pin.JointModelRY(), np.array(axes.hip_pitch), _inertia_of(links.pitch)),
+        "slide": (down, np.zeros(3), _inertia_of(links.tube) + upper),
+        "ankle": (pin.JointModelRY(), -geometry.leg_length * _UP, _inertia_of(links.foot)),
     }
     return [
-        _LegJoint(*part, rotors[name] + robot.joints[name].armature, robot.joints[name].damping)
-        for name, part in chain.items()
+        _LegJoint(kind, place, body, rotors[name] + joint.armature, joint.damping)
+        for name, (kind, place, body) in chain.items()
+        for joint in (robot.joints[name],)
     ]
 
 
 def _knee_leg(robot: Mechanism) -> list[_LegJoint]:
     """Hip, virtual knee and ankle, without rotors and friction."""
-    links, knee = robot.links, robot.virtual_knee
+    links, knee, axes = robot.links, robot.virtual_knee, robot.geometry.axes
     shank_part = _inertia_of(links.tube, knee.shank_mass_fraction)
     shank_part.lever = -knee.shank_length / 2 * _UP
     bend = pin.JointModelRevoluteUnaligned(np.array([0.0, -1.0, 0.0]))
     return [
-        _LegJoint(pin.JointModelRZ(), 0.0, _inertia_of(links.yaw)),
-        _LegJoint(pin.JointModelRX(), 0.0, _inertia_of(links.roll)),
-        _LegJoint(pin.JointModelRY(), 0.0, _thigh(robot)),
-        _LegJoint(bend, -knee.thigh_length, shank_part),
-        _LegJoint(pin.JointModelRY(), -knee.shank_length, _inertia_of(links.foot)),
+        _LegJoint(pin.JointModelRZ(), np.array(axes.hip_yaw), _inertia_of(links.yaw)),
+        _LegJoint(pin.JointModelRX(), np.array(axes.hip_roll), _inertia_of(links.roll)),
+        _LegJoint(pin.JointModelRY(), np.array(axes.hip_pitch), _thigh(robot)),
+        _LegJoint(bend, -knee.thigh_length * _UP, shank_part),
+        _LegJoint(pin.JointModelRY(), -knee.shank_length * _UP, _inertia_of(links.foot)),
     ]
 
 

@@ -15,6 +15,7 @@ from slider.robot import names
 from slider.robot.kinematics import about_x, about_z
 
 _PRISMATIC = len(names.LEG_JOINTS)
+_HIP_ITERATIONS = 30  # each is off by a tenth of the one before, or less
 _HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
 
@@ -133,7 +134,8 @@ def level_leg(
     """Hip yaw, roll and pitch [rad], slide [m], ankle [rad] (5,) of a foot line along a heading.
 
     The leg turns pitch and ankle about one axis; it is perpendicular to the foot line and to the
-    way from the sole to the hip, so that yaw and roll follow from it in closed form.
+    way from the sole to the pitch axis, so that yaw and roll follow from it in closed form where
+    the axes of the hip meet. Where they do not, yaw and roll move the pitch axis: iterated.
 
     Args:
         geometry: of the robot.
@@ -143,14 +145,20 @@ def level_leg(
         heading: unit vector (3,) along the foot line, towards the toe.
     """
     position, rotation = base
-    sign = 1.0 if side == names.SIDES[0] else -1.0
-    hip = position + rotation @ np.array([0.0, sign * geometry.hip_offset, 0.0])
-    axis = _cross(hip - sole, heading)
-    axis /= np.linalg.norm(axis)
+    mirror = np.array([1.0, 1.0 if side == names.SIDES[0] else -1.0, 1.0])
+    axes, yaw, roll = geometry.axes, 0.0, 0.0
+    fixed, moved, turned = (
+        mirror * place for place in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
+    )
+    for _ in range(_HIP_ITERATIONS if moved.any() or turned.any() else 1):
+        by_yaw, by_roll = about_z(np.array([yaw]))[0], about_x(np.array([roll]))[0]
+        hip = position + rotation @ (fixed + by_yaw @ (moved + by_roll @ turned))
+        axis = _cross(hip - sole, heading)
+        axis /= np.linalg.norm(axis)
+        turn = rotation.T @ axis
+        roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
+        yaw = np.arctan2(-turn[0], turn[1])
     ankle = sole + geometry.ankle_height * _cross(heading, axis)
-    turn = rotation.T @ axis
-    roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
-    yaw = np.arctan2(-turn[0], turn[1])
     to_leg = about_x(np.array([roll]))[0].T @ about_z(np.array([yaw]))[0].T @ rotation.T
     reach, toe = to_leg @ (ankle - hip), to_leg @ heading
     pitch = np.arctan2(-reach[0], -reach[2])

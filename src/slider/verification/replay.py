@@ -95,7 +95,7 @@ class Simulation:
         self.base = self.model.body(names.BASE).id
         self.course = 0.0
         self.motors = Transmission.of(robot)
-        gains = by_motor(robot.gains) * len(names.SIDES)
+        gains = by_motor(robot, robot.gains) * len(names.SIDES)
         self.kp, self.kd = (
             np.array([getattr(gain, name) for gain in gains]) for name in ("kp", "kd")
         )

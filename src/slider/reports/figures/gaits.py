@@ -240,7 +240,7 @@ def draw_sheet(library: GaitLibrary, gait: int) -> Figure:
         title = f"{joint.replace('_', ' ')} [{'m' if joint == 'slide' else 'rad'}]"
         columns = [JOINTS.index(f"{side}_{joint}") for side in SIDES]
         _over_time(axes, library, gait, samples[:, columns], title)
-    drives = by_motor(library.robot.drives)
+    drives = by_motor(library.robot, library.robot.drives)
     for axes, motor, drive in zip(panels[1], LEG_MOTORS, drives, strict=True):
         title = f"{motor.replace('_', ' ')} [N m of {drive.torque:g}]"
         columns = [MOTORS.index(f"{side}_{motor}") for side in SIDES]

@@ -1,0 +1,41 @@
+"""A robot whose legs are as general as the configuration allows."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from slider.config.compose import compose
+from slider.config.robot import Drive, Gains, HipAxes, RobotConfig
+
+HIP_Y = {"hip_yaw": 0.15, "hip_roll": 0.0, "hip_pitch": 0.0}  # [m]
+
+
+@cache
+def lopsided() -> RobotConfig:
+    """Axes of the hip 2–10 cm apart, centres of mass moved by as much, products of inertia.
+
+    Slide and ankle have a motor each.
+    """
+    robot, rng = compose([], Path(__file__).parents[2] / "conf").robot, np.random.default_rng(7)
+    links = {"base": replace(robot.links.base, products=(0.0, 0.004, 0.0))}
+    for name in ("yaw", "roll", "pitch", "tube", "foot", "upper_foot"):
+        link = getattr(robot.links, name)
+        place = np.array(link.com) + moved(rng)
+        products = rng.uniform(-0.2, 0.2, 3) * min(link.inertia)
+        com, products = tuple(place.tolist()), tuple(products.tolist())
+        links[name] = replace(link, com=com, products=products)
+    axes = {name: tuple((moved(rng) + [0.0, y, 0.0]).tolist()) for name, y in HIP_Y.items()}
+    geometry = replace(robot.geometry, axes=HipAxes(**axes))
+    drives, gains = ({n: d[n] for n in HIP_Y} for d in (robot.drives, robot.gains))
+    drives["slide"] = Drive(torque=600.0, speed=3.0, stall_ratio=2.0, inertia=1.3)
+    drives["ankle"] = Drive(torque=15.0, speed=20.0, stall_ratio=2.0, inertia=0.01)
+    gains |= {"slide": Gains(kp=6000.0, kd=150.0), "ankle": Gains(kp=50.0, kd=1.0)}
+    links = replace(robot.links, **links)
+    changes = {"geometry": geometry, "links": links, "drives": drives, "gains": gains}
+    return replace(robot, capstan=None, **changes)
+
+
+def moved(rng: np.random.Generator) -> np.ndarray:
+    return rng.choice([-1, 1], 3) * rng.uniform(0.02, 0.1, 3)

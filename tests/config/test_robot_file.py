@@ -117,6 +117,11 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert (posture.clearance, posture.swing_height) == (pytest.approx(0.025), 0.1)
     assert posture.foot_separation_max == pytest.approx(0.225)
     assert (mpc.step.width, mpc.planner.width_max) == (pytest.approx(0.1), pytest.approx(0.2))
+    root = 0.5**0.5
+    step_time = config.gait.step_time.lower, config.gait.step_time.upper
+    assert step_time == pytest.approx((0.25 * root, 0.42 * root))
+    assert config.gait.touchdown.forward == pytest.approx(0.3 * root)
+    assert config.gait.posture.torso_rate == pytest.approx(1.0 / root)
     assert mpc.whole_body.force_max == pytest.approx(1200.0)
     loaded = config.train.walking.reward.terms["contact_schedule"].params["loaded"]
     assert loaded == pytest.approx(40.0)

@@ -1,6 +1,7 @@
 """Defaults that follow the robot: ``${by_leg:0.4}`` is 0.4 for SLIDER and in proportion for others.
 
-A number in the place of the expression stays as it is typed.
+Times and speeds grow with the root of the leg's length: walks of the same Froude number v²/(g l)
+are alike. A number in the place of the expression stays as it is typed.
 """
 
 from collections.abc import Callable
@@ -31,5 +32,8 @@ def _register(name: str, scale: Callable[[Any], float]) -> None:
 
 
 _register("by_leg", lambda robot: leg_scale(robot.geometry.leg_length))
+_register("by_time", lambda robot: leg_scale(robot.geometry.leg_length) ** 0.5)
+_register("by_speed", lambda robot: leg_scale(robot.geometry.leg_length) ** 0.5)
+_register("by_rate", lambda robot: leg_scale(robot.geometry.leg_length) ** -0.5)
 _register("by_hip", lambda robot: sum(p[1] for p in robot.geometry.axes.values()) / _HALF_WIDTH)
 _register("by_weight", lambda robot: _mass(robot) / _MASS)

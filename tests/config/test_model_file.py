@@ -201,6 +201,7 @@ def test_the_robot_as_numbers_and_as_a_picture(folder, capsys):
         ("hip_yaw: [", "hip: [", "joints: expected hip_yaw, hip_roll, hip_pitch, slide"),
         ("yaw: [left_hip_yaw,", "yaw: [left_hip_roll,", "expected each joint once"),
         ("base: base,", "base: base, side: top,", "robot.roles.side: expected left or right"),
+        ("base: base,", "base: base, sides: left,", "roles: expected base, joints, pose, side"),
         ("base: base,", "base: base, pose: {left_slide: far},", "left_slide: expected a number"),
         ("base: base,", "base: base, pose: {left_hip_roll: 0.5},", "expected an axis along"),
     ],

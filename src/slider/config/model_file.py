@@ -96,6 +96,8 @@ def read_model(path: Path, roles: Mapping[str, Any]) -> ModelFile:
     Raises:
         UserError: MuJoCo cannot read the file, or the file does not have what the roles ask for.
     """
+    unknown = set(roles) - {"base", "joints", "pose", "side"}
+    require(not unknown, "robot.roles", "base, joints, pose, side", ", ".join(map(str, unknown)))
     model = _compiled(path)
     joints = _joints(model, roles)
     tree = _Tree(model, roles, joints)

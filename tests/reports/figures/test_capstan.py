@@ -5,8 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from slider.config.compose import compose
-from slider.reports.figures.capstan import angles_of
+from slider.config.convert import to_dict
+from slider.library.reader import GaitLibrary
+from slider.reports.figures.capstan import angles_of, caption, draw
+from slider.reports.figures.style import style
 from slider.robot.transmission import Transmission
+from tests.library.gaits import MECHANISM, library
+from tests.robot.lopsided import lopsided
 
 ROBOT = compose([], Path(__file__).parents[3] / "conf").robot
 DRIVE = Transmission.of(ROBOT)
@@ -19,3 +24,15 @@ def test_the_same_sense_slides_and_opposite_senses_turn_the_foot():
     np.testing.assert_allclose(same, [0.1 / R, 0.1 / R])
     np.testing.assert_allclose(opposite, [0.3 / N, -0.3 / N])
     np.testing.assert_allclose(both, same + opposite)
+
+
+def test_without_a_capstan_each_motor_has_a_panel_of_its_limits(tmp_path):
+    made, robot = library(tmp_path, [(0.0, 0.0), (0.5, 0.0)]), to_dict(lopsided())
+    robot = {name: robot[name] for name in MECHANISM}
+    made = GaitLibrary(made.arrays, {**made.attributes, "robot": robot})
+    with style():
+        slide, ankle = draw(made).axes
+    assert (slide.get_xlabel(), ankle.get_xlabel()) == ("speed [m/s]", "speed [rad/s]")
+    force = slide.collections[0].get_paths()[0].vertices[:, 1]
+    assert force.max() == 600.0
+    assert "capstan" not in caption(made)

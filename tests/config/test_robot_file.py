@@ -96,8 +96,13 @@ def test_a_mistake_is_one_line(written, text, message):
 
 @pytest.mark.parametrize("path", ["none.yaml", "./none", "."])
 def test_no_such_file(path, tmp_path):
-    with pytest.raises(UserError, match=r"expected a YAML file, found: (No such|Is a directory)"):
+    with pytest.raises(UserError, match=r"expected a YAML file, found: No such file"):
         compose([f"robot={tmp_path}/{path}"], CONF)
+
+
+def test_a_folder_stands_for_its_robot_yaml(written, tmp_path):
+    written(CHANGED, "robot.yaml")
+    assert compose([f"robot={tmp_path}"], CONF).robot.name == "mine"
 
 
 def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():

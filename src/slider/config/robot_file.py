@@ -1,4 +1,4 @@
-"""``robot=PATH``: a robot from a YAML file outside ``conf/``, as an option of Hydra's.
+"""``robot=PATH``: a robot from a YAML file, or a folder, outside ``conf/``, as a Hydra option.
 
 The file may build on one of ``conf/robot`` by ``defaults: [slider, _self_]``. With ``model`` and
 ``roles`` links, axes and joints come from a model file, but for those that are typed. Tags are
@@ -32,13 +32,28 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     """
     result = []
     for text in overrides:
-        if path := _PATH.fullmatch(text):
-            node = _read(Path(path.group(1)).expanduser())
+        if path := _path(text):
+            node = _read(path)
             _check_defaults(text, node.get("defaults", []), conf)
             ConfigStore.instance().store(_OPTION, node, group="robot")
             text = f"robot={_OPTION}"
         result.append(text)
     return result
+
+
+def model_of(option: str) -> "ModelFile | None":
+    """What the model file of ``robot=option`` gives, if it is a file that names one."""
+    path = _path(f"robot={option}")
+    return _model(_content(path), path) if path else None
+
+
+def _path(text: str) -> Path | None:
+    """File that an override names; of a folder its ``robot.yaml``."""
+    match = _PATH.fullmatch(text)
+    if match is None:
+        return None
+    path = Path(match.group(1)).expanduser()
+    return path / "robot.yaml" if path.is_dir() else path
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -65,12 +80,6 @@ def _content(path: Path) -> dict[str, Any]:
         raise UserError(f"robot={path}: expected a YAML file, found: {found}") from None
     require(isinstance(content, dict), f"robot={path}", "keys and values", type(content).__name__)
     return cast(dict[str, Any], content)
-
-
-def model_of(option: str) -> "ModelFile | None":
-    """What the model file of ``robot=option`` gives, if it is a file that names one."""
-    path = _PATH.fullmatch(f"robot={option}")
-    return _model(_content(Path(option).expanduser()), Path(option)) if path else None
 
 
 def _model(node: dict[str, Any], path: Path) -> "ModelFile | None":

@@ -78,10 +78,12 @@ def urdf(robot: RobotConfig, folder: Path) -> Path:
         turn = Rotation.from_matrix(frames[parent].T @ frames[child])
         roll, pitch, yaw = turn.as_euler("xyz")
         along = " ".join(map(str, frames[child].T @ axis))
+        lower, upper = (-0.4, 0.3) if name == "right_hip_roll" else (-0.3, 0.4)
         parts.append(
             f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
             f'<origin xyz="{x} {y} {z}" rpy="{roll} {pitch} {yaw}"/><axis xyz="{along}"/>'
-            '<limit lower="-0.3" upper="0.4" effort="1" velocity="1"/><dynamics damping="0.5"/>'
+            f'<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>'
+            '<dynamics damping="0.5"/>'
             "</joint>"
         )
 
@@ -140,6 +142,48 @@ def test_a_urdf_in_any_frames_without_a_yaw_and_with_parts_that_are_held(tmp_pat
     assert values["joints"]["slide"] == pytest.approx(slide)
 
 
+def test_hinges_on_one_body_leave_light_links(tmp_path):
+    """As many MJCF files have them: one body for the hip."""
+    text, inertial = "", '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        hinges = "".join(
+            f'<joint name="{side}_{name}" axis="{x} {y} {z}" range="-1 1"/>'
+            for name, (x, y, z) in AXES.items()
+            if name != "slide"
+        )
+        text += (
+            f'<body pos="0 {y} 0">{inertial}{hinges}'
+            f'<joint name="{side}_hip_pitch" axis="0 1 0" range="-1 1"/><body>{inertial}'
+            f'<joint name="{side}_slide" type="slide" axis="0 0 1" range="-0.2 0.1"/>'
+            f'<body pos="0 0 -0.6">{inertial}<joint name="{side}_ankle" axis="0 -1 0" '
+            'range="-1 1"/></body></body></body>'
+        )
+    path = tmp_path / "robot.xml"
+    text = f'<mujoco><worldbody><body name="base">{inertial}<freejoint/>{text}</body></worldbody>'
+    path.write_text(f'{text}<compiler angle="radian"/></mujoco>', encoding="utf-8")
+    found = read_model(path, ROLES | {"joints": ROLES["joints"] | {"upper_foot": None}})
+    assert [found.values["links"][name]["mass"] for name in ("yaw", "roll", "pitch")] == [
+        0.01,
+        0.01,
+        1,
+    ]
+    assert found.differs[0] < 1e-9
+    slide = found.values["joints"]["slide"]
+    assert (slide["lower"], slide["upper"]) == (-0.1, 0.2)  # our slide grows downwards
+
+
+def test_a_robot_on_slider_may_have_a_motor_per_joint(folder):
+    drive = "{torque: 10.0, speed: 3.0, stall_ratio: 2.0, inertia: 0.0}"
+    motors = f"{{slide: {drive}, ankle: {drive}}}"
+    gains = "{slide: {kp: 5000.0, kd: 100.0}, ankle: {kp: 50.0, kd: 1.0}}"
+    text = f"{TEXT}\ncapstan: null\ndrives: {motors}\ngains: {gains}\n"
+    (folder / "robot.yaml").write_text(text, encoding="utf-8")
+    robot = compose([f"robot={folder}"], CONF).robot
+    assert robot.leg_motors == ("hip_yaw", "hip_roll", "hip_pitch", "slide", "ankle")
+    assert robot.drives["hip_roll"] == SLIDER.drives["hip_roll"]
+    assert robot.virtual_knee == SLIDER.virtual_knee  # its leg is as long
+
+
 TEXT = """
 defaults: [slider, _self_]
 name: mine
@@ -168,6 +212,14 @@ def test_a_typed_value_comes_before_that_of_the_model(folder):
     assert (tags["links.tube.com"], tags["geometry.leg_length"]) == ("measured", "")
 
 
+@pytest.mark.parametrize("picture", ["none/robot.png", "robot.svg", "."])
+def test_a_picture_that_cannot_be_written_is_one_line(folder, capsys, picture):
+    arguments = ["robot", str(folder), "--conf", str(CONF), "--draw", f"{folder}/{picture}"]
+    assert main(arguments) == 1
+    printed = capsys.readouterr()
+    assert (printed.out, printed.err.count("\n")) == ("", 1)
+
+
 def test_the_robot_as_numbers_and_as_a_picture(folder, capsys):
     picture = folder / "robot.png"
     assert main(["robot", f"{folder}/robot.yaml", "--conf", str(CONF), "--draw", str(picture)]) == 0
@@ -184,7 +236,7 @@ def test_the_robot_as_numbers_and_as_a_picture(folder, capsys):
     lever = [data.subtree_com[body][1] - data.xanchor[joint][1] for body in (1, leg)]
     total, own = model.body_subtreemass[1], model.body_subtreemass[leg]
     expected = 9.81 * (own * lever[1] - total * lever[0])  # weight above the left roll axis
-    assert float(row.split()[2]) == pytest.approx(expected, abs=0.06)
+    assert float(row.split()[4]) == pytest.approx(expected, abs=0.06)
 
 
 @pytest.mark.parametrize(
@@ -193,6 +245,7 @@ def test_the_robot_as_numbers_and_as_a_picture(folder, capsys):
         ("model: robot.xml", "model: none.xml", "robot.model: expected a model file"),
         ("model: robot.xml", "model: ../robot.xml", "expected a file beside this one"),
         ("model: robot.xml", "model: robot.yaml", "robot.model: robot.yaml: "),
+        ("base: base", "base: world", "robot.roles.base: expected the body of the base, found wo"),
         ("base: base", "base: pelvis", "robot.roles.base: expected a body of the model: base"),
         ("left_slide", "left_knee", "expected a joint of the model: root, left_hip_yaw"),
         ("[left_slide, right_slide]", "left_slide", "slide: expected the names of a left and a"),
@@ -215,6 +268,15 @@ def test_a_mistake_is_one_line(folder, before, after, message):
     assert "\n" not in str(error.value)
 
 
+def test_swapped_legs_are_one_line(folder):
+    text = TEXT.replace("left", "other").replace("right", "left").replace("other", "right")
+    (folder / "robot.yaml").write_text(text, encoding="utf-8")
+    with pytest.raises(
+        UserError, match=r"are left and right swapped\?\), found its ankle at y = -0"
+    ):
+        compose([f"robot={folder}"], CONF)
+
+
 @pytest.mark.parametrize(
     ("before", "after", "message"),
     [
@@ -223,6 +285,10 @@ def test_a_mistake_is_one_line(folder, before, after, message):
         ('mass="0.97"', 'mass="nan"', "robot.model: "),
         ('mass="0.97"', 'mass="-1"', "robot.model: "),
         ('mass="0.97"', 'mass="1.97"', "expected legs that are alike, or roles.side"),
+        ('range="-0.785 0.785"', 'range="-0.785 0.5"', "hip_roll joints that differ by"),
+        ('range="-0.785 0.785"', 'range="0.2 0.785"', "a range that holds the nominal pose"),
+        ('range="-0.785 0.785"', 'range="-45 45"', "a range that holds the nominal pose, in rad"),
+        ("<compiler ", '<compiler inertiafromgeom="true" ', "expected masses of inertial elements"),
     ],
 )
 def test_a_model_that_does_not_fit_is_one_line(folder, before, after, message):

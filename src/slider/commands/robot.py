@@ -28,13 +28,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print masses, axes, ranges and torques; draw the robot if asked to."""
-    if arguments.draw is not None and arguments.draw.suffix != ".png":
-        raise UserError(f"--draw: expected a name that ends in .png, found {arguments.draw}")
+    picture = arguments.draw
+    if picture is not None and not (picture.suffix == ".png" and picture.parent.is_dir()):
+        raise UserError(f"--draw: expected a name that ends in .png in a folder, found {picture}")
     robot = compose([f"robot={arguments.robot}"], arguments.conf).robot
     print("\n".join(_lines(robot, model_of(arguments.robot))))
-    if arguments.draw is not None:
-        _draw(robot, arguments.draw)
-        print(f"{arguments.draw} is ready")
+    if picture is not None:
+        _draw(robot, picture)
+        print(f"{picture} is ready")
 
 
 def _lines(robot: RobotConfig, model: ModelFile | None) -> Iterator[str]:
@@ -55,16 +56,47 @@ def _lines(robot: RobotConfig, model: ModelFile | None) -> Iterator[str]:
         moments = " ".join(f"{value:9.3g}" for value in np.linalg.eigvalsh(link.tensor))
         yield f"{name:<12}{link.mass:10.3f}  {place:>24}  {moments:>30}"
     yield ""
-    yield f"{'joint':<12}{'range [rad, m]':>18}"
+    yield f"{'joint':<12}{'range [rad, m]':>18}{'damping':>10}{'armature':>10}"
     for name, joint in robot.joints.items():
         bounds = f"{joint.lower:.3f} to {joint.upper:.3f}"
-        yield f"{name:<12}{bounds:>18}"
+        yield f"{name:<12}{bounds:>18}{joint.damping:10.4g}{joint.armature:10.4g}"
     yield ""
-    yield f"{'motor':<12}{'limit':>10}{'one leg':>10}{'share':>8}   standing on the left leg"
+    yield f"{'motor':<12}{'limit':>12}{'on one leg':>12}{'share':>8}"
     motors = Transmission.of(robot)
     needed = motors.torques(with_upper_feet(_standing_efforts(robot)[None]))[0]
-    for name, limit, torque in zip(names.LEG_MOTORS, motors.torque, needed, strict=False):
-        yield f"{name:<12}{limit:10.1f}{torque:10.1f}{abs(torque) / limit:8.0%}"
+    shares = np.abs(needed) / motors.torque
+    for name, limit, torque, share in zip(
+        robot.leg_motors, motors.torque, needed, shares, strict=False
+    ):
+        unit = "N" if name == "slide" else "N m"
+        yield f"{name:<12}{f'{limit:.1f} {unit}':>12}{f'{torque:.1f} {unit}':>12}{share:8.0%}"
+    yield from _remarks(robot, shares[: len(robot.leg_motors)])
+
+
+def _remarks(robot: RobotConfig, shares: np.ndarray) -> Iterator[str]:
+    """What is possible and hardly meant."""
+    geometry, links = robot.geometry, robot.links
+    if links.tube.com[2] < -geometry.leg_length - geometry.ankle_height:
+        yield "remark: the tube's centre of mass is below the sole"
+    x = sum(place * mass for place, mass in _places(robot)) / sum(m for _, m in _places(robot))
+    if not -geometry.heel < x - geometry.hip[0] < geometry.toe:
+        yield f"remark: the centre of mass is not above the feet, x = {x:.3f} m"
+    if shares.max() > 1.0:
+        name = robot.leg_motors[int(shares.argmax())]
+        yield f"remark: {name} cannot hold the robot on one leg"
+    for name, joint in robot.joints.items():
+        if joint.armature > 0.0 and name in robot.drives and robot.drives[name].inertia > 0.0:
+            yield f"remark: joints.{name}.armature and drives.{name}.inertia add up"
+
+
+def _places(robot: RobotConfig) -> Iterator[tuple[float, float]]:
+    """Forward place in the base's frame [m] and mass [kg] of each body, joints at zero."""
+    axes, links = robot.geometry.axes, vars(robot.links)
+    at = {"base": 0.0, "yaw": axes.hip_yaw[0]}
+    at["roll"] = at["yaw"] + axes.hip_roll[0]
+    for name, link in links.items():
+        place = at.get(name, robot.geometry.hip[0]) + link.com[0]
+        yield place, link.mass * (1 if name == "base" else 2)
 
 
 def _standing_efforts(robot: RobotConfig) -> np.ndarray:

@@ -36,12 +36,13 @@ _AXES = dict.fromkeys(LINKS, (0.0, 1.0, 0.0)) | {
 _MOVES = int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE)
 _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 _LIGHT = {"mass": 0.01, "com": [0.0] * 3, "inertia": [1e-4] * 3, "products": [0.0] * 3}
-_NARROW = {"lower": -0.1, "upper": 0.1, "damping": 0.2, "armature": 0.001}
+_NARROW = {"lower": -0.1, "upper": 0.1, "damping": 0.2}
+_ARMATURE = {"hip_yaw": 0.0, "upper_foot": 0.001}  # of a joint that the machine lacks [kg m²]
 _SIDES = ("left", "right")
 _MIRROR = np.array([1.0, -1.0, 1.0])
-_TURNED = 1e-3  # of an axis against the frame's
-_OFF = 1e-3  # of the slide's axis from the pitch axis, of the base from its plane [m]
-_ALIKE = 0.01  # of a leg, mass and moments relative, centres by the leg's length
+_MAX_TILT = 1e-3  # of an axis against the frame's [rad]
+_MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis, of the base from its plane [m]
+_MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
 
 
 @dataclass(frozen=True)
@@ -71,17 +72,20 @@ class _Link:
         return _Link(self.mass, self.com * _MIRROR, self.inertia * np.outer(_MIRROR, _MIRROR))
 
     def difference(self, other: "_Link", length: float) -> float:
+        """Largest of mass and moments, relative, and of the centre by ``length`` [m]."""
+        if self.mass == other.mass == 0.0:
+            return 0.0
         scale = max(self.mass, other.mass), length, np.abs(self.inertia).max()
         parts = self.mass - other.mass, self.com - other.com, self.inertia - other.inertia
-        return max(float(np.abs(p).max() / s) for p, s in zip(parts, scale, strict=True))
+        return max(_relative(part, size) for part, size in zip(parts, scale, strict=True))
 
     def values(self, origin: np.ndarray) -> dict[str, Any]:
         moments = self.inertia
         return {
-            "mass": _short(self.mass),
-            "com": _short(self.com - origin),
-            "inertia": _short(np.diag(moments)),
-            "products": _short(moments[[0, 0, 1], [1, 2, 2]]),
+            "mass": _rounded(self.mass),
+            "com": _rounded(self.com - origin),
+            "inertia": _rounded(np.diag(moments)),
+            "products": _rounded(moments[[0, 0, 1], [1, 2, 2]]),
         }
 
 
@@ -108,15 +112,22 @@ def read_model(path: Path, roles: Mapping[str, Any]) -> ModelFile:
         for name, link in legs[0].links.items()
     }
     for name, place in legs[0].places.items():
-        apart = np.abs(legs[1].places[name] * _MIRROR - place).max() / length
-        differences[f"{name} axes"] = float(apart)
+        differences[f"{name} axes"] = _relative(legs[1].places[name] * _MIRROR - place, length)
+        joints = [np.array(list(leg.joints[name].values())) for leg in legs]
+        size = np.maximum(*np.abs(joints)).clip(1e-9)
+        differences[f"{name} joints"] = _relative((joints[1] - joints[0]) / size, 1.0)
     worst = max(differences, key=differences.__getitem__)
     side = roles.get("side")
     require(side in (None, *_SIDES), "robot.roles.side", "left or right", side)
     expected = "legs that are alike, or roles.side: left or right"
     found = f"{worst} that differ by {differences[worst]:.1%}"
-    require(side is not None or differences[worst] <= _ALIKE, "robot.model", expected, found)
+    require(
+        side is not None or differences[worst] <= _MAX_DIFFERENCE, "robot.model", expected, found
+    )
     leg = legs[0] if side != "right" else legs[1].mirrored()
+    lateral = leg.places["ankle"][1]
+    expected = "a left leg on the left, y > 0 (are left and right swapped?)"
+    require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
     links = {"base": tree.base().values(np.zeros(3)), **leg.described()}
     values = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
     return ModelFile(values, tree.held(), (differences[worst], worst))
@@ -141,14 +152,18 @@ class _Leg:
         places, above = self._origins(), np.zeros(3)
         axes = {}
         for name in ("hip_yaw", "hip_roll", "hip_pitch"):
-            axes[name], above = _short(places[name] - above), places[name]
+            axes[name], above = _rounded(places[name] - above), places[name]
         reach = places["ankle"] - above
-        along = abs(reach[0]) <= _OFF and reach[2] < 0.0
+        along = abs(reach[0]) <= _MAX_OFFSET and reach[2] < 0.0
         expected = "an ankle below the pitch axis in the nominal pose"
         require(along, "robot.model", expected, f"{np.round(reach, 4).tolist()} m from it")
-        geometry = {"axes": axes, "leg_length": _short(-reach[2])}
+        geometry = {"axes": axes, "leg_length": _rounded(-reach[2])}
         if "upper_foot" in places:
-            geometry["upper_foot_height"] = _short(places["upper_foot"][2] - above[2])
+            offset = places["upper_foot"] - above
+            expected = "an upper foot above the pitch axis in the nominal pose"
+            possible = float(np.abs(offset[:2]).max()) <= _MAX_OFFSET and offset[2] > 0.0
+            require(possible, "robot.model", expected, f"{np.round(offset, 4).tolist()} m from it")
+            geometry["upper_foot_height"] = _rounded(places["upper_foot"][2] - above[2])
         return geometry
 
     def described(self) -> dict[str, Any]:
@@ -177,6 +192,7 @@ class _Tree:
     ) -> None:
         self._model, self._data, self._joints = model, mujoco.MjData(model), joints
         self._base = _body(model, roles.get("base"))
+        require(self._base > 0, "robot.roles.base", "the body of the base", "world")
         self._zero = self._pose(roles.get("pose") or {})
         mujoco.mj_kinematics(model, self._data)
         mujoco.mj_comPos(model, self._data)
@@ -238,7 +254,11 @@ class _Tree:
             places[name] = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
             links[name] = self._joined(np.flatnonzero(self._owners == pair[side]))
             joints[name] = self._joint(name, side)
-        return _Leg(places, links, joints | {n: dict(_NARROW) for n in LINKS if n not in joints})
+        return _Leg(
+            places,
+            links,
+            joints | {n: _NARROW | {"armature": _ARMATURE[n]} for n in LINKS if n not in joints},
+        )
 
     @property
     def _origin(self) -> np.ndarray:
@@ -247,9 +267,13 @@ class _Tree:
     def base(self) -> _Link:
         """The base and all that is welded to it, with the plane of symmetry at y = 0."""
         base = self._joined(np.flatnonzero(self._owners == -1))
-        plane = abs(base.com[1]) <= _OFF
-        expected = f"a base whose centre has y = 0 within {_OFF} m"
+        plane = abs(base.com[1]) <= _MAX_OFFSET
+        expected = f"a base whose centre has y = 0 within {_MAX_OFFSET} m"
         require(plane, "robot.model", expected, f"{base.com[1]:.4f} m")
+        skewed = _relative(base.inertia - base.mirrored().inertia, np.abs(base.inertia).max())
+        expected = f"a base with Ixy = Iyz = 0 within {_MAX_DIFFERENCE:.0%} of its moments"
+        found = f"{base.inertia[0, 1]:.4g} and {base.inertia[1, 2]:.4g} kg m²"
+        require(skewed <= 2 * _MAX_DIFFERENCE, "robot.model", expected, found)
         symmetric = (base.inertia + base.mirrored().inertia) / 2
         return _Link(base.mass, base.com * [1.0, 0.0, 1.0], symmetric)
 
@@ -258,7 +282,10 @@ class _Tree:
         model, roles = self._model, {index for pair in self._joints.values() for index in pair}
         root = model.body_rootid[self._base]
         return {
-            model.joint(index).name: float(model.body_subtreemass[model.jnt_bodyid[index]])
+            model.joint(index).name
+            or f"a joint of {model.body(model.jnt_bodyid[index]).name}": float(
+                model.body_subtreemass[model.jnt_bodyid[index]]
+            )
             for index in range(model.njnt)
             if index not in roles
             and model.jnt_type[index] != _FREE
@@ -277,18 +304,23 @@ class _Tree:
         sign = float(np.sign(axis @ _AXES[name]))
         turned = np.abs(sign * axis - _AXES[name]).max()
         expected = f"an axis along {'xyz'[int(np.abs(_AXES[name]).argmax())]}"
-        possible = turned <= _TURNED
+        possible = turned <= _MAX_TILT
         require(possible, key, expected, f"{text} along {np.round(axis, 3).tolist()}")
         require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
         if side == 1 and name in ("hip_yaw", "hip_roll"):
             sign = -sign  # the reflection turns these
         ends = sign * (model.jnt_range[index] - self._zero[index])
+        most = np.inf if slides else 2 * np.pi
+        expected = "a range that holds the nominal pose" + ("" if slides else ", in rad")
+        found = f"{text} from {ends.min():.4g} to {ends.max():.4g}"
+        possible = ends.min() <= 0.0 <= ends.max() and np.abs(ends).max() <= most
+        require(bool(possible), key, expected, found)
         dof = model.jnt_dofadr[index]
         return {
-            "lower": _short(ends.min()),
-            "upper": _short(ends.max()),
-            "damping": _short(model.dof_damping[dof]),
-            "armature": _short(model.dof_armature[dof]),
+            "lower": _rounded(ends.min()),
+            "upper": _rounded(ends.max()),
+            "damping": _rounded(model.dof_damping[dof]),
+            "armature": _rounded(model.dof_armature[dof]),
         }
 
     def _joined(self, bodies: np.ndarray) -> _Link:
@@ -304,31 +336,48 @@ class _Tree:
             inertia += turn @ np.diag(model.body_inertia[body]) @ turn.T
             spread = (place @ place) * np.eye(3) - np.outer(place, place)
             inertia += model.body_mass[body] * spread
-        require(bool(np.isfinite(inertia).all()), "robot.model", "finite masses", "others")
         return _Link(mass, com, inertia)
 
 
 def _compiled(path: Path) -> mujoco.MjModel:
     """The model without meshes, sensors and actuators."""
     require(path.is_file(), "robot.model", "a model file (MJCF or URDF)", f"none at {path}")
+    warn, warnings = mujoco.get_mju_user_warning(), []
+    mujoco.set_mju_user_warning(warnings.append)  # else into a file in the working directory
     try:
         spec = mujoco.MjSpec.from_file(str(path))
-        for geom in list(spec.geoms):
-            if geom.type == mujoco.mjtGeom.mjGEOM_MESH:
-                body = geom.parent
-                weighs = body.explicitinertial or body == spec.worldbody
-                text = f"{body.name} with a mesh alone"
-                require(weighs, "robot.model", "bodies with an inertial element", text)
-                spec.delete(geom)
-        for part in [*spec.sensors, *spec.actuators, *spec.tendons, *spec.keys, *spec.pairs]:
-            spec.delete(part)
-        for part in [*spec.skins, *spec.meshes, *spec.excludes, *spec.equalities]:
-            spec.delete(part)
-        spec.compiler.fusestatic = False  # a URDF's root would be part of the world
-        return spec.compile()
+        _strip(spec, path.suffix == ".urdf")
+        model = spec.compile()
     except (ValueError, OSError) as error:
-        text = " ".join(str(error).split())
+        text = " ".join([*str(error).split(), *" ".join(warnings).split()])
         raise UserError(f"robot.model: {path.name}: {text}") from None
+    finally:
+        mujoco.set_mju_user_warning(warn)
+    finite = np.isfinite(model.body_mass).all() and np.isfinite(model.body_inertia).all()
+    require(bool(finite), "robot.model", "finite masses and inertias", "others")
+    return model
+
+
+def _strip(spec: mujoco.MjSpec, urdf: bool) -> None:
+    """Delete what needs further files, or names what is deleted."""
+    from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
+    expected = "masses of inertial elements"
+    require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
+    for geom in list(spec.geoms):
+        geom.material, body = "", geom.parent
+        shaped = geom.type in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD)
+        weighs = body.explicitinertial or body == spec.worldbody
+        text = f"{body.name} without"
+        require(weighs or not (shaped or urdf), "robot.model", f"{expected} in bodies", text)
+        if shaped:
+            spec.delete(geom)
+    for part in [*spec.sensors, *spec.actuators, *spec.tendons, *spec.keys, *spec.pairs]:
+        spec.delete(part)
+    for part in [*spec.skins, *spec.meshes, *spec.excludes, *spec.equalities]:
+        spec.delete(part)
+    for part in [*spec.hfields, *spec.materials, *spec.textures]:
+        spec.delete(part)
+    spec.compiler.fusestatic = False  # a URDF's root would be part of the world
 
 
 def _joints(model: mujoco.MjModel, roles: Mapping[str, Any]) -> dict[str, tuple[int, int]]:
@@ -367,8 +416,14 @@ def _index(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, key: str, what
     return index
 
 
-def _short(value: Any) -> Any:
+def _relative(difference: Any, size: float) -> float:
+    """Largest element in units of ``size``; infinite where it is no number."""
+    value = float(np.abs(difference).max() / size) if size > 0.0 else np.inf
+    return value if np.isfinite(value) else np.inf
+
+
+def _rounded(value: Any) -> Any:
     """Numbers of nine digits and twelve decimals, so that they are the same on every machine."""
     if np.ndim(value):
-        return [_short(item) for item in value]
+        return [_rounded(item) for item in value]
     return round(float(f"{value:.9g}"), 12) + 0.0

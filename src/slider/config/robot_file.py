@@ -41,6 +41,27 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     return result
 
 
+def without_other_motors(robot: Any) -> None:
+    """Drop drives and gains of a capstan from a robot without one, and the reverse.
+
+    They come from the robot that a file builds on: no file can delete a key.
+    """
+    if not isinstance(robot, dict) or "capstan" not in robot:
+        return
+    unused = ("capstan",) if robot["capstan"] is None else ("slide", "ankle")
+    keys = {f"{table}.{name}" for table in ("drives", "gains") for name in unused}
+    keys |= {"capstan"} if robot["capstan"] is None else set()
+    for name in ("drives", "gains"):
+        if isinstance(robot.get(name), dict):
+            robot[name] = {k: v for k, v in robot[name].items() if k not in unused}
+    if isinstance(robot.get("provenance"), dict):
+        robot["provenance"] = {
+            key: tag
+            for key, tag in robot["provenance"].items()
+            if not any(f"{key}.".startswith(f"{unused}.") for unused in keys)
+        }
+
+
 def model_of(option: str) -> "ModelFile | None":
     """What the model file of ``robot=option`` gives, if it is a file that names one."""
     path = _path(f"robot={option}")

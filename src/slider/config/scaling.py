@@ -24,7 +24,8 @@ def _mass(robot: Any) -> float:
 def _register(name: str, scale: Callable[[Any], float]) -> None:
     def resolve(value: float, *, _root_: DictConfig) -> float:
         try:
-            return value * round(scale(_root_.robot), 12)  # a sum of masses has wrong last digits
+            factor = round(scale(_root_.robot), 12)  # a sum of masses has wrong last digits
+            return value * factor if factor > 0.0 else value
         except (OmegaConfBaseException, TypeError, AttributeError):
             return value  # the schema has a line about the robot's value, which comes first
 

@@ -140,12 +140,19 @@ def _add_light(spec: mujoco.MjSpec) -> None:
 
 
 def _complete_leg(spec: mujoco.MjSpec, robot: RobotConfig, side: str) -> None:
-    """What touches nothing and is therefore not simulated: the ankle."""
+    """What touches nothing and is therefore not simulated: ankle, links between the hip's axes."""
     geometry = robot.geometry
     end = [0, 0, -geometry.leg_length]
     _decorate(
         spec.body(f"{side}_slide"), geometry.tube_radius, [*end[:2], end[2] + 0.05, *end], _TUBE
     )
+    lateral = 1.0 if side == names.SIDES[0] else -1.0
+    for above, (x, y, z) in (
+        ("hip_yaw", geometry.axes.hip_roll),
+        ("hip_roll", geometry.axes.hip_pitch),
+    ):
+        if any((x, y, z)):
+            _decorate(spec.body(f"{side}_{above}"), 0.02, [0, 0, 0, x, lateral * y, z], _TUBE)
     height = geometry.foot_radius - geometry.ankle_height
     _decorate(spec.body(names.foot(side)), 0.011, [0, 0, 0, 0, 0, height], _TUBE)
 

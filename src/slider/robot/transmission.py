@@ -3,9 +3,9 @@
 Motor angles are ``matrix @ joints``, joint efforts ``matrix.T @ torques`` (virtual work). Leg
 motors drive a joint each, or both through a capstan: in the same sense they move the slide, in
 opposite senses they turn the foot, with angles s/r ± β/n of a slide s [m] and an ankle β [rad],
-drum radius r and foot ratio n. Torque limit,
-torque-speed line, rotor inertia and position loop belong to motors; their effect on joints
-follows from the matrix.
+drum radius r and foot ratio n. Torque limit, torque-speed line, rotor inertia and position loop
+belong to motors; their effect on joints follows from the matrix. Without a capstan the slide's
+motor has N, m/s and kg in the place of N m, rad/s and kg m².
 """
 
 from collections.abc import Mapping

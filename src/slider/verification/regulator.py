@@ -15,7 +15,7 @@ from slider.robot import names
 from slider.robot.kinematics import about_x, about_z
 
 _PRISMATIC = len(names.LEG_JOINTS)
-_HIP_ITERATIONS = 30  # each is off by a tenth of the one before, or less
+_HIP_ITERATIONS, _CLOSE = 200, 1e-13  # at most; [rad]
 _HIP = np.array([names.LEG_JOINTS.index("hip_roll"), names.LEG_JOINTS.index("hip_pitch")])
 
 
@@ -150,7 +150,8 @@ def level_leg(
     fixed, moved, turned = (
         mirror * place for place in (axes.hip_yaw, axes.hip_roll, axes.hip_pitch)
     )
-    for _ in range(_HIP_ITERATIONS if moved.any() or turned.any() else 1):
+    for _ in range(_HIP_ITERATIONS):
+        before = np.array([yaw, roll])
         by_yaw, by_roll = about_z(np.array([yaw]))[0], about_x(np.array([roll]))[0]
         hip = position + rotation @ (fixed + by_yaw @ (moved + by_roll @ turned))
         axis = _cross(hip - sole, heading)
@@ -158,6 +159,8 @@ def level_leg(
         turn = rotation.T @ axis
         roll = np.arcsin(np.clip(turn[2], -1.0, 1.0))
         yaw = np.arctan2(-turn[0], turn[1])
+        if np.abs(before - [yaw, roll]).max() < _CLOSE or not (moved.any() or turned.any()):
+            break
     ankle = sole + geometry.ankle_height * _cross(heading, axis)
     to_leg = about_x(np.array([roll]))[0].T @ about_z(np.array([yaw]))[0].T @ rotation.T
     reach, toe = to_leg @ (ankle - hip), to_leg @ heading

@@ -10,13 +10,16 @@ from slider.control.whole_body import references
 from tests.env.synthetic import config
 
 OMEGA = references.natural_frequency(0.65)
-STEP = config().control["mpc_wbc_tuned"].step
+STEP = replace(
+    config().control["mpc_wbc_tuned"].step, time=0.3, time_per_speed=0.0, width=0.2, apex=0.07
+)
 TIME = STEP.time
 
 
 def planner(setting: str = "tuned", step: dict | None = None, **changes) -> FootstepPlanner:
     control = config().control[f"mpc_wbc_{setting}"]
-    changed = replace(control.step, **(step or {}))
+    changed = replace(STEP if setting == "tuned" else control.step, **(step or {}))
+    changes = {"steps": 3, "time_weight": 50.0} | changes
     return FootstepPlanner(changed, replace(control.planner, **changes), OMEGA)
 
 

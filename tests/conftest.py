@@ -14,6 +14,7 @@ from tests import shared
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parent / "__pycache__"))
 os.environ.setdefault("WARP_CACHE_PATH", str(Path.home() / ".cache" / "warp"))  # as Warp's own
 limit_threads(1)  # before torch and casadi are imported: `make test` has a process per core
+os.fsync = lambda _: None  # what tests write need not outlive a power failure
 
 
 def pytest_configure() -> None:

@@ -1,19 +1,42 @@
 """For all tests: one thread per process, long files first, results that all processes share."""
 
+import copy
 import os
 import shutil
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from slider.artefacts.runner import limit_threads
+from slider.config import compose as composing
 from tests import shared
 
 # Machine code is compiled once for all stores that tests make.
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parent / "__pycache__"))
 os.environ.setdefault("WARP_CACHE_PATH", str(Path.home() / ".cache" / "warp"))  # as Warp's own
 limit_threads(1)  # before torch and casadi are imported: `make test` has a process per core
+os.fsync = lambda _: None  # what tests write need not outlive a power failure
+
+# Hydra takes half a second for a configuration: the repository's are composed once per session.
+CONF = Path(__file__).parents[1] / "conf"
+_compose = composing.compose_untyped
+
+
+@shared.shared
+def _composed(*overrides: str) -> dict[str, Any]:
+    return _compose(overrides, CONF)
+
+
+def _compose_once(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
+    if conf.resolve() != CONF:
+        return _compose(overrides, conf)
+    return copy.deepcopy(_composed(*overrides))
+
+
+composing.compose_untyped = _compose_once
 
 
 def pytest_configure() -> None:

@@ -3,8 +3,8 @@
 import os
 import threading
 import uuid
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -61,20 +61,7 @@ def s3_server() -> Iterator[str]:
 def http_server(folder: Path, missing: int = 404) -> Iterator[str]:
     """A server of a folder's files, with a status for those that are not there."""
     handler = type("Handler", (_Silent,), {"missing": missing})
-    with _serving(partial(handler, directory=str(folder))) as url:
-        yield url
-
-
-@contextmanager
-def endless_server() -> Iterator[str]:
-    """A server that sends zeros until it is no longer heard."""
-    with _serving(_Endless) as url:
-        yield url
-
-
-@contextmanager
-def _serving(handler: Callable) -> Iterator[str]:
-    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(handler, directory=str(folder))) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}"
         server.shutdown()
@@ -90,21 +77,9 @@ class _Silent(SimpleHTTPRequestHandler):
         pass
 
 
-class _Endless(_Silent):
-    def do_GET(self) -> None:
-        self.send_response(200)
-        self.end_headers()
-        with suppress(OSError):
-            while True:
-                self.wfile.write(bytes(2**16))
-
-
 @contextmanager
 def ssh_server(home: Path) -> Iterator[str]:
-    """A server of the whole file system, which the settings of a home folder know by name.
-
-    Whoever has the key may also go on from there to another server.
-    """
+    """A server of the whole file system, which the settings of a home folder know by name."""
     key, host_key = (asyncssh.generate_private_key("ssh-ed25519") for _ in range(2))
     folder = home / ".ssh"
     folder.mkdir(parents=True)
@@ -115,7 +90,6 @@ def ssh_server(home: Path) -> Iterator[str]:
         "127.0.0.1",
         0,
         server_host_keys=[host_key],
-        server_factory=_Door,
         authorized_client_keys=str(folder / "id_work.pub"),
         sftp_factory=True,
     )
@@ -124,7 +98,7 @@ def ssh_server(home: Path) -> Iterator[str]:
     public = host_key.export_public_key("openssh").decode()
     (folder / "known_hosts").write_text(f"[127.0.0.1]:{listener.get_port()} {public}")
     settings = (f"Port {listener.get_port()}", "User me", f"IdentityFile {folder}/id_work")
-    lines = "\n  ".join((f"Host {HOST} gate", "HostName 127.0.0.1", *settings))
+    lines = "\n  ".join((f"Host {HOST}", "HostName 127.0.0.1", *settings))
     (folder / "config").write_text(f"{lines}\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("HOME", str(home))
@@ -132,10 +106,3 @@ def ssh_server(home: Path) -> Iterator[str]:
         SSHFileSystem.clear_instance_cache()
         yield f"sftp://{HOST}"
     listener.close()
-
-
-class _Door(asyncssh.SSHServer):
-    """Lets connections to other servers through."""
-
-    def connection_requested(self, *_) -> bool:
-        return True

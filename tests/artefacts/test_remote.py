@@ -2,7 +2,6 @@
 
 import errno
 import os
-import shlex
 import socket
 import sys
 import time
@@ -14,10 +13,8 @@ from fsspec.registry import _registry
 from slider.artefacts.remote import MARKER, DamageError, Remote
 from slider.core.errors import UserError
 from tests.artefacts.servers import (
-    HOST,
     KINDS,
     anywhere,
-    endless_server,
     http_server,
     s3_server,
     ssh_server,
@@ -37,14 +34,6 @@ def test_copies_arrive_and_are_never_larger_than_expected(kind, tmp_path):
         assert (remote.read("results/x", 10), remote.size("results/x")) == (b"0123456789", 10)
         with pytest.raises(DamageError, match="expected 9 bytes, found more"):
             remote.fetch("results/x", tmp_path / "x", 9)
-
-
-def test_an_answer_without_an_end_ends(tmp_path):
-    with endless_server() as url:
-        with pytest.raises(DamageError, match="expected 10 bytes, found more"):
-            Remote(url).fetch("files/x", tmp_path / "x", 10)
-        with pytest.raises(UserError, match="expected a store of layout 2, found another"):
-            Remote(url).open()
 
 
 def test_only_plain_files_are_read(tmp_path):
@@ -95,32 +84,6 @@ def test_unknown_hosts_and_users_are_refused(tmp_path):
         config.write_text(settings.replace("IdentityFile", "# IdentityFile"))
         with pytest.raises(UserError, match=r"^remote sftp://cluster/[^\n]+$"):
             Remote(f"{url}{tmp_path}/remote").open()
-
-
-@pytest.mark.parametrize("line", ["ProxyJump gate", "ProxyCommand {python} {program} %h %p"])
-def test_a_host_behind_another(line, tmp_path):
-    with ssh_server(tmp_path / "home") as url:
-        config = tmp_path / "home" / ".ssh" / "config"
-        program = tmp_path / "proxy"
-        program.write_text(PROXY)
-        settings = config.read_text().replace(f"Host {HOST} gate", "Host behind")
-        line = line.format(python=shlex.quote(sys.executable), program=program)
-        config.write_text(f"{config.read_text()}{settings}  {line}\n")
-        remote = Remote(f"{url.replace(HOST, 'behind')}{tmp_path}/remote")
-        remote.write("results/x", "x" * 100_000)
-        assert remote.read("results/x", 100_000) == b"x" * 100_000
-
-
-PROXY = """import os, socket, sys, threading
-
-there = socket.create_connection((sys.argv[1], int(sys.argv[2])))
-def answer():
-    while content := there.recv(65536):
-        os.write(1, content)
-threading.Thread(target=answer, daemon=True).start()
-while content := os.read(0, 65536):
-    there.sendall(content)
-"""
 
 
 def test_missing_packages_have_a_name(monkeypatch):

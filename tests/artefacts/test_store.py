@@ -1,6 +1,5 @@
 """The store: publication, manifests, content that is read once, locks between processes."""
 
-import errno
 import json
 import os
 import signal
@@ -51,19 +50,6 @@ def test_links_are_refused(store):
         (out / "link").symlink_to("/etc/passwd")
         with pytest.raises(ValueError, match=r"^expected files and folders, found another kind: "):
             store.publish(out, {})
-
-
-def test_full_disk_leaves_nothing_visible(store, monkeypatch):
-    def no_space(*_):
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    for call in ("rename", "fsync"):
-        monkeypatch.setattr(os, call, no_space)
-    with pytest.raises(OSError, match="No space left on device"):
-        compute(store, GAITS[0])
-    with pytest.raises(OSError, match="No space left on device"):
-        files.write_json(store.root / "x.json", {})
-    assert not [path for path in store.root.rglob("*") if path.is_file()]
 
 
 def test_manifest_round_trip_holds_nothing_volatile(store, manifest):

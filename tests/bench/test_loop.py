@@ -31,19 +31,10 @@ def test_it_runs_with_the_default_configuration(tmp_path, capsys):
     assert re.search(r"^ +4 +[\d.]+ \(", shown, re.MULTILINE)
 
 
-@pytest.mark.parametrize(
-    ("option", "value", "message"),
-    [
-        *(
-            (f"--{n}", "0", f"--{n}: expected at least 1, found 0")
-            for n in ("envs", "rounds", "threads")
-        ),
-        *(("--seconds", v, "--seconds: expected a positive number") for v in ("0", "nan", "-1")),
-    ],
-)
-def test_impossible_numbers_are_one_line(option, value, message, capsys):
+@pytest.mark.parametrize(("option", "value"), [("--envs", "0"), ("--seconds", "nan")])
+def test_impossible_numbers_are_one_line(option, value, capsys):
     assert main(["benchmark-training", option, value]) == 1
-    assert message in capsys.readouterr().err
+    assert capsys.readouterr().err.startswith(f"slider: {option}: expected ")
 
 
 def test_without_a_library_it_says_how_to_make_one(tmp_path, capsys):

@@ -62,16 +62,16 @@ def load_example():
     return module
 
 
-@pytest.mark.parametrize("turning", [False, True])
 @pytest.mark.parametrize(
-    "overrides",
+    ("overrides", "turning"),
     [
-        (),
-        ("env=paper",),
-        ("env.phase.mirror=false",),
-        ("env.phase.halt.below=5.0", "env.phase.halt.above=5.0"),
-        ("env.action.offset=nominal",),
-        ("env.reference.acceleration=0",),
+        ((), False),
+        ((), True),
+        (("env=paper",), True),
+        (("env.phase.mirror=false",), True),
+        (("env.phase.halt.below=5.0", "env.phase.halt.above=5.0"), True),
+        (("env.action.offset=nominal",), True),
+        (("env.reference.acceleration=0",), False),
     ],
 )
 def test_it_acts_and_moves_like_the_package(tmp_path, monkeypatch, overrides, turning):

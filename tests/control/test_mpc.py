@@ -1,5 +1,6 @@
 """The baseline walks in the simulator: 3 s of each setting, sideways, turning, perturbed."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +17,14 @@ from slider.env.metrics import CONTACT_FORCE
 from slider.env.physics import BatchedPhysics
 from slider.env.rollout import Recording, roll_out
 from slider.env.starts import at_rest
-from tests.env.synthetic import TORQUE_LIMITS, config, make_arrays, motor_torques, robot_config
+from tests.env.synthetic import (
+    TORQUE_LIMITS,
+    config,
+    disturbance,
+    make_arrays,
+    motor_torques,
+    robot_config,
+)
 
 COUNT, SECONDS = 2, 3.0
 SETTLED = 6.0  # the integral action needs some strides [s]
@@ -28,15 +36,20 @@ def walk(
     plant: RobotConfig | None = None,
     seconds: float = SECONDS,
     noise: bool = False,
+    count: int = COUNT,
+    drawn: Disturbance | None = None,
+    watch: Callable[[BatchedPhysics], None] = lambda _: None,
 ) -> tuple[Recording, WalkingController]:
+    """Robots that are told a velocity, or velocities (S, N, 3); ``watch`` gets their physics."""
     whole = config()
     control = whole.control[f"mpc_wbc_{setting}"]
     settings = replace(whole.env.physics, substeps=control.substeps)
-    physics = BatchedPhysics(plant or robot_config(), settings, COUNT, 1, "torque")
+    physics = BatchedPhysics(plant or robot_config(), settings, count, 1, "torque", drawn)
+    watch(physics)
     controller = mpc_controller(robot_config(), control, physics.period)
     spread = whole.evaluation.start if noise else StartNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    start = at_rest(robot_config(), spread, np.random.default_rng(7), COUNT)
-    velocities = np.tile(velocity, (COUNT, 1)) if np.ndim(velocity) == 1 else np.asarray(velocity)
+    start = at_rest(robot_config(), spread, np.random.default_rng(7), count)
+    velocities = np.tile(velocity, (count, 1)) if np.ndim(velocity) == 1 else np.asarray(velocity)
     return roll_out(controller, physics, whole.env, start, velocities, seconds), controller
 
 
@@ -64,19 +77,14 @@ def test_walks_forward_with_the_mean_velocity_that_it_is_told():
     np.testing.assert_allclose(recording.yaw[-1], 0.0, atol=0.1)
 
 
-@pytest.mark.parametrize("kind", ["slope_up", "slope_down", "slope_across"])
-def test_walks_on_a_slope_that_it_receives(kind):
-    text = f"terrain={{kinds: [{kind}], level: {{lower: 4.8, upper: 4.8}}}}"
-    whole = config(f"evaluation.disturbance.{text}")
-    control = whole.control["mpc_wbc_tuned"]
-    settings = replace(whole.env.physics, substeps=control.substeps)
-    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
-    physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque", disturbance)
-    controller = mpc_controller(robot_config(), control, physics.period)
-    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
-    command = np.tile([0.6, 0.0, 0.0], (COUNT, 1))
-    recording = roll_out(controller, physics, whole.env, start, command, SETTLED)
-    np.testing.assert_allclose(steady(recording), [0.6, 0.0], atol=0.05)
+def test_walks_on_slopes_that_it_receives():
+    """One robot each: up, down and across."""
+    text = "kinds: [slope_up, slope_down, slope_across], level: {lower: 4.8, upper: 4.8}"
+    drawn = Disturbance(disturbance(f"terrain={{{text}}}"), (1,))
+    recording, _ = walk((0.6, 0.0, 0.0), seconds=SETTLED, noise=True, count=3, drawn=drawn)
+    assert recording.survived.all()
+    mean = recording.velocity[-90:].mean(axis=0)
+    np.testing.assert_allclose(mean, [[0.6, 0.0]] * 3, atol=0.06)
 
 
 def test_literal_settings_walk_slower_than_the_command():
@@ -96,15 +104,14 @@ def test_walks_on_a_plant_that_is_not_its_nominal_model():
 
 
 def test_a_robot_does_not_depend_on_the_others():
-    recording, _ = walk((0.6, 0.0, 0.0), seconds=1.0, noise=True)
-    whole = config()
+    """The second of two robots with starts of their own, alone."""
+    whole, two = config(), walk((0.6, 0.0, 0.0), seconds=1.0, noise=True)[0]
     physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
     controller = mpc_controller(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
-    qpos, qvel = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
-    alone = roll_out(
-        controller, physics, whole.env, (qpos[1:2], qvel[1:2]), np.array([[0.6, 0, 0]]), 1.0
-    )
-    np.testing.assert_allclose(alone.velocity[:, 0], recording.velocity[:50, 1], atol=1e-6)
+    starts = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), COUNT)
+    start, command = tuple(values[1:] for values in starts), np.array([[0.6, 0.0, 0.0]])
+    alone = roll_out(controller, physics, whole.env, start, command, 1.0)
+    np.testing.assert_allclose(alone.velocity[:, 0], two.velocity[:50, 1], atol=1e-6)
 
 
 def test_switches_off_where_it_has_fallen():
@@ -122,18 +129,17 @@ def test_switches_off_where_it_has_fallen():
 
 def test_torques_stay_within_the_limits():
     recorded = []
-    whole = config()
-    physics = BatchedPhysics(robot_config(), replace(whole.env.physics, substeps=1), 1, 1, "torque")
-    controller = mpc_controller(robot_config(), whole.control["mpc_wbc_tuned"], physics.period)
-    step = physics.step
 
-    def spying(torques: np.ndarray) -> None:
-        step(torques)
-        recorded.append((motor_torques(torques[0]), physics.read().motor_torques[0]))
+    def watch(physics: BatchedPhysics) -> None:
+        step = physics.step
 
-    physics.step = spying
-    start = at_rest(robot_config(), whole.evaluation.start, np.random.default_rng(7), 1)
-    roll_out(controller, physics, whole.env, start, np.array([[0.8, 0.0, 0.0]]), 1.0)
+        def spying(torques: np.ndarray) -> None:
+            step(torques)
+            recorded.append((motor_torques(torques[0]), physics.read().motor_torques[0]))
+
+        physics.step = spying
+
+    walk((0.8, 0.0, 0.0), seconds=1.0, noise=True, count=1, watch=watch)
     asked, applied = (np.array(column) for column in zip(*recorded, strict=True))
     assert len(asked) == 200, "200 Hz"
     np.testing.assert_allclose(applied, asked, atol=1e-4)  # the motors clip nothing

@@ -1,7 +1,5 @@
 """The policy file and its network, which must be that of training."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import torch
@@ -9,9 +7,7 @@ from rsl_rl.models import MLPModel
 from tensordict import TensorDict
 
 from slider.control.policy import (
-    Policy,
     PolicyController,
-    PolicyNetwork,
     from_actor,
     load_policy,
     save_policy,
@@ -19,54 +15,36 @@ from slider.control.policy import (
 from slider.core.errors import UserError
 from slider.robot.names import JOINTS
 from slider.training.ppo import NORMALISER_EPSILON
-from tests.env.synthetic import config, gait_table, make_agent, make_state
+from tests.control.policies import make_policy
+from tests.env.synthetic import make_agent, make_state
 
-LAYOUT = {"command": 4, "joint_positions": 12}
-SIZE = sum(LAYOUT.values())
-HIDDEN = (32, 16)
+SIZE = 16  # observations of the actors
 
 
-def make_policy(seed: int = 0, clock: bool = True) -> Policy:
-    torch.manual_seed(seed)
-    network = PolicyNetwork(SIZE, 12, HIDDEN, "elu")
-    network.mean.copy_(torch.randn(SIZE))
-    network.std.copy_(1.0 + torch.rand(SIZE))
-    times = gait_table().times if clock else None
-    whole = config("experiment=test")
-    facts = {"seed": 1, "iteration": 20, "value": 0.1}
-    return Policy(network.eval(), HIDDEN, "elu", LAYOUT, times, whole.robot, whole.env, facts)
+WITHOUT_GAITS = ("env/phase=none", "env.action.offset=nominal", "~env.observation.terms.phase")
 
 
 @pytest.mark.parametrize("gaits", [True, False])
 def test_comes_back_as_it_was_saved(tmp_path, gaits):
     """Step times of the clock and gaits under the actions included."""
-    reference = gait_table().joints if gaits else None
-    policy = replace(make_policy(clock=gaits), reference=reference)
+    policy = make_policy(*(() if gaits else WITHOUT_GAITS))
     save_policy(policy, tmp_path / "policy.pt")
     back = load_policy(tmp_path / "policy.pt")
-    observations = torch.randn(50, SIZE)
+    observations = torch.randn(50, sum(policy.observations.values()))
     with torch.inference_mode():
         assert torch.equal(policy.network(observations), back.network(observations))
-    assert (back.hidden, back.activation, back.observations) == (HIDDEN, "elu", LAYOUT)
-    assert list(back.observations) == list(LAYOUT), "the order of the terms matters"
+    assert (back.hidden, back.activation) == (policy.hidden, policy.activation)
+    assert [*back.observations.items()] == [*policy.observations.items()], "their order matters"
     assert not back.network.training
     assert (back.robot, back.env, back.facts) == (policy.robot, policy.env, policy.facts)
-    if policy.times is None or reference is None:
+    if policy.times is None or policy.reference is None:
         assert back.times is back.reference is None
         return
     assert back.times is not None
     assert back.reference is not None
     for name in ("vx", "vy", "step_time"):
         np.testing.assert_array_equal(getattr(back.times, name), getattr(policy.times, name))
-    np.testing.assert_array_equal(back.reference.positions, reference.positions)
-
-
-def test_same_policy_same_bytes(tmp_path):
-    for name in ("one", "öther"):
-        (tmp_path / name).mkdir()
-        save_policy(make_policy(), tmp_path / name / "policy.pt")
-    one, other = ((tmp_path / name / "policy.pt").read_bytes() for name in ("one", "öther"))
-    assert one == other
+    np.testing.assert_array_equal(back.reference.positions, policy.reference.positions)
 
 
 def foreign(path, content) -> None:

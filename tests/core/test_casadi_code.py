@@ -103,12 +103,6 @@ def test_a_failed_compilation_is_tried_again_by_the_next_run_alone(tmp_path: Pat
 
 
 @needs_compiler
-def test_a_compiler_may_be_several_words(tmp_path: Path, monkeypatch):
-    monkeypatch.setenv("CC", "env cc")
-    assert is_compiled(compiled(tmp_path)(FACTS, small))
-
-
-@needs_compiler
 def test_a_result_that_is_no_number_is_no_difference(tmp_path: Path):
     def root() -> Functions:
         x = ca.SX.sym("x", 3)
@@ -147,12 +141,3 @@ def test_others_wait_where_a_compilation_pays_for_one_job_alone(tmp_path: Path):
         assert not waiting.done()
         fcntl.flock(lock, fcntl.LOCK_UN)
         assert is_compiled(waiting.result())
-
-
-@needs_compiler
-def test_a_job_says_what_became_of_its_functions(tmp_path: Path):
-    said = []
-    for _ in range(2):
-        compiled(tmp_path, progress=said.append)(FACTS, small)
-    (line,) = said
-    assert line.startswith("functions of the tests: compiled in ")

@@ -39,16 +39,22 @@ def test_an_error_that_names_no_file_names_the_place(tmp_path, small_files):
     assert str(found) == "expected to write artefacts, found: File too large"
 
 
-def test_what_numpy_says_of_a_full_disk_counts():
-    found = not_written(OSError("1000 requested and 100 written"), PLACE)
-    assert str(found) == "expected to write artefacts, found: No space left on device"
-
-
-def test_a_cause_counts():
+def caused_by(cause: Exception) -> RuntimeError:
     error = RuntimeError("a library's own words")
-    error.__cause__ = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    found = not_written(error, PLACE)
-    assert str(found) == "expected to write artefacts, found: No space left on device"
+    error.__cause__ = cause
+    return error
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        OSError("1000 requested and 100 written"),  # as NumPy says it
+        caused_by(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))),
+    ],
+)
+def test_a_full_disk_counts_whoever_says_it(error):
+    expected = "expected to write artefacts, found: No space left on device"
+    assert str(not_written(error, PLACE)) == expected
 
 
 @pytest.mark.parametrize("error", [ValueError("3"), OSError(errno.ENOENT, "none"), OSError("odd")])

@@ -10,9 +10,11 @@ from typing import Any
 import mujoco
 import numpy as np
 import torch
+from omegaconf import OmegaConf
 
 from slider.config.compose import compose
-from slider.config.env import PhysicsConfig
+from slider.config.convert import from_dict, to_dict
+from slider.config.env import DisturbanceConfig, OnboardConfig, PhysicsConfig
 from slider.config.robot import RobotConfig
 from slider.config.schema import Config
 from slider.core.arrays import tensors
@@ -21,6 +23,7 @@ from slider.env.guide import Guide
 from slider.env.instruments import CONTACT_FORCE, Contacts
 from slider.env.interface import FLOAT64, AgentInterface
 from slider.env.physics import BatchedPhysics
+from slider.env.rollout import Recording
 from slider.env.state import RobotState, View
 from slider.library.lookup import GaitTable
 from slider.library.reader import GaitLibrary
@@ -57,15 +60,6 @@ def motor_angles(joints: np.ndarray) -> np.ndarray:
     for leg in (joints[..., :6], joints[..., 6:]):
         slide, foot = leg[..., 3:4] / 0.025, leg[..., 4:5] / 0.35
         legs += [leg[..., :3], slide + foot, slide - foot]
-    return np.concatenate(legs, axis=-1)
-
-
-def joint_efforts(torques: np.ndarray) -> np.ndarray:
-    """Joint efforts (..., 12) of motor torques (..., 10), by hand."""
-    legs = []
-    for leg in (torques[..., :5], torques[..., 5:]):
-        one, two = leg[..., 3:4], leg[..., 4:5]
-        legs += [leg[..., :3], (one + two) / 0.025, (one - two) / 0.35, 0.0 * one]
     return np.concatenate(legs, axis=-1)
 
 
@@ -160,20 +154,26 @@ def make_physics(count: int, threads: int = 1, **settings: float) -> BatchedPhys
     return BatchedPhysics(robot_config(), physics, count, threads)
 
 
+@cache
+def disturbance(*settings: str) -> DisturbanceConfig:
+    """That of the test's evaluation with settings such as ``mass={lower: 0.9, upper: 1.1}``."""
+    values = to_dict(config("experiment=test").evaluation.disturbance)
+    merged = OmegaConf.merge(values, OmegaConf.from_dotlist([*settings]))
+    return from_dict(DisturbanceConfig, OmegaConf.to_container(merged))
+
+
 def disturbed_physics(
     count: int,
     *settings: str,
     actuation: Actuation = "position",
     substeps: int = 4,
     seeds: tuple[int, ...] = (1,),
-    curriculum: bool = False,
+    onboard: OnboardConfig | None = None,
 ) -> BatchedPhysics:
-    """Physics with disturbances; ``settings`` such as ``mass={lower: 0.9, upper: 1.1}``."""
-    whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
-    terrain = replace(whole.evaluation.disturbance.terrain, curriculum=curriculum)
-    disturbance = Disturbance(replace(whole.evaluation.disturbance, terrain=terrain), seeds)
-    physics = replace(whole.env.physics, substeps=substeps)
-    return BatchedPhysics(robot_config(), physics, count, 1, actuation, disturbance)
+    """Physics with disturbances; ``settings`` as for :func:`disturbance`."""
+    physics = replace(config("experiment=test").env.physics, substeps=substeps)
+    drawn = Disturbance(disturbance(*settings), seeds)
+    return BatchedPhysics(robot_config(), physics, count, 1, actuation, drawn, onboard=onboard)
 
 
 def stand(physics: BatchedPhysics, seconds: float = 0.0) -> BatchedPhysics:
@@ -302,6 +302,32 @@ def make_contacts(forces: np.ndarray, **changes: np.ndarray) -> Contacts:
         leg_distance=np.full(forces.shape[:2], 0.1),
     )
     return contacts._replace(**changes)
+
+
+def make_recording(command: np.ndarray, **changes: Any) -> Recording:
+    """Robots that stay up, at rest, by their commands (T, N, 3) in control steps of 20 ms.
+
+    ``foot_forces`` (T, N, 2), or 50 N, hold for the four simulation steps of a control step.
+    """
+    steps, count = command.shape[:2]
+    forces = changes.pop("foot_forces", np.full((steps, count, 2), 50.0))
+    still = Recording(
+        period=0.02,
+        command=command,
+        alive=np.ones((steps, count), dtype=bool),
+        velocity=np.zeros((steps, count, 2)),
+        yaw=np.zeros((steps, count)),
+        position=np.zeros((steps, count, 2)),
+        foot_positions=np.zeros((steps, count, 2, 3)),
+        contacts=make_contacts(np.repeat(forces, 4, axis=0)),
+        estimate_error=np.zeros((steps, count, 4)),
+        power=np.zeros((steps, count)),
+        effort_share=np.zeros((steps, count)),
+        speed_share=np.zeros((steps, count)),
+        diverged=np.zeros(count, dtype=bool),
+        weight=np.full(count, 100.0),
+    )
+    return replace(still, **changes)
 
 
 def make_view(state: RobotState, **changes: np.ndarray) -> View:

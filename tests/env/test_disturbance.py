@@ -12,11 +12,12 @@ from slider.env.starts import NUMPY
 from slider.robot import names
 from slider.robot.mjcf import Actuation
 from tests.env.synthetic import (
-    config,
+    disturbance,
     disturbed_physics,
     make_physics,
     momentum,
     random_pose,
+    robot_config,
     stand,
 )
 
@@ -48,9 +49,8 @@ def run(physics, steps: int = 12) -> np.ndarray:
 
 
 def make_disturber(count: int, *settings: str) -> Disturber:
-    whole = config("experiment=test", *(f"evaluation.disturbance.{text}" for text in settings))
-    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
-    return Disturber(disturbance, whole.robot, make_physics(1).model, "position", count)
+    drawn = Disturbance(disturbance(*settings), (1,))
+    return Disturber(drawn, robot_config(), make_physics(1).model, "position", count)
 
 
 def test_a_push_is_a_force_for_a_while_at_regular_times():
@@ -69,16 +69,6 @@ def test_a_push_is_a_force_for_a_while_at_regular_times():
     assert np.abs(np.array(forces[150]) - forces[300]).max() > 10.0, "every push is another one"
     angle = np.arctan2(*forces[150].T)
     assert np.histogram(angle, 4, (-np.pi, np.pi))[0].min() > 30, "in all directions"
-
-
-def test_a_push_may_have_a_direction():
-    push = f"push={{impulse: {{lower: 5, upper: 5}}, direction: {np.pi / 2}}}"
-    disturber = make_disturber(2, push)
-    disturber.begin(np.arange(2), make_physics(2).qpos)
-    for _ in range(151):
-        force = disturber.push()
-        disturber.drive(np.zeros((2, 4, 10)))
-    np.testing.assert_allclose(force, [[0.0, 50.0]] * 2, atol=1e-9)
 
 
 @pytest.mark.parametrize("actuation", ["position", "torque"])

@@ -7,13 +7,12 @@ import pytest
 import torch
 
 from slider.config.env import OnboardConfig, SensorsConfig
-from slider.env.disturbance import Disturbance
 from slider.env.estimator import Measurement, StateEstimator
 from slider.env.interface import FLOAT64
 from slider.env.observations import height_scan
 from slider.env.physics import BatchedPhysics
 from slider.robot.names import GRAVITY, JOINTS, NUM_JOINTS
-from tests.env.synthetic import config, make_view, robot_config, stand
+from tests.env.synthetic import config, disturbed_physics, make_view, robot_config, stand
 
 ONBOARD = config("experiment=test").env.onboard
 assert ONBOARD is not None
@@ -22,9 +21,9 @@ PERFECT = replace(ONBOARD, sensors=NO_ERRORS)
 COUNT = 3
 
 
-def physics_with(onboard: OnboardConfig, count: int = COUNT) -> BatchedPhysics:
-    whole = config("experiment=test")
-    return BatchedPhysics(robot_config(), whole.env.physics, count, onboard=onboard)
+def physics_with(onboard: OnboardConfig, terrain: str = "flat", level: float = 5.0):
+    text = f"terrain={{kinds: [{terrain}], level: {{lower: {level}, upper: {level}}}}}"
+    return disturbed_physics(COUNT, text, onboard=onboard)
 
 
 def sway(step: int) -> np.ndarray:
@@ -179,13 +178,7 @@ def test_legs_that_move_in_the_air_carry_nothing():
 
 
 def test_uneven_ground_leaves_place_and_height_where_they_are():
-    text = "terrain={kinds: [tiles], level: {lower: 1.0, upper: 1.0}}"
-    whole = config("experiment=test", f"evaluation.disturbance.{text}")
-    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
-    physics = BatchedPhysics(
-        robot_config(), whole.env.physics, COUNT, disturbance=disturbance, onboard=PERFECT
-    )
-    stand(physics, 0.2)
+    physics = stand(physics_with(PERFECT, "tiles", 1.0), 0.2)
     true = physics.read()
     estimate = physics.measure(true)
     assert estimate.ground.flat
@@ -194,12 +187,9 @@ def test_uneven_ground_leaves_place_and_height_where_they_are():
 
 
 def test_controllers_at_other_rates_meet_the_same_errors():
-    whole = config("experiment=test")
     found = []
     for substeps in (1, 4):
-        settings = replace(whole.env.physics, substeps=substeps)
-        physics = BatchedPhysics(robot_config(), settings, COUNT, onboard=ONBOARD)
-        stand(physics, 0.2)
+        physics = stand(disturbed_physics(COUNT, substeps=substeps, onboard=ONBOARD), 0.2)
         true = physics.read()
         found.append(physics.measure(true).joint_positions - true.joint_positions)
     np.testing.assert_allclose(*found, atol=1e-12)
@@ -209,14 +199,7 @@ def scans(
     sensors: SensorsConfig, kind: str = "slope_up", steps: int = 0
 ) -> tuple[np.ndarray, np.ndarray]:
     """Height scans (N, 180) by the estimate and by the true state, of robots that slide forward."""
-    text = f"terrain={{kinds: [{kind}], level: {{lower: 5.0, upper: 5.0}}}}"
-    whole = config("experiment=test", f"evaluation.disturbance.{text}")
-    disturbance = Disturbance(whole.evaluation.disturbance, (1,))
-    onboard = replace(ONBOARD, sensors=sensors)
-    physics = BatchedPhysics(
-        robot_config(), whole.env.physics, COUNT, disturbance=disturbance, onboard=onboard
-    )
-    stand(physics)
+    physics = stand(physics_with(replace(ONBOARD, sensors=sensors), kind))
     for _ in range(steps):
         physics.qvel[:, 0] = 1.0
         physics.step(np.zeros((COUNT, NUM_JOINTS)))

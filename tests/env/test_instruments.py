@@ -130,16 +130,6 @@ def test_distance_of_legs_by_closed_forms():
     assert soles < beside < DISTANCE_CUTOFF
 
 
-def test_legs_that_are_put_into_each_other_touch_and_cross():
-    apart, crossed = posed(), posed(left_hip_roll=-0.2, right_hip_roll=0.2)
-    physics = placed(np.concatenate([apart, crossed]))
-    contacts, state = physics.contacts(), physics.read()
-    assert contacts.leg_distance[0, 0] > 0.1
-    assert contacts.leg_distance[0, 1] < -0.01
-    lateral = state.foot_positions[:, 0, 1] - state.foot_positions[:, 1, 1]
-    assert lateral[0] > 0.1 > 0 > lateral[1]
-
-
 def test_instruments_change_no_motion():
     start = random_pose(np.random.default_rng(3), COUNT)
     bare = BatchedPhysics(

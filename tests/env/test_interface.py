@@ -19,7 +19,6 @@ from tests.env.synthetic import (
     make_state,
     mirror_pose,
     robot_config,
-    step_time,
     turning_library,
 )
 
@@ -87,22 +86,6 @@ def test_upper_feet_are_passive(phase):
     expected = np.tile(agent.nominal[UPPER_FEET], (3, 1))
     np.testing.assert_array_equal(targets[:, UPPER_FEET], expected)
     np.testing.assert_array_equal(agent.action[:, UPPER_FEET], 0.0)
-
-
-def test_the_clock_keeps_the_librarys_pace_and_wraps():
-    agent = make_agent(3)
-    state = make_state(3)
-    command = np.array([[0.0, 0, 0], [0.2, 0.0, 0], [0.4, 0.1, 0]])
-    agent.set_velocity_command(np.arange(3), command)
-    start = np.array([0.003, 0.3, 0.97])
-    agent.reset(np.arange(3), state, phase=start, velocity=command[:, :2])
-    step = 0.02 / (2 * np.array([step_time(v) for v in (0.0, 0.2, 0.4)]))
-    for k in range(1, 61):
-        agent.advance(state)
-        assert agent.clock is not None
-        np.testing.assert_allclose(agent.clock.phase, (start + k * step) % 1.0, atol=1e-9)
-    expected = ((start + 60 * step) % 1.0) < 0.5
-    np.testing.assert_array_equal(agent.clock.left_stance, expected)
 
 
 def test_the_heading_error_integrates_the_yaw_rate_and_wraps():

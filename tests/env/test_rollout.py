@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from slider.config.env import EnvConfig
 from slider.env.physics import BatchedPhysics
@@ -74,20 +75,21 @@ def record(physics: BatchedPhysics | None = None, env: EnvConfig | None = None) 
     )
 
 
-def test_the_controller_is_called_once_per_period_with_the_latest_state():
-    controller, shares = Stiff(), []
-    command = np.zeros((COUNT, 3))
-    recording = roll_out(
-        controller, make_physics(COUNT), environment(), starts(), command, 0.4, shares.append
-    )
-    assert len(controller.seen) == 20
+@pytest.mark.parametrize("substeps", [4, 1])
+def test_the_controller_is_called_once_per_step_of_its_plant_with_the_latest_state(substeps):
+    """A plant with shorter steps asks more often and is recorded as often."""
+    settings = replace(config("experiment=test").env.physics, substeps=substeps)
+    physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque")
+    controller, shares, command = Stiff(), [], np.zeros((COUNT, 3))
+    recording = roll_out(controller, physics, environment(), starts(), command, 0.4, shares.append)
+    assert len(controller.seen) == 20 * 4 // substeps
+    assert recording.alive.shape == (20, COUNT)
     np.testing.assert_array_equal(controller.velocity, command)
     assert not controller.commanded, "the command is constant"
     np.testing.assert_array_equal(controller.seen[0].joint_positions, starts()[0][:, 7:])
-    for k in range(19):
-        np.testing.assert_array_equal(
-            controller.seen[k + 1].heading_velocity, recording.velocity[k]
-        )
+    later = controller.seen[4 // substeps :: 4 // substeps]
+    for state, velocity in zip(later, recording.velocity[:-1], strict=True):
+        np.testing.assert_array_equal(state.heading_velocity, velocity)
     np.testing.assert_allclose(shares, np.arange(1, 21) / 20)
 
 
@@ -106,26 +108,6 @@ def test_a_robot_that_gets_up_stays_fallen(monkeypatch):
     np.testing.assert_array_equal(recording.alive[:, 0], True)
     np.testing.assert_array_equal(recording.alive[:, 1], [True, False, False, False])
     np.testing.assert_array_equal(recording.survived, [True, False])
-
-
-def test_the_same_start_gives_the_same_recording():
-    physics = make_physics(COUNT)
-    first, second = record(physics), record(physics)  # nothing is left of the first
-    for name in ("alive", "velocity", "yaw", "foot_forces", "foot_positions", "diverged"):
-        np.testing.assert_array_equal(getattr(first, name), getattr(second, name), err_msg=name)
-
-
-def test_a_plant_with_shorter_steps_asks_more_often_and_is_recorded_as_often():
-    settings = replace(config("experiment=test").env.physics, substeps=1)
-    physics = BatchedPhysics(robot_config(), settings, COUNT, 1, "torque")
-    controller = Stiff()
-    recording = roll_out(controller, physics, environment(), starts(), np.zeros((COUNT, 3)), 0.4)
-    assert len(controller.seen) == 80
-    assert recording.alive.shape == (20, COUNT)
-    for k in range(19):
-        np.testing.assert_array_equal(
-            controller.seen[4 * (k + 1)].heading_velocity, recording.velocity[k]
-        )
 
 
 def test_generalised_coordinates_of_a_state_are_the_plants():

@@ -59,25 +59,6 @@ def test_heading_velocity_is_level_and_along_the_nose(posed):
         np.testing.assert_allclose([np.cos(state.yaw[i]), np.sin(state.yaw[i])], nose, atol=1e-12)
 
 
-def test_turning_the_world_changes_only_the_yaw():
-    rng = np.random.default_rng(4)
-    qpos, qvel = random_pose(rng, 1)
-    turned_qpos, turned_qvel = qpos.copy(), qvel.copy()
-    angle = 2.0
-    turn = np.array([np.cos(angle / 2), 0, 0, np.sin(angle / 2)])
-    mujoco.mju_mulQuat(turned_qpos[0, 3:7], turn, qpos[0, 3:7])
-    mujoco.mju_rotVecQuat(turned_qvel[0, :3], qvel[0, :3], turn)
-    physics = make_physics(2)
-    physics.reset(
-        np.arange(2), np.concatenate([qpos, turned_qpos]), np.concatenate([qvel, turned_qvel])
-    )
-    state = physics.read()
-    for name in ("heading_velocity", "linear_velocity", "angular_velocity", "gravity"):
-        values = getattr(state, name)
-        np.testing.assert_allclose(values[0], values[1], atol=1e-12, err_msg=name)
-    assert np.cos(state.yaw[1] - state.yaw[0]) == pytest.approx(np.cos(angle))
-
-
 def test_sole_positions_and_velocities(posed):
     _, datas = posed
     physics = make_physics(COUNT, substeps=1, timestep=1e-4)  # sensors are those before the step

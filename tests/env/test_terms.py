@@ -162,15 +162,9 @@ MISTAKES = [
         "train.walking.reward.terms.heading.params.width=0",
         "heading.params.width: expected a number in (0, 10000] rad², found 0",
     ),
-    ("+train.walking.reward.terms.glory={weight: 1.0}", "train.walking.reward.terms: expected"),
     ("+train.walking.reward.terms.effort.params.x=1", "effort.params: expected none, found x"),
     ("~train.walking.reward.terms.heading.params.width", "params: expected width, found none"),
-    (
-        "train.walking.reward.terms.heading.params.width=abc",
-        'heading.params.width: expected a number, found "abc"',
-    ),
     ("+env.observation.terms.nose=1.0", "env.observation.terms: expected some of"),
-    ("+env.termination.terms.boredom=1.0", "env.termination.terms: expected some of"),
     (
         "env.termination.terms.tilt=45",
         "terms.tilt: expected a number in (0, 3.141592653589793] rad",
@@ -185,23 +179,15 @@ def test_every_mistake_is_one_line(override, message, capsys):
     assert message in line
 
 
-@pytest.mark.parametrize(
-    ("overrides", "message"),
-    [
-        ("+env.termination.terms.boredom=1.0", "slider: env.termination.terms: expected some of"),
-        (
-            "report.sections=[ablation] study.ablation.run=[default] "
-            """'study.ablation.variants.default.overrides=["+env.observation.terms.nose=1.0"]'""",
-            "slider: study.ablation.variants.default: env.observation.terms: expected some of",
-        ),
-    ],
-)
-def test_no_plan_is_laid_out_with_a_mistake(overrides, message, capsys, tmp_path, monkeypatch):
+def test_no_plan_is_laid_out_with_a_mistake_in_a_variant(capsys, tmp_path, monkeypatch):
+    variant = """'study.ablation.variants.default.overrides=["+env.observation.terms.nose=1.0"]'"""
+    overrides = f"report.sections=[ablation] study.ablation.run=[default] {variant}"
+    expected = "slider: study.ablation.variants.default: env.observation.terms: expected some of"
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit):
         open_pipeline({"hydra": overrides}, CONF)
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(message)
+    assert line.startswith(expected)
     assert not list(tmp_path.iterdir())
 
 

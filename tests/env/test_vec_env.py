@@ -49,10 +49,9 @@ def actions(agent: str, generator: torch.Generator) -> torch.Tensor:
     return 3.0 * torch.randn(NUM_ENVS, 12, generator=generator)
 
 
-@pytest.mark.parametrize("agent", ["zero", "random"])
 @pytest.mark.parametrize("training", ["standing", "walking"])
 @pytest.mark.parametrize("experiment", EXPERIMENTS)
-def test_builds_resets_and_steps(experiment, training, agent):
+def test_builds_resets_and_steps(experiment, training):
     whole = settings(f"experiment={experiment}")
     train = getattr(whole.train, training)
     env = build(whole, train)
@@ -61,7 +60,8 @@ def test_builds_resets_and_steps(experiment, training, agent):
     assert env.num_actions == 12
     generator = torch.Generator().manual_seed(0)
     falls = 0
-    for _ in range(50):
+    for step in range(50):
+        agent = "zero" if step < 10 else "random"
         observations, reward, done, extras = env.step(actions(agent, generator))
         assert observations.batch_size == (NUM_ENVS,)
         assert observations["policy"].shape == (NUM_ENVS, size)
@@ -78,8 +78,7 @@ def test_builds_resets_and_steps(experiment, training, agent):
         assert logged == {f"/reward/{name}" for name in train.reward.active}
         assert all(np.isfinite(value) for value in extras["log"].values())
     assert env.total_diverged == 0
-    if agent == "random":
-        assert falls > 0, "a random agent falls within a second"
+    assert falls > 0, "a random agent falls within a second"
 
 
 def test_a_fall_at_the_time_limit_is_no_time_out():
@@ -183,18 +182,6 @@ def test_robots_at_rest_with_a_zero_command_are_halted_and_those_on_the_gait_ste
         assert clock is not None
         np.testing.assert_array_equal(clock.halted, expected)
         assert (clock.phase == 0).all() == expected
-
-
-def test_same_seed_same_episodes():
-    runs = []
-    for seed in (0, 0, 1):
-        env = build(settings("experiment=test"), seed=seed)
-        generator = torch.Generator().manual_seed(0)
-        rewards = [env.step(actions("random", generator))[1] for _ in range(30)]
-        runs.append((torch.stack(rewards), env.get_observations()["policy"].clone()))
-    assert torch.equal(runs[0][0], runs[1][0])
-    assert torch.equal(runs[0][1], runs[1][1])
-    assert not torch.equal(runs[0][1], runs[2][1])
 
 
 def test_commands_are_seen_and_change():

@@ -13,7 +13,7 @@ from slider.env.disturbance import Disturbance, Draws
 from slider.env.physics import BatchedPhysics
 from slider.env.randomization import COLUMNS
 from slider.robot.names import NUM_JOINTS
-from tests.env.synthetic import config, make_physics, robot_config
+from tests.env.synthetic import config, disturbance, make_physics, robot_config
 
 pytest.importorskip("mujoco_warp", reason="needs the extra gpu")
 
@@ -21,18 +21,17 @@ from slider.env.warp import WarpModels, WarpPhysics
 
 N = 6
 SINK = 5e-4  # [m]; a foot that just touches is a contact in one precision and not in the other
-DISTURBED = config(
-    "experiment=test",
-    "evaluation.disturbance.mass={lower: 0.8, upper: 1.2}",
-    "evaluation.disturbance.motor_gain={lower: 0.9, upper: 1.1}",
-    "evaluation.disturbance.friction={lower: 0.4, upper: 1.0}",
-    "evaluation.disturbance.centre_of_mass=0.03",
-    "evaluation.disturbance.delay={lower: 0.0, upper: 0.03}",
-    "evaluation.disturbance.push.impulse={lower: 0.65, upper: 0.65}",
-    "evaluation.disturbance.push={duration: 0.04, interval: 0.1}",
-    "evaluation.disturbance.sensing.joint_position=0.005",
-    "evaluation.disturbance.sensing.orientation=0.02",
-).evaluation.disturbance
+DISTURBED = disturbance(
+    "mass={lower: 0.8, upper: 1.2}",
+    "motor_gain={lower: 0.9, upper: 1.1}",
+    "friction={lower: 0.4, upper: 1.0}",
+    "centre_of_mass=0.03",
+    "delay={lower: 0.0, upper: 0.03}",
+    "push.impulse={lower: 0.65, upper: 0.65}",
+    "push={duration: 0.04, interval: 0.1}",
+    "sensing.joint_position=0.005",
+    "sensing.orientation=0.02",
+)
 
 
 class Numbers(Draws):
@@ -55,8 +54,7 @@ def made() -> WarpPhysics:
 @pytest.fixture
 def physics(made: WarpPhysics, monkeypatch) -> WarpPhysics:
     """All nominal, at rest and undisturbed."""
-    settings = config("experiment=test").evaluation.disturbance
-    nominal = WarpModels(made.simulation, made.model, settings)
+    nominal = WarpModels(made.simulation, made.model, disturbance())
     nominal.draw(everyone(), torch.full((N, COLUMNS), 0.5))
     monkeypatch.setattr(made, "_disturber", None)
     return clean(made)

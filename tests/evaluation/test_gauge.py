@@ -37,21 +37,6 @@ def test_levels_get_harder_and_each_has_its_own_words(axis):
     assert numbers == sorted(numbers, reverse=axis in FALLING)
 
 
-@pytest.mark.parametrize(
-    ("axis", "value", "text"),
-    [
-        ("slope_up", 5.0, "6.25°"),
-        ("tiles", 5.0, "± 4 cm"),
-        ("delay", 0.04, "40 ms"),
-        ("motor_strength", 0.85, "85 %"),
-        ("sensor_noise", 1.5, "× 1.5"),
-        ("push", 12.5, "12.5 N s"),
-    ],
-)
-def test_words_have_the_unit(axis, value, text):
-    assert words(axis, value) == text
-
-
 @pytest.mark.parametrize("axis", AXES)
 def test_an_axis_changes_one_thing_alone(axis):
     base, sensing = SETTINGS.disturbance, SETTINGS.sensing

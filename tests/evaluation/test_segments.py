@@ -10,7 +10,7 @@ from slider.env.rollout import Recording
 from slider.evaluation import segments
 from slider.evaluation.results import SEGMENT_COLUMNS
 from slider.evaluation.segments import velocities, windows
-from tests.env.synthetic import config, make_contacts
+from tests.env.synthetic import config, make_recording
 
 PERIOD, STEPS, COUNT = 0.02, 150, 4
 
@@ -68,22 +68,9 @@ def recording() -> Recording:
     alive[95:, 2] = False
     forces = np.full((STEPS, COUNT, 2), 50.0)
     forces[130:140, 0, 1] = 0.0
-    return Recording(
-        period=PERIOD,
-        command=command,
-        alive=alive,
-        velocity=velocity,
-        yaw=np.cumsum(rate, axis=0) * PERIOD,
-        position=position,
-        foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
-        contacts=make_contacts(np.repeat(forces, 4, axis=0)),
-        estimate_error=np.zeros((STEPS, COUNT, 4)),
-        power=np.zeros((STEPS, COUNT)),
-        effort_share=np.zeros((STEPS, COUNT)),
-        speed_share=np.zeros((STEPS, COUNT)),
-        diverged=np.zeros(COUNT, dtype=bool),
-        weight=120.0,
-    )
+    yaw = np.cumsum(rate, axis=0) * PERIOD
+    motion = {"velocity": velocity, "yaw": yaw, "position": position}
+    return make_recording(command, alive=alive, foot_forces=forces, **motion)
 
 
 def measured(rollout: Recording) -> dict[str, np.ndarray]:

@@ -2,15 +2,14 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import torch
 
 from slider.config.convert import to_dict
 from slider.config.parameters import scaled
 from slider.control.model_based import build_plant
-from slider.control.policy import Policy, PolicyNetwork, save_policy
 from slider.core.errors import UserError
 from slider.core.job import Job
 from slider.env.physics import BatchedPhysics
@@ -19,7 +18,8 @@ from slider.evaluation import results, stage
 from slider.evaluation.results import Evaluation
 from slider.evaluation.stage import read_protocol
 from slider.robot.mjcf import nominal_qpos
-from tests.env.synthetic import config, gait_table, make_agent, stand
+from tests.control.policies import write_policy
+from tests.env.synthetic import config, stand
 
 WHOLE = ("experiment=test", "evaluation.duration=0.6")
 TRIALS, ROBOTS, STEPS = 2, 3, 30
@@ -36,30 +36,11 @@ def section(speed: float = 0.2, **changes) -> dict:
     }
 
 
-@pytest.fixture
-def walking(tmp_path):
+@pytest.fixture(scope="module")
+def walking(tmp_path_factory):
     """The folder of a walking stage; a small random policy."""
-    folder = tmp_path / "walking"
-    folder.mkdir()
-    layout = make_agent(1).observer.layout
-    torch.manual_seed(0)
-    network = PolicyNetwork(sum(layout.values()), 12, (16,), "elu")
-    with torch.no_grad():
-        network.mlp[-1].weight.mul_(0.5)
-    whole = config("experiment=test")
-    table, facts = gait_table(), {"seed": 1}
-    policy = Policy(
-        network.eval(),
-        (16,),
-        "elu",
-        layout,
-        table.times,
-        whole.robot,
-        whole.env,
-        facts,
-        table.joints,
-    )
-    save_policy(policy, folder / "policy.pt")
+    folder = tmp_path_factory.mktemp("walking")
+    write_policy(folder / "policy.pt")
     return folder
 
 
@@ -110,19 +91,26 @@ def test_where_all_fall_there_are_no_errors(walking, tmp_path, recwarn):
     assert [str(w.message) for w in recwarn if w.category is RuntimeWarning] == []
 
 
-def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, monkeypatch):
-    seen = []
-    real = stage.roll_out
+@pytest.fixture
+def rollouts(monkeypatch) -> list[SimpleNamespace]:
+    """Starts, commands and recordings of the rollouts of a test."""
+    seen, real = [], stage.roll_out
 
     def spying(controller, physics, env, start, command, *rest):
-        seen.append((start, command))
-        return real(controller, physics, env, start, command, *rest)
+        found = real(controller, physics, env, start, command, *rest)
+        seen.append(SimpleNamespace(start=start, command=command, recording=found))
+        return found
 
     monkeypatch.setattr(stage, "roll_out", spying)
+    return seen
+
+
+def test_a_trial_has_its_own_starts_whatever_the_command(walking, tmp_path, rollouts):
     run(walking, tmp_path / "slow", speed=0.2)
     run(walking, tmp_path / "fast", speed=3.0)
     run(walking, tmp_path / "later", speed=0.2, seed=config(*WHOLE).evaluation.seed + 1)
-    (slow, v_slow), (fast, v_fast), (later, _) = seen
+    slow, fast, later = (rollout.start for rollout in rollouts)
+    v_slow, v_fast = (rollout.command for rollout in rollouts[:2])
     np.testing.assert_array_equal(slow[0], fast[0])
     np.testing.assert_array_equal(v_slow, np.tile([0.2, 0.0, 0.0], (6, 1)))
     np.testing.assert_array_equal(v_fast, np.tile([3.0, 0.0, 0.0], (6, 1)))
@@ -219,16 +207,10 @@ def test_policy_and_baseline_meet_the_same_robots():
     assert len(np.unique(slow.masses)) == count
 
 
-def test_traces_are_mean_and_spread_of_the_survivors(walking, tmp_path, monkeypatch):
-    recordings, real = [], stage.roll_out
-
-    def spying(*arguments):
-        recordings.append(real(*arguments))
-        return recordings[0]
-
-    monkeypatch.setattr(stage, "roll_out", spying)
-    run(walking, tmp_path / "out")
-    forward = recordings[0].velocity[:, recordings[0].survived, 0]
+def test_traces_are_mean_and_spread_of_the_survivors(walking, tmp_path, rollouts):
+    run(walking, tmp_path / "out", seconds=0.4)
+    recording = rollouts[0].recording
+    forward = recording.velocity[:, recording.survived, 0]
     assert forward.shape[1] > 1
     expected = np.stack([forward.mean(axis=1), forward.std(axis=1)], axis=1)
     found = np.load(tmp_path / "out" / "velocity.npy")
@@ -257,20 +239,12 @@ def test_on_another_robot_the_policy_keeps_its_own_model(walking):
     np.testing.assert_array_equal(agent.nominal, nominal_qpos(robot)[7:])
 
 
-def test_on_another_robot_starts_are_those_of_the_plant(walking, tmp_path, monkeypatch):
-    seen = []
-    real = stage.roll_out
-
-    def spying(controller, physics, env, start, *rest):
-        seen.append(start[0])
-        return real(controller, physics, env, start, *rest)
-
-    monkeypatch.setattr(stage, "roll_out", spying)
+def test_on_another_robot_starts_are_those_of_the_plant(walking, tmp_path, rollouts):
     robot = config("experiment=test").robot
     for name, one in (("own", robot), ("long", scaled(robot, "geometry.leg_length", 1.05))):
         (tmp_path / name).mkdir()
         values = section() | {"robot": to_dict(one)}
         stage.run(values, {"walking": [walking]}, tmp_path / name, Job(tmp_path))
-    own, other = seen
+    own, other = (rollout.start[0] for rollout in rollouts)
     np.testing.assert_allclose(own[:, 3:], other[:, 3:])  # the same noise
     assert (other[:, 2] - own[:, 2]).min() > 0.02

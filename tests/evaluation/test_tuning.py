@@ -1,18 +1,15 @@
 """The search for a controller's settings: its score, its trials, and going on after a kill."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
 
-from slider.config.convert import to_dict
 from slider.config.tuning import setting, with_settings
 from slider.core.job import Job
 from slider.env.metrics import Tracking
 from slider.evaluation import tuning
 from slider.reports import tuning as report
-from tests.env.synthetic import config
+from tests.evaluation.test_baseline import section as baseline
 
 SPACE = {"step.apex": {"lower": 0.05, "upper": 0.09, "log": False}} | {
     "planner.steps": {"lower": 4.0, "upper": 5.0, "log": False},
@@ -20,20 +17,9 @@ SPACE = {"step.apex": {"lower": 0.05, "upper": 0.09, "log": False}} | {
 
 
 def section(trials: int = 3, seed: int = 1) -> dict:
-    whole = config("experiment=test", "evaluation.duration=1.0", "evaluation.warm_up=0.4")
-    env = to_dict(whole.env)
-    return {
-        "robot": to_dict(whole.robot),
-        "plant": {name: env[name] for name in ("control_period", "physics", "termination")},
-        "control": to_dict(whole.control["mpc_wbc_tuned"]),
-        "evaluation": to_dict(replace(whole.evaluation, trials=1, robots=2, seed=1000)),
-        "controller": "mpc_wbc_tuned",
-        "speed": None,
-        "speeds": [0.2, 0.4],
-        "trials": trials,
-        "sampler_seed": seed,
-        "space": SPACE,
-    }
+    short = {"duration": 1.0, "warm_up": 0.4, "trials": 1, "robots": 2, "seed": 1000}
+    found = {"speed": None, "speeds": [0.2, 0.4], "trials": trials, "sampler_seed": seed}
+    return baseline(**short) | found | {"space": SPACE}
 
 
 def search(folder, name: str, trials: int = 3, seed: int = 1) -> tuple[pd.DataFrame, Job]:

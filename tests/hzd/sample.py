@@ -6,38 +6,26 @@ from tempfile import mkdtemp
 
 import numpy as np
 
-from pipeline.stages.gaits import gait_library
 from slider.config.hzd import HzdConfig
 from slider.core.arrays import take
 from slider.core.job import Job
-from slider.gait import stage as gait_stage
 from slider.hzd.model import RootedModel
 from slider.hzd.plans import StepPlan, plans
 from slider.hzd.return_map import ReturnMap, return_maps
 from slider.hzd.step import ClosedLoop
 from slider.hzd.walk import ZeroDynamics, find_cycles, linearise
-from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary
 from tests import shared
-from tests.gait.gaits import config, section
+from tests.gait.gaits import config
+from tests.library.solved import solved_library
 
 VELOCITIES = [(0.2, 0.0, 0.0), (0.6, 0.1, 0.0)]
 CLOCK, HIP = range(2)
 
 
-@shared.shared
-def folder(velocities: tuple[tuple[float, float, float], ...] = tuple(VELOCITIES)) -> Path:
-    """Object folder of a library."""
-    root = Path(mkdtemp(prefix="hzd-", dir=shared.folder()))
-    gaits = []
-    for vx, vy, yaw_rate in velocities:
-        gaits.append(root / f"gait {vx} {vy}")
-        gaits[-1].mkdir()
-        gait_stage.run(section(vx, vy, yaw_rate), {}, gaits[-1], Job(root))
-    out = root / "library"
-    out.mkdir()
-    library_stage.run(gait_library(config(), []).section, {"gaits": gaits}, out, Job(root))
-    return out
+def folder() -> Path:
+    """Object folder of the library."""
+    return solved_library(tuple(VELOCITIES))
 
 
 @cache

@@ -6,13 +6,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from slider.core.job import Job
-from slider.gait.stage import run as run_gait
 from slider.library.blend import blend, gait_numbers
-from slider.library.reader import GaitLibrary
-from slider.library.stage import run
-from tests.gait.gaits import section as gait_section
-from tests.library.gaits import HALF, library, section
+from slider.library.reader import STORE, GaitLibrary
+from tests.library.gaits import HALF, library
+from tests.library.solved import solved_library
 
 PHASE = np.linspace(0.0, 1.0, 21)
 VELOCITIES = [*product((0.0, 0.5, 1.0), (-0.1, 0.0, 0.1)), (2.0, 0.0)]
@@ -26,16 +23,9 @@ def made_up(tmp_path_factory) -> GaitLibrary:
 
 
 @pytest.fixture(scope="module")
-def real(tmp_path_factory) -> GaitLibrary:
+def real() -> GaitLibrary:
     """Two solved gaits that are no mirror images of themselves."""
-    folder = tmp_path_factory.mktemp("real")
-    velocities = [(0.4, 0.1), (0.6, 0.1)]
-    for index, velocity in enumerate(velocities):
-        (folder / f"{index}").mkdir()
-        run_gait(gait_section(*velocity), {}, folder / f"{index}", Job(folder))
-    inputs = {"gaits": [folder / f"{index}" for index in range(2)]}
-    run(section(), inputs, folder / "out", Job(folder))
-    return GaitLibrary.load(folder / "out" / "library.zarr")
+    return GaitLibrary.load(solved_library(((0.6, 0.1, 0.0), (0.65, 0.1, 0.0))) / STORE)
 
 
 def test_at_a_velocity_of_the_library_it_is_that_gait(made_up):
@@ -59,8 +49,8 @@ def test_a_real_gait_comes_back_from_its_polynomials(real):
 
 
 def test_velocities_of_a_blend_are_the_derivatives_of_its_positions(real):
-    gait = blend(real, 0.47, 0.1)
-    assert gait.weights == pytest.approx([0.65, 0.35])
+    gait = blend(real, 0.62, 0.1)
+    assert gait.weights == pytest.approx([0.6, 0.4])
     for step in range(2):
         phase, small = np.linspace(0.05, 0.95, 11), 1e-5
         position, velocity = gait.joints(step, phase)

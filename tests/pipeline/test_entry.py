@@ -16,6 +16,7 @@ from snakemake.cli import parse_config
 from pipeline import entry
 from pipeline.entry import PLAN, open_pipeline, parse_overrides
 from slider.artefacts.run_metadata import config_option
+from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -83,6 +84,22 @@ def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(
     assert capsys.readouterr().err == line
 
 
+def test_a_disk_that_is_not_mounted_and_a_file_for_a_folder_are_one_line(
+    tmp_path, monkeypatch, capsys
+):
+    store = tmp_path / "artefacts"
+    monkeypatch.chdir(tmp_path)
+    store.symlink_to(tmp_path / "disk")
+    link = f"expected a folder at artefacts, found a link to {tmp_path}/disk"
+    file = "expected a folder, found a file at artefacts/logs: `slider store verify`"
+    for expected in (link, file):
+        with pytest.raises(SystemExit, match="1"):
+            open_pipeline({"hydra": "experiment=test"}, CONF)
+        assert capsys.readouterr().err == f"slider: {expected}\n"
+        (tmp_path / "disk").mkdir(exist_ok=True)
+        (tmp_path / "disk" / "logs").touch()
+
+
 def test_a_user_without_a_name_gets_one(tmp_path, monkeypatch):
     """The user of a container need not be in its list: Snakemake would end with a KeyError."""
 
@@ -111,6 +128,19 @@ def test_the_head_names_its_plan_to_the_jobs_of_a_cluster(tmp_path, monkeypatch,
 def test_overrides_come_back_through_shell_and_snakemake(overrides):
     words = shlex.split(config_option(overrides))
     assert parse_overrides(parse_config(words[1:])) == shlex.split(overrides)
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ({"hydra": 3}, "expected text of the form key=value, found 3"),
+        ({"hydar": "gait.nodes=3"}, "unknown --config name 'hydar'"),
+        ({"hydra": "a='b"}, "No closing quotation"),
+    ],
+)
+def test_a_mistake_in_the_option_is_one_line(setting, message):
+    with pytest.raises(UserError, match=message):
+        parse_overrides(setting)
 
 
 SNAKEFILE = f"""

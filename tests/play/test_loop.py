@@ -18,34 +18,19 @@ def test_keys_change_the_velocity(key, expected):
     np.testing.assert_allclose(control.velocity, expected)
 
 
-def test_speeds_stay_within_their_limits():
-    control = Control((0.0, 0.0, 0.0), 2.6)
-    for _ in range(100):
-        window.on_key(control, 265)
+def test_requests_of_keys_are_served_once():
+    """Speeds stay within their limits; end goes round the cameras, home stands, space pauses."""
+    control, seen = Control((0.0, 0.1, 0.2), 2.6), []
+    for key in (*[265] * 100, 257, 259):
+        window.on_key(control, key)
     assert control.velocity[0] == 2.6
-
-
-def test_requests_are_served_once():
-    control = Control((0.4, 0.0, 0.0), 2.6)
-    window.on_key(control, 257)
-    window.on_key(control, 259)
     np.testing.assert_allclose(control.take_push(), [0.0, PUSH])
     assert control.take_push() is None
-    assert control.take_restart()
-    assert not control.take_restart()
-
-
-def test_end_goes_round_the_cameras():
-    control, seen = Control((0.4, 0.0, 0.0), 2.6), []
+    assert (control.take_restart(), control.take_restart()) == (True, False)
     for _ in range(3):
-        seen.append(control.take_camera())
-        assert control.take_camera() is None
+        seen += [control.take_camera(), control.take_camera()]
         window.on_key(control, 269)
-    assert seen == ["side", "front", "side"]
-
-
-def test_home_stands_and_space_pauses():
-    control = Control((0.4, 0.1, 0.2), 2.6)
+    assert seen == ["side", None, "front", None, "side", None]
     window.on_key(control, 268)
     window.on_key(control, 32)
     assert not control.velocity.any()

@@ -22,7 +22,7 @@ from slider.evaluation.segments import velocities
 from slider.reports import protocols, rows
 from slider.reports.page import content
 from slider.reports.table import Picture, Table
-from tests.env.synthetic import CONF, config, make_contacts
+from tests.env.synthetic import CONF, config, make_recording
 from tests.evaluation.test_results import make_robots, random_robots, write_evaluation
 from tests.evaluation.test_segments import case, protocol, recording
 from tests.reports.sources import pick, sources
@@ -51,23 +51,9 @@ def case_recording(case: CaseConfig, alive: np.ndarray) -> Recording:
     velocity[:, 3] += 0.02
     velocity[::2, 1:] += 0.5  # sway that a mean over half a second does not show
     velocity[1::2, 1:] -= 0.5
-    zeros = np.zeros((STEPS, COUNT))
-    return Recording(
-        period=PERIOD,
-        command=command,
-        alive=np.tile(alive, (STEPS, 1)),
-        velocity=velocity,
-        yaw=zeros,
-        position=np.cumsum(velocity, axis=0) * PERIOD,
-        foot_positions=np.zeros((STEPS, COUNT, 2, 3)),
-        contacts=make_contacts(np.zeros((STEPS, COUNT, 2))),
-        estimate_error=np.zeros((STEPS, COUNT, 4)),
-        power=zeros,
-        effort_share=zeros,
-        speed_share=zeros,
-        diverged=np.zeros(COUNT, dtype=bool),
-        weight=np.full(COUNT, 120.0),
-    )
+    position = np.cumsum(velocity, axis=0) * PERIOD
+    up = np.tile(alive, (STEPS, 1))
+    return make_recording(command, alive=up, velocity=velocity, position=position)
 
 
 def write_cases(folder: Path, alive: list[bool]):
@@ -146,11 +132,9 @@ def test_where_all_fall_there_are_no_numbers(tmp_path):
     assert f"| {STOP.name} | 10 | 0 [0, 49] | 0 [0, 49] | – |" in text
 
 
-def write_segments(folder: Path, fall: bool = False) -> Path:
+def write_segments(folder: Path) -> Path:
     folder.mkdir(parents=True)
     rollout = recording()
-    if fall:
-        rollout = replace(rollout, alive=np.zeros_like(rollout.alive))
     found = tuple(segments.measure(rollout, protocol(), case()))
     traces = segments.traces(rollout, protocol())
     evaluation = Evaluation("policy", None, random_robots(), case="tour", segments=found)
@@ -158,9 +142,9 @@ def write_segments(folder: Path, fall: bool = False) -> Path:
     return folder
 
 
-def run_segments(folder: Path, fall: bool = False):
+def run_segments(folder: Path):
     out = folder / "out"
-    inputs = [write_segments(folder / "a", fall)]
+    inputs = [write_segments(folder / "a")]
     out.mkdir()
     section = {
         "name": "joystick",

@@ -2,7 +2,6 @@
 
 import csv
 import math
-import shutil
 
 import numpy as np
 import pytest
@@ -111,18 +110,6 @@ def test_extremes_are_those_of_all_robots_that_survive():
     ).values()
     assert (controller, command) == ("policy", 0.6)
     assert np.isnan(others).all()
-
-
-def test_same_input_same_bytes(tmp_path):
-    source = write_evaluation(tmp_path / "a", 0.2, make_robots([[1, 1]], [[1, 2]]))
-    shutil.copytree(source, tmp_path / "copy")
-    tables = []
-    for folder in (source, tmp_path / "copy"):
-        out = tmp_path / f"out{len(tables)}"
-        out.mkdir()
-        table1.run(SECTION, {"evaluations": [folder]}, out, Job(tmp_path))
-        tables.append((out / "table1.csv").read_bytes())
-    assert tables[0] == tables[1]
 
 
 @pytest.mark.parametrize("name", ["velocity_variance", "touchdown_rate"])

@@ -8,16 +8,13 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-import torch
 
 from pipeline.stages.page import find_renderer
 from slider.config.compose import compose
 from slider.config.convert import to_dict
-from slider.control.policy import Policy, PolicyNetwork, save_policy
-from slider.env.observations import Observer
-from slider.robot.names import NUM_JOINTS
-from tests.env.synthetic import gait_table
+from tests.control.policies import write_policy
 
+pytestmark = pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
 CONF = Path(__file__).parents[2] / "conf"
 RUN = """
 import json, sys
@@ -30,19 +27,9 @@ run(section, {"walking": [folder]}, folder / "out", Job(folder))
 """
 
 
-def write_policy(path: Path, config) -> None:
-    torch.manual_seed(0)
-    layout = Observer(config.env.observation).layout
-    table = gait_table()
-    network = PolicyNetwork(sum(layout.values()), NUM_JOINTS, (8,), "elu")
-    robot, env, facts = config.robot, config.env, {"seed": 1}
-    policy = Policy(network, (8,), "elu", layout, table.times, robot, env, facts, table.joints)
-    save_policy(policy, path)
-
-
 def film(folder: Path, renderer: str, *overrides: str):
     config = compose(["experiment=test", *overrides], CONF)
-    write_policy(folder / "policy.pt", config)
+    write_policy(folder / "policy.pt", *overrides)
     robot = to_dict(config.robot)
     robot.pop("provenance")
     video = to_dict(config.report.video) | {"renderer": renderer}
@@ -72,14 +59,23 @@ def _width(picture: np.ndarray) -> int:
     return columns[-1] - columns[0]
 
 
-@pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
-def test_films_what_the_configuration_asks_for(tmp_path):
-    folders = [tmp_path / name for name in ("first", "second")]
-    for folder in folders:
-        folder.mkdir()
-        done = film(folder, find_renderer())
-        assert done.returncode == 0, done.stderr
-    out = folders[0] / "out"
+@pytest.fixture(scope="module")
+def flat(tmp_path_factory) -> Path:
+    """Folder of a film on the plane."""
+    folder = tmp_path_factory.mktemp("flat")
+    done = film(folder, find_renderer())
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def first_picture(folder: Path) -> np.ndarray:
+    with av.open(str(folder / "out/video.mp4")) as container:
+        return next(container.decode(video=0)).to_ndarray(format="rgb24").astype(int)
+
+
+def test_films_what_the_configuration_asks_for(flat, tmp_path):
+    assert film(tmp_path, find_renderer()).returncode == 0
+    out = flat / "out"
     with av.open(str(out / "video.mp4")) as container:
         stream = container.streams.video[0]
         assert (stream.codec.name, stream.width, stream.height) == ("h264", 160, 96)
@@ -94,21 +90,13 @@ def test_films_what_the_configuration_asks_for(tmp_path):
     about = json.loads((out / "about.json").read_text())
     assert (about["controller"], about["speed"]) == ("policy", 0.2)
     for name in ("video.mp4", "about.json", "poster.jpg"):
-        assert (out / name).read_bytes() == (folders[1] / "out" / name).read_bytes()
+        assert (out / name).read_bytes() == (tmp_path / "out" / name).read_bytes()
 
 
-@pytest.mark.skipif(find_renderer() == "none", reason="needs EGL or OSMesa")
-def test_terrain_is_in_the_picture(tmp_path):
-    pictures = {}
-    for kind, words in (("flat", ""), ("stairs_up", "stairs up, 10 cm")):
-        folder = tmp_path / kind
-        folder.mkdir()
-        terrain = f"terrain={{kinds: [{kind}], level: {{lower: 10, upper: 10}}}}"
-        done = film(folder, find_renderer(), f"evaluation.disturbance.{terrain}")
-        assert done.returncode == 0, done.stderr
-        assert json.loads((folder / "out/about.json").read_text())["terrain"] == words
-        with av.open(str(folder / "out/video.mp4")) as container:
-            frame = next(container.decode(video=0))
-            pictures[kind] = frame.to_ndarray(format="rgb24").astype(int)
-    changed = np.abs(pictures["stairs_up"] - pictures["flat"]).max(axis=2) > 20
+def test_terrain_is_in_the_picture(flat, tmp_path):
+    terrain = "terrain={kinds: [stairs_up], level: {lower: 10, upper: 10}}"
+    done = film(tmp_path, find_renderer(), f"evaluation.disturbance.{terrain}")
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "out/about.json").read_text())["terrain"] == "stairs up, 10 cm"
+    changed = np.abs(first_picture(tmp_path) - first_picture(flat)).max(axis=2) > 20
     assert changed.mean() > 0.02, "stairs instead of a plane"

@@ -58,11 +58,8 @@ def _with_precision(precision: str) -> TrainConfig:
     return config(f"train.walking.ppo.precision={precision}").train.walking
 
 
-@pytest.mark.parametrize("actor_ema", [0.0, 0.9])
-def test_the_average_of_the_actor_is_exported(tmp_path, actor_ema):
-    """Weights after each update enter an average, which is what is judged, kept and resumed."""
-    ppo = replace(config(*TINY).train.walking.ppo, actor_ema=actor_ema)
-    trainer = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
+def actors_of(trainer: Trainer) -> list[dict[str, torch.Tensor]]:
+    """Train, and give the weights after each update."""
     seen, update = [], trainer.algorithm.update
 
     def watched():
@@ -72,6 +69,15 @@ def test_the_average_of_the_actor_is_exported(tmp_path, actor_ema):
 
     trainer.algorithm.update = watched  # type: ignore[method-assign]
     trainer.run()
+    return seen
+
+
+@pytest.mark.parametrize("actor_ema", [0.0, 0.9])
+def test_the_average_of_the_actor_is_exported(tmp_path, actor_ema):
+    """Weights after each update enter an average, which is what is judged, kept and resumed."""
+    ppo = replace(config(*TINY).train.walking.ppo, actor_ema=actor_ema)
+    trainer = Trainer(task(iterations=3, ppo=ppo), job(tmp_path))
+    seen = actors_of(trainer)
     expected = seen[0]
     for later in seen[1:]:
         expected = {k: actor_ema * v + (1 - actor_ema) * later[k] for k, v in expected.items()}
@@ -92,17 +98,9 @@ def test_the_noise_is_bounded_and_its_bound_falls_to_the_end(tmp_path):
         anneal_from=0.5,
     )
     train = {"iterations": 4, "network": network}
-    trainer = Trainer(task(**train), job(tmp_path))
-    seen, update = [], trainer.algorithm.update
-
-    def watched():
-        losses = update()
-        seen.append(actor(trainer)["distribution.log_std_param"].exp().max().item())
-        return losses
-
-    trainer.algorithm.update = watched  # type: ignore[method-assign]
-    trainer.run()
-    assert seen == pytest.approx([0.4, 0.4, 0.2, 0.1], rel=1e-5)
+    actors = actors_of(Trainer(task(**train), job(tmp_path)))
+    noise = [each["distribution.log_std_param"].exp().max().item() for each in actors]
+    assert noise == pytest.approx([0.4, 0.4, 0.2, 0.1], rel=1e-5)
     # the share of the iterations counts what was done before
     resumed = trained(tmp_path, **{**train, "iterations": 8})
     noise = actor(resumed.trainer)["distribution.log_std_param"].exp()

@@ -13,7 +13,7 @@ from slider.env.rollout import Recording, roll_out
 from slider.env.vec_env import Task
 from slider.training import selection
 from slider.training.selection import Selector
-from tests.env.synthetic import config, gait_table, make_contacts, stand
+from tests.env.synthetic import config, gait_table, make_recording, stand
 
 SETTINGS = SelectionConfig(
     interval=1,
@@ -50,22 +50,9 @@ def recorded(speeds: list[float], alive: list[bool]) -> Recording:
     velocity[:10] = 99.0
     forces = np.full((50, 4, 2), 100.0)
     forces[10:20] = 0.0
-    return Recording(
-        period=0.02,
-        command=np.tile([[v, 0.0, 0.0] for v in (0.2, 0.2, 2.0, 2.0)], (50, 1, 1)),
-        alive=np.tile(alive, (50, 1)),
-        velocity=velocity,
-        yaw=np.zeros((50, 4)),
-        position=np.zeros((50, 4, 2)),
-        foot_positions=np.zeros((50, 4, 2, 3)),
-        contacts=make_contacts(np.repeat(forces, 4, axis=0)),
-        estimate_error=np.zeros((50, 4, 4)),
-        power=np.zeros((50, 4)),
-        effort_share=np.zeros((50, 4)),
-        speed_share=np.zeros((50, 4)),
-        diverged=np.zeros(4, dtype=bool),
-        weight=np.full(4, 120.0),
-    )
+    command = np.tile([[v, 0.0, 0.0] for v in (0.2, 0.2, 2.0, 2.0)], (50, 1, 1))
+    up = np.tile(alive, (50, 1))
+    return make_recording(command, alive=up, velocity=velocity, foot_forces=forces)
 
 
 def test_score_by_hand(monkeypatch):

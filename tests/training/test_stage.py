@@ -45,7 +45,6 @@ def library(tmp_path_factory) -> Path:
         ((*ALONE, "train/walking/reward=default"), False, True),
         ((*ALONE, "train.walking.reset.reference_fraction=0.1"), False, True),
         ((*ALONE, "env/phase=clock"), True, True),
-        ((*ALONE, "env/phase=none"), False, False),
         ((*ALONE, "env.action.offset=gait"), True, True),
         (("env=paper", "train/standing=paper", "train/walking=paper"), False, True),
     ],

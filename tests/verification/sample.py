@@ -4,24 +4,20 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from tempfile import mkdtemp
 
 import numpy as np
 
-from pipeline.stages.gaits import gait_library, gait_section, verification_jobs
+from pipeline.stages.gaits import verification_jobs
 from slider.artefacts.plan import JobSpec
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
 from slider.config.schema import Config
-from slider.core.job import Job
-from slider.gait import stage as gait_stage
-from slider.library import stage as library_stage
 from slider.library.reader import STORE, GaitLibrary
 from slider.verification.pin_robot import PinRobot
 from slider.verification.plant import Plant
 from slider.verification.stage import Check, checks
 from slider.verification.stored import StoredGait, gaits_of
-from tests import shared
+from tests.library.solved import solved_library
 
 CONF = Path(__file__).parents[2] / "conf"
 VELOCITIES = [(0.6, -0.1), (0.6, 0.1), (0.65, 0.1)]
@@ -35,25 +31,7 @@ def config(*overrides: str) -> Config:
 
 def library() -> Path:
     """Object folder of a library of three gaits."""
-    return collected("prismatic", *VELOCITIES)
-
-
-@shared.shared
-def collected(dynamics: str, *velocities: tuple[float, ...]) -> Path:
-    folder = Path(mkdtemp(prefix="verification-", dir=shared.folder()))
-    settings = config(f"gait.dynamics={dynamics}")
-    problem = gait_section(settings)
-    gaits = []
-    for velocity in velocities:
-        gaits.append(folder / f"gait {velocity}")
-        gaits[-1].mkdir()
-        full = [*velocity, 0.0][:3]
-        gait_stage.run(problem | {"velocity": full}, {}, gaits[-1], Job(folder))
-    out = folder / "library"
-    out.mkdir()
-    section = gait_library(settings, []).section
-    library_stage.run(section, {"gaits": gaits}, out, Job(folder))
-    return out
+    return solved_library(tuple((*velocity, 0.0) for velocity in VELOCITIES))
 
 
 @cache
@@ -64,13 +42,13 @@ def gaits() -> list[StoredGait]:
 @cache
 def knee_gait() -> StoredGait:
     """A gait with the virtual knee's dynamics."""
-    return gaits_of(GaitLibrary.load(collected("knee", VELOCITIES[1]) / STORE))[0]
+    return gaits_of(GaitLibrary.load(solved_library(((0.6, 0.1, 0.0),), "knee") / STORE))[0]
 
 
 @cache
 def turning_gaits() -> list[StoredGait]:
     """Two gaits that turn, reflections of each other."""
-    folder = collected("prismatic", (0.5, 0.1, -0.3), (0.5, -0.1, 0.3))
+    folder = solved_library(((0.5, 0.1, -0.3), (0.5, -0.1, 0.3)))
     return gaits_of(GaitLibrary.load(folder / STORE))
 
 

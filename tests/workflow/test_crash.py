@@ -4,7 +4,6 @@
 """
 
 import os
-import shutil
 import signal
 import subprocess
 import time
@@ -76,62 +75,6 @@ def test_killed_jobs_and_heads_leave_nothing_and_are_resumed(workspace):
     assert [manifest.get("resumed") for manifest in workspace.manifests("walking")] == [True]
     assert not (workspace.artefacts / "tmp").exists()
     assert workspace.computed(LONGER) == []
-
-
-def test_no_table_is_made_of_a_changed_digit(workspace, once):
-    """Of a stage's first result, as a failing disk does it: size and times stay."""
-    digest = sorted(workspace.objects("evaluation"))[0]
-    path = next((workspace.artefacts / "objects" / digest[:2] / digest).iterdir())
-    times, text = path.stat(), path.read_text()
-    path.chmod(0o644)
-    path.write_text(text.replace("0.", "7.", 1))
-    os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))
-    further = "evaluation.speeds=[0.2,0.4,0.3]"
-    assert workspace.computed(further) == ["evaluation", "evaluation", "table1"]
-    assert workspace.computed() == []
-    assert workspace.table.read_bytes() == once.table.read_bytes()
-    assert workspace.slider("store", "verify").returncode == 0
-
-
-def limited(workspace: Workspace, size: int, hydra: str):
-    """Run the pipeline where no file may have more than so many KiB, as on a full disk."""
-    text = "import resource, runpy, sys; size = 1024 * int(sys.argv.pop(1));"
-    text += "resource.setrlimit(resource.RLIMIT_FSIZE, (size, size));"
-    text += "sys.argv[0] = 'snakemake'; runpy.run_module('snakemake', run_name='__main__')"
-    config = ["--config", f"hydra=experiment=test {hydra}"]
-    return workspace.command(["-c", text, str(size), "-j2", TABLE, *config])
-
-
-@pytest.mark.parametrize(
-    ("size", "place"),
-    [(16, "artefacts/"), (1024, "walking: expected to write")],  # of the head, of a job
-)
-def test_a_full_disk_is_one_line_and_leaves_nothing(workspace, size, place):
-    big = "    import torch; torch.save(torch.zeros(1_000_000), out / 'big.pt')\n    iterations ="
-    workspace.edit("src/slider/training/stage.py", "    iterations =", big)
-    table = workspace.table.read_bytes()
-    failed = limited(workspace, size, LONGER)
-    assert failed.returncode == 1
-    (line,) = [line for line in ours(failed.stderr) if "expected to write" in line]
-    assert place in line
-    assert "Traceback" not in failed.stderr
-    assert not list(workspace.artefacts.rglob(".*.part"))
-    assert not list((workspace.artefacts / "tmp").iterdir())
-    assert workspace.table.read_bytes() == table
-    assert workspace.slider("store", "verify").returncode == 0
-    assert {*AFTER_STANDING} <= {*workspace.computed(LONGER)}
-
-
-def test_a_file_in_the_place_of_a_folder_is_one_line_and_repaired(workspace):
-    shutil.rmtree(workspace.artefacts / "logs")
-    (workspace.artefacts / "logs").write_text("")
-    failed = workspace.snakemake(TABLE, hydra=LONGER)
-    assert failed.returncode == 1
-    (line,) = ours(failed.stderr)
-    assert line.startswith("slider: expected a folder, found a file at artefacts/logs: ")
-    assert "Traceback" not in failed.stderr
-    assert "dropped logs, unreadable" in workspace.slider("store", "verify").stdout
-    assert workspace.computed(LONGER) == AFTER_STANDING
 
 
 @contextmanager

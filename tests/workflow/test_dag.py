@@ -5,8 +5,8 @@ import json
 import os
 import py_compile
 import resource
-import shutil
 import sqlite3
+from collections import Counter
 from contextlib import closing
 
 import pytest
@@ -31,7 +31,6 @@ from tests.workflow.workspace import (
 pytestmark = pytest.mark.workflow
 
 LONGER = "train.walking.iterations=5"
-GAIT, EVALUATION = (f"src/slider/{name}/stage.py" for name in ("gait", "evaluation"))
 RUN_ALL = """
 import sys
 from pathlib import Path
@@ -71,77 +70,48 @@ def test_ends_with_a_table_and_a_page_of_our_controller(real):
     assert runs > len(EVERYTHING) - 2
 
 
-def test_same_seed_same_table(real, tmp_path):
-    """Whatever the home folder is and MPLBACKEND, MUJOCO_GL say, which Table 1 does not need."""
-    again = copy_repository(tmp_path)
-    hostile = {"HOME": "/proc/nobody", "MPLBACKEND": "none", "MUJOCO_GL": "none"}
-    assert again.computed(**hostile) == EVERYTHING  # and nothing that only the page needs
-    assert again.table.read_bytes() == real.table.read_bytes()
-    for stage in ("gait", "library", "evaluation", "table1"):
-        assert again.objects(stage) == real.objects(stage), stage
-
-
-def test_what_is_beside_the_way_to_the_table(real, tmp_path):
-    """Figures, stability and checks of gaits are targets of their own and wait for no training."""
+def test_targets_beside_the_way_to_the_table(real, tmp_path):
+    """Checks of gaits wait for no training; what studies share is computed once."""
     workspace = real.copy(tmp_path / "copy")
-    targets = ("figures", "reports/stability.csv", "reports/verification.csv")
-    short = "verification.replay.steps=2 verification.points=21"
-    done = workspace.snakemake(*targets, hydra=f"{short} {QUIET}")
-    assert done.returncode == 0, done.stderr
+    mine = "defaults: [gait_starts, _self_]\nstarts: {count: 3}\nspeeds: [0.4]\n"
+    (workspace.folder / "conf/study/mine.yaml").write_text(mine)
+    names = ("stability", "verification", "baseline_tuning", "sensitivity", "gait_starts", "mine")
+    targets = " ".join(["figures", *(f"reports/{name}.csv" for name in names)])
+    short = "verification.replay.steps=2 verification.points=21 ~tuning.spaces.hzd"
+    short += " study.sensitivity.speeds=[0.4] study.mine.starts.spread.joints=0.05"
+    stages = Counter(workspace.computed(short, target=targets))
+    studies = {"gait": 4, "evaluation": 3, "gait_start": 3, "study": 3}
+    assert {name: stages[name] for name in studies} == studies
+    assert not {"standing", "walking", "table1"} & stages.keys()
     for stage in ("figures", "stability_gaits", "return_maps", "verification_gaits"):
         (manifest,) = workspace.manifests(stage)
         assert {"library"} <= set(manifest["inputs"]) <= {"library", "gaits"}
     reports = workspace.folder / "reports"
-    names = {path.name for path in (reports / "figures").iterdir()}
-    assert names == {*FILES, "solve_times.svg", "solve_times.md"}
-    rows = list(csv.DictReader((reports / "stability.csv").read_text().splitlines()))
-    assert [float(row["vx"]) for row in rows] == [0.2, 0.4]
-    assert all(float(row["closed_spectral_radius"]) < 1 for row in rows)
+    drawn = {path.name for path in (reports / "figures").iterdir()}
+    assert {*FILES, "solve_times.svg", "sensitivity.svg", "baseline_tuning.svg"} <= drawn
+    tables = {name: list(csv.DictReader((reports / f"{name}.csv").open())) for name in names}
+    assert [float(row["vx"]) for row in tables["stability"]] == [0.2, 0.4]
+    assert all(float(row["closed_spectral_radius"]) < 1 for row in tables["stability"])
+    assert len({row["step.apex"] for row in tables["baseline_tuning"]}) == 3
     verdict = json.loads((reports / "verification.json").read_text())
     assert (verdict["passed"], verdict["gaits"]) == (True, 2)
-    assert "Solve_Succeeded" in workspace.slider("gait", "show", "--vx", "0.4").stdout
-
-    strict = f"{short} verification.bounds.roll_end=1e-12"
-    hydra = f"{strict} verification.on_failure=error {QUIET}"
-    failing = workspace.snakemake("reports/verification.csv", hydra=hydra)
-    assert failing.returncode == 1
-    assert "gait (0.2, 0) m/s, roll_end: expected ≤ 1e-12 rad" in failing.stderr
-    assert workspace.computed(strict, target="reports/verification.csv") == ["verification"]
+    assert workspace.computed(short, target=targets) == []
 
 
-def test_the_gauge_and_the_export_of_the_policy_in_it(real, tmp_path):
-    """Another axis computes itself alone; a policy that changed computes its axes again."""
-    workspace = real.copy(tmp_path / "copy")
-    target, mine = "reports/gauge.csv", "gauge.controllers=[mine_onboard]"
-    assert workspace.computed(target=target) == ["gauge", *["gauge_axis"] * 3]
-    more = "gauge.axes=[slope_up,delay,push,friction]"
-    assert workspace.computed(more, target=target) == ["gauge", "gauge_axis"]
-    assert (workspace.folder / "reports" / "figures" / "gauge.svg").is_file()
-    missing = workspace.snakemake("-n", target, hydra=f"{mine} +gauge.policies.mine=nowhere")
-    expected = "a folder with policy.onnx, policy.json, reference.npy"
-    assert f"policies.mine: expected {expected}, found no nowhere/policy.onnx" in missing.stderr
-    assert "Traceback" not in missing.stderr
+def test_the_exported_policy_in_the_gauge(real, tmp_path):
+    workspace, target = real.copy(tmp_path / "copy"), "reports/gauge.csv"
     assert workspace.snakemake("policy", hydra=QUIET).returncode == 0
-    exported = f"{mine} +gauge.policies.mine=reports/policy gauge.axes=[delay]"
-    assert workspace.computed(exported, target=target) == ["gauge", "gauge_axis", "policy_import"]
+    exported = "+gauge.policies.mine=reports/policy gauge.axes=[delay]"
+    exported += " gauge.controllers=[policy,mine_onboard]"
+    found = workspace.computed(exported, target=target)
+    assert found == ["gauge", "gauge_axis", "gauge_axis", "policy_import"]
     rows = list(csv.DictReader((workspace.folder / target).read_text().splitlines()))
-    assert [row["axis"] for row in rows] == ["delay", "gauge number"]
-    assert rows[0]["label"] == "mine, onboard state"
+    assert [row["axis"] for row in rows] == ["delay", "gauge number"] * 2
+    assert rows[2]["label"] == "mine, onboard state"
     layout = workspace.folder / "reports" / "policy" / "policy.json"
     layout.chmod(0o644)
     layout.write_text(layout.read_text() + "\n")
     assert workspace.computed(exported, target=target) == ["gauge_axis", "policy_import"]
-
-
-def test_a_search_for_the_baselines_settings(real, tmp_path):
-    workspace, target = real.copy(tmp_path / "copy"), "reports/baseline_tuning.csv"
-    small = "~tuning.spaces.hzd"
-    assert workspace.computed(small, target=target) == ["baseline_tuning", "tuning"]
-    rows = list(csv.DictReader((workspace.folder / target).read_text().splitlines()))
-    assert [float(row["trial"]) for row in rows] == [0, 1, 2]
-    assert float(rows[0]["step.apex"]) == 0.07
-    assert len({row["step.apex"] for row in rows}) == 3
-    assert workspace.computed(small, target=target) == []
 
 
 # Stages in miniature.
@@ -163,111 +133,61 @@ def blank(tmp_path) -> Workspace:
     return with_dummies(copy_repository(tmp_path))
 
 
-@pytest.mark.parametrize(
-    ("override", "stages"),
-    [
-        ("gait.nodes=31", EVERYTHING),
-        ("gait.grid.vx.stop=0.6", [*EVERYTHING[:3], *EVERYTHING[4:]]),
-        (LONGER, AFTER_STANDING),
-        ("evaluation.speeds=[0.2,0.4,0.3]", ["evaluation", "table1"]),
-        ("resources.threads=1", []),
-    ],
-)
-def test_a_value_computes_what_depends_on_it(workspace, override, stages):
-    """The way back to the earlier value computes nothing and restores the table."""
+def test_a_change_computes_what_depends_on_it(workspace):
+    """As ``slider why`` says before; what was computed once is never computed again."""
+
+    def why(*overrides: str) -> list[str]:
+        workspace.snakemake("-n", hydra=" ".join(overrides))
+        done = workspace.slider("why", "table1")
+        assert done.returncode == 0, done.stderr
+        return done.stdout.splitlines()
+
     first = workspace.table.read_bytes()
-    assert workspace.computed(override) == stages
-    assert (workspace.table.read_bytes() != first) == bool(stages)
+    assert why(LONGER)[:2] == [
+        f"table1: {len(AFTER_STANDING)} to compute",
+        "  walking: train.walking.iterations 3 → 5",
+    ]
+    assert workspace.computed(LONGER) == AFTER_STANDING
+    assert workspace.table.read_bytes() != first
+    edited_by_hand(workspace)
+    lost_manifests(workspace)
     assert workspace.computed() == []
     assert workspace.table.read_bytes() == first
 
-
-def comment(workspace: Workspace) -> None:
-    prepend(workspace, GAIT, "# A comment.\n")
-
-
-def refactoring(workspace: Workspace) -> None:
-    """The gaits stay the same, so nothing follows."""
-    prepend(workspace, GAIT, "unused = 1\n")
-
-
-def another_evaluation(workspace: Workspace) -> None:
-    workspace.edit(EVALUATION, "policy}", "policy}!")
+    refactored = workspace.folder / "src/slider/gait/stage.py"
+    refactored.write_text("unused = 1\n" + refactored.read_text())
+    assert why()[1] == "  gait × 2: source slider.gait.stage changed"
+    assert workspace.computed() == ["gait", "gait"]  # which are the same, so nothing follows
+    changed_with_the_same_size_and_time(workspace)
+    assert workspace.computed() == ["evaluation", "evaluation", "table1"]
+    assert workspace.table.read_bytes() != first
+    assert workspace.slider("store", "verify").returncode == 0
 
 
-def of_the_same_size_and_time(workspace: Workspace) -> None:
-    """As out of an archive whose files have one date; bytecode of the module before is there."""
-    path = workspace.folder / EVALUATION
-    before = path.stat()
-    mode = py_compile.PycInvalidationMode.TIMESTAMP
-    py_compile.compile(str(path), invalidation_mode=mode)
-    workspace.edit(EVALUATION, "} {policy}", "}!{policy}")
-    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
-    assert path.stat().st_size == before.st_size
-
-
-def new_version(workspace: Workspace) -> None:
-    """Only the gaits import casadi."""
-    info = workspace.folder / "src" / "casadi-99.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: casadi\nVersion: 99.0\n")
-
-
-def foreign_path(workspace: Workspace) -> None:
-    """A sourced ROS: PYTHONPATH with another casadi."""
-    new_version(workspace)
-    info = workspace.folder / "src" / "casadi-99.0.dist-info"
-    shutil.move(info, workspace.folder / "conf")
-
-
-def litter(workspace: Workspace) -> None:
-    for name in (".DS_Store", "Thumbs.db", "stage.py.orig"):
-        (workspace.folder / "src" / "slider" / "gait" / name).write_text("")
-
-
-def test_every_data_file_of_the_package_counts_as_one():
-    kinds = {path.suffix for path in (REPOSITORY / "src" / "slider").rglob("*.*")}
-    assert kinds - {".py", ".pyc", ".typed", ".machine", ".json"} <= {*DATA}
+def edited_by_hand(workspace: Workspace) -> None:
+    workspace.table.write_text("edited by hand\n")
+    (workspace.folder / ".snakemake" / "metadata").rename(workspace.folder / "forgotten")
 
 
 def lost_manifests(workspace: Workspace) -> None:
     for path in (workspace.artefacts / "table1").glob("*.json"):
         path.unlink()
-    workspace.table.unlink()
 
 
-def edited_table(workspace: Workspace) -> None:
-    workspace.table.write_text("edited by hand\n")
-    (workspace.folder / ".snakemake" / "metadata").rename(workspace.folder / "forgotten")
+def changed_with_the_same_size_and_time(workspace: Workspace) -> None:
+    """As out of an archive whose files have one date; bytecode of the module before is there."""
+    path = workspace.folder / "src/slider/evaluation/stage.py"
+    before = path.stat()
+    mode = py_compile.PycInvalidationMode.TIMESTAMP
+    py_compile.compile(str(path), invalidation_mode=mode)
+    workspace.edit("src/slider/evaluation/stage.py", "} {policy}", "}!{policy}")
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert path.stat().st_size == before.st_size
 
 
-def prepend(workspace: Workspace, path: str, text: str) -> None:
-    file = workspace.folder / path
-    file.write_text(text + file.read_text())
-
-
-@pytest.mark.parametrize(
-    ("change", "stages"),
-    [
-        (comment, []),
-        (refactoring, ["gait", "gait"]),
-        (another_evaluation, ["evaluation", "evaluation", "table1"]),
-        (of_the_same_size_and_time, ["evaluation", "evaluation", "table1"]),
-        (new_version, ["gait", "gait"]),
-        (foreign_path, []),
-        (litter, []),
-        (lost_manifests, []),
-        (edited_table, []),
-    ],
-)
-def test_a_change_computes_what_depends_on_it(workspace, change, stages):
-    first = workspace.table.read_text()
-    change(workspace)
-    path = f"{workspace.folder / 'src'}:{workspace.folder / 'conf'}"
-    assert workspace.computed(PYTHONPATH=path) == stages
-    others = (another_evaluation, of_the_same_size_and_time)
-    assert (workspace.table.read_text() == first) == (change not in others)
-    assert workspace.slider("store", "verify").returncode == 0
+def test_every_data_file_of_the_package_counts_as_one():
+    kinds = {path.suffix for path in (REPOSITORY / "src" / "slider").rglob("*.*")}
+    assert kinds - {".py", ".pyc", ".typed", ".machine", ".json"} <= {*DATA}
 
 
 def test_a_failing_stage_shows_its_last_words(workspace):
@@ -278,28 +198,14 @@ def test_a_failing_stage_shows_its_last_words(workspace):
     assert "artefacts/logs/table1/" in failed.stderr
 
 
-@pytest.mark.parametrize(
-    ("setting", "message"),
-    [
-        ("hydra=gait.nods=3", "did you mean 'gait.nodes'?"),
-        ("hydra=3", "expected text of the form key=value, found 3"),
-        ("hydar=gait.nodes=3", "unknown --config name 'hydar'"),
-        ("hydra=", "expected Python with docstrings, found PYTHONOPTIMIZE=2"),
-    ],
-)
-def test_a_mistake_is_one_line_and_status_1(once, setting, message):
-    environment = {"PYTHONOPTIMIZE": "2"} if "PYTHONOPTIMIZE" in message else {}
-    failed = once.command(["-m", "snakemake", "-n", "--config", setting], **environment)
+@pytest.mark.parametrize("optimize", ["0", "2"])
+def test_a_mistake_is_one_line_and_status_1(once, optimize):
+    config = ["--config", "hydra=gait.nods=3"]
+    failed = once.command(["-m", "snakemake", "-n", *config], PYTHONOPTIMIZE=optimize)
     assert failed.returncode == 1
     (line,) = [line for line in failed.stderr.splitlines() if not line.startswith("Using workflow")]
-    assert message in line
-
-
-def test_a_store_on_a_disk_that_is_not_mounted_is_one_line(blank, tmp_path):
-    (blank.folder / "artefacts").symlink_to(tmp_path / "disk")
-    dry = blank.snakemake("-n", hydra=QUIET)
-    assert dry.returncode == 1
-    assert f"expected a folder at artefacts, found a link to {tmp_path}/disk\n" in dry.stderr
+    mistakes = {"0": "did you mean 'gait.nodes'?", "2": "found PYTHONOPTIMIZE=2"}
+    assert mistakes[optimize] in line
 
 
 def test_a_dry_run_and_a_run_with_nothing_to_do_are_fast(blank):

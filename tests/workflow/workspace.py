@@ -153,9 +153,12 @@ class Workspace:
         return self.command(["-m", "slider.cli", *arguments])
 
     def computed(self, hydra: str = "", target: str = TABLE, **environment: str) -> list[str]:
-        """Run the pipeline, expect success, and list the stages that were really computed."""
+        """Run the pipeline, expect success, and list the stages that were really computed.
+
+        ``target`` may be several ones with blanks between them.
+        """
         before = self._computations()
-        done = self.snakemake(target, hydra=f"{hydra} {QUIET}", **environment)
+        done = self.snakemake(*target.split(), hydra=f"{hydra} {QUIET}", **environment)
         assert done.returncode == 0, f"{done.returncode}: {done.stderr}"
         return self.stages(before)
 

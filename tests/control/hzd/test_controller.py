@@ -23,7 +23,7 @@ from slider.env.rollout import Recording, roll_out
 from slider.env.starts import at_rest
 from slider.evaluation.gait_walks import walk
 from slider.hzd.gains import FootPlacement
-from tests.env.synthetic import config, robot_config
+from tests.env.synthetic import config, disturbance, robot_config
 from tests.hzd.sample import VELOCITIES, folder, library, placement_folder
 
 COUNT = 2
@@ -70,8 +70,8 @@ def test_walks_from_the_protocols_starts_at_the_commanded_velocity():
 def test_walks_up_a_slope_that_it_receives():
     """The integral action takes 8 s to the commanded velocity, on level ground 3 s."""
     text = "terrain={kinds: [slope_up], level: {lower: 4.8, upper: 4.8}}"
-    disturbance = Disturbance(config(f"evaluation.disturbance.{text}").evaluation.disturbance, (1,))
-    recording, _ = go((9.0, (0.2, 0.0, 0.0)), disturbance=disturbance)
+    slope = Disturbance(disturbance(text), (1,))
+    recording, _ = go((9.0, (0.2, 0.0, 0.0)), disturbance=slope)
     assert recording.survived.all()
     np.testing.assert_allclose(recording.velocity[-84:].mean(axis=(0, 1)), [0.2, 0.0], atol=0.02)
 

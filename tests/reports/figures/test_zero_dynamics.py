@@ -1,33 +1,22 @@
-"""Manifold, impact surface and orbit of a gait that is solved here."""
+"""Manifold, impact surface and orbit of a solved gait."""
 
 import numpy as np
 import pytest
 
-from pipeline.stages.gaits import gait_library
-from slider.core.job import Job
-from slider.gait import stage as gait_stage
-from slider.library import stage as library_stage
 from slider.library.blend import Gait, blend
 from slider.library.reader import STORE, GaitLibrary
 from slider.reports.figures.zero_dynamics import portrait, swing_height, touchdown
 from slider.robot import knee_map
 from slider.robot.kinematics import foot_ends, rotation_from_quaternion
-from tests.gait.gaits import config, section
+from tests.library.solved import solved_library
 
 VELOCITY = 0.6, 0.0
 NODES = np.linspace(0.0, 1.0, 21)
 
 
 @pytest.fixture(scope="module")
-def gait(tmp_path_factory) -> Gait:
-    folder = tmp_path_factory.mktemp("walk")
-    solved, out = folder / "gait", folder / "library"
-    solved.mkdir()
-    out.mkdir()
-    gait_stage.run(section(*VELOCITY), {}, solved, Job(folder))
-    settings = dict(gait_library(config(), []).section)
-    library_stage.run(settings, {"gaits": [solved]}, out, Job(folder))
-    return blend(GaitLibrary.load(out / STORE), *VELOCITY)
+def gait() -> Gait:
+    return blend(GaitLibrary.load(solved_library(((*VELOCITY, 0.0),)) / STORE), *VELOCITY)
 
 
 def test_the_swing_foot_is_where_the_gaits_own_base_puts_it(gait):

@@ -1,0 +1,39 @@
+"""Gaits of the default configuration that are really solved, once per test session."""
+
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+
+from pipeline.stages.gaits import gait_library, gait_section
+from slider.config.compose import compose
+from slider.config.schema import Config
+from slider.core.job import Job
+from slider.gait import stage as gait_stage
+from slider.library import stage as library_stage
+from tests import shared
+from tests.library.gaits import CONF
+
+Velocity = tuple[float, float, float]
+
+
+@cache
+def config(dynamics: str) -> Config:
+    return compose([f"gait.dynamics={dynamics}"], CONF)
+
+
+@shared.shared
+def solved_gait(velocity: Velocity, dynamics: str = "prismatic") -> Path:
+    """Object folder of a gait."""
+    out = Path(mkdtemp(prefix="gait-", dir=shared.folder()))
+    gait_stage.run(gait_section(config(dynamics)) | {"velocity": [*velocity]}, {}, out, Job(out))
+    return out
+
+
+@shared.shared
+def solved_library(velocities: tuple[Velocity, ...], dynamics: str = "prismatic") -> Path:
+    """Object folder of a library."""
+    gaits = [solved_gait(velocity, dynamics) for velocity in velocities]
+    out = Path(mkdtemp(prefix="library-", dir=shared.folder()))
+    section = dict(gait_library(config(dynamics), []).section)
+    library_stage.run(section, {"gaits": gaits}, out, Job(out))
+    return out

@@ -31,8 +31,8 @@ def _composed(*overrides: str) -> dict[str, Any]:
 
 
 def _compose_once(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
-    if conf.resolve() != CONF:
-        return _compose(overrides, conf)
+    if conf.resolve() != CONF or any(text.startswith("robot=") for text in overrides):
+        return _compose(overrides, conf)  # files of a test
     return copy.deepcopy(_composed(*overrides))
 
 

@@ -20,7 +20,7 @@ from slider.config import scaling as scaling  # registers resolvers
 from slider.config.control import FAMILIES
 from slider.config.convert import from_dict
 from slider.config.reference import BY_NAME, kind_at
-from slider.config.robot_file import store_robot, without_other_motors
+from slider.config.robot_file import store_robot, without_capstan
 from slider.config.schema import Config
 from slider.config.validation import NAME, validate
 from slider.core.errors import UserError, require
@@ -73,7 +73,7 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
             options = store_robot(_as_hydra_wants(overrides), conf)
             config = hydra_compose("config", overrides=options)
             values = cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
-            without_other_motors(values.get("robot"))
+            without_capstan(values.get("robot"))
             return values
         except HydraException as error:
             raise UserError(_explain(error, overrides, conf)) from None

@@ -41,25 +41,20 @@ def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     return result
 
 
-def without_other_motors(robot: Any) -> None:
-    """Drop drives and gains of a capstan from a robot without one, and the reverse.
+def without_capstan(robot: Any) -> None:
+    """Drop a capstan's drive, gains and tags from a robot with ``capstan: null``.
 
     They come from the robot that a file builds on: no file can delete a key.
     """
-    if not isinstance(robot, dict) or "capstan" not in robot:
+    if not isinstance(robot, dict) or robot.get("capstan", "") is not None:
         return
-    unused = ("capstan",) if robot["capstan"] is None else ("slide", "ankle")
-    keys = {f"{table}.{name}" for table in ("drives", "gains") for name in unused}
-    keys |= {"capstan"} if robot["capstan"] is None else set()
     for name in ("drives", "gains"):
         if isinstance(robot.get(name), dict):
-            robot[name] = {k: v for k, v in robot[name].items() if k not in unused}
-    if isinstance(robot.get("provenance"), dict):
-        robot["provenance"] = {
-            key: tag
-            for key, tag in robot["provenance"].items()
-            if not any(f"{key}.".startswith(f"{unused}.") for unused in keys)
-        }
+            robot[name].pop("capstan", None)
+    tags = robot.get("provenance")
+    if isinstance(tags, dict):
+        gone = ("capstan.", "drives.capstan.", "gains.capstan.")
+        robot["provenance"] = {k: v for k, v in tags.items() if not f"{k}.".startswith(gone)}
 
 
 def model_of(option: str) -> "ModelFile | None":

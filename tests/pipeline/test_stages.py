@@ -330,3 +330,11 @@ def test_an_exported_policy_is_gauged_with_its_own_sensing(tmp_path):
         UserError, match=r"^gauge\.policies\.o: expected a folder with policy\.onnx"
     ):
         gauge("gauge.controllers=[o]", f"+gauge.policies.o={elsewhere}")
+
+
+def test_a_search_may_be_in_the_world_of_the_onboard_state():
+    config = compose(["tuning=onboard", "evaluation=onboard"], CONF)
+    (search,) = baseline_tuning(config, {}).inputs["searches"]
+    assert search.section["plant"]["onboard"] is not None
+    assert search.section["evaluation"]["disturbance"]["delay"] == {"lower": 0.02, "upper": 0.02}
+    assert search.section["control"]["observer"]["delay"] == 0.02

@@ -45,7 +45,7 @@ class TuningConfig:
     seed: Seed
     """of the starts"""
     spaces: dict[str, dict[str, RangeConfig]]
-    """controller of ``control`` → dotted name of a number of it → range"""
+    """controller of ``control``, or NAME_onboard → dotted name of a number of it → range"""
 
 
 def setting(control: Mapping[str, Any], name: str) -> float | None:

@@ -363,16 +363,18 @@ def _gauge(config: Config) -> None:
 def _tuning(config: Config) -> None:
     """Settings that there are, with ranges that they may have."""
     for name, space in config.tuning.spaces.items():
-        one_of("tuning.spaces", name, config.control)
-        control = to_dict(config.control[name])
+        controller = name.removesuffix(ONBOARD)
+        one_of("tuning.spaces", controller, config.control)
+        typed = config.control[controller]
+        control = to_dict(typed)
         for dotted, bounds in space.items():
             key = f"tuning.spaces.{name}"
             present = setting(control, dotted)
             there = present is not None
-            require(there, key, f"names of numbers of control.{name}", dotted)
+            require(there, key, f"names of numbers of control.{controller}", dotted)
             for end in (bounds.lower, bounds.upper):
                 value = round(end) if isinstance(present, int) else end
-                from_dict(type(config.control[name]), with_settings(control, {dotted: value}), key)
+                from_dict(type(typed), with_settings(control, {dotted: value}), key)
             _ordered(f"{key}.{dotted}", bounds.lower, bounds.upper)
             above = not bounds.log or bounds.lower > 0
             require(above, f"{key}.{dotted}.lower", "more than 0 with log", bounds.lower)

@@ -268,6 +268,20 @@ def test_a_mistake_is_one_line(folder, before, after, message):
     assert "\n" not in str(error.value)
 
 
+def test_meshes_and_textures_that_are_not_there_are_not_read(folder):
+    path = folder / "robot.xml"
+    text = path.read_text(encoding="utf-8")
+    assets = '<asset><mesh name="m" file="m.stl"/><texture name="t" type="2d" file="t.png"/>'
+    assets += '<material name="c" texture="t"/></asset><worldbody>'
+    geom = '<joint name="left_slide"'
+    assert geom in text
+    text = text.replace("<worldbody>", assets, 1)
+    text = text.replace(geom, f'<geom type="mesh" mesh="m" material="c"/>{geom}', 1)
+    path.write_text(text, encoding="utf-8")
+    robot = compose([f"robot={folder}"], CONF).robot
+    np.testing.assert_allclose(robot.links.tube.com, lopsided().links.tube.com, atol=1e-6)
+
+
 def test_swapped_legs_are_one_line(folder):
     text = TEXT.replace("left", "other").replace("right", "left").replace("other", "right")
     (folder / "robot.yaml").write_text(text, encoding="utf-8")

@@ -74,7 +74,7 @@ def _lines(robot: RobotConfig, model: ModelFile | None) -> Iterator[str]:
 
 
 def _remarks(robot: RobotConfig, shares: np.ndarray) -> Iterator[str]:
-    """What is possible and hardly meant."""
+    """Values that are accepted and probably wrong."""
     geometry, links = robot.geometry, robot.links
     if links.tube.com[2] < -geometry.leg_length - geometry.ankle_height:
         yield "remark: the tube's centre of mass is below the sole"

@@ -99,7 +99,7 @@ def _content(path: Path) -> dict[str, Any]:
 
 
 def _model(node: dict[str, Any], path: Path) -> "ModelFile | None":
-    """What ``model`` and ``roles`` give; they leave the content."""
+    """Take ``model`` and ``roles`` out of the content, and return what they give."""
     file, roles = node.pop("model", None), node.pop("roles", None)
     if file is None and roles is None:
         return None

@@ -1,6 +1,6 @@
-"""What Snakemake says while the pipeline runs: errors. Jobs and progress say the rest.
+"""Snakemake's records on the terminal: errors pass, chatter does not, jobs become progress lines.
 
-On a cluster a job speaks into Slurm's log. There this module speaks for it.
+On a cluster the output of a job is in Slurm's log; here the end of the job's own log is shown.
 """
 
 import logging
@@ -17,7 +17,7 @@ from snakemake.jobs import GroupJob
 from snakemake.logging import logger
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from pipeline.progress import Progress, forecast
+from pipeline.progress import Progress
 from slider.artefacts.plan import Plan
 from slider.artefacts.store import Store
 
@@ -38,7 +38,7 @@ _REASON_ENDS = re.compile(r"\n +sbatch call|Detailed failure reason|For further 
 
 @dataclass
 class Console:
-    """Takes the records of Snakemake's logger: drops chatter, follows jobs, lets errors pass."""
+    """Filters the records of Snakemake's logger and follows its jobs."""
 
     workflow: Any
     progress: Progress | None = None
@@ -51,27 +51,27 @@ class Console:
 
     def open(self, plan: Plan, store: Store) -> None:
         """Begin to show the progress of the jobs that Snakemake is about to run."""
-        with self._harmless():
-            run = self.workflow.dag.needrun_jobs()
-            jobs = {job.wildcards.recipe: job for job in run if hasattr(job.wildcards, "recipe")}
-            self._recipes = {job.jobid: recipe for recipe, job in jobs.items()}
-            needed = {recipe: (job.priority, job.resources["pool"]) for recipe, job in jobs.items()}
+        with self._guarded():
+            jobs = self.workflow.dag.needrun_jobs()
+            self._recipes = {
+                job.jobid: job.wildcards.recipe for job in jobs if hasattr(job.wildcards, "recipe")
+            }
             settings = self.workflow.resource_settings
             cores = settings.cores or settings.nodes or 1
-            if needed:
-                self.progress = Progress(plan, store, forecast(plan, store, needed, cores))
+            if self._recipes:
+                self.progress = Progress(plan, store, self._recipes.values(), cores)
                 self.progress.open()
 
     def close(self, succeeded: bool) -> None:
         """End the lines about running jobs."""
         self.succeeded = succeeded
-        with self._harmless():
+        with self._guarded():
             if self.progress is not None:
                 self.progress.close(succeeded)
 
     @contextmanager
-    def _harmless(self) -> Iterator[None]:
-        """Who shows a run must not end it: after an error nothing more is shown."""
+    def _guarded(self) -> Iterator[None]:
+        """Let no error of the display end a run: after one nothing more is shown."""
         try:
             yield
         except Exception:
@@ -82,30 +82,24 @@ class Console:
 
     def _is_news(self, record: logging.LogRecord) -> bool:
         event = getattr(record, "event", None)
-        with self._harmless():
+        with self._guarded():
             _explain(event, vars(record), remote=not self.workflow.local_exec)
+            jobs = getattr(record, "jobs", None) or [getattr(record, "job_id", None)]
+            for recipe in [self._recipes[job] for job in jobs if job in self._recipes]:
+                if event == LogEvent.JOB_STARTED and self.progress is not None:
+                    self.progress.began(recipe)
+                elif event == LogEvent.JOB_FINISHED and self.progress is not None:
+                    self.progress.ended(recipe)
         if event in _EVENTS:
-            self._follow(event, record)
             return False
         if event in _OF_A_RUN:
             return self.workflow.dryrun
         end = _AT_THE_END if self.succeeded else ()
         return not record.getMessage().startswith((*_TEXTS, *end))
 
-    def _follow(self, event: LogEvent | None, record: logging.LogRecord) -> None:
-        if self.progress is None:
-            return
-        jobs = getattr(record, "jobs", None) or [getattr(record, "job_id", None)]
-        with self._harmless():
-            for recipe in [self._recipes[job] for job in jobs if job in self._recipes]:
-                if event == LogEvent.JOB_STARTED:
-                    self.progress.began(recipe)
-                elif event == LogEvent.JOB_FINISHED:
-                    self.progress.ended(recipe)
-
 
 def _keep_reasons() -> None:
-    """Let the error of a group of jobs say why, as that of a job does."""
+    """Add the reason to the record of a failed group, as a failed job's has it."""
 
     def log_error(self: Any, msg: Any = None, aux_logs: Any = None, **kwargs: Any) -> None:
         _log_error(self, msg, aux_logs, rule_msg=msg, **kwargs)
@@ -114,7 +108,7 @@ def _keep_reasons() -> None:
 
 
 def _explain(event: LogEvent | None, facts: dict[str, Any], remote: bool) -> None:
-    """Say of an error what Snakemake does not."""
+    """Show logs and reasons of failed jobs, which Snakemake does not."""
     if event == LogEvent.GROUP_ERROR:
         _show_failure(facts, facts["job_error_info"], facts["aux_logs"])
     if event == LogEvent.JOB_ERROR and remote and not facts["indent"]:  # else of a group
@@ -129,9 +123,9 @@ def _explain(event: LogEvent | None, facts: dict[str, Any], remote: bool) -> Non
 def _show_failure(
     facts: Mapping[str, Any], jobs: list[dict[str, Any]], cluster_logs: list[str]
 ) -> None:
-    """Say what a cluster says of a submission, and the last words of those of its jobs that failed.
+    """Show the cluster's reason and the ends of the logs of the jobs that failed.
 
-    Where none of them came to write a log, the cluster's own log stands in.
+    Where none of them wrote a log, the cluster's own log is shown.
     """
     reason = _REASON_ENDS.split(facts.get("rule_msg") or "")[0].strip()
     if reason:
@@ -143,7 +137,7 @@ def _show_failure(
 
 
 def _show_log(log: Path) -> None:
-    """Say where a log is and how it ends."""
+    """Show the place and the end of a log."""
     last = [line for line in _read(log).splitlines() if line.strip()][-_TAIL:]
     end = "".join(f"\n  {line}" for line in last)
     print(f"slider: the job's log is {log}{end}", file=sys.stderr)

@@ -46,8 +46,7 @@ def one_line() -> Iterator[None]:
         line: object = error
         if isinstance(error, OSError):
             place = f"{error.filename2 or error.filename}: {error.strerror}"
-            cure = f"{place}; `slider store verify` repairs the store"
-            line = not_written(error, Path(ARTEFACTS)) or cure
+            line = not_written(error, Path(ARTEFACTS)) or place
         print(f"slider: {line}", file=sys.stderr, flush=True)
         raise SystemExit(1) from None
 

@@ -147,7 +147,7 @@ def _difference(manifest: Path, report: Path) -> str | None:
     if not report.is_file():
         return None  # Snakemake sees that itself
     try:
-        expected = parse_manifest(manifest).result.files[report.name]["sha256"]
+        expected = parse_manifest(manifest).result.files[report.name].sha256
     except (UserError, KeyError):
         return "unknown"
     digest = files.digest_file(report)

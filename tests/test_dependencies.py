@@ -14,7 +14,7 @@ from packaging.requirements import Requirement
 from pipeline.stages import table1_jobs
 from pipeline.stages.entries import ENTRIES
 from slider.artefacts.plan import build_plan
-from slider.artefacts.recipe import Sources, closure, distribution
+from slider.artefacts.recipe import closure, distribution
 from slider.config.compose import compose
 
 ROOT = Path(__file__).parents[1]
@@ -67,8 +67,7 @@ def test_table_1_needs_no_extra():
         job.stage for job in build_plan(table1_jobs(compose([], ROOT / "conf"))).jobs.values()
     }
     modules = [ENTRIES[stage].partition(":")[0] for stage in stages]
-    sources = Sources(ROOT / "src")
-    used = imported("pipeline").union(*(closure(m, sources).third_party for m in modules))
+    used = imported("pipeline").union(*(closure(m, ROOT / "src").third_party for m in modules))
     assert {"torch", "casadi", "snakemake"} <= used
     assert {name for name in used if not providers(name) & names(REQUIRED)} == set()
 

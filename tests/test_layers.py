@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages.entries import ENTRIES
-from slider.artefacts.recipe import Sources, closure
+from slider.artefacts.recipe import closure
 
 SOURCE = Path(__file__).parents[1] / "src"
 ORDER = (
@@ -93,9 +93,9 @@ def takes_the_encoding_of_the_locale(call: ast.Call) -> bool:
 
 @pytest.mark.parametrize("stage", ENTRIES)
 def test_stages_import_neither_hydra_nor_mlflow_nor_the_machinery(stage):
-    found = closure(ENTRIES[stage].partition(":")[0], Sources(SOURCE))
+    found = closure(ENTRIES[stage].partition(":")[0], SOURCE)
     assert not {"hydra", "mlflow", "snakemake"} & set(found.third_party)
     assert stage != "gait" or "torch" not in found.third_party
-    assert not {"slider.artefacts.runner", "slider.artefacts.store"} & set(found.modules)
-    assert "slider.config.reference" not in found.modules  # to reword errors recomputes nothing
-    assert "slider.config.validation" not in found.modules
+    assert not {"slider.artefacts.runner", "slider.artefacts.store"} & found.parts.keys()
+    assert "slider.config.reference" not in found.parts  # to reword errors recomputes nothing
+    assert "slider.config.validation" not in found.parts

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from slider.artefacts.lineage import LOST, NEVER, count, differences, find_target, pending
+from slider.artefacts.current import find_target
+from slider.artefacts.lineage import LOST, NEVER, differences, pending
 from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_paths, write_plan
 from slider.artefacts.recipe import Code
 from slider.artefacts.store import Store
@@ -58,8 +59,7 @@ def lay_out(store: Store, plan: Plan) -> None:
 def run(store: Store, plan: Plan) -> Plan:
     """Lay a plan out, and leave what a run of its table would."""
     lay_out(store, plan)
-    table = plan.jobs[plan.targets["table1"]]
-    for job in build_plan({"table1": table}).jobs.values():
+    for job in plan.jobs_of("table1").values():
         compute(store, job)
     return plan
 
@@ -67,7 +67,7 @@ def run(store: Store, plan: Plan) -> Plan:
 def lines(old: Plan, new: Plan, *stores: Store) -> list[str]:
     sides = stores or (Store(Path("none")), Store(Path("none")))
     causes = differences(old, new, "table1", (sides[0], sides[1]))
-    return [f"{count(jobs[0].stage, len(jobs))}: {cause}" for cause, jobs in causes.items()]
+    return [f"{jobs[0].stage} × {len(jobs)}: {cause}" for cause, jobs in causes.items()]
 
 
 def why(store: Store, plan: Plan) -> list[str]:
@@ -82,7 +82,7 @@ def why(store: Store, plan: Plan) -> list[str]:
         ({}, []),
         (
             {"robot": HEAVY, "trials": 3},
-            ["gait × 2: robot.mass 14.0 → 14.5", "table: evaluation.trials 10 → 3"],
+            ["gait × 2: robot.mass 14.0 → 14.5", "table × 1: evaluation.trials 10 → 3"],
         ),
         (
             {"robot": {"mass": 14.0, "links": {}}},
@@ -104,7 +104,7 @@ def why(store: Store, plan: Plan) -> list[str]:
         ),
         (
             {"grid": (0.0, 0.1, 0.2)},
-            ["gait × 2: input gait added", "gait: input gait removed"],
+            ["gait × 2: input gait added", "gait × 1: input gait removed"],
         ),
     ],
 )

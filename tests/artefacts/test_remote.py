@@ -47,7 +47,7 @@ def test_only_plain_files_are_read(tmp_path):
 @pytest.mark.parametrize("content", [b"", b"[]", b'{"layout": 1}', b"\xff", b"3", bytes(10_000)])
 def test_a_store_of_another_layout(content, tmp_path):
     (tmp_path / MARKER).write_bytes(content)
-    with pytest.raises(UserError, match="expected a store of layout 2, found another"):
+    with pytest.raises(UserError, match="expected a store of layout 3, found another"):
         Remote(str(tmp_path)).open()
 
 
@@ -135,6 +135,6 @@ def test_what_may_not_be_listed_answers_forbidden(tmp_path):
         assert remote.open() is False
         with pytest.raises(UserError, match=": 403, "):
             remote.read("results/x", 10)
-        (tmp_path / MARKER).write_text('{"layout": 2}')
+        (tmp_path / MARKER).write_text('{"layout": 3}')
         assert remote.open() is True
         assert remote.read("results/x", 10) is None

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from slider.artefacts.plan import JobSpec, build_plan, write_plan
-from slider.artefacts.recipe import code_of, sources_of
+from slider.artefacts.recipe import code_of, read_module
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
@@ -52,7 +52,7 @@ def package(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(root)
     monkeypatch.setattr("slider.artefacts.runner.SOURCE_ROOT", root)
     code_of.cache_clear()
-    sources_of.cache_clear()
+    read_module.cache_clear()
     return root, name
 
 
@@ -145,7 +145,7 @@ def test_source_that_changed_after_planning_is_refused(package, store):
     path = root / f"{name}.py"
     path.write_text(path.read_text().replace("// 10", "// 5"))
     code_of.cache_clear()
-    sources_of.cache_clear()
+    read_module.cache_clear()
     message = (
         "^the source or the packages of stage first changed since the pipeline was started: "
         "start it again$"

@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 
-from slider.artefacts import sharing
 from slider.artefacts.maintenance import Removed, verify
 from slider.artefacts.plan import JobSpec, write_plan
 from slider.artefacts.remote import Remote
@@ -37,7 +36,7 @@ class Place:
     def file(self, store: Store, job: JobSpec) -> Path:
         """The file of a result that no other has."""
         table = store.read_manifest(job.stage, job.recipe).result.files
-        return self.folder / "files" / table[DATA]["sha256"]
+        return self.folder / "files" / table[DATA].sha256
 
     def result(self, job: JobSpec) -> Path:
         return self.folder / "results" / f"{job.recipe}.json"
@@ -88,8 +87,7 @@ def test_another_store_is_the_same_afterwards(kind, full, bare, tmp_path):
         assert taken.counts == {"taken": 8}
         assert contents(bare) == contents(full)
         facts = files.read_json(bare.sidecar_path("table1", TABLE.recipe))
-        taken_from = {"computed": False, "taken_from": remote.url, "waiting": False}
-        assert facts == {"wall_s": 2.5, **taken_from}
+        assert facts == {"wall_s": 2.5, "computed": False, "taken_from": remote.url}
         assert pull(bare, JOBS, remote) == Account()
         assert verify(bare) == Removed([], [])
     times = [bare.manifest_path(j.stage, j.recipe).stat().st_mtime_ns for j in JOBS.values()]
@@ -149,14 +147,14 @@ def test_results_of_two_machines_do_not_mix(filled, bare):
 
 def test_a_job_that_runs_meanwhile_wins(filled, full, bare, monkeypatch):
     """One gait is computed while the pull is on its way, another is still being computed."""
-    fetch, own = sharing._fetch, []
+    read, own = Remote.read, []
 
-    def compute_first(store: Store, remote: Remote, job: JobSpec):
-        if job == GAITS[0]:
+    def compute_first(remote: Remote, name: str, limit: int):
+        if GAITS[0].recipe in name:
             own.append(compute(bare, GAITS[0], "of another machine"))
-        return fetch(store, remote, job)
+        return read(remote, name, limit)
 
-    monkeypatch.setattr(sharing, "_fetch", compute_first)
+    monkeypatch.setattr(Remote, "read", compute_first)
     with exclusive(bare.locks, GAITS[1].recipe):
         found = pull(bare, JOBS, filled.remote)
     assert found.counts == {"computed here": 2, "taken": 4, "of other inputs": 2}
@@ -199,8 +197,6 @@ def changed(**entries: object) -> Callable[[Path], object]:
     def change(path: Path) -> None:
         values = json.loads(path.read_text()) | entries
         facts = values.pop("facts")
-        if "files" in entries:
-            values["object"] = files.digest_table(values["files"])
         values["digest"] = files.digest_value({k: v for k, v in values.items() if k != "digest"})
         path.write_text(files.canonical(values | {"facts": facts}))
 
@@ -209,7 +205,10 @@ def changed(**entries: object) -> Callable[[Path], object]:
 
 def named(*names: str, size: int = 0) -> Callable[[Path], object]:
     """Let a manifest list files of such names."""
-    return changed(files={name: {"sha256": files.digest_text(""), "size": size} for name in names})
+    table = {name: files.FileFacts(files.digest_text(""), size) for name in names}
+    plain = {name: {"sha256": facts.sha256, "size": size} for name, facts in table.items()}
+    result = {"object": files.digest_table(table), "files": plain, "summary": {}, "resumed": False}
+    return changed(result=result)
 
 
 FORGED: dict[str, Callable[[Path], object]] = {

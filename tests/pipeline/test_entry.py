@@ -91,7 +91,7 @@ def test_a_disk_that_is_not_mounted_and_a_file_for_a_folder_are_one_line(
     monkeypatch.chdir(tmp_path)
     store.symlink_to(tmp_path / "disk")
     link = f"expected a folder at artefacts, found a link to {tmp_path}/disk"
-    file = "expected a folder, found a file at artefacts/logs: `slider store verify`"
+    file = "expected a folder, found a file at artefacts/logs: remove it"
     for expected in (link, file):
         with pytest.raises(SystemExit, match="1"):
             open_pipeline({"hydra": "experiment=test"}, CONF)

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 import pytest
 
 from pipeline import progress
-from pipeline.progress import Progress, forecast, share, table
+from pipeline.progress import Progress, share, table
 from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
@@ -29,19 +29,19 @@ def run(tmp_path, monkeypatch):
     section = {"labels": {"policy": "policy (ours)", "hzd": "HZD"}}
     table1 = JobSpec("table1", "table 1", CODE, section, {"evaluations": jobs})
     plan, store = build_plan({"table1": table1}), Store(tmp_path)
-    needed = dict.fromkeys(plan.jobs, (0, 1))
     lines: list[str] = []
     now = [1000.0]
     monkeypatch.setattr(progress.time, "time", lambda: now[0])
-    return Progress(plan, store, forecast(plan, store, needed, 2), lines.append), jobs, lines, now
+    return Progress(plan, store, plan.jobs, 2, lines.append), jobs, lines, now
 
 
-def finish(run, job: JobSpec, seconds: float, computed: bool = True, ago: float = 0.01) -> None:
+def finish(
+    run, tmp_path, job: JobSpec, seconds: float, computed: bool = True, ago: float = 0.01
+) -> None:
     """What a job leaves behind, and the event."""
-    shown, _, _, now = run
+    (shown, _, _, now), store = run, Store(tmp_path)
     shown.began(job.recipe)
     now[0] += seconds
-    store = shown.store
     with store.temporary("made") as folder:
         (folder / "result.txt").write_text(job.label)
         summary = {name: job.section[name] for name in ("controller", "speed")}
@@ -53,45 +53,46 @@ def finish(run, job: JobSpec, seconds: float, computed: bool = True, ago: float 
     shown.ended(job.recipe)
 
 
-def test_a_line_per_job_and_the_policy_before_the_baseline(run):
+def test_a_line_per_job_and_the_table_at_the_end(run, tmp_path):
     shown, jobs, lines, _ = run
-    finish(run, jobs[0], 30.0)
+    finish(run, tmp_path, jobs[0], 30.0)
     assert lines[0].startswith("[1/4  ")
     assert "min left] evaluation of policy at 0.2: 30.0 s" in lines[0]
-    finish(run, jobs[1], 0.6, computed=False)
+    finish(run, tmp_path, jobs[1], 0.6, computed=False)
     assert lines[1].startswith("[2/4  ")
     assert lines[1].endswith("evaluation of policy at 0.4: reused")
-    assert "policy (ours) success [%]   100   100" in lines[2]
-    assert "HZD" not in lines[2]
-    finish(run, jobs[2], 60.0)
-    shown.began(table := shown.plan.targets["table1"])
-    shown.ended(table)
+    finish(run, tmp_path, jobs[2], 60.0)
+    (table1,) = (r for r, job in shown.forecast.jobs.items() if job.stage == "table1")
+    shown.began(table1)
+    shown.ended(table1)
     assert lines[-1].startswith("[4/4  100 %] table 1")
     shown.close(True)
+    assert "policy (ours) success [%]   100   100" in lines[-2]
     assert "HZD" in lines[-2]
     assert lines[-1].startswith("Table 1 took 2 min: reports/table1.md")
 
 
-def test_a_result_of_an_earlier_run_is_reused(run):
+def test_a_result_of_an_earlier_run_is_reused(run, tmp_path):
     """The manifest was lost and is written again: the times beside it are of another day."""
     _, jobs, lines, _ = run
-    finish(run, jobs[0], 1.0, ago=86400.0)
+    finish(run, tmp_path, jobs[0], 1.0, ago=86400.0)
     assert lines[-1].endswith("reused")
 
 
-def test_a_long_job_is_shown_with_its_own_words(run):
+def test_a_long_job_is_shown_with_its_own_words(run, tmp_path):
     shown, jobs, lines, now = run
     for job in jobs[:2]:
         shown.began(job.recipe)
-    path = shown.store.progress_path(jobs[0].stage, jobs[0].recipe)
+    path = Store(tmp_path).progress_path(jobs[0].stage, jobs[0].recipe)
     path.parent.mkdir(parents=True)
     path.write_text("25 %")
     now[0] += 10.0
-    shown._line(shown._running())
+    shown.show_running()
     assert lines[0].endswith("evaluation of policy at 0.2: 25 %; 1 more")
     assert shown.forecast.shares[jobs[0].recipe] == 0.25
     path.unlink()
-    assert shown._running() == "evaluation of policy at 0.2: 10 s so far; 1 more"
+    shown.show_running()
+    assert lines[1].endswith("evaluation of policy at 0.2: 10 s so far; 1 more")
 
 
 @pytest.mark.parametrize(

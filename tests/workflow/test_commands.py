@@ -54,7 +54,7 @@ def giver(session_folder, tmp_path_factory) -> Workspace:
 
 def test_the_pipeline_takes_what_it_needs_and_computes_what_is_damaged(giver, tmp_path):
     remote = giver.folder / "remote"
-    table = giver.manifests("gait")[0]["files"]
+    table = giver.manifests("gait")[0]["result"]["files"]
     (remote / "files" / table["gait.txt"]["sha256"]).write_bytes(b"")
     taker = with_dummies(copy_repository(tmp_path / "taker"))
     run = taker.snakemake(TABLE, hydra=f"{QUIET} store.remote={remote}")

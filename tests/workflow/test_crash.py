@@ -48,6 +48,10 @@ def ours(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.startswith("slider: ")]
 
 
+def resumed(workspace: Workspace) -> list[bool]:
+    return [manifest["result"]["resumed"] for manifest in workspace.manifests("walking")]
+
+
 def test_killed_jobs_and_heads_leave_nothing_and_are_resumed(workspace):
     """A job is killed, then job and head are; the result is marked as resumed."""
     before, table = workspace.manifests("walking"), workspace.table.read_bytes()
@@ -69,10 +73,9 @@ def test_killed_jobs_and_heads_leave_nothing_and_are_resumed(workspace):
     assert workspace.manifests("walking") == before
     assert workspace.table.read_bytes() == table
     assert workspace.computed(LONGER) == AFTER_STANDING
-    resumed = [manifest.get("resumed", False) for manifest in workspace.manifests("walking")]
-    assert sorted(resumed) == [False, True]
+    assert sorted(resumed(workspace)) == [False, True]
     assert workspace.slider("store", "gc", "--keep", "1").returncode == 0
-    assert [manifest.get("resumed") for manifest in workspace.manifests("walking")] == [True]
+    assert resumed(workspace) == [True]
     assert not (workspace.artefacts / "tmp").exists()
     assert workspace.computed(LONGER) == []
 

@@ -186,7 +186,7 @@ class Workspace:
 
     def objects(self, stage: str) -> set[str]:
         """Objects that the manifests of a stage name."""
-        return {manifest["object"] for manifest in self.manifests(stage)}
+        return {manifest["result"]["object"] for manifest in self.manifests(stage)}
 
     def copy(self, folder: Path) -> "Workspace":
         """The same with all that it computed, in another folder."""

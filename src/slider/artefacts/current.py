@@ -1,6 +1,9 @@
-"""The results of the plan that Snakemake laid out last, for people and their commands."""
+"""Plans of a store, and the results of the current one: that which Snakemake laid out last."""
 
 import argparse
+import difflib
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from slider.artefacts.manifest import Manifest
@@ -8,18 +11,46 @@ from slider.artefacts.plan import JobSpec, Plan, plan_paths, read_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
 
+ALIASES = {"policy": "walking", "gait_library": "library", "index": "report"}
+"""Names of reports whose target has another name."""
+
 
 def add_store_argument(parser: argparse.ArgumentParser) -> None:
-    """Declare the argument that says where the store is."""
+    """Declare the argument with the folder of the store."""
     parser.add_argument(
         "--artefacts", type=Path, default=Path(ARTEFACTS), help="folder (default: artefacts)"
     )
 
 
 def current_plan(store: Store) -> Plan | None:
-    """The plan that was laid out last, if there is any."""
+    """The plan that was laid out last, if there is any.
+
+    Raises:
+        UserError: it cannot be read.
+    """
     plans = plan_paths(store.root / "plans")
     return read_plan(plans[0]) if plans else None
+
+
+def recent_plans(store: Store) -> Iterator[Plan]:
+    """Readable plans of a store, the latest first."""
+    for path in plan_paths(store.root / "plans"):
+        with suppress(UserError):
+            yield read_plan(path)
+
+
+def find_target(text: str, plan: Plan) -> str:
+    """Name of the target that a person means: itself, a report of it or an alias.
+
+    Raises:
+        UserError: the plan has no such target.
+    """
+    for name in (text, Path(text).stem):
+        if (target := ALIASES.get(name, name)) in plan.targets:
+            return target
+    close = difflib.get_close_matches(text, plan.targets, 1, 0.6)
+    hint = f"did you mean {close[0]}?" if close else f"targets: {', '.join(plan.targets)}"
+    raise UserError(f"expected a target or a report of it, found '{text}'; {hint}")
 
 
 def current_result(store: Store, target: str, command: str) -> tuple[JobSpec, Manifest]:

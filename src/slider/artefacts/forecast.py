@@ -1,22 +1,22 @@
 """How much of a run is done, and how long the rest takes.
 
 A job takes as long as earlier ones of its kind, in proportion to its size, or as in a table that
-ships. What is left is a schedule: of the jobs whose inputs are there the most urgent ones start, as
-many as there are cores.
+ships. What is left is a schedule: jobs whose inputs are there start in their order, as many as
+there are cores.
 """
 
 import csv
 import heapq
 import math
 import statistics
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.resources import files as package_files
+from itertools import islice
 from typing import Any
 
-from slider.artefacts.manifest import readable
-from slider.artefacts.plan import JobSpec, Plan
+from slider.artefacts.plan import JobSpec
 from slider.artefacts.store import Store
 from slider.core import files
 
@@ -39,6 +39,8 @@ _FACTORS = {
     "video": ("video.duration",),
 }
 """Stage → values of its section that its time is in proportion to; of a list, its length."""
+Rates = Mapping[str, Sequence[float]]
+"""Kind → seconds per size of its jobs."""
 
 
 def kind(job: JobSpec) -> str:
@@ -48,20 +50,14 @@ def kind(job: JobSpec) -> str:
 
 def size(job: JobSpec) -> float:
     """Product of the values that the time of a job is in proportion to."""
-    return math.prod(_number(job.section, key) for key in _FACTORS.get(job.stage, ()))
-
-
-def _number(section: Mapping[str, Any], key: str) -> float:
-    value: Any = section
-    for part in key.split("."):
-        value = value.get(part) if isinstance(value, Mapping) else None
-    if isinstance(value, list):
-        return len(value)
-    return value if isinstance(value, int | float) else 1.0
-
-
-Rates = Mapping[str, Sequence[float]]
-"""Kind → seconds per size of its jobs."""
+    factors = []
+    for key in _FACTORS.get(job.stage, ()):
+        value: Any = job.section
+        for part in key.split("."):
+            value = value.get(part) if isinstance(value, Mapping) else None
+        value = len(value) if isinstance(value, list) else value
+        factors.append(value if isinstance(value, int | float) else 1.0)
+    return math.prod(factors)
 
 
 def remembered(store: Store, stages: Iterable[str]) -> Rates:
@@ -89,43 +85,19 @@ def expected(job: JobSpec, rates: Rates) -> float:
     return START + (statistics.median(earlier) * size(job) if earlier else _UNKNOWN)
 
 
-def reused_ahead(plan: Plan, store: Store, needed: Set[str]) -> set[str]:
-    """Recipes among the needed ones whose key, with the inputs that they will have, is indexed."""
-    objects: dict[str, str] = {}
-    reused: set[str] = set()
-    for recipe, job in plan.jobs.items():  # inputs come first
-        if recipe not in needed:
-            manifest = readable(store.manifest_path(job.stage, recipe))
-        elif all(item.recipe in objects for item in job.needs):
-            inputs = {name: [objects[i.recipe] for i in jobs] for name, jobs in job.inputs.items()}
-            manifest = store.indexed(job.key(inputs))
-            reused |= {recipe} if manifest else set()
-        else:
-            continue
-        if manifest is not None:
-            objects[recipe] = manifest.result.object
-    return reused
-
-
-@dataclass(frozen=True)
-class Work:
-    """One job of a run: expected wall time [s], inputs, urgency and the cores that it takes."""
-
-    seconds: float
-    inputs: Sequence[str] = ()
-    priority: float = 0.0
-    threads: int = 1
-
-
 @dataclass
 class Forecast:
     """The jobs of a run by recipe, and when they began and ended [s].
 
-    Jobs that are inputs but not of the run are there already. ``shares`` holds which part of a
-    running job is done, 0 to 1, where the job tells.
+    Attributes:
+        jobs: inputs first; what they need besides is there already.
+        seconds: expected wall time of each [s].
+        cores: on which they run, one each.
+        shares: which part of a running job is done, 0 to 1, where the job tells.
     """
 
-    works: Mapping[str, Work]
+    jobs: Mapping[str, JobSpec]
+    seconds: Mapping[str, float]
     cores: int
     shares: dict[str, float] = field(default_factory=dict)
     began: dict[str, float] = field(default_factory=dict)
@@ -137,57 +109,46 @@ class Forecast:
         """Recipes of the jobs that run and when they began [s]."""
         return {r: began for r, began in self.began.items() if r not in self.ended}
 
-    def begin(self, recipe: str, now: float) -> None:
-        """A job started."""
-        self.began[recipe] = now
-
     def end(self, recipe: str, now: float, reused: bool = False) -> None:
-        """A job ended; how long it took to find an earlier result says nothing of others."""
+        """A job ended; the time of one that reused a result tells nothing about others."""
         self.ended[recipe] = now
         if recipe in self.began and not reused:
             self._computed[recipe] = now - self.began[recipe]
 
     def share(self, now: float) -> float:
         """Done part of the work of the run, 0 to 1."""
-        before = sum(self.works[recipe].seconds for recipe in self.ended)
+        before = sum(self.seconds[recipe] for recipe in self.ended)
         before += sum(now - began for began in self.running.values())
-        after = sum(self._rest(recipe, now) for recipe in self.works if recipe not in self.ended)
+        after = sum(self._rest(recipe, now) for recipe in self.jobs if recipe not in self.ended)
         return before / (before + after) if before + after else 1.0
 
     def left(self, now: float) -> float:
         """Wall time until the last job ends [s], if jobs start as soon as they can."""
-        waiting = {
-            recipe: {item for item in work.inputs if item in self.works and item not in self.ended}
-            for recipe, work in self.works.items()
-            if recipe not in self.ended and recipe not in self.began
-        }
+        left = self.jobs.keys() - self.ended.keys()
         running = [(self._rest(recipe, now), recipe) for recipe in self.running]
         heapq.heapify(running)
-        free = self.cores - sum(self._held(recipe) for _, recipe in running)
+        waiting = {
+            recipe: {item.recipe for item in job.needs} & left
+            for recipe, job in self.jobs.items()
+            if recipe in left - self.began.keys()
+        }
         at = 0.0
-        while True:
-            ready = [recipe for recipe, inputs in waiting.items() if not inputs]
-            for recipe in sorted(ready, key=lambda recipe: -self.works[recipe].priority):
-                if self._held(recipe) <= free:
-                    free -= self._held(recipe)
-                    del waiting[recipe]
-                    heapq.heappush(running, (at + self._rest(recipe, now), recipe))
-            if not running:
-                return at
+        while waiting or running:
+            ready = (recipe for recipe, inputs in waiting.items() if not inputs)
+            for recipe in [*islice(ready, max(0, self.cores - len(running)))]:
+                del waiting[recipe]
+                heapq.heappush(running, (at + self._rest(recipe, now), recipe))
             at, ended = heapq.heappop(running)
-            free += self._held(ended)
             for inputs in waiting.values():
                 inputs.discard(ended)
-
-    def _held(self, recipe: str) -> int:
-        return min(self.works[recipe].threads, self.cores)
+        return at
 
     def _rest(self, recipe: str, now: float) -> float:
-        """Wall time [s] that a job still takes, from the share done where the job tells it."""
+        """Wall time [s] that a job still takes, from its share done where it tells that."""
         elapsed = now - self.began.get(recipe, now)
         share = self.shares.get(recipe, 0.0)
         if share:
             return elapsed * (1.0 - share) / share
         took = sum(self._computed.values()) + _TRUST
-        pace = took / (sum(self.works[r].seconds for r in self._computed) + _TRUST)
-        return max(self.works[recipe].seconds * pace - elapsed, 0.2 * elapsed)
+        pace = took / (sum(self.seconds[r] for r in self._computed) + _TRUST)
+        return max(self.seconds[recipe] * pace - elapsed, 0.2 * elapsed)

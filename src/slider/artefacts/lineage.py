@@ -1,77 +1,21 @@
 """Why jobs must run, and how two plans differ: a walk over the jobs of both."""
 
-import difflib
 import json
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
-from slider.artefacts.plan import JobSpec, Plan, build_plan, plan_paths, read_plan
+from slider.artefacts.current import recent_plans
+from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
 
-ALIASES = {"policy": "walking", "gait_library": "library", "index": "report"}
-"""Names of reports whose target has another name."""
 NEVER = "never computed"
 LOST = "object damaged or missing"
 _WIDTH = 40  # characters of a value
 _ABSENT = object()
 Leaf = tuple[tuple[str, ...], Any, Any]
 """Path of a value that differs, before, after."""
-
-
-def recent_plans(store: Store) -> Iterator[Plan]:
-    """Readable plans of a store, the one that was laid out last first."""
-    for path in plan_paths(store.root / "plans"):
-        with suppress(UserError):
-            yield read_plan(path)
-
-
-def find_target(text: str, plan: Plan) -> str:
-    """Name of the target that a person means: itself, a report of it or an alias.
-
-    Raises:
-        UserError: the plan has no such target.
-    """
-    for name in (text, Path(text).stem):
-        if (target := ALIASES.get(name, name)) in plan.targets:
-            return target
-    close = difflib.get_close_matches(text, plan.targets, 1, 0.6)
-    hint = f"did you mean {close[0]}?" if close else f"targets: {', '.join(plan.targets)}"
-    raise UserError(f"expected a target or a report of it, found '{text}'; {hint}")
-
-
-def pair_jobs(
-    old: Mapping[str, JobSpec], new: Mapping[str, JobSpec]
-) -> list[tuple[JobSpec | None, JobSpec | None]]:
-    """Pairs of jobs that stand in the same place of two plans, inputs first.
-
-    Equal recipes come first, then equal stages and labels in their order, then what is alone in
-    its stage. A job that the other plan lacks stands alone.
-    """
-    partners = {recipe: old[recipe] for recipe in new if recipe in old}
-    for labelled in (True, False):
-        paired = {job.recipe for job in partners.values()}
-        left = _by_place(old, paired, labelled)
-        for place, jobs in _by_place(new, partners.keys(), labelled).items():
-            others = left.get(place, [])
-            if labelled or len(jobs) == len(others) == 1:
-                partners |= {job.recipe: other for job, other in zip(jobs, others, strict=False)}
-    paired = {job.recipe for job in partners.values()}
-    pairs = [(partners.get(recipe), job) for recipe, job in new.items()]
-    return [*pairs, *((job, None) for recipe, job in old.items() if recipe not in paired)]
-
-
-def _by_place(
-    jobs: Mapping[str, JobSpec], without: Set[str], labelled: bool
-) -> dict[tuple[str, str], list[JobSpec]]:
-    """Jobs by stage, and by label too if asked."""
-    places: dict[tuple[str, str], list[JobSpec]] = {}
-    for recipe, job in jobs.items():
-        if recipe not in without:
-            places.setdefault((job.stage, job.label * labelled), []).append(job)
-    return places
 
 
 def differences(
@@ -81,26 +25,43 @@ def differences(
 
     Jobs of one recipe differ only where the ``stores`` of the plans hold other objects of it.
     """
-    jobs = [build_plan({"": plan.jobs[plan.targets[target]]}).jobs for plan in (old, new)]
-    keys = _configuration_changes(old, new)
+    before, after = old.jobs_of(target), new.jobs_of(target)
+    partners, keys = _partners(before, after), _configuration_changes(old, new)
     causes: dict[str, list[JobSpec]] = {}
     differing: set[str] = set()
-    for before, after in pair_jobs(*jobs):
-        job, texts = after or before, list[str]()
-        assert job is not None
-        if before is None or after is None:
-            texts = [f"input {job.stage} {'added' if before is None else 'removed'}"]
-        elif before.recipe != after.recipe:
-            texts = _causes(before, after, keys)
+    for recipe, job in after.items():
+        other = partners.get(recipe)
+        if other is None:
+            texts = [f"input {job.stage} added"]
+        elif other.recipe != recipe:
+            texts = _causes(other, job, keys)
         else:
-            objects = {_object(store, job) for store in stores}
-            if len(objects) == 2 and None not in objects:
-                if not any(item.recipe in differing for item in job.needs):
-                    texts = ["other bytes of the same recipe"]
-                differing.add(job.recipe)
+            objects = {_object(store, job) for store in stores} - {None}
+            first = differing.isdisjoint(item.recipe for item in job.needs)
+            texts = ["other bytes of the same recipe"] if len(objects) == 2 and first else []
+            differing |= {recipe} if len(objects) == 2 else set()
         for text in texts:
             causes.setdefault(text, []).append(job)
+    for recipe in before.keys() - {job.recipe for job in partners.values()}:
+        job = before[recipe]
+        causes.setdefault(f"input {job.stage} removed", []).append(job)
     return causes
+
+
+def _partners(old: Mapping[str, JobSpec], new: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
+    """Old job in the place of each new one, by the latter's recipe.
+
+    It has the same recipe, or else is the next one of the same stage and label.
+    """
+    partners = {recipe: old[recipe] for recipe in new if recipe in old}
+    left: dict[tuple[str, str], list[JobSpec]] = {}
+    for recipe, job in old.items():
+        if recipe not in new:
+            left.setdefault((job.stage, job.label), []).append(job)
+    for recipe, job in new.items():
+        if recipe not in old and (others := left.get((job.stage, job.label))):
+            partners[recipe] = others.pop(0)
+    return partners
 
 
 def _object(store: Store, job: JobSpec) -> str | None:
@@ -114,45 +75,31 @@ def pending(plan: Plan, target: str, store: Store) -> list[tuple[JobSpec, list[s
 
     They are compared with those of the latest plan in which the target was computed.
     """
-    top = plan.jobs[plan.targets[target]]
-    needed, waiting = set[str](), [top]
+    needed, waiting = set[str](), [plan.jobs[plan.targets[target]]]
     while waiting:
         job = waiting.pop()
         if job.recipe not in needed and store.whole(job.stage, job.recipe) is None:
             needed.add(job.recipe)
             waiting += job.needs
-    jobs = build_plan({target: top}).jobs
-    last = _last_computed(plan, target, store)
-    keys = _configuration_changes(last, plan)
-    before = build_plan({target: last.jobs[last.targets[target]]}).jobs
-    partners = {job.recipe: old for old, job in pair_jobs(before, jobs) if job and old}
-    return [
-        (job, _reasons(job, partners.get(recipe), keys, store))
-        for recipe, job in jobs.items()
-        if recipe in needed
-    ]
 
+    def was_computed(job: JobSpec | None) -> bool:
+        return job is not None and store.manifest_path(job.stage, job.recipe).is_file()
 
-def _last_computed(plan: Plan, target: str, store: Store) -> Plan:
-    for earlier in (plan, *recent_plans(store)):
-        recipe = earlier.targets.get(target)
-        if recipe and _was_computed(store, earlier.jobs[recipe]):
-            return earlier
-    return plan
-
-
-def _was_computed(store: Store, job: JobSpec) -> bool:
-    return store.manifest_path(job.stage, job.recipe).is_file()
-
-
-def _reasons(job: JobSpec, before: JobSpec | None, keys: Sequence[Leaf], store: Store) -> list[str]:
-    if before is None or before.recipe == job.recipe or not _was_computed(store, before):
-        return [LOST if _was_computed(store, job) else NEVER]
-    earlier = {item.recipe for item in before.needs}
-    inputs = dict.fromkeys(item.stage for item in job.needs if item.recipe not in earlier)
-    return [*_causes(before, job, keys), *(f"input {stage}" for stage in inputs)] or [
-        "fewer inputs"
-    ]
+    plans = (item for item in (plan, *recent_plans(store)) if target in item.targets)
+    last = next((p for p in plans if was_computed(p.jobs[p.targets[target]])), plan)
+    jobs, keys = plan.jobs_of(target), _configuration_changes(last, plan)
+    partners = _partners(last.jobs_of(target), jobs)
+    reasons = []
+    for job in (job for recipe, job in jobs.items() if recipe in needed):
+        before = partners.get(job.recipe)
+        if before is None or before.recipe == job.recipe or not was_computed(before):
+            reasons.append((job, [LOST if was_computed(job) else NEVER]))
+            continue
+        earlier = {item.recipe for item in before.needs}
+        inputs = dict.fromkeys(item.stage for item in job.needs if item.recipe not in earlier)
+        texts = [*_causes(before, job, keys), *(f"input {stage}" for stage in inputs)]
+        reasons.append((job, texts or ["fewer inputs"]))
+    return reasons
 
 
 def _configuration_changes(old: Plan, new: Plan) -> list[Leaf]:
@@ -166,13 +113,8 @@ def _configuration_changes(old: Plan, new: Plan) -> list[Leaf]:
 
 def _causes(old: JobSpec, new: JobSpec, keys: Sequence[Leaf]) -> list[str]:
     """Differences of two jobs but for their inputs: keys, then modules, then packages."""
-    modules, packages = (
-        list(_leaves(before, after))
-        for before, after in (
-            (old.code.parts, new.code.parts),
-            (old.code.versions, new.code.versions),
-        )
-    )
+    modules = _leaves(old.code.parts, new.code.parts)
+    packages = _leaves(old.code.versions, new.code.versions)
     return [
         *(_change(_key(new.stage, leaf, keys), leaf) for leaf in _leaves(old.section, new.section)),
         *(f"source {name} changed" for (name,), *_ in modules),
@@ -181,7 +123,7 @@ def _causes(old: JobSpec, new: JobSpec, keys: Sequence[Leaf]) -> list[str]:
 
 
 def _key(stage: str, leaf: Leaf, keys: Sequence[Leaf]) -> str:
-    """Name of the key behind a section's leaf, which has names of its own.
+    """Configuration key behind a section's leaf, which has names of its own.
 
     It has the same last name and values, and a path most like that of the leaf.
     """
@@ -192,7 +134,14 @@ def _key(stage: str, leaf: Leaf, keys: Sequence[Leaf]) -> str:
 
 
 def _change(name: str, leaf: Leaf) -> str:
-    return f"{name} {_brief(leaf[1])} → {_brief(leaf[2])}"
+    texts = []
+    for value in leaf[1:]:
+        text = (
+            value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, default=str)
+        )
+        text = "none" if value is _ABSENT else text
+        texts.append(text if len(text) <= _WIDTH else f"{text[: _WIDTH - 1]}…")
+    return f"{name} {' → '.join(texts)}"
 
 
 def _leaves(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[Leaf]:
@@ -204,15 +153,3 @@ def _leaves(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[Leaf]:
             yield (*path, "order"), [*old], [*new]
     elif type(old) is not type(new) or old != new:
         yield path, old, new
-
-
-def _brief(value: Any) -> str:
-    if value is _ABSENT:
-        return "none"
-    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
-    return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 1]}…"
-
-
-def count(stage: str, number: int) -> str:
-    """A stage, and how many jobs of it where there are several."""
-    return f"{stage} × {number}" if number > 1 else stage

@@ -2,16 +2,15 @@
 
 import os
 import shutil
-from collections.abc import Callable, Iterable
-from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
 
-from slider.artefacts.manifest import Result, parse_manifest, readable
-from slider.artefacts.plan import plan_paths, plan_recipes
-from slider.artefacts.store import FOLDERS, Store, nobody_else
+from slider.artefacts.manifest import Result, readable
+from slider.artefacts.plan import plan_paths, read_plan
+from slider.artefacts.store import Store, nobody_else
 from slider.core import files
 from slider.core.errors import UserError
 
@@ -51,7 +50,7 @@ class Removed:
 def summarise(store: Store) -> list[Kind]:
     """Count manifests, objects and bytes per stage."""
     stages: dict[str, list[Result]] = {}
-    for manifest in filter(None, map(store.usable, store.manifests())):
+    for manifest in filter(None, map(store.present, store.manifests())):
         stages.setdefault(manifest.stage, []).append(manifest.result)
     kinds = []
     for stage, results in sorted(stages.items()):
@@ -63,21 +62,26 @@ def summarise(store: Store) -> list[Kind]:
 def verify(store: Store) -> Removed:
     """Read every object; drop the corrupt ones, what leads to them and all that came from them.
 
-    Whatever else cannot be read is removed, so that the next run writes it again.
+    Plans, manifests and index entries that cannot be read go, too; the next run writes them again.
 
     Raises:
         UserError: a job is running.
     """
-    misplaced = free_places(store)
     with nobody_else(store.locks):
-        unreadable = _names(store, [*misplaced, *drop_unreadable(store)])
+        unreadable = [path for path in plan_paths(store.root / "plans") if not _is_plan(path)]
+        for path in store.manifests():
+            manifest = readable(path)
+            if not manifest or path != store.manifest_path(manifest.stage, manifest.recipe):
+                unreadable.append(path)
+        unreadable += [path for path in store.index() if readable(path) is None]
+        _unlink(unreadable)
         corrupt = {digest for digest in _objects(store) if not store.rehash(digest)}
         derived = _derived(store, corrupt)
-        for path in derived:
-            path.unlink(missing_ok=True)
-        removed = _drop(store, corrupt, store.manifests())
+        _unlink(derived)
+        dropped = _drop(store, corrupt, store.manifests())
         derived = [path for path in derived if path.parent.parent == store.root]
-        return replace(removed, derived=_names(store, derived), unreadable=unreadable)
+        names = _names(store, derived), _names(store, unreadable)
+        return Removed(dropped.objects, dropped.manifests, *names)
 
 
 def drop_damaged(store: Store, manifests: Iterable[Path]) -> Removed:
@@ -87,7 +91,7 @@ def drop_damaged(store: Store, manifests: Iterable[Path]) -> Removed:
     so that was before the damage.
     """
     manifests = list(manifests)
-    digests = {manifest.result.object for manifest in map(store.usable, manifests) if manifest}
+    digests = {manifest.result.object for manifest in map(store.present, manifests) if manifest}
     return _drop(store, {d for d in digests if not store.is_whole(d)}, manifests)
 
 
@@ -121,8 +125,8 @@ def _derived(store: Store, corrupt: set[str]) -> list[Path]:
 def date_now(store: Store, paths: Iterable[Path]) -> int:
     """Date files of the future now, by the clock of their file system; count them.
 
-    The clock was set back after they were written. Results of them would be older than they are,
-    which Snakemake refuses.
+    The clock was set back after they were written: Snakemake refuses results that are older than
+    their inputs.
     """
     now = store.clock()
     late = [path for path in paths if now and path.is_file() and path.stat().st_mtime_ns > now]
@@ -141,14 +145,13 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
         raise UserError(f"--keep: expected at least 1 plan, found {keep}")
     with nobody_else(store.locks):
         plans = plan_paths(store.root / "plans")
-        recipes = set().union(*map(plan_recipes, plans[:keep]))
+        recipes = {recipe for path in plans[:keep] for recipe in read_plan(path).jobs}
         manifests = [path for path in store.manifests() if path.stem not in recipes]
-        reached = (store.usable(path) for path in store.manifests() if path.stem in recipes)
+        reached = (readable(path) for path in store.manifests() if path.stem in recipes)
         reachable = {manifest.result.object for manifest in reached if manifest}
         objects = [digest for digest in _objects(store) if digest not in reachable]
         if not dry_run:
-            for path in (*manifests, *plans[keep:]):  # before their objects: none must dangle
-                path.unlink(missing_ok=True)
+            _unlink([*manifests, *plans[keep:]])  # before their objects: none must dangle
             for digest in objects:
                 store.drop_object(digest)
             store.drop_dangling([*store.index(), *store.manifests()])
@@ -158,16 +161,19 @@ def collect(store: Store, keep: int, dry_run: bool = False) -> Removed:
 
 def _drop_litter(store: Store, recipes: set[str]) -> None:
     """Unfinished results, caches, half-written files; work, logs, facts of forgotten recipes."""
-    for name in ("tmp", "cache", "sources", "seals"):  # the last two of earlier versions
+    for name in ("tmp", "cache"):
         shutil.rmtree(store.root / name, ignore_errors=True)
-    for path in store.root.rglob(files.TEMPORARY_PATTERN):
-        path.unlink(missing_ok=True)
+    _unlink(store.root.rglob(files.TEMPORARY_PATTERN))
     for path in store.root.glob("work/*/*"):
         if path.name not in recipes:
             shutil.rmtree(path)
-    for path in (*store.root.glob("logs/*/*.log"), *store.root.glob("*/*.run.json")):
-        if path.name.partition(".")[0] not in recipes:
-            path.unlink(missing_ok=True)
+    noted = (*store.root.glob("logs/*/*.log"), *store.root.glob("*/*.run.json"))
+    _unlink(path for path in noted if path.name.partition(".")[0] not in recipes)
+
+
+def _unlink(paths: Iterable[Path]) -> None:
+    for path in paths:
+        path.unlink(missing_ok=True)
 
 
 def _names(store: Store, paths: Iterable[Path]) -> list[str]:
@@ -176,63 +182,11 @@ def _names(store: Store, paths: Iterable[Path]) -> list[str]:
 
 def _objects(store: Store) -> list[str]:
     """Names of objects, whatever is in them."""
-    return sorted(path.name for path in (store.root / "objects").glob("*/*"))
-
-
-_INNER = ("objects/*", "index/*", "integrity/*", "work/*", "work/*/*", "logs/*", "cache/*")
-
-
-def free_places(store: Store) -> list[Path]:
-    """Remove files where folders must be, folders where locks must be, objects without a name."""
-    stages: set[str] = set()
-    for path in store.root.glob("plans/*.json"):
-        with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-            stages |= {str(job["stage"]) for job in files.read_json(path)["jobs"].values()}
-    outer = (*FOLDERS, "tracking", "cache", *filter(str.isidentifier, stages))
-    places = (path for pattern in (*outer, *_INNER) for path in store.root.glob(pattern))
-    wrong = [path for path in places if "." not in path.name and not path.is_dir()]
-    wrong += [path for path in store.locks.glob("*.lock") if path.is_dir()]
-    objects = store.root.glob("objects/*/*")
-    wrong += [path for path in objects if path.name[:2] != path.parent.name or len(path.name) != 64]
-    return _removed(wrong)
-
-
-def drop_unreadable(store: Store) -> list[Path]:
-    """Remove plans, manifests, index entries, notes and markers that cannot be read.
-
-    Whoever needs one writes it again.
-    """
-    checks: dict[Callable[[Path], bool], Iterable[Path]] = {
-        _is_plan: (store.root / "plans").glob("*.json"),
-        _is_manifest: store.manifests(),
-        lambda path: readable(path) is not None: store.index(),
-        lambda path: isinstance(files.read_json(path), dict): store.root.glob("*/*.run.json"),
-        lambda path: path.read_text("utf-8") is not None: (store.root / "current").glob("*"),
-    }
-    wrong = [p for check, paths in checks.items() for p in sorted(paths) if not _passes(check, p)]
-    return _removed(wrong)
+    return sorted(path.name for path in (store.root / "objects").glob("*/" + "[0-9a-f]" * 64))
 
 
 def _is_plan(path: Path) -> bool:
-    return plan_recipes(path) is not None and files.digest_value(files.read_json(path)) == path.stem
-
-
-def _is_manifest(path: Path) -> bool:
-    manifest = parse_manifest(path)
-    return (manifest.stage, manifest.recipe) == (path.parent.name, path.stem)
-
-
-def _passes(check: Callable[[Path], bool], path: Path) -> bool:
     try:
-        return check(path)
-    except (OSError, ValueError, UserError):
+        return bool(read_plan(path))
+    except UserError:
         return False
-
-
-def _removed(paths: list[Path]) -> list[Path]:
-    for path in paths:
-        if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path)
-        else:
-            path.unlink(missing_ok=True)
-    return paths

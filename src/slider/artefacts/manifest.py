@@ -5,12 +5,14 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from slider.core import files
 from slider.core.errors import UserError
 from slider.core.files import FileTable
 
-SCHEMA = 2
-_LONGEST_NAME, _DEEPEST = 255, 32  # bytes of a name, which file systems allow; folders in folders
+SCHEMA = 3
+_LONGEST_NAME = 255  # bytes, which every file system allows
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class Result:
     @property
     def size(self) -> int:
         """Size of all files [bytes]."""
-        return sum(facts["size"] for facts in self.files.values())
+        return sum(facts.size for facts in self.files.values())
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,9 @@ class Manifest:
     key: str = field(default="", compare=False)
 
 
+_MANIFESTS = TypeAdapter(Manifest)
+
+
 def damaged(stage: str, digest: str) -> UserError:
     """The error of a result whose content is not what its name says."""
     return UserError(
@@ -71,7 +76,7 @@ def parse_manifest(path: Path) -> Manifest:
         manifest = manifest_from(files.read_json(path))
     except FileNotFoundError:
         raise UserError(f"expected a manifest, found none at {path}") from None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError):
         raise UserError(f"expected a manifest, found something else in {path}") from None
     if path.stem not in (manifest.recipe, manifest.key):
         raise UserError(f"expected a manifest, found that of another job in {path}")
@@ -90,55 +95,30 @@ def manifest_from(values: Any) -> Manifest:
     """The manifest of plain values, such as those of a file; nothing in them is trusted.
 
     Raises:
-        ValueError, KeyError, TypeError, AttributeError: they are none of ours, or were changed.
+        ValueError: they are none of ours, or were changed.
     """
-    unsigned = {name: value for name, value in values.items() if name != "digest"}
-    if values["digest"] != files.digest_value(unsigned):
+    manifest = _MANIFESTS.validate_python(values)
+    if plain_manifest(manifest) != values:  # with the digest
         raise ValueError("expected the values that were written, found others")
-    table, summary, resumed = values["files"], values["summary"], values.get("resumed", False)
-    inputs, objects = values["inputs"], values["input_objects"]
-    result = Result(values["object"], table, summary, resumed)
-    manifest = Manifest(values["stage"], values["recipe"], inputs, result, objects, values["key"])
-    groups = [*inputs.values(), *objects.values()]
-    names = [manifest.stage, manifest.recipe, manifest.key]
-    names += [digest for group in groups for digest in group]
-    names += [facts["sha256"] for facts in table.values()]
-    kinds: dict[type, list[Any]] = {
-        dict: [table, summary],
-        list: groups,
-        str: names,
-        int: [facts["size"] for facts in table.values()],
-        bool: [resumed],
-    }
-    if any(type(value) is not kind for kind, group in kinds.items() for value in group):
-        raise TypeError("expected tables and names")
-    if not _has_plain_names(result.files):
+    table = manifest.result.files
+    if not all(_is_plain(name) for name in table):
         raise ValueError("expected plain names of files below a folder")
-    if files.digest_table(result.files) != result.object:
+    if any(str(parent) in table for name in table for parent in PurePosixPath(name).parents):
+        raise ValueError("expected files, found one in the place of a folder")
+    if files.digest_table(table) != manifest.result.object:
         raise ValueError("expected the files of the object")
     return manifest
 
 
-def _has_plain_names(table: FileTable) -> bool:
-    """Tell whether all names lead to different files below a folder, in their shortest form."""
-    for name in table:
-        path = PurePosixPath(name)
-        shortest = str(path) == name and 0 < len(path.parts) <= _DEEPEST
-        below = not path.is_absolute() and ".." not in path.parts
-        plain = name.isprintable() and "\\" not in name
-        short = all(len(part.encode()) <= _LONGEST_NAME for part in path.parts)
-        if not (shortest and below and plain and short):
-            return False
-        if any(str(parent) in table for parent in path.parents):
-            return False
-    return True
+def _is_plain(name: str) -> bool:
+    """Whether a name leads to a file below a folder, in its shortest form."""
+    path = PurePosixPath(name)
+    below = bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+    plain = name.isprintable() and "\\" not in name and len(name.encode()) <= _LONGEST_NAME
+    return below and plain and str(path) == name
 
 
 def plain_manifest(manifest: Manifest) -> dict[str, Any]:
     """A manifest as plain values, with the digest of all others."""
-    values = {"schema": SCHEMA, **asdict(manifest)}
-    values |= values.pop("result")
-    if not manifest.result.resumed:
-        del values["resumed"]
-    values = files.plain(values)
+    values = {"schema": SCHEMA, **files.plain(asdict(manifest))}
     return values | {"digest": files.digest_value(values)}

@@ -16,8 +16,6 @@ from slider.artefacts.recipe import Code, Groups
 from slider.core import files
 from slider.core.errors import UserError
 
-SCHEMA = 1
-
 
 @dataclass(frozen=True)
 class JobSpec:
@@ -25,7 +23,7 @@ class JobSpec:
 
     Attributes:
         stage: name of the stage.
-        label: what a person calls this job.
+        label: for people.
         code: entry point, source digest and versions.
         section: the stage's own part of the configuration.
         inputs: name → jobs, in a fixed order.
@@ -71,6 +69,10 @@ class Plan:
 
     jobs: Mapping[str, JobSpec]
     targets: Mapping[str, str]
+
+    def jobs_of(self, *targets: str) -> Mapping[str, JobSpec]:
+        """Jobs that some targets need, inputs first."""
+        return build_plan({name: self.jobs[self.targets[name]] for name in targets}).jobs
 
 
 def build_plan(targets: Mapping[str, JobSpec]) -> Plan:
@@ -124,68 +126,32 @@ def read_plan(path: Path) -> Plan:
     raise UserError(f"expected a plan, found none at {path}")
 
 
-def plan_recipes(path: Path) -> set[str]:
-    """Recipes of a plan, also of one that an earlier version of this package wrote.
-
-    Raises:
-        UserError: the file is no plan.
-    """
-    try:
-        return set(files.read_json(path)["jobs"])
-    except (OSError, ValueError, KeyError, TypeError):
-        raise UserError(f"expected a plan, found none at {path}") from None
-
-
 def _to_values(plan: Plan) -> dict[str, Any]:
     """Plain values. Parts of sections are digested and stored once: gaits share most of theirs."""
-    parts: dict[str, Any] = {}
-    names: dict[int, str] = {}  # the plan keeps all values alive: an id stays that of one value
-
-    def part_of(value: Any) -> str:
-        if id(value) not in names:
-            names[id(value)] = files.digest_value(value)[:16]
-            parts[names[id(value)]] = value
-        return names[id(value)]
-
-    each = {job.code.entry: job.code for job in plan.jobs.values()}
-    codes = {entry: asdict(code) for entry, code in each.items()}
-    sources = {code["source"]: code.pop("parts") for code in codes.values()}
-    jobs = {}
+    parts, codes, jobs = {}, {}, {}
     for recipe, job in plan.jobs.items():
-        section = {name: part_of(value) for name, value in job.section.items()}
+        names = {name: files.digest_value(value)[:16] for name, value in job.section.items()}
+        parts |= {part: job.section[name] for name, part in names.items()}
+        codes[job.code.entry] = job.code
         jobs[recipe] = {
             "stage": job.stage,
-            "entry": job.code.entry,
             "label": job.label,
-            "section": section,
+            "code": job.code.entry,
+            "section": names,
             "inputs": job.input_recipes,
             "tracked": job.tracked,
         }
-    return {
-        "schema": SCHEMA,
-        "targets": dict(plan.targets),
-        "codes": codes,
-        "sources": sources,
-        "parts": parts,
-        "jobs": jobs,
-    }
+    codes = {entry: asdict(code) for entry, code in codes.items()}
+    return {"targets": dict(plan.targets), "codes": codes, "parts": parts, "jobs": jobs}
 
 
 def _from_values(values: Mapping[str, Any]) -> Plan:
-    sources = values.get("sources", {})  # earlier versions noted them elsewhere
-    codes = {
-        entry: Code(**code, parts=sources.get(code["source"], {}))
-        for entry, code in values["codes"].items()
-    }
+    codes = {entry: Code(**code) for entry, code in values["codes"].items()}
     jobs: dict[str, JobSpec] = {}
     for recipe, job in values["jobs"].items():
-        jobs[recipe] = JobSpec(
-            stage=job["stage"],
-            label=job["label"],
-            code=codes[job["entry"]],
-            section={name: values["parts"][part] for name, part in job["section"].items()},
-            inputs={name: [jobs[item] for item in items] for name, items in job["inputs"].items()},
-            tracked=job["tracked"],
-        )
+        section = {name: values["parts"][part] for name, part in job["section"].items()}
+        inputs = {name: [jobs[item] for item in items] for name, items in job["inputs"].items()}
+        given = {"code": codes[job["code"]], "section": section, "inputs": inputs}
+        jobs[recipe] = JobSpec(**job | given)
         vars(jobs[recipe])["recipe"] = recipe  # to compute them all takes most of the time
     return Plan(jobs, values["targets"])

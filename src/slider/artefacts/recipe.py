@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
 from pathlib import Path
+from typing import NamedTuple
 
 import slider
 from slider.core.errors import UserError
@@ -25,6 +26,7 @@ DATA = (".css", ".csv", ".html", ".js", ".json", ".txt", ".xml", ".yaml")
 Groups = Mapping[str, Sequence[str]]
 """Name of an input → digests, in order."""
 _BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")  # where the syntax has statements
+_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 @dataclass(frozen=True)
@@ -47,101 +49,80 @@ def code_of(entry: str, root: Path = SOURCE_ROOT) -> Code:
     Raises:
         UserError: the module does not exist, does not parse or imports an unknown package.
     """
-    imported = closure(entry.partition(":")[0], sources_of(root))
-    return Code(entry, imported.digest, versions(imported.third_party), imported.parts)
+    parts, packages = closure(entry.partition(":")[0], root)
+    source = digest_text("".join(f"{name} {digest}\n" for name, digest in parts.items()))
+    return Code(entry, source, versions(packages), parts)
 
 
-@dataclass(frozen=True)
-class Closure:
-    """Modules that an entry module imports, directly or not, and third-party packages.
+class Closure(NamedTuple):
+    """Digests of the modules and data files behind an entry module; third-party packages."""
 
-    ``parts`` are the digests behind ``digest``: of each module, then of each data file.
-    """
-
-    modules: tuple[str, ...]
-    third_party: tuple[str, ...]
     parts: Mapping[str, str]
-
-    @property
-    def digest(self) -> str:
-        """The source digest: of names and their digests, in this order."""
-        return digest_text("".join(f"{name} {digest}\n" for name, digest in self.parts.items()))
+    third_party: tuple[str, ...]
 
 
-class Sources:
-    """The files below a folder as they were when a closure first came to them."""
+def closure(entry: str, root: Path) -> Closure:
+    """Follow the imports of module ``entry`` within its own package below a folder.
 
-    def __init__(self, root: Path) -> None:
-        self.root = root
-        self.find = cache(self._find)
-        self.parse = cache(self._parse)
-        self.data = cache(self._data)
-
-    def _find(self, name: str) -> Path | None:
-        """File of a module; nothing where the name is a function's or a class's."""
-        stem = self.root / name.replace(".", "/")
-        paths = (stem.with_suffix(".py"), stem / "__init__.py")
-        return next((path for path in paths if path.is_file()), None)
-
-    def _parse(self, name: str, path: Path) -> tuple[str, set[str]]:
-        """Digest of a module's syntax tree without docstrings; imported names, modules or not."""
-        try:
-            tree = ast.parse(path.read_bytes())
-        except SyntaxError as error:
-            raise UserError(f"module {name}, line {error.lineno}: {error.msg}") from None
-        package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-        imports = set(_imports(tree, package))
-        documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
-        for node in _statements(tree):
-            if isinstance(node, documented):
-                node.body = [item for item in node.body if not _is_text(item)]
-        return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports
-
-    def _data(self, folder: Path) -> dict[str, str]:
-        """Digests of the data files that lie beside a folder's modules."""
-        return {p.relative_to(self.root).as_posix(): digest_file(p) for p in _data_files(folder)}
-
-
-@cache
-def sources_of(root: Path) -> Sources:
-    """The sources below a folder, for all entry points."""
-    return Sources(root)
-
-
-def closure(entry: str, sources: Sources) -> Closure:
-    """Follow the imports of module ``entry`` within its own package.
-
-    The digest covers the syntax trees without docstrings, those of fields too (comments are not
-    part of them), and the data files that lie beside the modules.
+    Digests are those of syntax trees without docstrings, those of fields too (comments are not part
+    of them), and those of the data files that lie beside the modules.
 
     Raises:
         UserError: the entry module does not exist or a module does not parse.
     """
+    if read_module(entry, root) is None:
+        raise UserError(f"expected the stage's module {entry} below {root}, found none")
     package = entry.partition(".")[0]
-    if sources.find(entry) is None:
-        raise UserError(f"expected the stage's module {entry} below {sources.root}, found none")
-    modules: dict[str, str] = {}
-    data: dict[str, str] = {}
-    third_party: set[str] = set()
+    modules, data, third_party = dict[str, str](), dict[str, str](), set[str]()
     waiting, seen = [entry], set[str]()
     while waiting:
         name = waiting.pop()
-        top, _, rest = name.partition(".")
-        if top != package:
+        if (top := name.partition(".")[0]) != package:
             third_party.add(top)
         elif name not in seen:
             seen.add(name)
-            if (path := sources.find(name)) is None:  # a function or class, not a module
-                continue
-            modules[name], imports = sources.parse(name, path)
-            data |= sources.data(path.parent)
-            waiting += imports
-            if rest:  # importing a.b.c runs the __init__ files of a and a.b
-                waiting.append(name.rpartition(".")[0])
-    parts = {name: modules[name] for name in sorted(modules)}
-    parts |= {name: data[name] for name in sorted(data, key=Path)}
-    packages = sorted(third_party - sys.stdlib_module_names)
-    return Closure(tuple(sorted(modules)), tuple(packages), parts)
+            if module := read_module(name, root):
+                modules[name] = module.digest
+                data |= module.data
+                waiting += module.imports
+    parts = {name: group[name] for group in (modules, data) for name in sorted(group)}
+    return Closure(parts, tuple(sorted(third_party - sys.stdlib_module_names)))
+
+
+class Module(NamedTuple):
+    """Digest of a module, what it imports (modules, or names in them), data files beside it."""
+
+    digest: str
+    imports: Sequence[str]
+    data: Mapping[str, str]
+
+
+@cache
+def read_module(name: str, root: Path) -> Module | None:
+    """A module as it was when first read; nothing where the name is a function's or a class's."""
+    stem = root / name.replace(".", "/")
+    paths = (stem.with_suffix(".py"), stem / "__init__.py")
+    path = next((path for path in paths if path.is_file()), None)
+    if path is None:
+        return None
+    try:
+        tree = ast.parse(path.read_bytes())
+    except SyntaxError as error:
+        raise UserError(f"module {name}, line {error.lineno}: {error.msg}") from None
+    parent = name.rpartition(".")[0]
+    package = name if path.name == "__init__.py" else parent
+    imports = {parent} - {""}  # importing a.b.c runs the __init__ files of a and a.b
+    for node in _statements(tree):
+        if isinstance(node, ast.Import):
+            imports |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            relative = "." * node.level + (node.module or "")
+            base = importlib.util.resolve_name(relative, package)
+            imports |= {base, *(f"{base}.{alias.name}" for alias in node.names)}  # maybe modules
+        elif isinstance(node, _DOCUMENTED):
+            node.body = [item for item in node.body if not _is_text(item)]
+    digest = hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+    return Module(digest, sorted(imports), _data(path.parent, root))
 
 
 def _statements(tree: ast.Module) -> Iterator[ast.AST]:
@@ -149,20 +130,9 @@ def _statements(tree: ast.Module) -> Iterator[ast.AST]:
     waiting: list[ast.AST] = [tree]
     while waiting:
         node = waiting.pop()
-        yield node
         for block in _BLOCKS:
             waiting += getattr(node, block, ())
-
-
-def _imports(tree: ast.Module, package: str) -> Iterator[str]:
-    for node in _statements(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            relative = "." * node.level + (node.module or "")
-            base = importlib.util.resolve_name(relative, package)
-            yield base
-            yield from (f"{base}.{alias.name}" for alias in node.names)  # maybe submodules
+        yield node
 
 
 def _is_text(node: ast.stmt) -> bool:
@@ -171,13 +141,16 @@ def _is_text(node: ast.stmt) -> bool:
     return isinstance(value, ast.Constant) and isinstance(value.value, str)
 
 
-def _data_files(folder: Path) -> Iterator[Path]:
-    """Data files here and in sub-folders that are no packages, but not what file managers leave."""
+@cache
+def _data(folder: Path, root: Path) -> dict[str, str]:
+    """Digests of data files here and in sub-folders that are no packages; no hidden files."""
+    digests = {}
     for path in folder.iterdir():
         if path.is_dir() and path.name != "__pycache__" and not any(path.glob("*.py")):
-            yield from _data_files(path)
+            digests |= _data(path, root)
         elif path.name.endswith(DATA) and path.name[0] not in ".#" and path.is_file():
-            yield path
+            digests[path.relative_to(root).as_posix()] = digest_file(path)
+    return digests
 
 
 def versions(packages: Sequence[str]) -> dict[str, str]:
@@ -188,11 +161,9 @@ def versions(packages: Sequence[str]) -> dict[str, str]:
     Raises:
         UserError: a package can be imported, but no installed distribution provides it.
     """
-    numbers = {"python": f"{sys.version_info.major}.{sys.version_info.minor}"}
-    for name in sorted(packages):
-        provider = distribution(name)
-        numbers[name] = provider.version if provider else ABSENT
-    return numbers
+    found = {name: distribution(name) for name in sorted(packages)}
+    python = {"python": f"{sys.version_info.major}.{sys.version_info.minor}"}
+    return python | {name: d.version if d else ABSENT for name, d in found.items()}
 
 
 @cache

@@ -9,9 +9,9 @@ import tempfile
 import threading
 import uuid
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 from urllib.parse import urlsplit
@@ -23,17 +23,15 @@ from fsspec.config import conf
 from slider.core import files
 from slider.core.errors import UserError, not_written
 
-LAYOUT = 2
+LAYOUT = 3
 MARKER = "slider-store.json"
-CONTACT_S = 15.0
-"""Time in which a remote must answer the first question."""
-
+CONNECTIONS = 16
+"""Files that travel at once."""
 _MOVES = ("file", "sftp", "ssh")  # others show a file when it is whole
 _READ_ONLY = ("http", "https")
 _EXTRA = ("s3", "sftp", "ssh", "http", "https")  # with what the extra `remote` installs
 _FORBIDDEN, _GONE = 403, 410
 _MARKER_SIZE = 1000  # at most [bytes]
-_CONNECTIONS = 16
 _S3 = {"connect_timeout": 10, "read_timeout": 60, "retries": {"max_attempts": 2}}
 # Hosts of ~/.ssh/known_hosts only: sshfs by itself accepts any.
 _SSH = {"known_hosts": (), "connect_timeout": 10, "login_timeout": 10, "keepalive_interval": 20}
@@ -44,7 +42,6 @@ for _name in ("sftp", "ssh"):
     fsspec.register_implementation(_name, "sshfs.SSHFileSystem", clobber=True)
 
 T = TypeVar("T")
-S = TypeVar("S")
 
 
 class DamageError(Exception):
@@ -53,10 +50,13 @@ class DamageError(Exception):
 
 @dataclass(frozen=True)
 class Remote:
-    """Files below an address; every failure of the way there is one :class:`UserError`."""
+    """Files below an address; every failure of the way there is one :class:`UserError`.
+
+    ``contact_s`` is the time in which it must answer the first question [s].
+    """
 
     url: str
-    contact_s: float = field(default=CONTACT_S)
+    contact_s: float = 15.0
 
     def __post_init__(self) -> None:
         try:
@@ -84,7 +84,22 @@ class Remote:
         Raises:
             UserError: the remote does not answer in time, or has another store.
         """
-        marker = self._first_answer()
+        answer: Future[bytes | None] = Future()
+
+        def ask() -> None:
+            try:
+                answer.set_result(self.read(MARKER, _MARKER_SIZE))
+            except DamageError:
+                answer.set_result(b"")
+            except UserError as error:
+                answer.set_exception(error)
+
+        # The folder of a server that is switched off hangs; a pool's thread would outlive the wait.
+        threading.Thread(target=ask, daemon=True).start()
+        try:
+            marker = answer.result(self.contact_s)
+        except TimeoutError:
+            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
         if marker is None:
             return False
         with suppress(ValueError, KeyError, TypeError):
@@ -143,14 +158,14 @@ class Remote:
     def send(self, source: Path, name: str) -> None:
         """Copy a file there in one visible step."""
         with self._one_line():
-            fs, root = self._place()
-            path = f"{root}/{name}"
+            fs, root = fsspec.url_to_fs(self.url)  # fsspec keeps one file system per address
+            path = f"{root.rstrip('/')}/{name}"
             if self._scheme not in _MOVES:
                 fs.put_file(str(source), path)
                 return
             folder, _, file = path.rpartition("/")
             if self._scheme == "file":  # the others need no folders, or make them
-                for parent in dict.fromkeys((root, folder)):
+                for parent in (root, folder):
                     with suppress(FileExistsError):
                         fs.mkdir(parent, create_parents=False)  # in one that must be there
             part = f"{folder}/.{file}.{uuid.uuid4().hex[:12]}.part"
@@ -162,26 +177,12 @@ class Remote:
                     fs.rm_file(part)
                 raise
 
-    def in_order(self, work: Callable[[S], T], items: list[S]) -> Iterator[T]:
-        """Results of some work for all items, several at a time, in the order of the items."""
-        with ThreadPoolExecutor(_CONNECTIONS) as pool:
-            try:
-                yield from pool.map(work, items)
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-
-    def _place(self) -> tuple[fsspec.AbstractFileSystem, str]:
-        """File system, of which fsspec keeps one per address, and path."""
-        fs, path = fsspec.url_to_fs(self.url)
-        return fs, path.rstrip("/")
-
     def _ask(self, question: Callable[[Any, str], T], name: str) -> T | None:
         with self._one_line():
-            fs, root = self._place()
+            fs, root = fsspec.url_to_fs(self.url)
             fs.invalidate_cache()  # of listings, in which new files lack
             try:
-                return question(fs, f"{root}/{name}")
+                return question(fs, f"{root.rstrip('/')}/{name}")
             except Exception as error:
                 status = getattr(error, "status", None)
                 if isinstance(error, FileNotFoundError) or status == _GONE:
@@ -193,24 +194,6 @@ class Remote:
                 if refused and bucket and (name == MARKER or self.size(MARKER) is not None):
                     return None
                 raise
-
-    def _first_answer(self) -> bytes | None:
-        """The marker; a folder of a server that is switched off hangs."""
-        answer: Future[bytes | None] = Future()
-
-        def ask() -> None:
-            try:
-                answer.set_result(self.read(MARKER, _MARKER_SIZE))
-            except DamageError:
-                answer.set_result(b"")
-            except UserError as error:
-                answer.set_exception(error)
-
-        threading.Thread(target=ask, daemon=True).start()  # that of a pool would outlive the wait
-        try:
-            return answer.result(self.contact_s)
-        except TimeoutError:
-            raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
 
     @contextmanager
     def _one_line(self) -> Iterator[None]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from slider.core import files
 
 _SOURCE = Path(__file__).parent
+_START = "current/started"
 
 
 def revision() -> dict[str, str]:
@@ -25,6 +26,17 @@ def revision() -> dict[str, str]:
     return {"commit": commit, "dirty": str(dirty).lower()}
 
 
+def _ask_git(*arguments: str) -> str:
+    """Answer of git about the repository of the source, also of another user's clone."""
+    environment = {name: v for name, v in os.environ.items() if not name.startswith("GIT_")}
+    command = ["git", "-c", "safe.directory=*", *arguments]
+    try:
+        answer = subprocess.run(command, cwd=_SOURCE, env=environment, capture_output=True)
+    except OSError:  # no git on this machine
+        return ""
+    return answer.stdout.decode(errors="replace").strip() if answer.returncode == 0 else ""
+
+
 def now() -> str:
     """Time of this moment, to the millisecond."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
@@ -32,13 +44,12 @@ def now() -> str:
 
 def note_start(artefacts: Path, overrides: Sequence[str] = ()) -> None:
     """Begin a pipeline run with overrides of the configuration: jobs from here on belong to it."""
-    files.write_atomic(_start_path(artefacts), f"{now()}\n{' '.join(map(_quoted, overrides))}\n")
-
-
-def _quoted(override: str) -> str:
-    """The same for ``--config hydra=``, which takes quotes off both ends: none at the beginning."""
-    name, equals, value = override.partition("=")
-    return f"{name}={shlex.quote(value)}" if equals and set(value) & set(" \t\n'\"\\") else override
+    words = []
+    for override in overrides:  # none begins with a quote: --config takes quotes off both ends
+        name, equals, value = override.partition("=")
+        quoted = equals and set(value) & set(" \t\n'\"\\")
+        words.append(f"{name}={shlex.quote(value)}" if quoted else override)
+    files.write_atomic(artefacts / _START, f"{now()}\n{' '.join(words)}\n")
 
 
 def config_option(overrides: str) -> str:
@@ -49,23 +60,8 @@ def config_option(overrides: str) -> str:
 
 def run_metadata(artefacts: Path) -> dict[str, str]:
     """``commit`` and ``dirty``, and of the run that the job belongs to its start and overrides."""
-    path = _start_path(artefacts)
+    path = artefacts / _START
     if not path.is_file():
         return revision()
     started, _, overrides = path.read_text("utf-8", "replace").partition("\n")
     return revision() | {"pipeline_started": started, "overrides": overrides.strip()}
-
-
-def _start_path(artefacts: Path) -> Path:
-    return artefacts / "current" / "started"
-
-
-def _ask_git(*arguments: str) -> str:
-    """Answer of git about the repository of the source, also of another user's clone."""
-    environment = {name: v for name, v in os.environ.items() if not name.startswith("GIT_")}
-    command = ["git", "-c", "safe.directory=*", *arguments]
-    try:
-        answer = subprocess.run(command, cwd=_SOURCE, env=environment, capture_output=True)
-    except OSError:  # no git on this machine
-        return ""
-    return answer.stdout.decode(errors="replace").strip() if answer.returncode == 0 else ""

@@ -1,16 +1,18 @@
 """Results that travel: push them to a remote, pull those of others into the store.
 
 ``results/<recipe>.json`` holds the manifest of a recipe and ``files/<sha256>`` one file of an
-object, so that whoever has a recipe finds all without a listing, which HTTP has not. Whatever
-arrives is compared with its digest before the store takes it, and gets its name from the manifest.
-A result counts for a recipe only where its inputs are, byte for byte, those that it was computed
-from; elsewhere it waits in the index of the store until such inputs are computed.
+object, so that a recipe leads to everything without a listing, which HTTP has not. Whatever arrives
+is compared with its digest before the store takes it, and gets its name from the manifest. A result
+counts for a recipe only where its inputs are, byte for byte, those that it was computed from;
+elsewhere it waits in the index of the store until such inputs are computed.
 """
 
 import json
 import shutil
 import uuid
+from collections import Counter
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -19,10 +21,11 @@ from typing import Any
 
 from slider.artefacts.manifest import Manifest, manifest_from, plain_manifest
 from slider.artefacts.plan import JobSpec
-from slider.artefacts.remote import DamageError, Remote
+from slider.artefacts.remote import CONNECTIONS, DamageError, Remote
 from slider.artefacts.store import Store, Timeout, exclusive
 from slider.core import files
 from slider.core.errors import UserError
+from slider.core.files import FileFacts
 
 Jobs = Mapping[str, JobSpec]
 """Jobs by recipe, inputs first."""
@@ -33,19 +36,19 @@ _RESULT_SIZE = 16_000_000  # of a manifest, at most [bytes]
 
 @dataclass
 class Account:
-    """Numbers of results by what became of them, bytes that travelled, damage in words."""
+    """Numbers of results by outcome, bytes that travelled, damage in words."""
 
-    counts: dict[str, int] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
     size: int = 0
     damage: list[str] = field(default_factory=list)
 
     def note(self, outcome: str, size: int = 0) -> None:
         """Count one result."""
-        self.counts[outcome] = self.counts.get(outcome, 0) + 1
+        self.counts[outcome] += 1
         self.size += size
 
     def note_damage(self, job: JobSpec, text: str) -> None:
-        """Count a damaged result and say what is wrong with it."""
+        """Count a damaged result and describe the damage."""
         self.note("damaged")
         self.damage.append(f"{job.label} ({job.recipe[:12]}): damaged {text}")
 
@@ -57,11 +60,7 @@ class Account:
 def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Account:
     """Send the results of some jobs that are here and not there; replace no whole result.
 
-    Args:
-        store: where they are.
-        jobs: whose results.
-        remote: where to.
-        verify: read what is there, and replace what is damaged.
+    With ``verify``, read what is there and replace what is damaged.
 
     Raises:
         UserError: the remote does not answer or cannot be written.
@@ -70,9 +69,9 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
     if not remote.open():
         remote.create()
     account = Account()
-    with _no_clean_up(store):
-        sendings = remote.in_order(partial(_push, store, remote, verify), list(jobs.values()))
-        for job, (outcome, size) in zip(jobs.values(), sendings, strict=True):
+    with _no_clean_up(store), ThreadPoolExecutor(CONNECTIONS) as pool:
+        outcomes = pool.map(partial(_push, store, remote, verify), jobs.values())
+        for job, (outcome, size) in zip(jobs.values(), outcomes, strict=True):
             if outcome == "damaged":
                 account.note_damage(job, "here: run `slider store verify`")
             else:
@@ -81,12 +80,7 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
 
 
 def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
-    """Take the results of some jobs that are there and not here.
-
-    Args:
-        store: where to.
-        jobs: whose results; their manifests are written in this order.
-        remote: where from.
+    """Take the results of some jobs that are there and not here, inputs first.
 
     Raises:
         UserError: the remote does not answer, or there is no place for what it has.
@@ -97,8 +91,8 @@ def pull(store: Store, jobs: Jobs, remote: Remote) -> Account:
         return account
     if not remote.open():
         raise UserError(f"remote {remote.url}: expected results of slider, found none")
-    with _no_clean_up(store):
-        arrivals = remote.in_order(partial(_fetch, store, remote), missing)
+    with _no_clean_up(store), ThreadPoolExecutor(CONNECTIONS) as pool:
+        arrivals = pool.map(partial(_fetch, store, remote), missing)
         for job, arrival in zip(missing, arrivals, strict=True):
             if isinstance(arrival, DamageError):
                 account.note_damage(job, f"in {remote.url}: {arrival}")
@@ -115,8 +109,8 @@ def _no_clean_up(store: Store) -> AbstractContextManager[None]:
 
 
 def _push(store: Store, remote: Remote, verify: bool, job: JobSpec) -> tuple[str, int]:
-    """Send one result; return what became of it and the bytes that went."""
-    manifest = store.usable(store.manifest_path(job.stage, job.recipe))
+    """Send one result; return the outcome and the bytes that went."""
+    manifest = store.present(store.manifest_path(job.stage, job.recipe))
     if manifest is None or manifest.input_objects.keys() != job.inputs.keys():
         return "not here", 0
     if not store.is_whole(manifest.result.object):
@@ -130,9 +124,9 @@ def _push(store: Store, remote: Remote, verify: bool, job: JobSpec) -> tuple[str
             return "already there" if same else "different there", 0
     sent, folder = 0, store.object_folder(manifest.result.object)
     for name, facts in manifest.result.files.items():
-        if verify or remote.size(_file(facts)) != facts["size"]:
+        if verify or remote.size(_file(facts)) != facts.size:
             remote.send(folder / name, _file(facts))
-            sent += facts["size"]
+            sent += facts.size
     values = plain_manifest(manifest) | {"facts": store.facts(job.stage, job.recipe)}
     remote.write(_result(job), files.canonical(values))
     return "sent", sent
@@ -174,9 +168,9 @@ def _received(store: Store, manifest: Manifest, remote: Remote) -> Iterator[Path
         for name, facts in manifest.result.files.items():
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            if not remote.fetch(_file(facts), path, facts["size"]):
+            if not remote.fetch(_file(facts), path, facts.size):
                 raise DamageError(f"expected {name}, found none")
-            if files.digest_file(path) != facts["sha256"]:
+            if files.digest_file(path) != facts.sha256:
                 raise DamageError(f"expected the content of {name}, found another")
         yield folder
 
@@ -200,17 +194,19 @@ def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
     manifest, facts = shared
     try:
         with exclusive(store.locks, job.recipe, timeout=0):
-            present = store.whole(job.stage, job.recipe)
-            if present is not None:
+            if present := store.whole(job.stage, job.recipe):
                 same = present.result.object == manifest.result.object
                 return "taken" if same else "computed here"
-            key = job.key(manifest.input_objects)
-            if store.indexed(key) is None:
+            if store.indexed(key := job.key(manifest.input_objects)) is None:
                 store.remember(key, manifest)
-            waiting = _input_objects(store, job) != manifest.input_objects
-            noted = {**facts, "computed": False, "taken_from": origin, "waiting": waiting}
+            noted = {**facts, "computed": False, "taken_from": origin}
             files.write_json(store.sidecar_path(job.stage, job.recipe), noted)
-            if waiting:
+            inputs = {
+                name: [store.whole(item.stage, item.recipe) for item in items]
+                for name, items in job.inputs.items()
+            }
+            objects = {n: [m and m.result.object for m in group] for n, group in inputs.items()}
+            if objects != manifest.input_objects:
                 return "of other inputs"
             store.write_manifest(manifest)
             return "taken"
@@ -218,20 +214,9 @@ def _accept(store: Store, job: JobSpec, shared: Shared, origin: str) -> str:
         return "computed here"
 
 
-def _input_objects(store: Store, job: JobSpec) -> dict[str, list[str]] | None:
-    """Objects of a job's inputs that are here, unless one is missing."""
-    manifests = {
-        name: [store.usable(store.manifest_path(item.stage, item.recipe)) for item in jobs]
-        for name, jobs in job.inputs.items()
-    }
-    if not all(all(group) for group in manifests.values()):
-        return None
-    return {name: [m.result.object for m in group if m] for name, group in manifests.items()}
-
-
 def _result(job: JobSpec) -> str:
     return f"results/{job.recipe}.json"
 
 
-def _file(facts: Mapping[str, Any]) -> str:
-    return f"files/{facts['sha256']}"
+def _file(facts: FileFacts) -> str:
+    return f"files/{facts.sha256}"

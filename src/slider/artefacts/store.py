@@ -1,8 +1,8 @@
 """The artefact store: objects named by their content, manifests named by their recipe.
 
-``objects/<ab>/<sha256>/`` holds the files of one result and ``<stage>/<recipe>.json`` says which
-object a recipe led to. A result is computed in ``tmp/`` and renamed into place, then its manifest
-is written: whatever is visible is whole, whenever a process dies.
+``objects/<ab>/<sha256>/`` holds the files of one result and ``<stage>/<recipe>.json`` names the
+object that a recipe led to. A result is computed in ``tmp/`` and renamed into place, then its
+manifest is written: whatever is visible is whole, whenever a process dies.
 
 ``integrity/`` holds how an object's files looked when their content was last read and had the
 object's name. As in git's index, content whose files still have the same inodes, sizes and times is
@@ -47,12 +47,17 @@ class Store:
 
     root: Path
 
+    @property
+    def locks(self) -> Path:
+        """Folder of the locks between processes."""
+        return self.root / "locks"
+
     def object_folder(self, digest: str) -> Path:
         """Folder of an object."""
         return self.root / "objects" / digest[:2] / digest
 
     def manifest_path(self, stage: str, recipe: str) -> Path:
-        """File that says which object a recipe led to."""
+        """File that names the object that a recipe led to."""
         return self.root / stage / f"{recipe}.json"
 
     def sidecar_path(self, stage: str, recipe: str) -> Path:
@@ -83,23 +88,17 @@ class Store:
         """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
 
-    @property
-    def locks(self) -> Path:
-        """Folder of the locks between processes."""
-        return self.root / "locks"
-
     def check_folders(self, stages: Iterable[str]) -> None:
         """Refuse a store with something else in the place of a folder, as of a disk not mounted.
 
         Raises:
             UserError: it names the first.
         """
-        for name in ("", *FOLDERS, *stages):
-            path = self.root / name
+        for path in (self.root / name for name in ("", *FOLDERS, *stages)):
             if path.is_symlink() and not path.exists():
                 raise UserError(f"expected a folder at {path}, found a link to {path.readlink()}")
             if path.exists() and not path.is_dir():
-                raise UserError(f"expected a folder, found a file at {path}: `slider store verify`")
+                raise UserError(f"expected a folder, found a file at {path}: remove it")
 
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:
@@ -115,15 +114,16 @@ class Store:
     def publish(self, folder: Path, summary: dict[str, Any], resumed: bool = False) -> Result:
         """Rename a finished folder of this file system atomically to the place of its content."""
         table = files.file_table(folder)
-        result = Result(files.digest_table(table), table, summary, resumed)
-        files.make_read_only(folder)
+        result = Result(files.digest_table(table), table, files.plain(summary), resumed)
+        for name in table:
+            (folder / name).chmod(0o444)
         folder.chmod(0o755)  # mkdtemp makes it private
         target = self.object_folder(result.object)
         target.parent.mkdir(parents=True, exist_ok=True)
         if target.exists() and not self.is_whole(result.object):
             self.drop_object(result.object)
         try:
-            os.rename(folder, target)
+            folder.rename(target)
         except OSError:
             if not target.is_dir():  # else the same content is there already: ours is not needed
                 raise
@@ -132,10 +132,8 @@ class Store:
     def is_whole(self, digest: str) -> bool:
         """Tell whether an object's content has its name; read it only if it may have changed."""
         with suppress(OSError, ValueError):
-            if (
-                self._entry(digest).read_text(encoding="utf-8")
-                == _look(self.object_folder(digest))[0]
-            ):
+            known = self._entry(digest).read_text(encoding="utf-8")
+            if known == _look(self.object_folder(digest))[0]:
                 return True
         return self.rehash(digest)
 
@@ -173,29 +171,24 @@ class Store:
         folder = self.object_folder(digest)
         if folder.exists():
             with self.temporary("discarded") as grave:
-                os.rename(folder, grave / "object")
+                folder.rename(grave / "object")
 
     def write_manifest(self, manifest: Manifest) -> None:
         """Write the manifest of a recipe; its object is already in place."""
-        files.write_json(
-            self.manifest_path(manifest.stage, manifest.recipe), plain_manifest(manifest)
-        )
+        path = self.manifest_path(manifest.stage, manifest.recipe)
+        files.write_json(path, plain_manifest(manifest))
 
     def read_manifest(self, stage: str, recipe: str) -> Manifest:
-        """Read the manifest of a recipe.
-
-        Raises:
-            UserError: there is none, or it is not one of ours.
-        """
+        """Manifest of a recipe; errors as of ``parse_manifest``."""
         return parse_manifest(self.manifest_path(stage, recipe))
 
     def manifests(self) -> list[Path]:
         """Every manifest of the store."""
-        found = self.root.glob("*/" + "[0-9a-f]" * 64 + ".json")
-        return sorted(path for path in found if path.parent.name not in ("plans", "sources"))
+        paths = self.root.glob("*/" + "[0-9a-f]" * 64 + ".json")
+        return sorted(path for path in paths if path.parent.name != "plans")
 
     def mentioning(self, text: str) -> list[Manifest]:
-        """Manifests of ours in which a text stands, such as the digest of a file."""
+        """Manifests that contain a text, such as the digest of a file."""
         paths = (path for path in self.manifests() if text in path.read_text("utf-8", "replace"))
         return [manifest for manifest in map(readable, paths) if manifest]
 
@@ -219,13 +212,12 @@ class Store:
         """Manifest of the first job with a key, if its object is whole."""
         return self._whole(self.index_path(key))
 
-    def usable(self, path: Path) -> Manifest | None:
-        """A manifest whose object is there with all files in their sizes."""
+    def present(self, path: Path) -> Manifest | None:
+        """A manifest, if its object is there, whole or not."""
         manifest = readable(path)
-        if manifest is None:
+        if manifest is None or not self.object_folder(manifest.result.object).is_dir():
             return None
-        folder = self.object_folder(manifest.result.object)
-        return manifest if files.has_files(folder, manifest.result.files) else None
+        return manifest
 
     def checked(self, stage: str, recipe: str) -> Manifest:
         """Manifest of a recipe, whose object is whole at this moment.
@@ -243,12 +235,12 @@ class Store:
         return self._whole(self.manifest_path(stage, recipe))
 
     def _whole(self, path: Path) -> Manifest | None:
-        manifest = self.usable(path)
+        manifest = self.present(path)
         return manifest if manifest and self.is_whole(manifest.result.object) else None
 
     def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
-        """Remove the manifests whose object is gone, so that nobody trusts them; list them."""
-        dropped = [path for path in paths if path.is_file() and self.usable(path) is None]
+        """Remove the manifests whose object is gone; list them."""
+        dropped = [path for path in paths if path.is_file() and self.present(path) is None]
         for path in dropped:
             path.unlink(missing_ok=True)
         return dropped
@@ -256,20 +248,13 @@ class Store:
 
 def _look(folder: Path) -> tuple[str, int]:
     """Inode, size, times and path of each file, as a text; the latest of the times [ns]."""
-    entries = sorted(_walk(str(folder), ""))
-    text = "".join(f"{' '.join(map(str, numbers))} {name}\n" for name, *numbers in entries)
-    return text, max((max(entry[-2:]) for entry in entries), default=0)
-
-
-def _walk(folder: str, prefix: str) -> Iterator[tuple[str, int, int, int, int]]:
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.is_dir(follow_symlinks=False):
-                yield from _walk(entry.path, f"{prefix}{entry.name}/")
-            else:
-                facts = entry.stat(follow_symlinks=False)
-                times = facts.st_mtime_ns, facts.st_ctime_ns
-                yield f"{prefix}{entry.name}", facts.st_ino, facts.st_size, *times
+    lines, latest = [], 0
+    for name in files.list_files(folder):
+        facts = (folder / name).lstat()
+        times = facts.st_mtime_ns, facts.st_ctime_ns
+        lines.append(f"{facts.st_ino} {facts.st_size} {times[0]} {times[1]} {name}\n")
+        latest = max(latest, *times)
+    return "".join(lines), latest
 
 
 @contextmanager

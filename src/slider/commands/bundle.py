@@ -71,6 +71,6 @@ def run(arguments: argparse.Namespace) -> None:
 def _file(plan: Plan | None, target: str) -> str:
     """What to ask Snakemake for; what Table 1 needs has no files of its own."""
     table = plan.targets.get("table1") if plan else None
-    needed = build_plan({"": plan.jobs[table]}).jobs if plan and table else {}
+    needed = plan.jobs_of("table1") if plan and table else {}
     of_table = target == "table1" or (plan and plan.targets.get(target) in needed)
     return "reports/table1.csv" if of_table else f"publish_{target}"

@@ -132,7 +132,7 @@ def publish(arguments: argparse.Namespace) -> None:
     for target in arguments.targets:
         if target.name not in result.files:
             raise UserError(f"expected {target.name} in {arguments.manifest}, found none")
-        if not _copy(folder / target.name, target, result.files[target.name]["sha256"]):
+        if not _copy(folder / target.name, target, result.files[target.name].sha256):
             raise damaged(manifest.stage, result.object)
         print(f"{target} is ready")
 

@@ -4,8 +4,8 @@ import argparse
 from collections import Counter
 from pathlib import Path
 
-from slider.artefacts.current import add_store_argument, current_plan
-from slider.artefacts.lineage import count, differences, find_target, pending, recent_plans
+from slider.artefacts.current import add_store_argument, current_plan, find_target, recent_plans
+from slider.artefacts.lineage import differences, pending
 from slider.artefacts.plan import Plan, plan_paths, read_plan
 from slider.artefacts.store import ARTEFACTS, Store
 from slider.core.errors import UserError
@@ -34,7 +34,7 @@ def why(arguments: argparse.Namespace) -> None:
     print(f"{target}: {f'{len(jobs)} to compute' if jobs else 'nothing to compute'}")
     counts = Counter((job.stage, "; ".join(reasons)) for job, reasons in jobs)
     for (stage, reasons), number in counts.items():
-        print(f"  {count(stage, number)}: {reasons}")
+        print(f"  {_count(stage, number)}: {reasons}")
 
 
 def diff_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,8 +60,12 @@ def diff(arguments: argparse.Namespace) -> int:
     print(f"{target}: {f'{len(causes)} cause{plural} of a difference' if causes else 'the same'}")
     for cause, jobs in causes.items():
         stages = Counter(job.stage for job in jobs)
-        print(f"  {', '.join(count(stage, n) for stage, n in stages.items())}: {cause}")
+        print(f"  {', '.join(_count(stage, n) for stage, n in stages.items())}: {cause}")
     return 1 if causes else 0
+
+
+def _count(stage: str, number: int) -> str:
+    return f"{stage} × {number}" if number > 1 else stage
 
 
 def _store(side: str, default: Path) -> Store:

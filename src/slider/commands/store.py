@@ -8,7 +8,7 @@ import time
 from slider.artefacts.current import add_store_argument, current_plan
 from slider.artefacts.forecast import remembered
 from slider.artefacts.maintenance import Removed, collect, summarise, verify
-from slider.artefacts.plan import JobSpec, build_plan
+from slider.artefacts.plan import JobSpec
 from slider.artefacts.remote import Remote
 from slider.artefacts.sharing import pull, push
 from slider.artefacts.store import Store
@@ -85,7 +85,7 @@ def _jobs(store: Store, targets: list[str], everything: bool) -> dict[str, JobSp
         if name not in plan.targets:
             names = ", ".join(plan.targets)
             raise UserError(f"expected targets of the current plan ({names}), found {name}")
-    return dict(build_plan({name: plan.jobs[plan.targets[name]] for name in names}).jobs)
+    return dict(plan.jobs_of(*names))
 
 
 def _list(store: Store) -> int:

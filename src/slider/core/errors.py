@@ -28,8 +28,8 @@ def one_of(key: str, value: Any, allowed: Iterable[Any]) -> None:
 
 
 _OF_DISKS = (errno.EROFS, errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-_OF_PLACES = (errno.ENOTDIR, errno.EEXIST)  # a file where a folder must be
 _OF_RIGHTS = (errno.EACCES, errno.EPERM)  # to write, but also to read, or to run a program
+_OF_PLACES = (*_OF_RIGHTS, errno.ENOTDIR, errno.EEXIST)  # a file where a folder must be
 _FOLDERS = ("reports", ".snakemake")
 # Messages of numpy and torch about a full disk, which lack its number.
 _SHORT = re.compile(
@@ -45,17 +45,14 @@ def is_read_only(error: BaseException) -> bool:
 def not_written(error: BaseException, place: Path) -> UserError | None:
     """Line about an error that comes from a place that cannot be written; None for other errors.
 
-    ``place`` is named where the error names none. A missing right counts below ``place`` and the
-    other folders that the pipeline writes: elsewhere it may be that of a program.
+    ``place`` is named where the error names none. A missing right, or a file in the place of a
+    folder, counts below ``place`` and the other folders that the pipeline writes.
     """
     for cause in _chain(error):
         if isinstance(cause, OSError):
             where = cause.filename2 or cause.filename
-            if cause.errno in _OF_PLACES and _is_ours(where, place):
-                expected = f"expected to write {where}, found a file in the place of a folder"
-                return UserError(f"{expected}: run `slider store verify`")
-            denied = cause.errno in _OF_RIGHTS and _is_ours(where, place)
-            if denied or cause.errno in _OF_DISKS:
+            refused = cause.errno in _OF_PLACES and _is_ours(where, place)
+            if refused or cause.errno in _OF_DISKS:
                 return UserError(f"expected to write {where or place}, found: {cause.strerror}")
         if _SHORT.search(str(cause)):
             return UserError(f"expected to write {place}, found: No space left on device")
@@ -70,8 +67,8 @@ def _is_ours(where: object, place: Path) -> bool:
 
 
 def _chain(error: BaseException | None) -> Iterator[BaseException]:
-    """An error and its causes; what another kind of error came up beside is none."""
+    """An error and its causes; only of an error of files also what was handled meanwhile."""
     while error is not None:
         yield error
-        beside = isinstance(error, OSError) and not error.__suppress_context__
-        error = error.__cause__ or (error.__context__ if beside else None)
+        handled = isinstance(error, OSError) and not error.__suppress_context__
+        error = error.__cause__ or (error.__context__ if handled else None)

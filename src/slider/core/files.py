@@ -7,15 +7,23 @@ import os
 import stat
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 TEMPORARY_PATTERN = ".*.part"
-_CHUNK = 1 << 20
-_READ_ONLY = stat.S_IRUSR | stat.S_IRGRP | stat.S_IROTH
 
-FileTable = dict[str, dict[str, Any]]
-"""Relative path → ``{"sha256": ..., "size": ...}``."""
+
+@dataclass(frozen=True)
+class FileFacts:
+    """Digest and size [bytes] of a file."""
+
+    sha256: str
+    size: int
+
+
+FileTable = dict[str, FileFacts]
+"""Files of a folder by relative POSIX path."""
 
 
 def write_atomic(path: Path, text: str) -> None:
@@ -70,11 +78,8 @@ def digest_text(text: str) -> str:
 
 def digest_file(path: Path) -> str:
     """SHA-256 of a file's bytes."""
-    digest = hashlib.sha256()
     with path.open("rb") as file:
-        while chunk := file.read(_CHUNK):
-            digest.update(chunk)
-    return digest.hexdigest()
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def list_files(folder: Path) -> list[str]:
@@ -94,32 +99,14 @@ def list_files(folder: Path) -> list[str]:
 
 
 def file_table(folder: Path) -> FileTable:
-    """Digest and size [bytes] of every file of a folder."""
-    return {
-        name: {"sha256": digest_file(folder / name), "size": (folder / name).stat().st_size}
-        for name in list_files(folder)
-    }
+    """Digest and size of every file of a folder."""
+    paths = {name: folder / name for name in list_files(folder)}
+    return {name: FileFacts(digest_file(p), p.stat().st_size) for name, p in paths.items()}
 
 
 def digest_table(table: FileTable) -> str:
     """Name of a folder's content: digest of its sorted paths and their files' digests."""
-    return digest_value([[name, table[name]["sha256"]] for name in sorted(table)])
-
-
-def has_files(folder: Path, table: FileTable) -> bool:
-    """Tell whether every listed file is there with its size; reads no content."""
-    try:
-        return folder.is_dir() and all(
-            (folder / name).stat().st_size == facts["size"] for name, facts in table.items()
-        )
-    except OSError:
-        return False
-
-
-def make_read_only(folder: Path) -> None:
-    """Protect the files of a folder from being changed by accident."""
-    for name in list_files(folder):
-        (folder / name).chmod(_READ_ONLY)
+    return digest_value([[name, table[name].sha256] for name in sorted(table)])
 
 
 def plain(value: Any) -> Any:

@@ -7,16 +7,16 @@ that holds what the result came from, so that all commands work in it.
 
 import shutil
 import subprocess
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 from rocrate.model import ContextEntity
 from rocrate.rocrate import ROCrate
 
-from slider.artefacts.manifest import Result
+from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, Plan, write_plan
 from slider.artefacts.recipe import code_of
 from slider.artefacts.store import ARTEFACTS, Store
@@ -32,12 +32,11 @@ _TERMS = "https://w3id.org/ro/terms/workflow-run/context"
 _CITATION = "CITATION.cff"
 
 
-@dataclass(frozen=True)
-class _Computed:
-    """A job, its result, and what was noted beside it."""
+class _Computed(NamedTuple):
+    """A job, its manifest, and what was noted beside it."""
 
     job: JobSpec
-    result: Result
+    manifest: Manifest
     facts: Mapping[str, Any]
 
 
@@ -69,25 +68,29 @@ def write_bundle(
                 "run the pipeline again"
             )
     jobs = {
-        recipe: _Computed(
-            job, store.checked(job.stage, recipe).result, store.facts(job.stage, recipe)
-        )
+        recipe: _Computed(job, store.checked(job.stage, recipe), store.facts(job.stage, recipe))
         for recipe, job in plan.jobs.items()
     }
     names = _working_copy(out)
-    _copy_store(jobs.values(), store, Store(out / ARTEFACTS))
-    plan_path = write_plan(plan, out / ARTEFACTS / "plans")
+    target = Store(out / ARTEFACTS)
+    for job, manifest, facts in jobs.values():
+        digest = manifest.result.object
+        if not target.object_folder(digest).exists():
+            shutil.copytree(store.object_folder(digest), target.object_folder(digest))
+        target.write_manifest(manifest)
+        files.write_json(target.sidecar_path(job.stage, job.recipe), facts)
+    plan_path = write_plan(plan, target.root / "plans")
     description = _Description(ROCrate(version=VERSION), out)
-    description.of_project(names, licence)
-    run = description.of_run(list(jobs.values()), overrides, command)
+    description.add_project(names, licence)
+    run = description.add_run(list(jobs.values()), overrides, command)
     text = "What each job computes, with what settings"
     run.append_to("object", description.file(plan_path, text))
     run["result"] = [
         description.file(path, text) for path, text in _copy_results(plan, jobs, store, out)
     ]
-    description.of_jobs(jobs)
+    description.add_jobs(jobs)
     description.crate.metadata.write(out)
-    return sum(computed.result.size for computed in jobs.values())
+    return sum(computed.manifest.result.size for computed in jobs.values())
 
 
 def _working_copy(out: Path) -> list[str]:
@@ -106,44 +109,30 @@ def _working_copy(out: Path) -> list[str]:
     return files.list_files(out)
 
 
-def _copy_store(jobs: Iterable[_Computed], store: Store, target: Store) -> None:
-    for computed in jobs:
-        job, digest = computed.job, computed.result.object
-        folder = target.object_folder(digest)
-        if not folder.exists():
-            shutil.copytree(store.object_folder(digest), folder)
-        target.write_manifest(store.read_manifest(job.stage, job.recipe))
-        files.write_json(target.sidecar_path(job.stage, job.recipe), computed.facts)
-
-
 def _copy_results(
     plan: Plan, jobs: Mapping[str, _Computed], store: Store, out: Path
 ) -> Iterator[tuple[Path, str]]:
-    """Copy what people look for to folders of the targets' names; yield file and title."""
+    """Copy what people look for to folders of the targets' names; yield file and title.
+
+    The policy is that of Table 1, or else of the first target with any.
+    """
     recipes = dict(plan.targets)
-    if policy := _policy(plan):
-        recipes["policy"] = policy
+    waiting = [plan.jobs[recipes[name]] for name in sorted(recipes, key=lambda n: n != "table1")]
+    while waiting and "policy" not in recipes:
+        job = waiting.pop(0)
+        waiting = [*job.needs, *waiting]  # a fine-tuning comes before its start
+        if job.stage == "walking":
+            recipes["policy"] = job.recipe
     for name, recipe in recipes.items():
-        result = jobs[recipe].result
+        result = jobs[recipe].manifest.result
         shutil.copytree(store.object_folder(result.object), out / RESULTS / name)
         for file in sorted(result.files):
             yield out / RESULTS / name / file, f"{name}: {file}"
 
 
-def _policy(plan: Plan) -> str | None:
-    """Recipe of the training whose policy Table 1, or else the first target with any, is about."""
-    for name in sorted(plan.targets, key=lambda name: name != "table1"):
-        jobs = [plan.jobs[plan.targets[name]]]
-        for job in jobs:  # grows while it is read: a fine-tuning comes before its start
-            if job.stage == "walking":
-                return job.recipe
-            jobs += job.needs
-    return None
-
-
 @dataclass(frozen=True)
 class _Description:
-    """What a crate says of the files in the folder ``out``."""
+    """Metadata of the files in the folder ``out``."""
 
     crate: ROCrate
     out: Path
@@ -163,18 +152,22 @@ class _Description:
         """A package or the entry point of a stage."""
         return self.entity(place, "SoftwareApplication", name=name, softwareVersion=version)
 
-    def of_project(self, names: Sequence[str], licence: str) -> None:
+    def add_project(self, names: Sequence[str], licence: str) -> None:
         """Describe the working copy: title, people, workflow, profiles, files."""
         citation = yaml.safe_load((self.out / _CITATION).read_text(encoding="utf-8"))
-        crate = self.crate
+        crate, title = self.crate, citation["title"]
         crate.metadata.extra_contexts.append(_TERMS)
-        crate.name, crate.description = citation["title"], citation["abstract"]
-        crate.license = licence
-        properties = {"name": citation["title"], "version": str(citation["version"])}
+        crate.name, crate.description, crate.license = title, citation["abstract"], licence
+        properties = {"name": title, "version": str(citation["version"])}
         workflow: Any = crate.add_workflow(
             dest_path=WORKFLOW, main=True, lang="snakemake", properties=properties
         )
-        people = [self._person(person) for person in citation["authors"]]
+        people = []
+        for person in citation["authors"]:
+            name = person.get("name") or f"{person['given-names']} {person['family-names']}"
+            kind = "Organization" if "name" in person else "Person"
+            place = person.get("orcid") or f"#{name.replace(' ', '-')}"
+            people.append(self.entity(place, kind, name=name))
         crate.root_dataset["author"] = workflow["creator"] = people
         for kind, name in _PROFILES.items():
             place = f"https://w3id.org/ro/wfrun/{kind}/{PROFILE_VERSION}"
@@ -184,12 +177,7 @@ class _Description:
             if name != WORKFLOW:
                 self.file(self.out / name)
 
-    def _person(self, person: Mapping[str, str]) -> Any:
-        name = person.get("name") or f"{person['given-names']} {person['family-names']}"
-        kind = "Organization" if "name" in person else "Person"
-        return self.entity(person.get("orcid") or f"#{name.replace(' ', '-')}", kind, name=name)
-
-    def of_run(self, jobs: Sequence[_Computed], overrides: str, command: str) -> Any:
+    def add_run(self, jobs: Sequence[_Computed], overrides: str, command: str) -> Any:
         """Add the action of the whole workflow, from the first job to the last; its software."""
         workflow: Any = self.crate.mainEntity
         versions = {n: v for computed in jobs for n, v in computed.job.code.versions.items()}
@@ -199,28 +187,24 @@ class _Description:
         ]
         ends = ("started", "ended")
         times = [computed.facts[end] for computed in jobs for end in ends if end in computed.facts]
+        noted = {"name": "overrides", "value": overrides or "none"}
         run = self.entity(
             "#run",
             "CreateAction",
             name="The whole run",
             description=f"`{command}` leads to the results.",
             instrument=workflow,
-            object=[
-                self.entity(
-                    "#overrides", "PropertyValue", name="overrides", value=overrides or "none"
-                )
-            ],
+            object=[self.entity("#overrides", "PropertyValue", **noted)],
             **({"startTime": min(times), "endTime": max(times)} if times else {}),
         )
         self.crate.root_dataset["mentions"] = [run]
         return run
 
-    def of_jobs(self, jobs: Mapping[str, _Computed]) -> None:
+    def add_jobs(self, jobs: Mapping[str, _Computed]) -> None:
         """Add an action per job, from the objects of its inputs to its object."""
         objects = {recipe: self._object(computed) for recipe, computed in jobs.items()}
         noted = {"startTime": "started", "endTime": "ended", "description": "machine"}
-        for recipe, computed in jobs.items():
-            job, facts = computed.job, computed.facts
+        for recipe, (job, _, facts) in jobs.items():
             action = self.entity(
                 f"#{recipe}",
                 "CreateAction",
@@ -235,11 +219,12 @@ class _Description:
 
     def _object(self, computed: _Computed) -> Any:
         """The folder of an object, which other jobs may have as their result, too."""
-        folder = Store(self.out / ARTEFACTS).object_folder(computed.result.object)
+        result = computed.manifest.result
+        folder = Store(self.out / ARTEFACTS).object_folder(result.object)
         place = f"{folder.relative_to(self.out).as_posix()}/"
         if (dataset := self.crate.get(place)) is not None:
             return dataset
-        facts = {"name": computed.job.label, "identifier": computed.result.object}
+        facts = {"name": computed.job.label, "identifier": result.object}
         added: Any = self.crate.add_dataset(dest_path=place, properties=facts)
-        added["hasPart"] = [self.file(folder / name) for name in sorted(computed.result.files)]
+        added["hasPart"] = [self.file(folder / name) for name in sorted(result.files)]
         return added

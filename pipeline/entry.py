@@ -30,9 +30,8 @@ from slider.core.errors import UserError, is_read_only, not_written
 from slider.core.machine import MOST_THREADS, training_threads
 from slider.env.terms import checked
 from slider.tracking import journal as tracking
-from slider.tracking.journal import FAILED, FINISHED
 
-OPTION, PLAN = "hydra", "plan"  # of --config; the latter is the head's word to its jobs
+OPTION, PLAN = "hydra", "plan"  # of --config; the latter is for the jobs of a cluster
 _TITLE = 80  # characters
 _TAGS = {"commit": "mlflow.source.git.commit", "dirty": "git.dirty"}  # MLflow shows the first
 
@@ -42,13 +41,18 @@ def one_line() -> Iterator[None]:
     """End the process with one line and status 1 where the input is bad or a file cannot be."""
     try:
         yield
-    except (UserError, OSError) as error:
-        line: object = error
-        if isinstance(error, OSError):
-            place = f"{error.filename2 or error.filename}: {error.strerror}"
-            line = not_written(error, Path(ARTEFACTS)) or place
-        print(f"slider: {line}", file=sys.stderr, flush=True)
-        raise SystemExit(1) from None
+    except UserError as error:
+        _print(error)
+    except OSError as error:
+        place = f"{error.filename2 or error.filename}: {error.strerror}"
+        _print(not_written(error, Path(ARTEFACTS)) or place)
+    else:
+        return
+    raise SystemExit(1) from None
+
+
+def _print(line: object) -> None:
+    print(f"slider: {line}", file=sys.stderr, flush=True)
 
 
 @dataclass
@@ -90,10 +94,10 @@ class Pipeline:
         return f"{loader} {shlex.join(words)}"
 
     def slots(self, wildcards: Any) -> int:
-        """Cores that the training of a recipe holds: no fewer than its processes, one for each GPU.
+        """Cores that a training holds: ``resources.threads``, and one for each GPU at least.
 
-        They are ``resources.threads``. A job of several waits until as many are free at once, so
-        the default is one, but on a cluster, where the scheduler gives them at once.
+        A job of several waits until as many are free at once, so the default is one, but on a
+        cluster, where the scheduler gives them at once.
         """
         wanted = self.config.resources.threads or (1 if self.cores else MOST_THREADS)
         return max(wanted, self.gpus(wildcards))
@@ -118,10 +122,13 @@ class Pipeline:
         A target that cannot be laid out is one line and status 1.
         """
 
+        @one_line()
         def find(wildcards: Any) -> str:
             if target not in self.plan.targets:
-                with one_line():
-                    self._plan_also(target)
+                targets = {name: self.plan.jobs[r] for name, r in self.plan.targets.items()}
+                job = job_on_demand(target, self.config, targets, self.overrides, self.conf)
+                self.plan = build_plan(targets | {target: job})
+                self.plan_path = _lay_out(self.plan, self.store, self.config)
             return self._manifest(self.plan.jobs[self.plan.targets[target]])
 
         return find
@@ -140,20 +147,12 @@ class Pipeline:
     def _manifest(self, job: JobSpec) -> str:
         return str(self.store.manifest_path(job.stage, job.recipe))
 
-    def _plan_also(self, target: str) -> None:
-        """Add the jobs of a target on demand to the plan."""
-        targets = {name: self.plan.jobs[recipe] for name, recipe in self.plan.targets.items()}
-        job = job_on_demand(target, self.config, targets, self.overrides, self.conf)
-        self.plan = build_plan(targets | {target: job})
-        self.plan_path = _lay_out(self.plan, self.store, self.config)
-
     @one_line()
     def start(self, workflow: Any) -> None:
         """Begin this pipeline run; open a session of tracking, if it is enabled.
 
         On a cluster name the plan to the jobs, which read the Snakefile again with the ``--config``
         of the head, and let SIGTERM do as Ctrl-C does: Snakemake alone would wait for running jobs.
-        A store that cannot be written is one line and status 1.
         """
         if workflow.local_exec:
             # The limit of submissions, which no option lifts (9.27): each job that ends would start
@@ -163,24 +162,25 @@ class Pipeline:
             settings = workflow.config_settings
             settings.config_args = [*(settings.config_args or ()), f"{PLAN}={self.plan_path}"]
             signal.signal(signal.SIGTERM, signal.default_int_handler)
-        artefacts = self.store.root
+        artefacts, overrides = self.store.root, " ".join(self.overrides)
         note_start(artefacts, self.overrides)
         tracking.stop(artefacts)
-        if not self.config.tracking.enabled:
-            return
-        tags = {_TAGS[name]: value for name, value in revision().items()}
-        experiment = self.config.tracking.experiment
-        apart = {"gait": f"{experiment}-gaits"}
-        info = tracking.SessionInfo(experiment, os.getpid(), tags, apart)
-        tags = {"plan": self.plan_path.stem, "overrides": " ".join(self.overrides)}
-        title = " ".join(["pipeline", *self.overrides])[:_TITLE]  # what tells it from others
-        run = {"name": title, "tags": tags, "params": to_dict(self.config)}
-        self.session = tracking.start(artefacts, info, run)
+        if self.config.tracking.enabled:
+            experiment = self.config.tracking.experiment
+            tags = {_TAGS[name]: value for name, value in revision().items()}
+            apart = {"gait": f"{experiment}-gaits"}
+            info = tracking.SessionInfo(experiment, os.getpid(), tags, apart)
+            run = {
+                "name": f"pipeline {overrides}".strip()[:_TITLE],
+                "tags": {"plan": self.plan_path.stem, "overrides": overrides},
+                "params": to_dict(self.config),
+            }
+            self.session = tracking.start(artefacts, info, run)
 
     def finish(self, succeeded: bool) -> None:
         """Close the session of this pipeline run."""
         if self.session is not None:
-            self.session.finish(FINISHED if succeeded else FAILED)
+            self.session.finish(tracking.FINISHED if succeeded else tracking.FAILED)
 
 
 def cancel_rest(workflow: Any) -> None:
@@ -193,6 +193,7 @@ def cancel_rest(workflow: Any) -> None:
         subprocess.run(["scancel", f"--name={name}"], check=False)
 
 
+@one_line()
 def open_pipeline(
     settings: Mapping[str, Any], conf: Path, head: bool = True, cores: int | None = None
 ) -> Pipeline:
@@ -201,36 +202,29 @@ def open_pipeline(
     On a cluster each job reads the Snakefile once more. It is not the ``head``: it takes the head's
     plan as it is, also where the processor is another one, and leaves the store to the head.
     """
-    gc.disable()  # a tenth of the time, and there is hardly anything to collect
-    try:
-        with one_line():
-            return _open(settings, conf, cores) if head else _join(settings, conf)
-    finally:
-        gc.enable()
-
-
-def _open(settings: Mapping[str, Any], conf: Path, cores: int | None) -> Pipeline:
+    store = Store(Path(ARTEFACTS))
+    if not head:
+        overrides = parse_overrides({name: settings[name] for name in settings if name != PLAN})
+        path = Path(str(settings.get(PLAN)))
+        return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
     if sys.flags.optimize > 1:  # meanings of terms are docstrings
         raise UserError("expected Python with docstrings, found PYTHONOPTIMIZE=2: unset it")
     try:
         getpass.getuser()
     except (KeyError, OSError):  # Snakemake notes the name, which the user of a container may lack
         os.environ["USER"] = "nobody"
-    overrides = parse_overrides(settings)
-    config = with_renderer(checked(compose(overrides, conf)))
-    plan = build_plan(all_targets(config, overrides, conf))
-    notes = Path(".snakemake")  # of Snakemake, also in a dry run: without them it ends with a trace
-    notes.mkdir(exist_ok=True)
-    tempfile.TemporaryFile(dir=notes).close()
-    store = Store(Path(ARTEFACTS))
-    return Pipeline(config, overrides, plan, _lay_out(plan, store, config), store, conf, cores)
-
-
-def _join(settings: Mapping[str, Any], conf: Path) -> Pipeline:
-    overrides = parse_overrides({name: settings[name] for name in settings if name != PLAN})
-    path = Path(str(settings.get(PLAN)))
-    store = Store(Path(ARTEFACTS))
-    return Pipeline(compose(overrides, conf), overrides, read_plan(path), path, store, conf)
+    gc.disable()  # a tenth of the time, and there is hardly anything to collect
+    try:
+        overrides = parse_overrides(settings)
+        config = with_renderer(checked(compose(overrides, conf)))
+        plan = build_plan(all_targets(config, overrides, conf))
+        notes = Path(".snakemake")  # also in a dry run; where it cannot be, Snakemake shows a trace
+        notes.mkdir(exist_ok=True)
+        tempfile.TemporaryFile(dir=notes).close()
+        path = _lay_out(plan, store, config)
+    finally:
+        gc.enable()
+    return Pipeline(config, overrides, plan, path, store, conf, cores)
 
 
 def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
@@ -245,30 +239,24 @@ def _lay_out(plan: Plan, store: Store, config: Config) -> Path:
         return plan_path(plan, folder)
     manifests = [store.manifest_path(job.stage, job.recipe) for job in plan.jobs.values()]
     for name in drop_damaged(store, manifests).damage:
-        print(f"slider: dropped {name}", file=sys.stderr)
-    if config.store.remote is not None:
-        _pull(plan, store, config.store.remote)
-    late = date_now(store, [*manifests, *store.root.glob("current/*")])
-    if late:
+        _print(f"dropped {name}")
+    if remote := config.store.remote:
+        try:
+            account = pull(store, plan.jobs, Remote(remote))
+        except UserError as error:
+            _print(f"{error}; what is missing is computed here")
+        else:
+            for line in account.damage:
+                _print(line)
+            if "taken" in account.counts:
+                _print(f"from {remote}: {account}")
+    if late := date_now(store, [*manifests, *store.root.glob("current/*")]):
         text = f"dated {late} files of {store.root} now: they are from the future"
-        print(f"slider: {text}, as the clock was set back", file=sys.stderr)
+        _print(f"{text}, as the clock was set back")
     for target, names in report_files(config).items():
         if target in plan.targets:
             refresh_marker(store, plan, target, [Path(name) for name in names])
     return path
-
-
-def _pull(plan: Plan, store: Store, remote: str) -> None:
-    """Copy the results that a plan lacks from a remote; what is not there is computed."""
-    try:
-        account = pull(store, plan.jobs, Remote(remote))
-    except UserError as error:
-        print(f"slider: {error}; what is missing is computed here", file=sys.stderr)
-        return
-    for line in account.damage:
-        print(f"slider: {line}", file=sys.stderr)
-    if "taken" in account.counts:
-        print(f"slider: from {remote}: {account}", file=sys.stderr)
 
 
 def parse_overrides(settings: Mapping[str, Any]) -> list[str]:
@@ -277,15 +265,13 @@ def parse_overrides(settings: Mapping[str, Any]) -> list[str]:
     Raises:
         UserError: another name, no text, or an open quote.
     """
-    unknown = [name for name in settings if name != OPTION]
-    if unknown:
-        raise UserError(
-            f"unknown --config name '{unknown[0]}', expected {OPTION}='key=value ...', "
-            "such as --config hydra='gait.cost=torque experiment=paper'"
-        )
-    text = settings.get(OPTION)
-    if text is None:  # not given, or nothing between the quotes
-        return []
+    for name in settings:
+        if name != OPTION:
+            raise UserError(
+                f"unknown --config name '{name}', expected {OPTION}='key=value ...', "
+                "such as --config hydra='gait.cost=torque experiment=paper'"
+            )
+    text = settings.get(OPTION) or ""  # none given, or nothing between the quotes
     if not isinstance(text, str):
         raise UserError(f"--config {OPTION}: expected text of the form key=value, found {text!r}")
     try:

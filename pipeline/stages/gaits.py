@@ -31,15 +31,15 @@ def library_job(config: Config) -> JobSpec:
 
 def velocities(grid: GridConfig) -> list[Velocity]:
     """Commands (vx [m/s], vy [m/s], yaw rate [rad/s]) of a grid, each once, sorted."""
-    blocks = [map(_values, block.axes) for block in (grid, *grid.extra)]
+
+    def values(axis: Axis | list[float]) -> list[float]:
+        """Rounded to 1e-10, so that grids of other steps share their gaits; no −0."""
+        if isinstance(axis, Axis):
+            axis = [axis.start + index * axis.step for index in range(axis_size(axis))]
+        return [round(value, 10) + 0.0 for value in axis]
+
+    blocks = [map(values, block.axes) for block in (grid, *grid.extra)]
     return sorted({(vx, vy, yaw_rate) for axes in blocks for vx, vy, yaw_rate in product(*axes)})
-
-
-def _values(axis: Axis | list[float]) -> list[float]:
-    """Values rounded to 1e-10, so that grids of other steps share their gaits; no −0."""
-    if isinstance(axis, Axis):
-        axis = [axis.start + index * axis.step for index in range(axis_size(axis))]
-    return [round(value, 10) + 0.0 for value in axis]
 
 
 def mechanism(config: Config) -> dict[str, Any]:
@@ -59,101 +59,79 @@ def gait_section(config: Config) -> dict[str, Any]:
 
 
 def gait(shared: dict[str, Any], velocity: Velocity) -> JobSpec:
-    """One gait; it does not know of the other velocities."""
+    """One gait, which depends on no other velocity."""
     vx, vy, yaw_rate = velocity
     turn = f" {yaw_rate:+.2f} rad/s" if yaw_rate else ""
-    label = f"gait {vx:.2f} {vy:+.2f} m/s{turn}"
-    return job("gait", label, shared | {"velocity": list(velocity)})
+    return job("gait", f"gait {vx:.2f} {vy:+.2f} m/s{turn}", shared | {"velocity": [*velocity]})
 
 
 def gait_library(config: Config, gaits: list[JobSpec]) -> JobSpec:
     """All gaits in one store."""
     section = {
         "library": to_dict(config.library),
-        # Written into the library, which so says what its gaits were made for and with.
+        # Written into the library beside the gaits.
         "robot": mechanism(config),
         **only(to_dict(config.gait), "dynamics", "transcription", "cost", "kinematic_map"),
     }
     return job("library", "gait library", section, {"gaits": gaits})
 
 
-def chunks(library: JobSpec, size: int) -> list[list[list[float]]]:
-    """Commands of a library's gaits, so many at a time."""
-    velocities = [gait.section["velocity"] for gait in library.inputs["gaits"]]
-    return [velocities[start : start + size] for start in range(0, len(velocities), size)]
-
-
 def verification_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
-    """Chunks of gaits, their collection, and maps of what it found.
+    """Chunks of gaits, their collection, and maps of the result.
 
     Raises:
         UserError: there is a bound of something that is not verified.
     """
     for name in config.verification.bounds:
         one_of("verification.bounds", name, QUANTITIES)
-    size = config.verification.chunk
-    gaits = [verification_of_gaits(config, chunk, library) for chunk in chunks(library, size)]
-    section = {"verification": only(to_dict(config.verification), *_COLLECTED)}
-    inputs = {"library": [library], "gaits": gaits}
-    found = job("verification", "verification", section, inputs)
-    inputs = {"library": [library], "verification": [found]}
-    maps = job("verification_maps", "maps of the verification", {}, inputs)
-    return {"verification": found, "verification_maps": maps}
-
-
-def verification_of_gaits(
-    config: Config, velocities: list[list[float]], library: JobSpec
-) -> JobSpec:
-    """The checks of some gaits."""
+    settings = to_dict(config.verification)
     section = {
         "robot": robot(config),
         "posture": to_dict(config.gait.posture),
-        "verification": without(to_dict(config.verification), "chunk", *_COLLECTED),
-        "velocities": velocities,
+        "verification": without(settings, "chunk", *_COLLECTED),
         "numerics": kernels(),
     }
-    label = f"verification of {len(velocities)} gaits from {velocities[0][0]:.2f} m/s"
-    return job("verification_gaits", label, section, {"library": [library]}, tracked=False)
+    size = config.verification.chunk
+    gaits = _chunks("verification_gaits", "verification", section, library, size)
+    section = {"verification": only(settings, *_COLLECTED)}
+    inputs = {"library": [library], "gaits": gaits}
+    verified = job("verification", "verification", section, inputs)
+    inputs = {"library": [library], "verification": [verified]}
+    maps = job("verification_maps", "maps of the verification", {}, inputs)
+    return {"verification": verified, "verification_maps": maps}
 
 
 def stability_jobs(config: Config, library: JobSpec) -> dict[str, JobSpec]:
     """What controllers take of the linearised gaits; tables, basins and figures for people."""
-    shared = {"hzd": without(to_dict(config.hzd), *_FOR_PEOPLE), "numerics": kernels()}
-    gaits = [_gaits(shared, chunk, library) for chunk in chunks(library, config.hzd.chunk)]
-    impacts = to_dict(config.hzd.impacts)
-    maps = [_maps(impacts, gait) for gait in gaits]
+    hzd, alone = to_dict(config.hzd), {"library": [library]}
+    shared = {"hzd": without(hzd, *_FOR_PEOPLE), "numerics": kernels()}
+    gaits = _chunks("stability_gaits", "foot placement", shared, library, config.hzd.chunk)
+    maps = []
+    for chunk in gaits:
+        label = chunk.label.replace("foot placement", "return maps", 1)
+        section = {**chunk.section, "impacts": hzd["impacts"]}
+        maps.append(job("return_maps", label, section, alone | {"gaits": [chunk]}, tracked=False))
     table = job("stability", "stability", {}, {"gaits": maps})
-    drawn = {"library": [library], "stability": [table]}
+    drawn = alone | {"stability": [table]}
+    solved = [gait.section["velocity"] for gait in library.inputs["gaits"]]
+    for vx, vy in hzd["basin"]["gaits"]:
+        if [vx, vy, 0.0] in solved:
+            section = shared | {"basin": without(hzd["basin"], "gaits"), "velocity": [vx, vy, 0.0]}
+            basin = job("basin", f"basin of {vx:.2f} {vy:+.2f} m/s", section, alone, tracked=False)
+            drawn.setdefault("basins", []).append(basin)
+    placement = job("foot_placement", "foot placement", {}, alone | {"gaits": gaits})
+    figures = job("stability_figures", "figures of stability", {}, drawn)
+    return {"foot_placement": placement, "stability": table, "stability_figures": figures}
+
+
+def _chunks(
+    stage: str, title: str, section: dict[str, Any], library: JobSpec, size: int
+) -> list[JobSpec]:
+    """Jobs of a stage, each of so many of the library's gaits."""
     velocities = [gait.section["velocity"] for gait in library.inputs["gaits"]]
-    wanted = [gait for gait in to_dict(config.hzd.basin)["gaits"] if [*gait, 0.0] in velocities]
-    if wanted:
-        drawn["basins"] = [_basin(config, shared, [*gait, 0.0], library) for gait in wanted]
-    return {
-        "foot_placement": job(
-            "foot_placement", "foot placement", {}, {"library": [library], "gaits": gaits}
-        ),
-        "stability": table,
-        "stability_figures": job("stability_figures", "figures of stability", {}, drawn),
-    }
-
-
-def _gaits(shared: dict, velocities: list[list[float]], library: JobSpec) -> JobSpec:
-    """Limit cycles and foot placement of some gaits."""
-    section = shared | {"velocities": velocities}
-    label = f"foot placement of {len(velocities)} gaits from {velocities[0][0]:.2f} m/s"
-    return job("stability_gaits", label, section, {"library": [library]}, tracked=False)
-
-
-def _maps(impacts: dict, gaits: JobSpec) -> JobSpec:
-    """Return maps of the same gaits, for people."""
-    label = gaits.label.replace("foot placement", "return maps", 1)
-    inputs = {**gaits.inputs, "gaits": [gaits]}
-    return job("return_maps", label, {**gaits.section, "impacts": impacts}, inputs, tracked=False)
-
-
-def _basin(config: Config, shared: dict, gait: list[float], library: JobSpec) -> JobSpec:
-    """Basin of attraction of one gait."""
-    basin = without(to_dict(config.hzd.basin), "gaits")
-    section = shared | {"basin": basin, "velocity": gait}
-    label = f"basin of {gait[0]:.2f} {gait[1]:+.2f} m/s"
-    return job("basin", label, section, {"library": [library]}, tracked=False)
+    jobs = []
+    for chunk in (velocities[start : start + size] for start in range(0, len(velocities), size)):
+        label = f"{title} of {len(chunk)} gaits from {chunk[0][0]:.2f} m/s"
+        inputs = {"library": [library]}
+        jobs.append(job(stage, label, section | {"velocities": chunk}, inputs, tracked=False))
+    return jobs

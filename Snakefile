@@ -11,11 +11,6 @@ FOREIGN = {
 sys.path[:] = [path for path in sys.path if path not in FOREIGN]
 sys.path[:0] = [workflow.basedir, f"{workflow.basedir}/src"]
 
-from slider.core.environment import check_bytecode
-
-for folder in ("src", "pipeline"):
-    check_bytecode(Path(workflow.basedir) / folder)
-
 from pipeline.console import Console
 from pipeline.entry import cancel_rest, open_pipeline
 

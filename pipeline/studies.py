@@ -18,7 +18,7 @@ from slider.config.compose import compose
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
 from slider.config.parameters import choose, parameters, scaled
-from slider.config.schema import BudgetConfig, Config, RolloutsConfig, StartsConfig, StudyConfig
+from slider.config.schema import BudgetConfig, Config, StudyConfig
 from slider.config.train import TrainConfig
 from slider.config.validation import validate
 from slider.core.errors import UserError, one_of, require
@@ -55,7 +55,7 @@ def study_job(
 
     Args:
         name: of the study, in ``config.study``.
-        config: configuration of the pipeline.
+        config: of the pipeline.
         targets: its jobs ``library`` and ``walking``.
         overrides: with which ``config`` was composed.
         conf: folder of the configuration.
@@ -64,8 +64,10 @@ def study_job(
         UserError: an unknown metric, or the overrides of a variant do not compose.
     """
     study, key = config.study[name], f"study.{name}"
+    rolled_out = study.evaluation is not None
+    metrics = [n for n in QUANTITIES if (study.gaits if n in GAIT_QUANTITIES else rolled_out)]
     for metric in study.metrics:
-        one_of(f"{key}.metrics", metric, _metrics(study))
+        one_of(f"{key}.metrics", metric, metrics)
     variants = list(_variants(config, study, overrides, conf, key))
     keyed = [item for variant in variants for item in _jobs(variant, study, config, targets)]
     inputs: dict[str, list[JobSpec]] = {}
@@ -88,15 +90,6 @@ def study_job(
         "same_cost": study.starts.same_cost if study.starts else None,
     }
     return job("study", name, section, inputs)
-
-
-def _metrics(study: StudyConfig) -> list[str]:
-    """Metrics that the results of a study have."""
-    return [
-        name
-        for name in QUANTITIES
-        if (study.gaits if name in GAIT_QUANTITIES else study.evaluation is not None)
-    ]
 
 
 def _variants(
@@ -141,83 +134,55 @@ def _jobs(
     variant: Variant, study: StudyConfig, config: Config, targets: Mapping[str, JobSpec]
 ) -> Iterator[Keyed]:
     """All results of a variant that are compared."""
-    changed, rollouts, note = variant.config, study.evaluation, f" ({variant.name})"
+    changed, note = variant.config, f" ({variant.name})"
     if changed is None:
         return
     if study.gaits:
         yield from _gaits(variant, changed, study)
-    if rollouts is None:
+    if study.evaluation is None:
         return
+    own = {"controllers": [POLICY], "speeds": study.speeds, "profile": None}
+    protocol = replace(changed.evaluation, **own, **to_dict(study.evaluation))
     if study.training is None:
         unused = {name: getattr(config.robot, name) for name in GAITS_ONLY}
-        plant = _evaluated(
-            replace(changed, robot=replace(changed.robot, **unused)), study, rollouts
-        )
-        walking = {"walking": targets["walking"]}
-        for spec in evaluations_of(plant, plant.evaluation, walking, note):
+        plant = replace(changed, robot=replace(changed.robot, **unused))
+        for spec in evaluations_of(plant, protocol, {"walking": targets["walking"]}, note):
             yield "evaluations", [variant.name, "", spec.section["speed"]], spec
         return
-    library = library_job(changed)
-    for seed in study.training.seeds:
+    library, budget, train = library_job(changed), study.training, changed.train
+    for seed in budget.seeds:
         note = f" ({variant.name}, seed {seed})"
-        trained = _evaluated(_with_budget(changed, study.training, seed), study, rollouts)
-        walking = training_jobs(trained, library, note)["walking"]
-        yield "walking", [variant.name, seed, _batch(trained.train.walking)], walking
-        for spec in evaluations_of(trained, trained.evaluation, {"walking": walking}, note):
+        standing = _trained(train.standing, budget.pretraining_samples, budget, seed)
+        walking = _trained(train.walking, budget.samples, budget, seed)
+        trainings = replace(train, standing=standing, walking=walking)
+        trained = replace(changed, train=trainings, finetuning=None)
+        jobs = {"walking": training_jobs(trained, library, note)["walking"]}
+        yield "walking", [variant.name, seed, _batch(walking)], jobs["walking"]
+        for spec in evaluations_of(trained, protocol, jobs, note):
             yield "evaluations", [variant.name, seed, spec.section["speed"]], spec
 
 
 def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Keyed]:
-    """From the guesses of ``gait.solver``, and from each random start."""
-    shared = gait_section(config)
+    """From the guesses of ``gait.solver``, and from each random start alone."""
+    shared, starts = gait_section(config), study.starts
     for speed in study.speeds:
         solved = gait(shared, (speed, 0.0, 0.0))
         label = f"{solved.label} ({variant.name})"
         yield "gaits", [variant.name, "", speed], replace(solved, label=label)
-        if study.starts is not None:
-            for index in range(study.starts.count):
-                place = [f"{variant.name}{STARTS}", index, speed]
-                yield "gaits", place, gait_start(shared, study.starts, speed, index)
-
-
-def gait_start(shared: dict[str, Any], starts: StartsConfig, speed: float, index: int) -> JobSpec:
-    """One gait from a random start alone, whatever the number of starts."""
-    start = {"seed": starts.seed, "index": index, "spread": to_dict(starts.spread)}
-    section = shared | {"velocity": [speed, 0.0, 0.0], "start": start}
-    return job("gait_start", f"gait {speed:.2f} m/s from start {index}", section, tracked=False)
-
-
-def _evaluated(config: Config, study: StudyConfig, rollouts: RolloutsConfig) -> Config:
-    """A configuration whose protocol is the study's."""
-    evaluation = replace(
-        config.evaluation,
-        controllers=[POLICY],
-        speeds=study.speeds,
-        profile=None,
-        **to_dict(rollouts),
-    )
-    return replace(config, evaluation=evaluation)
-
-
-def _with_budget(config: Config, budget: BudgetConfig, seed: int) -> Config:
-    """Trainings from a seed with the samples of a study, not fine-tuned."""
-    train = replace(
-        config.train,
-        standing=_trained(config.train.standing, budget.pretraining_samples, budget, seed),
-        walking=_trained(config.train.walking, budget.samples, budget, seed),
-    )
-    return replace(config, train=train, finetuning=None)
+        for index in range(starts.count if starts else 0):
+            start = {"seed": starts.seed, "index": index, "spread": to_dict(starts.spread)}
+            section = shared | {"velocity": [speed, 0.0, 0.0], "start": start}
+            label = f"gait {speed:.2f} m/s from start {index}"
+            place = [f"{variant.name}{STARTS}", index, speed]
+            yield "gaits", place, job("gait_start", label, section, tracked=False)
 
 
 def _trained(train: TrainConfig, samples: int, budget: BudgetConfig, seed: int) -> TrainConfig:
     """A training of so many samples, in whole iterations, checked at even distances."""
+    iterations = max(1, round(samples / _batch(train)))
     interval = max(1, round(budget.check_every / _batch(train)))
-    return replace(
-        train,
-        iterations=max(1, round(samples / _batch(train))),
-        seed=seed,
-        selection=replace(train.selection, interval=interval),
-    )
+    selection = replace(train.selection, interval=interval)
+    return replace(train, iterations=iterations, seed=seed, selection=selection)
 
 
 def _batch(train: TrainConfig) -> int:

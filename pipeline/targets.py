@@ -6,6 +6,7 @@ target.
 """
 
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 
 from pipeline.stages import all_jobs
@@ -14,13 +15,13 @@ from pipeline.stages.evaluation import baseline_tuning
 from pipeline.stages.gauge import gauge_job
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
-from slider.artefacts.manifest import parse_manifest
+from slider.artefacts.manifest import readable
 from slider.artefacts.plan import JobSpec, Plan
 from slider.artefacts.store import Store
 from slider.config.schema import Config, StudyConfig
 from slider.control import EXPORT_FILES as POLICY_FILES
 from slider.core import files
-from slider.core.errors import UserError, require
+from slider.core.errors import require
 from slider.reports.figures import FILES as FIGURES
 from slider.reports.figures import STABILITY_FILES
 from slider.reports.sections import OPTIONAL, PROTOCOLS, SECTIONS, check_sections
@@ -34,10 +35,7 @@ ON_DEMAND = {"gauge": gauge_job, "baseline_tuning": baseline_tuning}
 def all_targets(config: Config, overrides: Sequence[str], conf: Path) -> dict[str, JobSpec]:
     """Jobs by the name of their target, of those on demand the ones that the page shows.
 
-    Args:
-        config: configuration of the pipeline.
-        overrides: with which it was composed.
-        conf: folder of the configuration.
+    The arguments are those of ``study_job``.
 
     Raises:
         UserError: there is no such section, a protocol or study has a name that is taken, or the
@@ -62,19 +60,17 @@ def job_on_demand(
 
 
 def _check_names(config: Config) -> None:
-    """A protocol or a study is a target of its own, and so are its files."""
+    """Protocols and studies, which are targets, have names and files of their own."""
     apart = {*PROTOCOLS, *config.study}
     shown = (s.needs for name, s in SECTIONS.items() if name not in apart)
     needed = {need.removesuffix(OPTIONAL).partition(".")[0] for needs in shown for need in needs}
-    names = {*_files(), *ENTRIES, *RULES, *needed}
-    files = {file for files in _files().values() for file in files}
-    expected = "a name that no target, stage, rule or report has"
-    added = {f"study.{name}": (name, _studied(name)) for name in config.study}
-    added |= {f"protocols.{name}": (name, _compared(name)) for name in config.protocols}
-    for key, (name, own) in added.items():
-        require(name not in names and files.isdisjoint(own), key, expected, name)
-        names.add(name)
-        files.update(own)
+    taken = {*_files(), *ENTRIES, *RULES, *needed, *chain(*_files().values())}
+    added = [*(("study", name) for name in config.study)]
+    added += [("protocols", name) for name in config.protocols]
+    for group, name in added:
+        expected, own = "a name that no target, stage, rule or report has", {name, *_studied(name)}
+        require(taken.isdisjoint(own), f"{group}.{name}", expected, name)
+        taken |= own
 
 
 def report_files(config: Config) -> dict[str, tuple[str, ...]]:
@@ -88,9 +84,8 @@ def _files() -> dict[str, tuple[str, ...]]:
     """Those of every target but protocols and studies, below ``reports/``."""
     return {
         "table1": ("table1.csv", "gait_quality.csv", "table1.md", "table1.tex"),
-        "velocity_tracking": _compared("velocity_tracking"),
+        **{name: _compared(name) for name in ("velocity_tracking", "baseline_tuning")},
         "gauge": (*_compared("gauge"), "gauge_cells.csv"),
-        "baseline_tuning": _compared("baseline_tuning"),
         "report": ("index.html",),
         "policy_export": tuple(f"policy/{name}" for name in POLICY_FILES),
         "figures": tuple(f"figures/{name}" for name in FIGURES),
@@ -98,23 +93,19 @@ def _files() -> dict[str, tuple[str, ...]]:
         "stability": ("stability.csv", "stability.md"),
         "stability_figures": tuple(f"figures/{name}" for name in STABILITY_FILES),
         "gait_walks": ("gait_walks.csv", "gait_walks.md"),
-        "verification_maps": (*_drawn("verification_maps"), "figures/verification_maps.md"),
+        "verification_maps": tuple(f"figures/verification_maps.{end}" for end in ("svg", "md")),
     }
 
 
 def _compared(name: str) -> tuple[str, ...]:
-    """Table and figure of a target that is called as they are."""
-    return f"{name}.csv", f"{name}.md", *_drawn(name)
+    """Table and figure with the name of their target."""
+    return f"{name}.csv", f"{name}.md", f"figures/{name}.svg"
 
 
 def _studied(name: str, study: StudyConfig | None = None) -> tuple[str, ...]:
     """Files of a study; learning curves where it trains, by default all that there can be."""
     curves = (f"{name}_curves.csv",) if study is None or study.training else ()
     return (*_compared(name), f"{name}_runs.csv", *curves)
-
-
-def _drawn(name: str) -> tuple[str]:
-    return (f"figures/{name}.svg",)
 
 
 def marker_path(store: Store, target: str) -> Path:
@@ -125,30 +116,17 @@ def marker_path(store: Store, target: str) -> Path:
 def refresh_marker(store: Store, plan: Plan, target: str, reports: Sequence[Path]) -> None:
     """Make reports look outdated exactly when they are not those of the current plan.
 
-    The file names the plan's recipe. Where a report on disk is another one all the same (edited
-    by hand, or the store was cleaned), the reason is appended: Snakemake compares the content of
-    small inputs, so a new modification time alone would not do.
+    The file names the plan's recipe. Where reports on disk are other ones all the same (edited by
+    hand, or the store was cleaned), their digests are appended: Snakemake compares the content of
+    small inputs, so a new modification time alone would not do. It sees itself what is missing.
     """
-    recipe = plan.targets[target]
-    path = marker_path(store, target)
+    recipe, path = plan.targets[target], marker_path(store, target)
     words = path.read_text("utf-8", "replace").split() if path.is_file() else []
-    manifest = store.manifest_path(plan.jobs[recipe].stage, recipe)
-    differences = (_difference(manifest, report) for report in reports)
-    reason = next((difference for difference in differences if difference), None)
-    if reason is None and words[:1] == [recipe]:
-        return
-    expected = [recipe, reason] if reason else [recipe]
-    if words != expected:
+    manifest = readable(store.manifest_path(plan.jobs[recipe].stage, recipe))
+    table = manifest.result.files if manifest else {}
+    digests = {report.name: files.digest_file(report) for report in reports if report.is_file()}
+    own = {name: facts.sha256 for name, facts in table.items()}
+    others = [digest for name, digest in digests.items() if digest != own.get(name)]
+    expected = [recipe, *others]
+    if words != expected and (others or words[:1] != [recipe]):
         files.write_atomic(path, "\n".join(expected) + "\n")
-
-
-def _difference(manifest: Path, report: Path) -> str | None:
-    """One word that tells how the report differs from its manifest's, or nothing."""
-    if not report.is_file():
-        return None  # Snakemake sees that itself
-    try:
-        expected = parse_manifest(manifest).result.files[report.name].sha256
-    except (UserError, KeyError):
-        return "unknown"
-    digest = files.digest_file(report)
-    return None if digest == expected else digest

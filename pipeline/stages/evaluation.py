@@ -24,8 +24,8 @@ def evaluations_of(
 
     Args:
         config: robot, plant and controllers.
-        protocol: sections of the evaluations share all its other values.
-        jobs: ``walking``, ``library`` and ``foot_placement``, of which controllers are made.
+        protocol: of the evaluations.
+        jobs: ``walking``, ``library`` and ``foot_placement``, which controllers need.
         note: added to the labels.
     """
     settings = without(protocol_section(protocol), "controllers", "speeds")
@@ -76,12 +76,12 @@ def base_of(controller: str) -> str:
 def control_inputs(
     config: Config, controller: str, jobs: Mapping[str, JobSpec]
 ) -> dict[str, list[JobSpec]]:
-    """What a controller is made of: a training, the gait library, or nothing."""
-    if base_of(controller) == POLICY:
+    """What a controller needs: a training, the gait library, or nothing."""
+    base, names = base_of(controller), ()
+    if base == POLICY:
         names = ("walking",)
-    else:
-        by_gaits = base_of(controller) in gait_controllers(config)
-        names = ("library", "foot_placement") if by_gaits else ()
+    elif base in gait_controllers(config):
+        names = ("library", "foot_placement")
     return {name: [jobs[name]] for name in names}
 
 
@@ -112,10 +112,7 @@ def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec
 
 
 def protocol_jobs(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
-    """Table and figure of each protocol beside Table 1's, which needs none of them.
-
-    They are of constant speeds, of segments of a case, or of cases.
-    """
+    """Table and figure of each protocol but Table 1's: of speeds, segments of a case, or cases."""
     protocols = {}
     for name, protocol in config.protocols.items():
         section = {
@@ -139,11 +136,7 @@ def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
 
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
-    """Table 1 from the records of all evaluations.
-
-    The library of a controller or of the training also gives the gaits' own sway. A table without
-    one (of baselines alone, of a training without library) does not wait for it.
-    """
+    """Table 1 from all evaluations, with the sway of the gaits that they or the training use."""
     names = labels(config, config.evaluation.controllers)
     section = {"labels": names, "robot": config.robot.name}
     inputs = {"evaluations": evaluations}
@@ -154,11 +147,7 @@ def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
 
 
 def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """The searches for settings of the controllers that have a space for it, in one table.
-
-    Raises:
-        UserError: a controller cannot walk the gaits.
-    """
+    """The searches for settings of the controllers that have a space for it, in one table."""
     check_walkable(config, "tuning.spaces", config.tuning.spaces)
     tuning, values, searches = config.tuning, to_dict(config.tuning), []
     protocol = replace(config.evaluation, trials=1, robots=tuning.robots, seed=tuning.seed)

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 from pipeline.stages.entries import job, only
 from pipeline.stages.evaluation import (
@@ -34,45 +33,36 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     """
     gauge = config.gauge
     check_walkable(config, "gauge.controllers", gauge.controllers)
-    cells = [
-        _axis(config, controller, axis, jobs)
-        for controller in gauge.controllers
-        for axis in gauge.axes
-    ]
+    protocol = only(to_dict(gauge), *(item.name for item in fields(GaugeProtocol)))
+    turn = 2 * math.pi / gauge.directions
+    pushed = [turn * index for index in range(gauge.directions)]
+    cells = []
+    for controller in gauge.controllers:
+        base = base_of(controller)
+        if base in gauge.policies:
+            like = f"{POLICY}{controller.removeprefix(base)}"
+            section = control_section(config, like) | {"controller": controller}
+            inputs = {"policy": [_import(gauge.policies[base], base)]}
+        else:
+            section = control_section(config, controller)
+            inputs = control_inputs(config, controller, jobs)
+        for axis in gauge.axes:
+            own = {
+                "axis": axis,
+                "values": gauge.values(axis),
+                "directions": pushed if axis == "push" else [None],
+                "protocol": protocol,
+            }
+            label = f"gauge of {controller}, {axis.replace('_', ' ')}"
+            cells.append(job("gauge_axis", label, section | own, inputs, tracked=False))
     section = {
         "labels": labels(config, gauge.controllers),
         "robot": config.robot.name,
         "cells": [(cell.section["controller"], cell.section["axis"]) for cell in cells],
-        "protocol": _protocol(config),
+        "protocol": protocol,
         "survival": gauge.survival,
     }
     return job("gauge", "gauge", section, {"cells": cells})
-
-
-def _axis(config: Config, controller: str, axis: str, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """One controller along one axis."""
-    gauge, base = config.gauge, base_of(controller)
-    if base in gauge.policies:
-        like = f"{POLICY}{controller.removeprefix(base)}"
-        section = control_section(config, like) | {"controller": controller}
-        inputs = {"policy": [_import(gauge.policies[base], base)]}
-    else:
-        section = control_section(config, controller)
-        inputs = control_inputs(config, controller, jobs)
-    turn = 2 * math.pi / gauge.directions
-    pushed = [turn * index for index in range(gauge.directions)]
-    section |= {
-        "axis": axis,
-        "values": gauge.values(axis),
-        "directions": pushed if axis == "push" else [None],
-        "protocol": _protocol(config),
-    }
-    label = f"gauge of {controller}, {axis.replace('_', ' ')}"
-    return job("gauge_axis", label, section, inputs, tracked=False)
-
-
-def _protocol(config: Config) -> dict[str, Any]:
-    return only(to_dict(config.gauge), *(item.name for item in fields(GaugeProtocol)))
 
 
 def _import(folder: str, name: str) -> JobSpec:

@@ -16,7 +16,7 @@ from pipeline.stages.evaluation import (
 from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY
 from slider.config.convert import to_dict
-from slider.config.env import TerrainConfig, TerrainKind
+from slider.config.env import TerrainConfig
 from slider.config.schema import Config
 from slider.config.types import Interval
 from slider.reports.sections import OPTIONAL, SECTIONS
@@ -26,26 +26,17 @@ _OSMESA = ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")
 
 def report(config: Config, targets: Mapping[str, JobSpec]) -> JobSpec:
     """The page; its sections declare what it needs: a target, or a group of its inputs."""
-    video = config.report.video
     available: dict[str, list[JobSpec]] = {name: [job] for name, job in targets.items()}
     for name, target in targets.items():
         available |= {f"{name}.{group}": list(jobs) for group, jobs in target.inputs.items()}
-    available["videos"] = [
-        _video(config, controller, speed, targets)
-        for controller in config.evaluation.controllers
-        for speed in video.speeds
-        if video.renderer != "none" and base_of(controller) == controller
-    ]
-    if video.terrain is not None and video.renderer != "none":
-        available["videos"] += [_on_terrain(config, kind, targets) for kind in video.terrain.kinds]
+    available["videos"] = _videos(config, targets)
     inputs = {}
     for need in needs(config):
         name = need.removesuffix(OPTIONAL)
         if name == need or name in available:
             inputs[name] = available[name]
     shown = _shown(config, inputs)
-    names = [POLICY, *shown["control"]]
-    names += [f"{name}{ONBOARD}" for name in names]
+    names = [f"{name}{end}" for end in ("", ONBOARD) for name in (POLICY, *shown["control"])]
     section = {
         "report": to_dict(config.report),
         "configuration": shown,
@@ -79,6 +70,26 @@ def _shown(config: Config, inputs: Mapping[str, Sequence[JobSpec]]) -> dict[str,
     return shown
 
 
+def _videos(config: Config, jobs: Mapping[str, JobSpec]) -> list[JobSpec]:
+    """Films of the controllers at some speeds, and of the policy on each kind of terrain."""
+    video, evaluation = config.report.video, config.evaluation
+    if video.renderer == "none":
+        return []
+    videos = [
+        _video(config, controller, speed, jobs)
+        for controller in evaluation.controllers
+        for speed in video.speeds
+        if base_of(controller) == controller
+    ]
+    if (filmed := video.terrain) is not None:
+        for kind in filmed.kinds:
+            terrain = TerrainConfig([kind], Interval(filmed.level, filmed.level), curriculum=False)
+            disturbance = replace(evaluation.disturbance, terrain=terrain)
+            there = replace(config, evaluation=replace(evaluation, disturbance=disturbance))
+            videos.append(_video(there, f"{POLICY}{ONBOARD}", filmed.speed, jobs))
+    return videos
+
+
 def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, JobSpec]) -> JobSpec:
     """A short film of one controller at one speed."""
     section = control_section(config, controller, speed) | {
@@ -88,23 +99,9 @@ def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, Job
         "video": without(to_dict(config.report.video), "speeds", "terrain"),
     }
     ground = config.evaluation.disturbance.terrain.kinds[0].replace("_", " ")
-    label = f"video of {controller} at {speed:.1f} m/s" + (
-        f", {ground}" if ground != "flat" else ""
-    )
+    label = f"video of {controller} at {speed:.1f} m/s{f', {ground}' if ground != 'flat' else ''}"
     inputs = control_inputs(config, controller, jobs)
     return job("video", label, section, inputs, tracked=False)
-
-
-def _on_terrain(config: Config, kind: TerrainKind, jobs: Mapping[str, JobSpec]) -> JobSpec:
-    """A short film of the policy on a kind of terrain."""
-    filmed = config.report.video.terrain
-    assert filmed is not None
-    level = Interval(filmed.level, filmed.level)
-    terrain = TerrainConfig([kind], level, curriculum=False)
-    disturbance = replace(config.evaluation.disturbance, terrain=terrain)
-    evaluation = replace(config.evaluation, disturbance=disturbance)
-    config = replace(config, evaluation=evaluation)
-    return _video(config, f"{POLICY}{ONBOARD}", filmed.speed, jobs)
 
 
 def with_renderer(config: Config) -> Config:
@@ -125,18 +122,14 @@ def find_renderer() -> str:
 
 def _egl_devices() -> int:
     """Number of devices that EGL offers; MuJoCo renders on one of these."""
-    library = _load("libEGL.so.1")
+    library, count = _load("libEGL.so.1"), ctypes.c_int(0)
     if library is None:
         return 0
     library.eglGetProcAddress.restype = ctypes.c_void_p
     address = library.eglGetProcAddress(b"eglQueryDevicesEXT")
-    if not address:
-        return 0
-    query = ctypes.CFUNCTYPE(
-        ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, ctypes.POINTER(ctypes.c_int)
-    )(address)
-    count = ctypes.c_int(0)
-    return count.value if query(0, None, ctypes.byref(count)) else 0
+    number = ctypes.POINTER(ctypes.c_int)
+    function = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_int, ctypes.c_void_p, number)
+    return count.value if address and function(address)(0, None, ctypes.byref(count)) else 0
 
 
 def _load(name: str) -> ctypes.CDLL | None:

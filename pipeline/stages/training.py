@@ -15,60 +15,34 @@ from slider.env.terms import check_clock, uses_library
 
 
 def training_jobs(config: Config, library: JobSpec, note: str = "") -> dict[str, JobSpec]:
-    """``standing``, where the configuration wants it, and ``walking``, the policy.
+    """``standing``, if there is a pre-training, and ``walking``, the policy.
 
-    With a fine-tuning ``walking`` is that, and the training before it is ``untuned``.
-
-    Args:
-        config: of the trainings.
-        library: for those that need it.
-        note: added to the labels.
+    With a fine-tuning ``walking`` is that, and the training before it is ``untuned``. Each begins
+    with the weights of the one before; ``note`` is added to the labels.
     """
-    train, jobs = config.train, {}
-    if train.pretraining:
-        jobs["standing"] = _job(config, "standing", f"standing{note}", train.standing, library)
-    jobs["walking"] = _job(
-        config, "walking", f"walking{note}", train.walking, library, jobs.get("standing")
-    )
+    jobs: dict[str, JobSpec] = {}
+
+    def train(stage: str, label: str, settings: TrainConfig, start: JobSpec | None) -> JobSpec:
+        """A training, with the library where it uses any of it."""
+        check_clock(config.env, settings, label)
+        place = device(settings.device)  # in the place of `auto`
+        ppo = replace(settings.ppo, precision=precision(settings.ppo.precision, place))
+        settings = replace(settings, device=place, ppo=ppo)
+        sensed = replace(config, env=replace(config.env, sensing=settings.sensing))
+        section = simulation(sensed) | {"train": to_dict(settings)}
+        if settings.simulator == "mujoco_warp":
+            warp = code_of(WARP)
+            section["simulator"] = {"source": warp.source, "versions": warp.versions}
+        inputs = {"library": [library]} if uses_library(sensed.env, settings) else {}
+        return job(stage, f"{label}{note}", section, inputs | ({"start": [start]} if start else {}))
+
+    if config.train.pretraining:
+        jobs["standing"] = train("standing", "standing", config.train.standing, None)
+    jobs["walking"] = train("walking", "walking", config.train.walking, jobs.get("standing"))
     if config.finetuning is not None:
         jobs["untuned"] = jobs["walking"]
-        jobs["walking"] = _job(
-            config, "walking", f"fine-tuning{note}", config.finetuning, library, jobs["untuned"]
-        )
+        jobs["walking"] = train("walking", "fine-tuning", config.finetuning, jobs["untuned"])
     return jobs
-
-
-def _job(
-    config: Config,
-    stage: str,
-    label: str,
-    train: TrainConfig,
-    library: JobSpec,
-    start: JobSpec | None = None,
-) -> JobSpec:
-    """A training from the weights of another, with the library where it uses any of it.
-
-    Of the library the pre-training takes the clock's step times and the gaits that actions are
-    about. A fine-tuning is the stage ``walking`` again, from the weights of a walk.
-    """
-    check_clock(config.env, train, label)
-    train = _resolved(train)
-    config = replace(config, env=replace(config.env, sensing=train.sensing))
-    section = simulation(config) | {"train": to_dict(train)}
-    if train.simulator == "mujoco_warp":
-        warp = code_of(WARP)
-        section["simulator"] = {"source": warp.source, "versions": warp.versions}
-    inputs = {"library": [library]} if uses_library(config.env, train) else {}
-    if start is not None:
-        inputs["start"] = [start]
-    return job(stage, label, section, inputs)
-
-
-def _resolved(train: TrainConfig) -> TrainConfig:
-    """Put the device and the precision that a training will have in the place of ``auto``."""
-    place = device(train.device)
-    ppo = replace(train.ppo, precision=precision(train.ppo.precision, place))
-    return replace(train, device=place, ppo=ppo)
 
 
 def policy_export(env: EnvConfig, walking: JobSpec) -> JobSpec:

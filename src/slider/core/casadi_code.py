@@ -1,9 +1,8 @@
 """CasADi's functions as machine code, made once and shared by the jobs of a stage.
 
 CasADi writes them as C. A compiler that neither contracts nor reorders operations keeps every bit
-of what CasADi's interpreter gives, in a fifth to a fifteenth of the time. That is checked at random
-points before the first use; without a compiler, or with one that changes a bit, the interpreter
-evaluates. Where a compilation fails, the next pipeline run tries again.
+of CasADi's interpreter, in a fifth to a fifteenth of the time. That is checked at random points
+before the first use; without a compiler, or with one that changes a bit, the interpreter evaluates.
 """
 
 import os
@@ -39,7 +38,6 @@ class Source(Protocol):
 
     def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
         """Functions that depend on ``facts`` alone, plain values; ``derive`` makes them."""
-        ...
 
 
 def interpreted(facts: Any, derive: Callable[[], Functions]) -> Functions:
@@ -118,8 +116,7 @@ def _compiler() -> list[str]:
     """Command of the C compiler; none where there is none."""
     with suppress(ValueError):  # a quote that nothing closes
         words = shlex.split(os.environ.get("CC", "cc"))
-        if words and shutil.which(words[0]):
-            return words
+        return words if words and shutil.which(words[0]) else []
     return []
 
 
@@ -139,21 +136,18 @@ def _build(functions: Functions, folder: Path, compiler: Sequence[str]) -> Path 
 
 
 def _agree(functions: Functions, compiled: Functions) -> bool:
-    """Tell whether each function gives the same bits in both ways, at points of both signs."""
+    """Tell whether each function gives the same bits in both ways, at points of both signs.
+
+    One NaN is as good as another.
+    """
     rng = np.random.default_rng(0)
     for name, function in functions.items():
         for size in _SIZES:
             shapes = map(function.size_in, range(function.n_in()))
             point = [rng.uniform(-size, size, shape) for shape in shapes]
-            if not _same_bits(function.call(point), compiled[name].call(point)):
-                return False
+            values = function.call(point), compiled[name].call(point)
+            for a, b in ((one.full(), other.full()) for one, other in zip(*values, strict=True)):
+                same = a.view(np.uint64) == b.view(np.uint64)
+                if not np.all(same | (np.isnan(a) & np.isnan(b))):
+                    return False
     return True
-
-
-def _same_bits(ones: list[ca.DM], others: list[ca.DM]) -> bool:
-    """Tell whether all bits are the same; one NaN is as good as another."""
-    pairs = ((a.full(), b.full()) for a, b in zip(ones, others, strict=True))
-    return all(
-        np.all((a.view(np.uint64) == b.view(np.uint64)) | (np.isnan(a) & np.isnan(b)))
-        for a, b in pairs
-    )

@@ -1,19 +1,15 @@
-"""The environment that a job starts from: what could change a result and is in no recipe is gone.
+"""The environment that a job starts from, without what could change a result and is in no recipe.
 
 The pipeline runs this file as a script, ``python -I -X utf8 environment.py run …``: Python then
-ignores ``PYTHON*``, packages of the user and the working directory. The package that this file
-belongs to comes first on the path, whatever is installed. Variables are taken by an allow-list.
-Options in the home folder do not apply, as jobs have one of their own; a job works in its work
-folder (see the runner), so that none of the working directory do either.
+ignores ``PYTHON*``, packages of the user and the working directory. The package of this file comes
+first on the path, whatever is installed. Variables are taken by an allow-list. Jobs have a home
+folder of their own and work in their work folder, so that no options from elsewhere apply.
 """
 
 import os
-import py_compile
 import runpy
 import sys
 from collections.abc import Mapping
-from contextlib import suppress
-from importlib.util import cache_from_source
 from pathlib import Path
 
 ALLOWED = frozenset(
@@ -32,12 +28,9 @@ _HOME = Path("artefacts") / "cache" / "home" / str(os.getuid())  # a store may h
 
 def job_environment(variables: Mapping[str, str], home: Path) -> dict[str, str]:
     """Variables of a job: the allowed ones, and those that switch option files off."""
-    allowed = {
-        name: value
-        for name, value in variables.items()
-        if name in ALLOWED or name.startswith(ALLOWED_PREFIXES)
-    }
-    allowed.setdefault("USER", "nobody")  # torch asks for the name, which a container may lack
+    names = [n for n in variables if n in ALLOWED or n.startswith(ALLOWED_PREFIXES)]
+    allowed = {"USER": "nobody"}  # torch asks for the name, which a container may lack
+    allowed |= {name: variables[name] for name in names}
     return allowed | {"HOME": str(home), "MATPLOTLIBRC": os.devnull}
 
 
@@ -46,28 +39,11 @@ def library_path(folders: str) -> str:
 
     They would come before those of the packages, as after sourcing a ROS.
     """
-    kept = (
-        folder
-        for folder in folders.split(":")
-        if not any(any(Path(folder).glob(f"{name}.so*")) for name in LIBRARIES)
-    )
-    return ":".join(filter(None, kept))
 
+    def has_others(folder: str) -> bool:
+        return any(any(Path(folder).glob(f"{name}.so*")) for name in LIBRARIES)
 
-def check_bytecode(root: Path) -> None:
-    """Let Python compare bytecode with the content of the modules below a folder, not their times.
-
-    An archive may give a changed module the time and size of the one before: its bytecode would run
-    under the recipe of the new source.
-    """
-    by_content = (3).to_bytes(4, "little")  # flags of PEP 552
-    for path in root.rglob("*.py"):
-        with suppress(OSError):  # there is none yet, or no right to write
-            with open(cache_from_source(str(path)), "rb") as file:
-                if file.read(8)[4:] == by_content:
-                    continue
-            mode = py_compile.PycInvalidationMode.CHECKED_HASH
-            py_compile.compile(str(path), quiet=2, invalidation_mode=mode)
+    return ":".join(f for f in folders.split(":") if f and not has_others(f))
 
 
 def main() -> None:

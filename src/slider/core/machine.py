@@ -28,7 +28,8 @@ _MAKERS = {"GenuineIntel": "intel", "AuthenticAMD": "amd"}
 @cache
 def machine() -> str:
     """Processor, number of its cores that this process may use, operating system, kernels."""
-    return f"{processor()}, {_cores()} cores, {platform.system()}, {kernels()}"
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return f"{processor()}, {cores} cores, {platform.system()}, {kernels()}"
 
 
 @cache
@@ -55,12 +56,6 @@ def cpuinfo(field: str) -> str:
             if name.strip() == field:
                 return value.strip()
     return ""
-
-
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 MOST_THREADS = 4

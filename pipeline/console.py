@@ -8,7 +8,7 @@ import re
 import sys
 import traceback
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -116,8 +116,7 @@ def _explain(event: LogEvent | None, facts: dict[str, Any], remote: bool) -> Non
         _show_failure(facts, [facts | {"log": own}], others)
     elif event == LogEvent.JOB_ERROR and not remote:
         for log in map(Path, facts["log"]):
-            if not _SPOKE.search(_read(log)):  # a killed job: Snakemake keeps quiet about it
-                _show_log(log)
+            _show_log(log, unless=_SPOKE)  # a killed job: Snakemake keeps quiet about it
 
 
 def _show_failure(
@@ -136,16 +135,12 @@ def _show_failure(
         _show_log(log)
 
 
-def _show_log(log: Path) -> None:
-    """Show the place and the end of a log."""
-    last = [line for line in _read(log).splitlines() if line.strip()][-_TAIL:]
-    end = "".join(f"\n  {line}" for line in last)
-    print(f"slider: the job's log is {log}{end}", file=sys.stderr)
-
-
-def _read(log: Path) -> str:
-    """The text of a log; nothing where there is none or it cannot be read."""
-    try:
-        return log.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return ""
+def _show_log(log: Path, unless: re.Pattern[str] | None = None) -> None:
+    """Show the place and the end of a log, unless something stands in it."""
+    text = ""
+    with suppress(OSError):  # there is none, or it cannot be read
+        text = log.read_text(encoding="utf-8", errors="replace")
+    if unless is None or not unless.search(text):
+        last = [line for line in text.splitlines() if line.strip()][-_TAIL:]
+        end = "".join(f"\n  {line}" for line in last)
+        print(f"slider: the job's log is {log}{end}", file=sys.stderr)

@@ -24,15 +24,7 @@ def _print(line: str) -> None:
 
 
 class Progress:
-    """The lines of one run; Snakemake's scheduler tells when jobs begin and end.
-
-    Args:
-        plan: names the jobs.
-        store: has their results and messages.
-        recipes: of the jobs of this run.
-        cores: on which they run.
-        write: takes a line.
-    """
+    """The lines of one run, of some recipes of a plan; Snakemake tells when jobs begin and end."""
 
     def __init__(
         self,

@@ -169,7 +169,9 @@ def _gaits(variant: Variant, config: Config, study: StudyConfig) -> Iterator[Key
         solved = gait(shared, (speed, 0.0, 0.0))
         label = f"{solved.label} ({variant.name})"
         yield "gaits", [variant.name, "", speed], replace(solved, label=label)
-        for index in range(starts.count if starts else 0):
+        if starts is None:
+            continue
+        for index in range(starts.count):
             start = {"seed": starts.seed, "index": index, "spread": to_dict(starts.spread)}
             section = shared | {"velocity": [speed, 0.0, 0.0], "start": start}
             label = f"gait {speed:.2f} m/s from start {index}"

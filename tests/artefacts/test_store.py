@@ -84,7 +84,7 @@ def test_what_is_no_manifest_is_one_line_and_counts_as_absent(store, manifest, n
     with pytest.raises(UserError, match="expected a manifest, found something else in"):
         parse_manifest(path)
     assert store.indexed(entry.stem) is None
-    assert summarise(store) == []
+    assert summarise(store) == {}
     removed = verify(store)
     names = {one.relative_to(store.root).as_posix() for one in (path, entry)}
     assert (set(removed.unreadable), removed.objects, removed.manifests) == (names, [], [])

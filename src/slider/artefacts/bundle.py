@@ -45,18 +45,8 @@ def write_bundle(
 ) -> int:
     """Write the targets of ``plan``, all in the store, to the empty folder ``out``.
 
-    The present folder is the working copy.
-
-    Args:
-        plan: of what the bundle has.
-        store: where the results are.
-        overrides: of the configuration of the results.
-        command: that leads to the results.
-        licence: its URL, or a sentence.
-        out: folder.
-
-    Returns:
-        Size of the results [bytes].
+    The present folder is the working copy; ``command``, with the ``overrides``, leads to the
+    results; ``licence`` is a URL or a sentence. Returns the size of the results [bytes].
 
     Raises:
         UserError: a result is missing or damaged, or the source is no longer that of the plan.

@@ -6,22 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
-from typing import NamedTuple
 
 from slider.artefacts.manifest import Result, readable
 from slider.artefacts.plan import plan_paths, read_plan
 from slider.artefacts.store import Store, nobody_else
 from slider.core import files
 from slider.core.errors import UserError
-
-
-class Kind(NamedTuple):
-    """Numbers of one stage: manifests, different objects and their size [bytes]."""
-
-    stage: str
-    manifests: int
-    objects: int
-    size: int
 
 
 @dataclass(frozen=True)
@@ -47,16 +37,16 @@ class Removed:
         ]
 
 
-def summarise(store: Store) -> list[Kind]:
-    """Count manifests, objects and bytes per stage."""
+def summarise(store: Store) -> dict[str, tuple[int, int, int]]:
+    """Numbers of each stage: manifests, different objects and their size [bytes]."""
     stages: dict[str, list[Result]] = {}
     for manifest in filter(None, map(store.present, store.manifests())):
         stages.setdefault(manifest.stage, []).append(manifest.result)
-    kinds = []
+    numbers = {}
     for stage, results in sorted(stages.items()):
         sizes = {result.object: result.size for result in results}
-        kinds.append(Kind(stage, len(results), len(sizes), sum(sizes.values())))
-    return kinds
+        numbers[stage] = len(results), len(sizes), sum(sizes.values())
+    return numbers
 
 
 def verify(store: Store) -> Removed:
@@ -74,13 +64,12 @@ def verify(store: Store) -> Removed:
             if not manifest or path != store.manifest_path(manifest.stage, manifest.recipe):
                 unreadable.append(path)
         unreadable += [path for path in store.index() if readable(path) is None]
-        _unlink(unreadable)
         corrupt = {digest for digest in _objects(store) if not store.rehash(digest)}
         derived = _derived(store, corrupt)
-        _unlink(derived)
+        _unlink([*unreadable, *derived])
         dropped = _drop(store, corrupt, store.manifests())
-        derived = [path for path in derived if path.parent.parent == store.root]
-        names = _names(store, derived), _names(store, unreadable)
+        shown = (path for path in derived if path.parent.parent == store.root)
+        names = _names(store, shown), _names(store, unreadable)
         return Removed(dropped.objects, dropped.manifests, *names)
 
 

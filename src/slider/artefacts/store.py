@@ -208,16 +208,21 @@ class Store:
         """
         files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 
-    def indexed(self, key: str) -> Manifest | None:
-        """Manifest of the first job with a key, if its object is whole."""
-        return self._whole(self.index_path(key))
-
     def present(self, path: Path) -> Manifest | None:
         """A manifest, if its object is there, whole or not."""
         manifest = readable(path)
-        if manifest is None or not self.object_folder(manifest.result.object).is_dir():
-            return None
-        return manifest
+        there = manifest and self.object_folder(manifest.result.object).is_dir()
+        return manifest if there else None
+
+    def indexed(self, key: str) -> Manifest | None:
+        """Manifest of the first job with a key, if its object is whole."""
+        manifest = readable(self.index_path(key))
+        return manifest if manifest and self.is_whole(manifest.result.object) else None
+
+    def whole(self, stage: str, recipe: str) -> Manifest | None:
+        """Manifest of a recipe, if its object is whole."""
+        manifest = readable(self.manifest_path(stage, recipe))
+        return manifest if manifest and self.is_whole(manifest.result.object) else None
 
     def checked(self, stage: str, recipe: str) -> Manifest:
         """Manifest of a recipe, whose object is whole at this moment.
@@ -229,14 +234,6 @@ class Store:
         if not self.is_whole(manifest.result.object):
             raise damaged(stage, manifest.result.object)
         return manifest
-
-    def whole(self, stage: str, recipe: str) -> Manifest | None:
-        """Manifest of a recipe, if its object is whole."""
-        return self._whole(self.manifest_path(stage, recipe))
-
-    def _whole(self, path: Path) -> Manifest | None:
-        manifest = self.present(path)
-        return manifest if manifest and self.is_whole(manifest.result.object) else None
 
     def drop_dangling(self, paths: Sequence[Path]) -> list[Path]:
         """Remove the manifests whose object is gone; list them."""

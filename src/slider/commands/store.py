@@ -90,9 +90,8 @@ def _jobs(store: Store, targets: list[str], everything: bool) -> dict[str, JobSp
 
 def _list(store: Store) -> int:
     print(f"{'stage':<14}{'manifests':>10}{'objects':>10}{'MB':>10}")
-    for kind in summarise(store):
-        size = kind.size / 1e6
-        print(f"{kind.stage:<14}{kind.manifests:>10}{kind.objects:>10}{size:>10.2f}")
+    for stage, (manifests, objects, size) in summarise(store).items():
+        print(f"{stage:<14}{manifests:>10}{objects:>10}{size / 1e6:>10.2f}")
     return 0
 
 

@@ -38,6 +38,7 @@ class Source(Protocol):
 
     def __call__(self, facts: Any, derive: Callable[[], Functions]) -> Functions:
         """Functions that depend on ``facts`` alone, plain values; ``derive`` makes them."""
+        ...
 
 
 def interpreted(facts: Any, derive: Callable[[], Functions]) -> Functions:

@@ -88,7 +88,6 @@ def why(store: Store, plan: Plan) -> list[str]:
             {"robot": {"mass": 14.0, "links": {}}},
             ["gait × 2: robot.links.foot 0.07 → none"],
         ),
-        ({"robot": ROBOT | {"mass": 14}}, ["gait × 2: robot.mass 14.0 → 14"]),
         ({"robot": ROBOT | {"mass": None}}, ["gait × 2: robot.mass 14.0 → null"]),
         (
             {"robot": {"links": {"foot": 0.07}, "mass": 14.0}},

@@ -2,7 +2,6 @@
 
 import json
 import os
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -112,13 +111,6 @@ def test_only_what_is_missing_travels(filled, full, bare):
     assert bare.read_manifest("table1", TABLE.recipe) == manifest
 
 
-def test_what_nobody_has_is_no_error(place, full, bare):
-    push(full, {LIBRARY.recipe: LIBRARY, GAITS[0].recipe: GAITS[0]}, place.remote)
-    found = pull(bare, JOBS, place.remote)
-    assert found.counts == {"taken": 1, "not there": 6, "of other inputs": 1}
-    assert found.damage == []
-
-
 def test_a_result_waits_for_its_inputs(filled, full, bare):
     """Until these are there, byte for byte, the index alone knows it."""
     lost = filled.result(GAITS[0])
@@ -174,20 +166,12 @@ def fifo(path: Path) -> None:
     os.mkfifo(path)
 
 
-def folder(path: Path) -> None:
-    path.unlink()
-    path.mkdir()
-
-
 DAMAGE: dict[str, Callable[[Path], object]] = {
     "flipped": flip,
     "cut": lambda path: os.truncate(path, path.stat().st_size // 2),
-    "longer": lambda path: path.write_bytes(path.read_bytes() + b"x"),
     "huge": lambda path: os.truncate(path, 10**12),  # a hole: no space is needed for it
-    "empty": lambda path: path.write_bytes(b""),
     "gone": lambda path: path.unlink(),
     "fifo": fifo,
-    "folder": folder,
 }
 
 
@@ -214,24 +198,14 @@ def named(*names: str, size: int = 0) -> Callable[[Path], object]:
 FORGED: dict[str, Callable[[Path], object]] = {
     **DAMAGE,
     "a digit": lambda path: path.write_text(path.read_text().replace("1.5", "1.6")),
-    "no mapping": lambda path: path.write_text("[]"),
     "brackets": lambda path: path.write_text("[" * 100_000),
-    "bytes": lambda path: path.write_bytes(b"\xff\xfe"),
     "of another": changed(recipe="0" * 64),
-    "stage": changed(stage="../../x"),
-    "inputs": changed(inputs={"a": []}),
     "unchecked": changed(input_objects={"a": []}),
     "outside": named("../../../escaped"),
     "absolute": named("/tmp/escaped"),
-    "not the shortest": named("a/./b"),
-    "nothing": named(""),
     "folder and file": named("a", "a/b"),
-    "null": named("a\0"),
     "line feed": named("a\nb"),
-    "backslash": named("a\\b"),
     "long": named("x" * 300),
-    "very long": named("x" * 100_000),
-    "nested": named("x/" * 2000 + "x"),
     "size": named("x", size=10**15),
 }
 
@@ -255,11 +229,10 @@ def test_what_a_remote_says_is_not_trusted(kind, name, filled, full, bare):
     assert all(path == bare.root or bare.root in path.parents for path in written)
     assert not list((bare.root / "tmp").iterdir())
     assert verify(bare) == Removed([], [])
-    if not path.is_dir():
-        account = push(full, JOBS, filled.remote, verify=True)
-        assert account.counts == {"sent": 1, "already there": 7}
-        assert pull(bare, JOBS, filled.remote).counts == {"taken": 3}
-        assert contents(bare) == contents(full)
+    account = push(full, JOBS, filled.remote, verify=True)
+    assert account.counts == {"sent": 1, "already there": 7}
+    assert pull(bare, JOBS, filled.remote).counts == {"taken": 3}
+    assert contents(bare) == contents(full)
 
 
 def test_what_is_damaged_here_stays_here(place, full, bare):
@@ -294,20 +267,6 @@ def test_a_killed_push_or_pull_goes_on(action, moment, place, full, bare):
     assert contents(bare) == contents(full)
 
 
-def test_two_push_at_once(place, full, tmp_path, bare):
-    other = Store(tmp_path / "other")
-    for job in JOBS.values():
-        compute(other, job)
-    threads = [threading.Thread(target=push, args=(s, JOBS, place.remote)) for s in (full, other)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert not list(place.folder.rglob(files.TEMPORARY_PATTERN))
-    assert pull(bare, JOBS, place.remote).counts == {"taken": 8}
-    assert contents(bare) == contents(full)
-
-
 def command(store: Store, *arguments: str) -> int:
     return main(["store", "--artefacts", str(store.root), *arguments])
 
@@ -335,10 +294,7 @@ def test_the_command_says_what_travelled(place, full, bare, capsys):
         (["push", "REMOTE", "report"], "expected targets of the current plan (library, table1)"),
         (["pull", "REMOTE"], "expected results of slider, found none"),
         (["push", "REMOTE/deep/folder"], "No such file or directory"),
-        (["pull", "http://[::1"], "Invalid IPv6 URL"),
         (["push", "https://127.0.0.1:1/x"], "expected one to write to, found HTTP"),
-        (["pull", "https://127.0.0.1:1/x"], "Connect call failed"),
-        (["pull", "quatsch://x"], "Protocol not known: quatsch"),
         (["pull", "sftp://me:secret@host/x"], "expected a remote without a password"),
     ],
 )

@@ -74,10 +74,6 @@ def test_few_jobs_are_not_worth_it(tmp_path: Path):
     assert not libraries(tmp_path)
 
 
-def test_a_stage_without_a_cache_derives():
-    assert not is_compiled(Compiled(Job(Path(), waiting=WORTH), "tests")(FACTS, small))
-
-
 @needs_compiler
 @pytest.mark.parametrize(
     "text",
@@ -100,23 +96,6 @@ def test_a_failed_compilation_is_tried_again_by_the_next_run_alone(tmp_path: Pat
     assert (tmp_path / "calls").read_text() == "call\n"
     compiler('cc "$@"')
     assert is_compiled(compiled(tmp_path, run="second")(FACTS, small))
-
-
-@needs_compiler
-def test_a_result_that_is_no_number_is_no_difference(tmp_path: Path):
-    def root() -> Functions:
-        x = ca.SX.sym("x", 3)
-        return {"f": ca.Function("f", [x], [ca.sqrt(x)])}
-
-    assert is_compiled(compiled(tmp_path)(FACTS, root))
-
-
-@needs_compiler
-def test_a_machine_without_a_compiler_decides_for_no_other(tmp_path: Path, monkeypatch):
-    monkeypatch.setenv("CC", "no-such-compiler")
-    assert not is_compiled(compiled(tmp_path)(FACTS, small))
-    monkeypatch.delenv("CC")
-    assert is_compiled(compiled(tmp_path)(FACTS, small))
 
 
 @needs_compiler

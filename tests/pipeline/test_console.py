@@ -1,8 +1,6 @@
 """What of Snakemake's records reaches the terminal, and what follows the jobs."""
 
-import errno
 import logging
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -60,17 +58,6 @@ def test_a_line_that_cannot_be_written_ends_no_run(console, capsys):
     assert console.progress is None
     assert hushed
     assert "no terminal" in capsys.readouterr().err
-
-
-def test_a_log_that_cannot_be_read_ends_no_run(console, capsys, monkeypatch, tmp_path):
-    def fail(*_, **__):
-        raise PermissionError(errno.EACCES, "Permission denied")
-
-    log = tmp_path / "walking.log"
-    log.touch()
-    monkeypatch.setattr(Path, "read_text", fail)
-    assert passes(event=LogEvent.JOB_ERROR, log=[str(log)], indent=False)
-    assert capsys.readouterr().err == f"slider: the job's log is {log}\n"
 
 
 def test_a_second_console_leaves_the_errors_of_groups_as_they_are(console):

@@ -1,19 +1,13 @@
 """What the Snakefile takes of the pipeline."""
 
-import errno
-import getpass
-import os
 import shlex
 import signal
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from snakemake.cli import parse_config
 
-from pipeline import entry
 from pipeline.entry import PLAN, open_pipeline, parse_overrides
 from slider.artefacts.run_metadata import config_option
 from slider.core.errors import UserError
@@ -70,20 +64,6 @@ def test_a_job_without_the_plan_of_a_head_is_one_line(tmp_path, monkeypatch, cap
     assert capsys.readouterr().err == "slider: expected a plan, found none at None\n"
 
 
-def test_what_cannot_be_mended_in_a_store_of_several_users_is_one_line(
-    tmp_path, monkeypatch, capsys
-):
-    def fail(*_):
-        raise PermissionError(errno.EACCES, "Permission denied", "artefacts/objects/ab/cd")
-
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(entry, "drop_damaged", fail)
-    with pytest.raises(SystemExit, match="1"):
-        open_pipeline({"hydra": "experiment=test"}, CONF)
-    line = "slider: expected to write artefacts/objects/ab/cd, found: Permission denied\n"
-    assert capsys.readouterr().err == line
-
-
 def test_a_disk_that_is_not_mounted_and_a_file_for_a_folder_are_one_line(
     tmp_path, monkeypatch, capsys
 ):
@@ -98,20 +78,6 @@ def test_a_disk_that_is_not_mounted_and_a_file_for_a_folder_are_one_line(
         assert capsys.readouterr().err == f"slider: {expected}\n"
         (tmp_path / "disk").mkdir(exist_ok=True)
         (tmp_path / "disk" / "logs").touch()
-
-
-def test_a_user_without_a_name_gets_one(tmp_path, monkeypatch):
-    """The user of a container need not be in its list: Snakemake would end with a KeyError."""
-
-    def no_entry(_):
-        raise KeyError("getpwuid(): uid not found: 54321")
-
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("pwd.getpwuid", no_entry)
-    for name in ("LOGNAME", "USER", "LNAME", "USERNAME"):
-        monkeypatch.setenv(name, "")
-    open_pipeline({"hydra": "experiment=test"}, CONF)
-    assert getpass.getuser() == os.environ["USER"] == "nobody"
 
 
 @pytest.mark.parametrize("given", [["hydra=experiment=test"], None])
@@ -141,29 +107,3 @@ def test_overrides_come_back_through_shell_and_snakemake(overrides):
 def test_a_mistake_in_the_option_is_one_line(setting, message):
     with pytest.raises(UserError, match=message):
         parse_overrides(setting)
-
-
-SNAKEFILE = f"""
-import sys, threading
-sys.path[:0] = [{str(CONF.parent)!r}, {str(CONF.parent / "src")!r}]
-from pathlib import Path
-from pipeline.entry import open_pipeline
-PIPELINE = open_pipeline({{"hydra": "experiment=test tracking.enabled=false"}}, Path({str(CONF)!r}))
-rule all:
-    input: expand("{{i}}", i=range(10))
-rule one:
-    output: "{{i}}"
-    shell: "touch {{output}}"
-onstart:
-    PIPELINE.start(workflow)
-onsuccess:
-    print("threads", threading.active_count())
-"""
-
-
-def test_ended_jobs_leave_no_threads_behind(tmp_path):
-    (tmp_path / "Snakefile").write_text(SNAKEFILE)
-    command = [sys.executable, "-m", "snakemake", "-j2", "--scheduler", "greedy"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    (threads,) = (line.split()[1] for line in done.stdout.splitlines() if "threads " in line)
-    assert int(threads) <= 4  # this one and those of the two slots

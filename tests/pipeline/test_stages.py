@@ -226,16 +226,6 @@ def test_a_training_on_a_gpu_is_another_recipe_and_all_else_the_same():
     assert sections[0] == sections[1]
 
 
-def test_auto_is_the_recipe_of_the_device_that_was_found(monkeypatch):
-    import torch
-
-    for there, device in ((True, "cuda"), (False, "cpu")):
-        monkeypatch.setattr(torch.cuda, "is_available", lambda there=there: there)
-        found = jobs_of(GPU[0], "train.walking.device=auto")["walking"]
-        explicit = jobs_of(GPU[0], f"train.walking.device={device}")["walking"]
-        assert found.recipe == explicit.recipe
-
-
 ALONE = (
     "env/phase=fixed",
     "env.action.offset=nominal",
@@ -270,16 +260,6 @@ def test_a_fine_tuning_follows_the_walking_training():
         "walking",
         "fine-tuning",
     ]
-
-
-def test_without_pretraining_the_page_does_without_it():
-    overrides = ["experiment=test", "train.pretraining=false", "report.video.renderer=none"]
-    config = compose(overrides, CONF)
-    inputs = report(config, all_jobs(config)).inputs
-    assert "standing" not in inputs
-    assert {"walking", "table1", "library"} <= set(inputs)
-    config = compose([*overrides, "train.pretraining=true"], CONF)
-    assert "standing" in report(config, all_jobs(config)).inputs
 
 
 def test_gaits_of_the_virtual_knee_have_no_controller_that_enforces_them():
@@ -330,11 +310,3 @@ def test_an_exported_policy_is_gauged_with_its_own_sensing(tmp_path):
         UserError, match=r"^gauge\.policies\.o: expected a folder with policy\.onnx"
     ):
         gauge("gauge.controllers=[o]", f"+gauge.policies.o={elsewhere}")
-
-
-def test_a_search_may_be_in_the_world_of_the_onboard_state():
-    config = compose(["tuning=onboard", "evaluation=onboard"], CONF)
-    (search,) = baseline_tuning(config, {}).inputs["searches"]
-    assert search.section["plant"]["onboard"] is not None
-    assert search.section["evaluation"]["disturbance"]["delay"] == {"lower": 0.02, "upper": 0.02}
-    assert search.section["control"]["observer"]["delay"] == 0.02

@@ -152,15 +152,6 @@ def test_a_robot_that_cannot_be_built_is_a_row_with_a_note():
     assert {key[0] for key in keyed(job, "gaits")} == {"nominal", long[0]}
 
 
-def test_meshes_are_variants_and_the_library_s_is_solved_once():
-    mesh = '+study.gait_convergence.variants.own={label: own, overrides: ["gait.nodes=21"]}'
-    job = study("gait_convergence", mesh, "study.gait_convergence.run=[nodes_5,own]")
-    found = {key[0]: made for key, made in keyed(job, "gaits").items()}
-    assert found["nodes_5"].section["formulation"]["nodes"] == 5
-    library = table1_jobs(compose([TEST], CONF))["library"]
-    assert found["own"].recipe in {gait.recipe for gait in library.inputs["gaits"]}
-
-
 def test_more_starts_leave_the_first_ones_alone():
     def starts(*overrides: str) -> list[str]:
         found = keyed(study("gait_starts", *overrides), "gaits")
@@ -193,12 +184,8 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
         ("ablation.run=[x]", "study.ablation.run: expected one of default, "),
         ("ablation.metrics=[cost]", "study.ablation.metrics: expected one of success_rate, "),
         ("ablation.variants.default.overrides=['a=1']", "study.ablation.variants.default: unknown"),
-        ("ablation.evaluation=null", "study.ablation: expected gaits=true or an evaluation, found"),
         ("sensitivity.gaits=false", "study.sensitivity.metrics: expected one of success_rate, "),
-        ("sensitivity.scaling.change=1.0", "scaling.change: expected a number in (0, 1), found"),
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
-        ("sensitivity.scaling.parameters=[geometry.foot_radius]", "tagged assumed, found geometry"),
-        ("sensitivity.speeds=[1.2,1.2]", "study.sensitivity.speeds: expected each once"),
         (
             "sensitivity.scaling={change: 0.2, provenance: [measured], parameters: []}",
             "study.sensitivity.scaling: expected numbers of the robot tagged measured, found none",

@@ -113,17 +113,6 @@ def test_a_read_only_store_can_be_looked_at(session_folder, tmp_path):
     assert "Traceback" not in failed.stderr
 
 
-def test_a_read_only_project_is_one_line(workspace):
-    with read_only(workspace.folder):
-        failed = workspace.snakemake("-n", TABLE, hydra=QUIET)
-        assert workspace.slider("store", "ls").returncode == 0
-    assert failed.returncode == 1
-    (line,) = ours(failed.stderr)
-    assert "expected to write" in line
-    assert "/.snakemake/" in line
-    assert "Traceback" not in failed.stderr
-
-
 def test_a_clock_that_was_set_back_and_a_broken_database_stop_nothing(workspace):
     tomorrow = time.time() + 86400
     for pattern in ("library/*.json", "current/*"):

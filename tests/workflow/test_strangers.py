@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.workflow.workspace import REPOSITORY, TABLE, Workspace, copy_repository, finished
+from tests.workflow.workspace import TABLE, Workspace, copy_repository, finished
 
 pytestmark = pytest.mark.workflow
 
@@ -134,12 +134,3 @@ def test_a_moved_copy_computes_nothing_and_runs_its_own_source(real, tmp_path):
     source = moved.folder / "src/slider/gait/stage.py"
     source.write_text(source.read_text(encoding="utf-8") + "\nunused = 1\n", encoding="utf-8")
     assert "Nothing to be done" not in moved.snakemake("-n", PYTHONPATH=original).stdout
-
-
-def test_a_checkout_with_ends_of_lines_of_windows_has_the_same_source(tmp_path):
-    clone = ["git", "clone", "-q", "-c", "core.autocrlf=true", str(REPOSITORY), str(tmp_path)]
-    if subprocess.run(clone, capture_output=True).returncode:
-        pytest.skip("no repository")
-    paths = [path for name in ("src", "conf") for path in (tmp_path / name).rglob("*.*")]
-    assert paths
-    assert not [path for path in paths if b"\r\n" in path.read_bytes()]

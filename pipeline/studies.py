@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from pipeline.stages import training_jobs
 from pipeline.stages.entries import job
 from pipeline.stages.evaluation import evaluations_of
 from pipeline.stages.gaits import gait, gait_section, library_job
-from pipeline.stages.training import training_jobs
 from slider.artefacts.plan import JobSpec
 from slider.config.compose import compose
 from slider.config.control import POLICY

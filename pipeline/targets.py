@@ -11,8 +11,7 @@ from pathlib import Path
 
 from pipeline.stages import all_jobs
 from pipeline.stages.entries import ENTRIES
-from pipeline.stages.evaluation import baseline_tuning
-from pipeline.stages.gauge import gauge_job
+from pipeline.stages.evaluation import baseline_tuning, gauge_job
 from pipeline.stages.page import needs, report
 from pipeline.studies import study_job
 from slider.artefacts.manifest import readable

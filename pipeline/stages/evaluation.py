@@ -1,7 +1,9 @@
-"""Evaluations of a protocol, of the policy and of the baselines, and Table 1."""
+"""Evaluations of a protocol and of the gauge, of policies and baselines; their tables."""
 
+import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 from pipeline.stages.entries import job, only, plant, robot, simulation, without
@@ -9,11 +11,15 @@ from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
 from slider.config.evaluation import EvaluationConfig
+from slider.config.gauge import GaugeProtocol
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
+from slider.control import LAYOUT, ONNX, REFERENCE
 from slider.core.errors import require
+from slider.core.files import digest_file
 from slider.core.machine import kernels
 
+_EXPORTED = (ONNX, LAYOUT, REFERENCE)  # files of an exported policy
 _SEARCH = ("trials", "sampler_seed", "speeds")  # what all of them share, and no evaluation has
 
 
@@ -173,3 +179,54 @@ def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
         "robot": config.robot.name,
     }
     return job("velocity_tracking", "velocity tracking", section, {"evaluations": shown})
+
+
+def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
+    """The comparison, and with it a job per controller and axis.
+
+    Raises:
+        UserError: an exported policy is not there, or a controller cannot walk the gaits.
+    """
+    gauge = config.gauge
+    check_walkable(config, "gauge.controllers", gauge.controllers)
+    protocol = only(to_dict(gauge), *(item.name for item in fields(GaugeProtocol)))
+    turn = 2 * math.pi / gauge.directions
+    pushed = [turn * index for index in range(gauge.directions)]
+    cells = []
+    for controller in gauge.controllers:
+        base = base_of(controller)
+        if base in gauge.policies:
+            like = f"{POLICY}{controller.removeprefix(base)}"
+            section = control_section(config, like) | {"controller": controller}
+            inputs = {"policy": [_import(gauge.policies[base], base)]}
+        else:
+            section = control_section(config, controller)
+            inputs = control_inputs(config, controller, jobs)
+        for axis in gauge.axes:
+            own = {
+                "axis": axis,
+                "values": gauge.values(axis),
+                "directions": pushed if axis == "push" else [None],
+                "protocol": protocol,
+            }
+            label = f"gauge of {controller}, {axis.replace('_', ' ')}"
+            cells.append(job("gauge_axis", label, section | own, inputs, tracked=False))
+    section = {
+        "labels": labels(config, gauge.controllers),
+        "robot": config.robot.name,
+        "cells": [(cell.section["controller"], cell.section["axis"]) for cell in cells],
+        "protocol": protocol,
+        "survival": gauge.survival,
+    }
+    return job("gauge", "gauge", section, {"cells": cells})
+
+
+def _import(folder: str, name: str) -> JobSpec:
+    """The files of an exported policy; what follows depends on their content, not on the place."""
+    place, files = Path(folder).absolute(), {}
+    for file in _EXPORTED:
+        there, expected = (place / file).is_file(), f"a folder with {', '.join(_EXPORTED)}"
+        require(there, f"gauge.policies.{name}", expected, f"no {Path(folder) / file}")
+        files[file] = digest_file(place / file)
+    section = {"folder": str(place), "files": files}
+    return job("policy_import", f"import of {name}", section, tracked=False)

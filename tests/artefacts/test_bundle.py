@@ -207,18 +207,8 @@ def test_what_cannot_be_packed_is_one_line(project, capsys):
     assert "expected a manifest, found none" in said(capsys, "table1")
 
 
-def test_a_place_that_cannot_be_written_is_one_line(project, capsys):
-    assert "--out: expected a file, found the folder ." in said(capsys, "table1", "--out", ".")
-    assert "--out: Snakefile/x: " in said(capsys, "table1", "--out", "Snakefile/x/y.zip")
-
-
 def test_a_plan_of_other_source_is_refused(project, capsys):
     code = Code(CODE.entry, "0" * 64, CODE.versions)
     plan = build_plan({"table1": JobSpec("table1", "Table 1", code, {})})
     lay_out(Store(project / "artefacts"), plan)
     assert "expected the source with which slider.library.stage:run ran" in said(capsys, "table1")
-
-
-def test_without_git_it_says_so(project, capsys):
-    (project / ".git").rename(project / "no git")
-    assert "expected a git working copy at ., found none" in said(capsys, "table1")

@@ -72,24 +72,18 @@ def operations(whole: Chain, name: str, scratch: Path) -> int:
     """How many file operations an action takes in a pipeline that comes from nothing."""
     fresh = Chain(Path(tempfile.mkdtemp(dir=scratch)) / "chain", whole.plan)
     note = scratch / "count"
-    before(fresh, name)
-    assert process(fresh.actions[name], count(fresh.folder, note)).status == 0
+    assert broken(name, lambda root, _: count(root, note), 0)(fresh).status == 0
     return int(note.read_text())
 
 
-def before(pipeline: Chain, name: str) -> None:
-    """Do what comes before an action."""
-    for other, action in pipeline.actions.items():
-        if other == name:
-            return
-        assert process(action).status == 0
-
-
 def broken(name: str, fault: Callable[[Path, int], Callable[[], None]], number: int):
-    """An action with a fault in it."""
+    """An action with a fault in it, after all that come before it."""
 
     def act(pipeline: Chain) -> Ended:
-        before(pipeline, name)
+        for other, action in pipeline.actions.items():
+            if other == name:
+                break
+            assert process(action).status == 0
         return process(pipeline.actions[name], fault(pipeline.folder, number))
 
     return act

@@ -77,7 +77,7 @@ class Chain:
         path = plan_path(self.plan, self.store.root / "plans")
         run = ["run", "--plan", str(path), "--artefacts", str(self.store.root)]
         jobs = {
-            f"{job.label}": lambda recipe=recipe: main([*run, recipe])
+            job.label: lambda recipe=recipe: main([*run, recipe])
             for recipe, job in self.plan.jobs.items()
         }
         return {"plan": self.lay_out, **jobs, "publish": self.publish}

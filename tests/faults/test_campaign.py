@@ -55,7 +55,7 @@ def test_a_run_that_is_killed_at_any_moment_goes_on(tmp_path):
     duration = time.monotonic() - start
     for moment in range(MOMENTS):
         run = with_dummies(copy_repository(tmp_path / str(moment)))
-        process = run.start(TABLE, hydra=QUIET, start_new_session=True)
+        process = run.start(TABLE, hydra=QUIET)
         time.sleep(duration * (moment + 0.5) / MOMENTS)
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()

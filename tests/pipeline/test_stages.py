@@ -5,9 +5,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.stages import all_jobs, entries, table1_jobs
-from pipeline.stages.evaluation import baseline_tuning, protocol_jobs
+from pipeline.stages.evaluation import baseline_tuning, gauge_job, protocol_jobs
 from pipeline.stages.gaits import velocities
-from pipeline.stages.gauge import gauge_job
 from pipeline.stages.page import report
 from pipeline.studies import study_job
 from slider.artefacts.plan import JobSpec, build_plan
@@ -90,17 +89,6 @@ def test_the_exported_policy_follows_the_training_and_is_not_on_the_way_to_table
     assert "policy_export" not in {job.stage for job in way}
 
 
-def test_a_protocol_has_one_job_per_controller_and_speed():
-    config = compose([], CONF)
-    jobs = protocol_jobs(config, table1_jobs(config))
-    evaluations = {name: job.inputs["evaluations"] for name, job in jobs.items()}
-    assert len(evaluations["sweep"]) == 4 * 31
-    assert len(evaluations["joystick"]) == 4
-    speeds = [job.section["speed"] for job in evaluations["sweep"][:31]]
-    assert speeds == [round(0.1 * k, 10) for k in range(31)]
-    assert {job.section["speed"] for job in evaluations["joystick"]} == {None}
-
-
 def test_a_case_is_a_job_that_does_not_know_of_the_others():
     before = evaluations("heldout")
     assert list(before) == ["0.3 m/s", "stop from 0.2 m/s"]
@@ -118,28 +106,6 @@ def evaluations(name: str, *overrides: str) -> dict[str, str]:
     config = compose(["experiment=test", *overrides], CONF)
     jobs = protocol_jobs(config, table1_jobs(config))[name].inputs["evaluations"]
     return {job.section["case"]["name"]: job.recipe for job in jobs}
-
-
-def test_held_out_velocities_are_those_that_no_checkpoint_is_chosen_by():
-    config = compose([], CONF)
-    profile = config.protocols["heldout"].profile
-    assert profile is not None
-    cases = [case.segments for case in profile.cases]
-    alone = [segments[0] for segments in cases if len(segments) == 1]
-    walked = {segment.vx for segment in alone if segment.vy == 0.0}
-    known = set(config.train.walking.selection.speeds) | {0.0}
-    assert known | set(config.evaluation.speeds) <= walked
-    between = sorted(walked - known)
-    assert len(between) >= 4
-    assert all(min(known) < speed < max(known) for speed in between)
-    sideways = {(segment.vx, segment.vy) for segment in alone if segment.vy}
-    assert {vy for _, vy in sideways} == {-0.1, 0.1}
-    assert len(sideways) >= 4
-    stops = [segments for segments in cases if len(segments) == 2]
-    assert [start.vx for start, _ in stops] == config.evaluation.speeds
-    for _, stop in stops:
-        assert (stop.vx, stop.vy, stop.yaw_rate) == (0.0, 0.0, 0.0)
-        assert config.protocols["heldout"].duration - stop.time >= 60.0
 
 
 def test_a_wider_grid_keeps_its_gaits(before):

@@ -1,7 +1,6 @@
 """Jobs of the studies: equal ones are shared, one thing differs, laid out only when asked for."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -13,6 +12,7 @@ from slider.artefacts.recipe import Code
 from slider.config.compose import compose
 from slider.config.parameters import choose, parameters, scaled
 from slider.core.errors import UserError
+from slider.core.files import flatten
 from slider.robot.mjcf import SimulationOptions, build_spec
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -42,24 +42,6 @@ def keyed(job: JobSpec, group: str) -> dict[tuple, JobSpec]:
 def samples(job: JobSpec) -> list[int]:
     trainings = [walking.section["train"] for walking in job.inputs["walking"]]
     return [t["iterations"] * t["robots"] * t["steps_per_iteration"] for t in trainings]
-
-
-def difference(one: object, other: object, path: str = "") -> set[str]:
-    """Paths at which nested values differ."""
-    if isinstance(one, dict) and isinstance(other, dict):
-        names = one.keys() | other.keys()
-        return set().union(
-            *(difference(one.get(n), other.get(n), f"{path}.{n}".lstrip(".")) for n in names)
-        )
-    return set() if one == other else {path}
-
-
-def has(node: Any, path: str) -> bool:
-    for name in path.split("."):
-        if not isinstance(node, dict) or name not in node:
-            return False
-        node = node[name]
-    return True
 
 
 def test_each_seed_of_a_variant_has_a_training_and_an_evaluation_per_speed():
@@ -123,10 +105,11 @@ def test_a_job_differs_in_its_parameter_alone_and_is_shared_where_it_has_no_effe
             path, nominal = variant.partition("*")[0], jobs["nominal", seed, speed]
             if variant == "nominal":
                 continue
-            assert difference(made.section, nominal.section) <= {f"robot.{path}"}
+            own, others = flatten(made.section), flatten(nominal.section)
+            assert {name for name in others if own[name] != others[name]} <= {f"robot.{path}"}
             assert made.inputs == nominal.inputs
             unused = path.partition(".")[0] in GAITS_ONLY and group == "evaluations"
-            used = has(nominal.section["robot"], path) and not unused
+            used = f"robot.{path}" in others and not unused
             assert (made.recipe != nominal.recipe) == used, variant
             shared += not used
     assert shared > 0

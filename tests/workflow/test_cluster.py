@@ -3,7 +3,6 @@
 import importlib.util
 import json
 import signal
-import subprocess
 import sys
 from collections.abc import Iterator
 from shlex import quote
@@ -45,7 +44,7 @@ def cluster() -> Iterator[Cluster]:
 def submit(workspace: Workspace, cluster: Cluster, target: str = TABLE):
     """Start Snakemake with the profile."""
     arguments = (target, *PROFILE, *SOON)
-    return workspace.start(*arguments, hydra=QUIET, stderr=subprocess.PIPE, **cluster.environment)
+    return workspace.start(*arguments, hydra=QUIET, **cluster.environment)
 
 
 def forget(workspace: Workspace, *stages: str) -> None:

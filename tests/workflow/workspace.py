@@ -100,26 +100,19 @@ class Workspace:
 
     def snakemake(self, *arguments: str, hydra: str = "", **environment: str):
         """Run Snakemake with overrides; never raises."""
-        config = ["--config", f"hydra={'experiment=test ' + hydra}"]
-        return self.command(["-m", "snakemake", "-j2", *arguments, *config], **environment)
+        words = ["-m", "snakemake", "-j2", *arguments, "--config", f"hydra=experiment=test {hydra}"]
+        return self.command(words, **environment)
 
-    def start(
-        self,
-        *arguments: str,
-        hydra: str = "",
-        stderr: int = subprocess.DEVNULL,
-        start_new_session: bool = False,
-        **environment: str,
-    ):
-        """Start Snakemake with overrides and do not wait for it; the rest as in subprocess."""
-        config = ["--config", f"hydra={'experiment=test ' + hydra}"]
+    def start(self, *arguments: str, hydra: str = "", **environment: str):
+        """Start Snakemake with overrides, in a process group of its own; do not wait for it."""
+        words = ["-m", "snakemake", "-j2", *arguments, "--config", f"hydra=experiment=test {hydra}"]
         return subprocess.Popen(
-            [sys.executable, "-m", "snakemake", "-j2", *arguments, *config],
+            [sys.executable, *words],
             cwd=self.folder,
             env=self._environment(environment),
-            stderr=stderr,
+            stderr=subprocess.PIPE,
             text=True,
-            start_new_session=start_new_session,
+            start_new_session=True,
         )
 
     def wait_for_job(self, stage: str) -> int:

@@ -16,7 +16,7 @@ system holds the locks: they vanish with the process that holds them, however it
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -36,7 +36,6 @@ from slider.core import files
 from slider.core.errors import UserError
 
 ARTEFACTS = "artefacts"
-FOLDERS = ("objects", "index", "integrity", "plans", "current", "locks", "logs", "work", "tmp")
 _TICK = 2_000_000_000  # of the coarsest clock of a file system [ns]
 _GATE = "all"  # whoever holds every lock keeps this one, so that no new one is taken
 
@@ -87,18 +86,6 @@ class Store:
     def progress_path(self, stage: str, recipe: str) -> Path:
         """File with the latest progress line of a running job."""
         return self.work_folder(stage, recipe) / "progress.txt"
-
-    def check_folders(self, stages: Iterable[str]) -> None:
-        """Refuse a store with something else in the place of a folder, as of a disk not mounted.
-
-        Raises:
-            UserError: it names the first.
-        """
-        for path in (self.root / name for name in ("", *FOLDERS, *stages)):
-            if path.is_symlink() and not path.exists():
-                raise UserError(f"expected a folder at {path}, found a link to {path.readlink()}")
-            if path.exists() and not path.is_dir():
-                raise UserError(f"expected a folder, found a file at {path}: remove it")
 
     @contextmanager
     def temporary(self, name: str) -> Iterator[Path]:

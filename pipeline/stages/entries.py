@@ -79,11 +79,6 @@ def simulation(config: Config) -> dict[str, Any]:
     return {"robot": robot(config), "env": to_dict(environment), "numerics": kernels()}
 
 
-def plant(config: Config) -> dict[str, Any]:
-    """The environment's part for controllers other than the policy."""
-    return to_dict(config.env.plant)
-
-
 def origin(job: JobSpec) -> dict[str, Any]:
     """Where a result comes from, for the stage that tells people."""
     return {

@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from pipeline.stages.entries import job, only, plant, robot, simulation, without
+from pipeline.stages.entries import job, only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
@@ -42,8 +42,8 @@ def evaluations_of(
         places = [(f"in {case.name}", {"case": to_dict(case)}) for case in protocol.profile.cases]
     evaluations = []
     for controller in protocol.controllers:
-        section = {"evaluation": settings, **control_section(config, controller)}
-        inputs = control_inputs(config, controller, jobs)
+        section, inputs = controlled(config, controller, jobs)
+        section |= {"evaluation": settings}
         stage = "evaluation" if base_of(controller) == POLICY else "baseline"
         for place, values in places:
             label = f"evaluation of {controller} {place}{note}"
@@ -56,39 +56,30 @@ def protocol_section(protocol: EvaluationConfig) -> dict[str, Any]:
     return {name: value for name, value in to_dict(protocol).items() if value is not None}
 
 
-def control_section(config: Config, controller: str, speed: float | None = None) -> dict[str, Any]:
-    """Robot, plant and controller; the policy comes as an input."""
+def controlled(
+    config: Config, controller: str, jobs: Mapping[str, JobSpec], speed: float | None = None
+) -> tuple[dict[str, Any], dict[str, list[JobSpec]]]:
+    """Section with robot, plant and controller; inputs: a training, the gait library, or none."""
     section, base = {"controller": controller, "speed": speed}, base_of(controller)
     sensing = "true_state" if base == controller else "onboard"  # that of env is the trainings'
     config = replace(config, env=replace(config.env, sensing=sensing))
     if base == POLICY:
-        return section | simulation(config)
-    control = config.control[base]
-    if base in gait_controllers(config):
-        section["hzd"] = enforced_section(config.hzd)
-    return section | {
+        return section | simulation(config), {"walking": [jobs["walking"]]}
+    section |= {
         "robot": robot(config),
-        "plant": plant(config),
-        "control": without(to_dict(control), "label"),
+        "plant": to_dict(config.env.plant),
+        "control": without(to_dict(config.control[base]), "label"),
         "numerics": kernels(),
     }
+    if base not in gait_controllers(config):
+        return section, {}
+    section["hzd"] = enforced_section(config.hzd)
+    return section, {name: [jobs[name]] for name in ("library", "foot_placement")}
 
 
 def base_of(controller: str) -> str:
     """The controller without the suffix of one that receives the state estimated on board."""
     return controller.removesuffix(ONBOARD)
-
-
-def control_inputs(
-    config: Config, controller: str, jobs: Mapping[str, JobSpec]
-) -> dict[str, list[JobSpec]]:
-    """What a controller needs: a training, the gait library, or nothing."""
-    base, names = base_of(controller), ()
-    if base == POLICY:
-        names = ("walking",)
-    elif base in gait_controllers(config):
-        names = ("library", "foot_placement")
-    return {name: [jobs[name]] for name in names}
 
 
 def gait_controllers(config: Config) -> list[str]:
@@ -110,9 +101,8 @@ def check_walkable(config: Config, key: str, controllers: Iterable[str]) -> None
 def gait_walks(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobSpec]:
     """Every gait from its own first sample, with the first controller that walks by gaits."""
     for name in gait_controllers(config)[:1]:
-        section = without(control_section(config, name), "controller", "speed")
-        section |= {"steps": config.hzd.steps}
-        inputs = control_inputs(config, name, jobs)
+        section, inputs = controlled(config, name, jobs)
+        section = without(section, "controller", "speed") | {"steps": config.hzd.steps}
         return {"gait_walks": job("gait_walks", "walks of all gaits", section, inputs)}
     return {}
 
@@ -121,16 +111,17 @@ def protocol_jobs(config: Config, jobs: Mapping[str, JobSpec]) -> dict[str, JobS
     """Table and figure of each protocol but Table 1's: of speeds, segments of a case, or cases."""
     protocols = {}
     for name, protocol in config.protocols.items():
-        section = {
-            "name": name,
-            "evaluation": protocol_section(protocol),
-            "labels": labels(config, protocol.controllers),
-            "robot": config.robot.name,
-        }
+        section = {"name": name, "evaluation": protocol_section(protocol)}
+        section |= titles(config, protocol.controllers)
         stage = "speeds" if protocol.profile is None else protocol.profile.rows
         inputs = {"evaluations": evaluations_of(config, protocol, jobs)}
         protocols[name] = job(stage, name, section, inputs)
     return protocols
+
+
+def titles(config: Config, controllers: Iterable[str]) -> dict[str, Any]:
+    """What tables and figures call controllers and robot."""
+    return {"labels": labels(config, controllers), "robot": config.robot.name}
 
 
 def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
@@ -143,13 +134,11 @@ def labels(config: Config, controllers: Iterable[str]) -> dict[str, str]:
 
 def table1(config: Config, evaluations: list[JobSpec]) -> JobSpec:
     """Table 1 from all evaluations, with the sway of the gaits that they or the training use."""
-    names = labels(config, config.evaluation.controllers)
-    section = {"labels": names, "robot": config.robot.name}
     inputs = {"evaluations": evaluations}
     for user in (user for item in evaluations for user in (item, *item.inputs.get("walking", ()))):
         if "library" in user.inputs:
             inputs.setdefault("library", list(user.inputs["library"]))
-    return job("table1", "table 1", section, inputs)
+    return job("table1", "table 1", titles(config, config.evaluation.controllers), inputs)
 
 
 def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
@@ -159,12 +148,10 @@ def baseline_tuning(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
     protocol = replace(config.evaluation, trials=1, robots=tuning.robots, seed=tuning.seed)
     evaluation = without(protocol_section(protocol), "controllers", "speeds", "profile")
     for name, space in values["spaces"].items():
-        section = control_section(config, name) | only(values, *_SEARCH)
-        section |= {"evaluation": evaluation, "space": space}
-        inputs = control_inputs(config, name, jobs)
+        section, inputs = controlled(config, name, jobs)
+        section |= only(values, *_SEARCH) | {"evaluation": evaluation, "space": space}
         searches.append(job("tuning", f"search for settings of {name}", section, inputs))
-    names = labels(config, tuning.spaces)
-    section = {"labels": names, "spaces": values["spaces"], "robot": config.robot.name}
+    section = titles(config, tuning.spaces) | {"spaces": values["spaces"]}
     return job("baseline_tuning", "tuned baselines", section, {"searches": searches})
 
 
@@ -172,12 +159,8 @@ def velocity_tracking(config: Config, table1: JobSpec) -> JobSpec:
     """Velocity over time at some of Table 1's speeds."""
     speeds = config.report.tracking_speeds
     shown = [item for item in table1.inputs["evaluations"] if item.section["speed"] in speeds]
-    section = {
-        "speeds": speeds,
-        "control_period": config.env.control_period,
-        "labels": labels(config, config.evaluation.controllers),
-        "robot": config.robot.name,
-    }
+    section = {"speeds": speeds, "control_period": config.env.control_period}
+    section |= titles(config, config.evaluation.controllers)
     return job("velocity_tracking", "velocity tracking", section, {"evaluations": shown})
 
 
@@ -197,11 +180,10 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
         base = base_of(controller)
         if base in gauge.policies:
             like = f"{POLICY}{controller.removeprefix(base)}"
-            section = control_section(config, like) | {"controller": controller}
+            section = controlled(config, like, jobs)[0] | {"controller": controller}
             inputs = {"policy": [_import(gauge.policies[base], base)]}
         else:
-            section = control_section(config, controller)
-            inputs = control_inputs(config, controller, jobs)
+            section, inputs = controlled(config, controller, jobs)
         for axis in gauge.axes:
             own = {
                 "axis": axis,
@@ -212,8 +194,7 @@ def gauge_job(config: Config, jobs: Mapping[str, JobSpec]) -> JobSpec:
             label = f"gauge of {controller}, {axis.replace('_', ' ')}"
             cells.append(job("gauge_axis", label, section | own, inputs, tracked=False))
     section = {
-        "labels": labels(config, gauge.controllers),
-        "robot": config.robot.name,
+        **titles(config, gauge.controllers),
         "cells": [(cell.section["controller"], cell.section["axis"]) for cell in cells],
         "protocol": protocol,
         "survival": gauge.survival,

@@ -6,13 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.stages.entries import job, origin, without
-from pipeline.stages.evaluation import (
-    base_of,
-    control_inputs,
-    control_section,
-    labels,
-    protocol_section,
-)
+from pipeline.stages.evaluation import base_of, controlled, labels, protocol_section
 from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY
 from slider.config.convert import to_dict
@@ -92,7 +86,8 @@ def _videos(config: Config, jobs: Mapping[str, JobSpec]) -> list[JobSpec]:
 
 def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, JobSpec]) -> JobSpec:
     """A short film of one controller at one speed."""
-    section = control_section(config, controller, speed) | {
+    section, inputs = controlled(config, controller, jobs, speed)
+    section |= {
         "label": labels(config, [controller])[controller],
         "start": to_dict(config.evaluation.start),
         "disturbance": to_dict(config.evaluation.disturbance),
@@ -100,7 +95,6 @@ def _video(config: Config, controller: str, speed: float, jobs: Mapping[str, Job
     }
     ground = config.evaluation.disturbance.terrain.kinds[0].replace("_", " ")
     label = f"video of {controller} at {speed:.1f} m/s{f', {ground}' if ground != 'flat' else ''}"
-    inputs = control_inputs(config, controller, jobs)
     return job("video", label, section, inputs, tracked=False)
 
 

@@ -27,7 +27,7 @@ FILES = fsspec.get_filesystem_class("file")
 def test_copies_arrive_and_are_never_larger_than_expected(kind, tmp_path):
     with anywhere(kind, tmp_path) as remote:
         assert remote.open() is False
-        remote.create()
+        remote.open(create=True)
         assert remote.open() is True
         assert remote.read("results/x", 10) is None
         remote.write("results/x", "0123456789")
@@ -56,7 +56,7 @@ def test_a_bucket_or_server_that_is_not_there(monkeypatch):
         remote = Remote("s3://nothing/slider")
         assert remote.open() is False
         with pytest.raises(UserError, match=r"^remote s3://nothing/slider: .*does not exist"):
-            remote.create()
+            remote.open(create=True)
         monkeypatch.setenv("AWS_ENDPOINT_URL", "http://127.0.0.1:1")
         fsspec.get_filesystem_class("s3").clear_instance_cache()
         with pytest.raises(UserError, match=r"^remote s3://group/slider: [^\n]+$"):
@@ -111,8 +111,8 @@ def test_rights_and_full_disks_have_their_place(tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(FILES, "mkdir", refuse)
         with pytest.raises(UserError, match=r"remote: Permission denied$"):
-            remote.create()
-    remote.create()
+            remote.open(create=True)
+    remote.open(create=True)
     with monkeypatch.context() as patch:
         patch.setattr(FILES, "info", refuse)  # no absence, else a push would replace it
         with pytest.raises(UserError, match=r"remote: Permission denied$"):

@@ -73,17 +73,15 @@ class Remote:
     def _scheme(self) -> str:
         return urlsplit(self.url).scheme or "file"
 
-    def check_writable(self) -> None:
-        """Refuse a remote that can only be read."""
-        if self._scheme in _READ_ONLY:
-            raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
-
-    def open(self) -> bool:
-        """Tell whether there is a store of ours.
+    def open(self, create: bool = False) -> bool:
+        """Tell whether there is a store of ours; make an empty one if asked.
 
         Raises:
-            UserError: the remote does not answer in time, or has another store.
+            UserError: the remote does not answer in time, has another store, or is to be written
+                and can only be read.
         """
+        if create and self._scheme in _READ_ONLY:
+            raise UserError(f"remote {self.url}: expected one to write to, found HTTP")
         answer: Future[bytes | None] = Future()
 
         def ask() -> None:
@@ -101,15 +99,13 @@ class Remote:
         except TimeoutError:
             raise UserError(f"remote {self.url}: no answer within {self.contact_s:g} s") from None
         if marker is None:
-            return False
+            if create:
+                self.write(MARKER, files.canonical({"layout": LAYOUT}))
+            return create
         with suppress(ValueError, KeyError, TypeError):
             if json.loads(marker)["layout"] == LAYOUT:
                 return True
         raise UserError(f"remote {self.url}: expected a store of layout {LAYOUT}, found another")
-
-    def create(self) -> None:
-        """Make an empty store."""
-        self.write(MARKER, files.canonical({"layout": LAYOUT}))
 
     def read(self, name: str, limit: int) -> bytes | None:
         """Content of a small file, if it is there.

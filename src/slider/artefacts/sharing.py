@@ -65,9 +65,7 @@ def push(store: Store, jobs: Jobs, remote: Remote, verify: bool = False) -> Acco
     Raises:
         UserError: the remote does not answer or cannot be written.
     """
-    remote.check_writable()
-    if not remote.open():
-        remote.create()
+    remote.open(create=True)
     account = Account()
     with _no_clean_up(store), ThreadPoolExecutor(CONNECTIONS) as pool:
         outcomes = pool.map(partial(_push, store, remote, verify), jobs.values())

@@ -1,6 +1,7 @@
 """Results as a run would leave them, without running anything."""
 
 from pathlib import Path
+from typing import Any
 
 from slider.artefacts.manifest import Manifest
 from slider.artefacts.plan import JobSpec, Plan, build_plan
@@ -16,20 +17,26 @@ PLAN: Plan = build_plan({"library": LIBRARY, "table1": TABLE})
 DATA = "deep/data.txt"
 
 
-def compute(store: Store, job: JobSpec, text: str = "") -> Manifest:
+def compute(
+    store: Store,
+    job: JobSpec,
+    text: str = "",
+    summary: dict[str, Any] | None = None,
+    facts: dict[str, Any] | None = None,
+) -> Manifest:
     """What a run of the job would leave, with its label and a text as content."""
     with store.temporary("test") as out:
         (out / DATA).parent.mkdir()
         (out / DATA).write_text(f"{job.label} {text}")
         (out / "more.bin").write_bytes(bytes(3000))
-        result = store.publish(out, {"n": 1.5})
+        result = store.publish(out, summary or {"n": 1.5})
     objects = {
         name: [store.read_manifest(item.stage, item.recipe).result.object for item in jobs]
         for name, jobs in job.inputs.items()
     }
     manifest = Manifest(job.stage, job.recipe, job.input_recipes, result, objects)
     store.remember(job.key(objects), manifest)
-    files.write_json(store.sidecar_path(job.stage, job.recipe), {"wall_s": 2.5})
+    files.write_json(store.sidecar_path(job.stage, job.recipe), facts or {"wall_s": 2.5})
     store.write_manifest(manifest)
     return manifest
 

@@ -84,10 +84,6 @@ def why(store: Store, plan: Plan) -> list[str]:
             {"robot": HEAVY, "trials": 3},
             ["gait × 2: robot.mass 14.0 → 14.5", "table × 1: evaluation.trials 10 → 3"],
         ),
-        (
-            {"robot": {"mass": 14.0, "links": {}}},
-            ["gait × 2: robot.links.foot 0.07 → none"],
-        ),
         ({"robot": ROBOT | {"mass": None}}, ["gait × 2: robot.mass 14.0 → null"]),
         (
             {"robot": {"links": {"foot": 0.07}, "mass": 14.0}},

@@ -101,16 +101,6 @@ def test_http_is_enough_to_read(filled, full, bare):
             push(full, JOBS, Remote(url))
 
 
-def test_only_what_is_missing_travels(filled, full, bare):
-    for job in GAITS:
-        compute(bare, job)
-    found = pull(bare, JOBS, filled.remote)
-    assert found.counts == {"taken": 2}
-    manifest = full.read_manifest("table1", TABLE.recipe)
-    assert found.size == sum(2 * [3000], len("library ") + len("table "))
-    assert bare.read_manifest("table1", TABLE.recipe) == manifest
-
-
 def test_a_result_waits_for_its_inputs(filled, full, bare):
     """Until these are there, byte for byte, the index alone knows it."""
     lost = filled.result(GAITS[0])

@@ -75,11 +75,3 @@ def test_a_mistake_after_an_error_keeps_its_trace(number):
     error = KeyError("a")
     error.__context__ = OSError(number, os.strerror(number), "artefacts/a")
     assert not_written(error, PLACE) is None
-
-
-def test_an_error_while_another_of_files_is_handled_counts_unless_that_is_hidden():
-    error = OSError(errno.ENOENT, "none")
-    error.__context__ = denied("artefacts/a")
-    assert not_written(error, PLACE) is not None
-    error.__suppress_context__ = True
-    assert not_written(error, PLACE) is None

@@ -11,13 +11,6 @@ import pytest
 from tests.workflow.workspace import QUIET, REPOSITORY, TABLE, copy_repository, with_dummies
 
 SHORT = 19
-BLIND = """
-from slider.artefacts.store import Store
-from tests.faults.campaign import main
-
-Store.is_whole = lambda self, digest: self.object_folder(digest).is_dir()
-raise SystemExit(main(["--only", "further jobs", "--every", "4"]))
-"""
 MOMENTS = 20
 
 
@@ -32,12 +25,6 @@ def test_each_trial_ends_with_the_true_table_or_one_line():
     assert done.returncode == 0, done.stderr
     for kind in ("killed", "disk full", "a flipped bit", "a lost file"):
         assert kind in done.stdout
-
-
-def test_it_notices_a_store_that_does_not_look_at_contents():
-    done = campaign("-c", BLIND)
-    assert done.returncode == 1
-    assert "a flipped bit before further jobs: artefacts/objects/" in done.stderr
 
 
 @pytest.mark.faults

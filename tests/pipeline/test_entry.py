@@ -57,13 +57,6 @@ def test_a_job_takes_the_plan_of_the_head_on_another_processor(tmp_path, monkeyp
     assert not head.plan.jobs.keys() <= other.plan.jobs.keys()
 
 
-def test_a_job_without_the_plan_of_a_head_is_one_line(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit, match="1"):
-        open_pipeline({}, CONF, head=False)
-    assert capsys.readouterr().err == "slider: expected a plan, found none at None\n"
-
-
 def test_a_disk_that_is_not_mounted_and_a_file_for_a_folder_are_one_line(
     tmp_path, monkeypatch, capsys
 ):

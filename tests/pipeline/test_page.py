@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import targets
 from pipeline.stages import page
 from pipeline.targets import all_targets
 from slider.artefacts.plan import build_plan
@@ -76,15 +75,6 @@ def test_a_section_pulls_in_what_it_declares():
     assert set(report.inputs) == declared - {"untuned"}  # there is no fine-tuning
     assert {job.stage for job in report.inputs["verification.gaits"]} == {"verification_gaits"}
     assert {origin["stage"] for origin in report.section["origins"]["library.gaits"]} == {"gait"}
-
-
-def test_the_ablation_is_laid_out_for_a_page_that_shows_it_only(monkeypatch):
-    found, report = stages("report.sections=[ablation]")
-    assert "study" in found
-    assert report.inputs.keys() == {"ablation"}
-    monkeypatch.setattr(targets, "study_job", None)  # calling it would fail
-    found, report = stages()
-    assert "study" not in found
 
 
 def test_a_page_shows_the_settings_of_its_protocols_only():

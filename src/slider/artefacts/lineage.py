@@ -134,14 +134,14 @@ def _key(stage: str, leaf: Leaf, keys: Sequence[Leaf]) -> str:
 
 
 def _change(name: str, leaf: Leaf) -> str:
-    texts = []
-    for value in leaf[1:]:
-        text = (
-            value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, default=str)
-        )
-        text = "none" if value is _ABSENT else text
-        texts.append(text if len(text) <= _WIDTH else f"{text[: _WIDTH - 1]}…")
-    return f"{name} {' → '.join(texts)}"
+    return f"{name} {_brief(leaf[1])} → {_brief(leaf[2])}"
+
+
+def _brief(value: Any) -> str:
+    if value is _ABSENT:
+        return "none"
+    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 1]}…"
 
 
 def _leaves(old: Any, new: Any, path: tuple[str, ...] = ()) -> Iterator[Leaf]:

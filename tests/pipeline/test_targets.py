@@ -55,11 +55,6 @@ def test_a_policy_that_is_not_there_stops_the_gauge_alone():
         targets(*missing, "report.sections=[gauge]")
 
 
-def test_a_bound_is_of_something_that_is_verified():
-    with pytest.raises(UserError, match=r"^verification\.bounds: expected one of dynamics_torque"):
-        targets("+verification.bounds.zzz=1")
-
-
 def test_a_marker_changes_whenever_the_report_is_not_the_plan_s(tmp_path):
     store = Store(tmp_path / "artefacts")
     job = JobSpec("table1", "table 1", Code("a:run", "", {}), {})

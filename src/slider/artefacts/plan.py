@@ -53,11 +53,7 @@ class JobSpec:
         return [job for jobs in self.inputs.values() for job in jobs]
 
     def key(self, inputs: Groups) -> str:
-        """From the recipes of the inputs the recipe: it names a result before it exists.
-
-        From their objects the key of the index: what counts there is the content of the inputs,
-        not the way in which they came about.
-        """
+        """From the recipes of the inputs the recipe; from their objects the key of the index."""
         code = [self.code.entry, self.code.source, self.code.versions]
         groups = {name: list(digests) for name, digests in inputs.items()}
         return files.digest_value([self.stage, self.section, *code, groups])

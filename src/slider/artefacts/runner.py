@@ -154,10 +154,10 @@ class Runner:
         path = self.store.object_folder(result.object).relative_to(self.store.root).as_posix()
         tags = {"object": result.object, "object.path": path, "resumed": str(result.resumed)}
         names = sorted({name.partition("/")[0] for name in result.files})
-        lines = "\n".join(f"* `{path}/{name}`" for name in names)
-        facts = ", ".join(f"{k} **{v:.4g}**" for k, v in summary.items())
-        note = f"{facts}\n\nResult, below `{self.store.root.name}/`:\n\n{lines}".lstrip()
-        tracker.end(FINISHED, tags, note)
+        lines = [", ".join(f"{name} **{value:.4g}**" for name, value in summary.items()), ""]
+        lines += [f"Result, below `{self.store.root.name}/`:", ""]
+        lines += [f"* `{path}/{name}`" for name in names]
+        tracker.end(FINISHED, tags, "\n".join(lines).lstrip())
 
 
 def _load(spec: JobSpec) -> StageFunction:

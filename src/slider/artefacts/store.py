@@ -4,13 +4,12 @@
 object that a recipe led to. A result is computed in ``tmp/`` and renamed into place, then its
 manifest is written: whatever is visible is whole, whenever a process dies.
 
-``integrity/`` holds how an object's files looked when their content was last read and had the
-object's name. As in git's index, content whose files still have the same inodes, sizes and times is
-not read again. A file that was written just before it was read could change again within one tick
-of the file system's clock and look the same, so such a young object gets no entry.
+``integrity/`` holds inode, size and times of files whose content was read and is that of the
+object. As in git's index, it is not read again until these change. A file as young as its reading
+could change within the same tick of the clock and look the same, so it gets no entry.
 
 ``locks/`` keeps processes apart: one job per recipe, and no clean-up while jobs run. The operating
-system holds the locks: they vanish with the process that holds them, however it ends.
+system releases them when a process ends, however it does.
 """
 
 import os
@@ -190,8 +189,8 @@ class Store:
     def remember(self, key: str, manifest: Manifest) -> None:
         """Add a computed result to the index.
 
-        A recipe names the way to a result, down to the recipes of the inputs; a key names their
-        contents. After a refactoring that leaves these as they were, recipes differ, keys do not.
+        A recipe holds the recipes of the inputs, a key their contents: after a refactoring that
+        leaves these as they were, recipes differ, keys do not.
         """
         files.write_json(self.index_path(key), plain_manifest(replace(manifest, key=key)))
 

@@ -268,8 +268,8 @@ class HzdControlConfig(ModelBasedConfig):
     """of a foot without contact: past the end of its step, and while standing"""
 
 
-AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]
 FAMILIES: dict[str, type[MpcConfig] | type[HzdControlConfig]] = {
     "mpc": MpcConfig,
     "hzd": HzdControlConfig,
 }
+AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]

@@ -170,7 +170,7 @@ class StartSpread:
     """step length, as a share of that at the commanded velocity"""
 
 
-Nodes = Annotated[Odd[int], Field(ge=5, le=201)]
+Nodes = Odd[Annotated[int, Field(ge=5, le=201)]]
 
 
 @dataclass(frozen=True, config=STRICT)

@@ -20,7 +20,7 @@ from slider.config.types import (
     Some,
 )
 
-Pixels = Annotated[Even[int], Field(ge=32, le=1920)]
+Pixels = Even[Annotated[int, Field(ge=32, le=1920)]]
 """H.264 stores colours at half the resolution."""
 
 

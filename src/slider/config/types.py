@@ -9,7 +9,7 @@ from dataclasses import dataclass as plain_dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Generic, TypeVar
 
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler, model_validator
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic.dataclasses import dataclass
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
@@ -27,8 +27,16 @@ SAME = 1e-6
 T = TypeVar("T")
 
 
-class Unit(str):
+@plain_dataclass(frozen=True)
+class Unit:
     """Unit of a number; ``rad | m``: of a joint that turns, and of the slide."""
+
+    text: str
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return handler(schema) | {"unit": self.text}
 
 
 @plain_dataclass(frozen=True)
@@ -42,6 +50,11 @@ class Rule:
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         return core_schema.no_info_after_validator_function(self._checked, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return handler(schema) | {"rule": self.text}
 
     def _checked(self, value: Any) -> Any:
         if not self.holds(value):

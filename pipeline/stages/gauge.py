@@ -17,7 +17,7 @@ from pipeline.stages.evaluation import (
 from slider.artefacts.plan import JobSpec
 from slider.config.control import POLICY
 from slider.config.convert import to_dict
-from slider.config.gauge import GaugeProtocol
+from slider.config.evaluation import GaugeProtocol
 from slider.config.schema import Config
 from slider.control import LAYOUT, ONNX, REFERENCE
 from slider.core.errors import require

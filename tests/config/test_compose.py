@@ -42,7 +42,7 @@ def test_every_option_composes(option):
         ("+robot.provenance.zzz=paper", "robot.provenance: expected keys below robot that hold"),
         (
             "robot.links.base.inertia=[1,1,5]",
-            "robot.links.base.inertia: expected none above the sum of the others, found [1, 1, 5]",
+            "robot.links.base: expected positive principal moments, none above the sum",
         ),
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
         ("speeds.top=-3", "slider: speeds.top: expected greater than 0, found -3"),
@@ -58,7 +58,7 @@ def test_every_option_composes(option):
             "finetuning.iterations=3",
             "finetuning.iterations: expected finetuning=outdoor or finetuning=robust beside it",
         ),
-        ("env.phase.halt.below=0.1", "env.phase.halt.above: expected a value ≥ 0.1, found 0.0"),
+        ("env.phase.halt.below=0.1", "env.phase.halt: expected below ≤ above, found"),
         ("env.phase.halt=true", "phase.halt: expected keys and values, found true"),
         ("finetuning=nope", "unknown option finetuning=nope, expected one of: outdoor, robust"),
         ("env.action.clip=${nothing}", "Interpolation key 'nothing' not found"),
@@ -81,10 +81,10 @@ def test_every_option_composes(option):
         ),
         (
             "train.walking.network.std_final=0.01",
-            "train.walking.network.std_final: expected at least 0.05 (std_min), found 0.01",
+            "train.walking.network: expected std_min ≤ std_final, found",
         ),
         ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
-        ("train.walking.selection.flight_weight=6", "flight_weight: expected 0 to 5, half of"),
+        ("train.walking.selection.flight_weight=6", "selection: expected flight_weight ≤ half of"),
         ("train.standing.network.hidden=[64]", "as train.walking.network has it, found [64]"),
         (
             "train.standing.network.activation=tanh",
@@ -96,7 +96,7 @@ def test_every_option_composes(option):
         ("evaluation.warm_up=9.999", "evaluation.warm_up: expected a time in [0, 9.98] s"),
         (
             "control.mpc_wbc_tuned.substeps=2",
-            "control.mpc_wbc_tuned.substeps: expected a control rate of at least",
+            "substeps (4) for a control rate of at least 200 Hz, found 2",
         ),
         (
             "control.mpc_wbc_tuned.substeps=3",
@@ -115,8 +115,8 @@ def test_every_option_composes(option):
             "evaluation.disturbance.delay.upper: expected a multiple of 0.005, found 0.012",
         ),
         ("evaluation.disturbance.mass={lower: 1.1, upper: 0.9}", "mass: expected lower ≤ upper"),
-        ("train.walking.disturbance.push.interval=0.03", "push.interval: expected a multiple of"),
-        ("evaluation.disturbance.push.duration=3.0", "push.duration: expected less than its"),
+        ("train.walking.disturbance.push.interval=0.13", "push.interval: expected a multiple of"),
+        ("evaluation.disturbance.push.duration=3.0", "push: expected duration < interval"),
         ("evaluation.disturbance.terrain.curriculum=true", "expected false outside trainings"),
         ("gauge.duration=3.0", "gauge.duration: expected at least 3.1 s, with a push, found 3.0"),
         ("gauge.duration=10.01", "gauge.duration: expected a multiple of 0.02, found 10.01"),
@@ -127,7 +127,7 @@ def test_every_option_composes(option):
         ),
         (
             "++train.walking={simulator:mujoco_warp,disturbance:{terrain:{kinds:[tiles]}}}",
-            "simulator: expected mujoco with disturbance.terrain, found mujoco_warp",
+            "simulator: expected mujoco with disturbance.terrain or ",
         ),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
         ("evaluation=joystick", "evaluation.profile: expected none (the velocities of Table 1"),

@@ -87,8 +87,12 @@ def test_another_file_changes_no_other_recipe(conf):
         labelled("MPC + WBC (paper)", "another label than that of mpc_wbc .*, found MPC"),
         labelled('"two\\nlines"', r"higher.label: expected one line of text, found 'two\\nlines'"),
         labelled('" tuned"', "higher.label: expected one line of text"),
-        labelled('" "', "higher.label: expected a label, found none"),
-        ("bare", (CONF / "control/base.yaml").read_text() + STEP, "bare.label: expected a label,"),
+        labelled('" "', "higher.label: expected one line of text"),
+        (
+            "bare",
+            (CONF / "control/base.yaml").read_text() + STEP,
+            "bare.label: expected one line",
+        ),
         ("higher", HIGHER + "  apx: 0.1\n", "control.higher.step.apx"),
     ],
 )

@@ -11,8 +11,7 @@ from scipy.spatial.transform import Rotation
 from slider.cli import main
 from slider.config.compose import compose
 from slider.config.model_file import LINKS, read_model
-from slider.config.parameters import parameters
-from slider.config.robot import RobotConfig
+from slider.config.robot import RobotConfig, parameters
 from slider.core.errors import UserError
 from slider.robot.mjcf import SimulationOptions, build_spec
 from tests.robot.lopsided import lopsided

@@ -178,7 +178,8 @@ def complaint(config: Config, plain: dict[str, Any], place: Place, wrong: Any) -
 def is_clear(place: Place, text: str) -> bool:
     """One line about the key, or about the group around it that does not fit together."""
     found, separator, _ = text.partition(": expected ")
-    around = key(place) if len(place) < 2 else key(place[:-1])
+    names = [index for index, part in enumerate(place) if isinstance(part, str)]
+    around = key(place[: names[-2] + 1 if len(names) > 1 else 1])  # of an item, that of its list
     names = found == key(place) or (found.startswith(around) and key(place).startswith(found))
     return bool(separator) and "\n" not in text and names
 

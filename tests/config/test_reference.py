@@ -7,10 +7,9 @@ import pytest
 
 from slider.cli import main
 from slider.config.compose import compose
-from slider.config.gait import GaitConfig
+from slider.config.gait import GaitConfig, VerificationConfig
 from slider.config.reference import OPTIONAL, Entry, entries, matching, meaning, page
 from slider.config.schema import Config
-from slider.config.verification import VerificationConfig
 from slider.core.errors import UserError
 from slider.env.terms import parameter_types
 
@@ -41,10 +40,8 @@ def table(config) -> list[Entry]:
         ("gait.nodes", "integer |  | [5, 201], an odd number"),
         ("gait.grid.extra", "list of values of vx, vy, yaw_rate |  | "),
         ("gait.grid.vx.step", "number | m/s | (0, 100]"),
-        (
-            "robot.links.base.inertia",
-            "3 numbers | kg m² | (0, 10000], none above the sum of the others",
-        ),
+        ("robot.links.base.inertia", "3 numbers | kg m² | (0, 10000]"),
+        ("gauge.scales.friction", "list of one or more numbers | - | (0, 1000], falling values"),
         ("robot.joints.ankle.lower", "number | rad | [-100, 100]"),
         ("robot.joints.slide.upper", "number | m | [-100, 100]"),
         ("robot.joints.slide.damping", "number | N s/m | [0, 1e9]"),

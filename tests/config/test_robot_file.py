@@ -7,7 +7,7 @@ import pytest
 from pipeline.stages import table1_jobs
 from pipeline.stages.gaits import library_job
 from slider.config.compose import compose
-from slider.config.parameters import parameters
+from slider.config.robot import parameters
 from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -84,7 +84,10 @@ BASE = "defaults: [slider, _self_]\nname: mine\n"
         (BASE + "links: {bass: 3}", "unknown configuration key 'robot.links.bass'"),
         (BASE + "provenance: hello", "robot.provenance: expected a tag per dotted key, found hel"),
         (BASE + "provenance: {links: cad}", "expected 'measured', 'paper', 'earlier' or 'assumed'"),
-        (BASE + "links: {base: {com: [0, 0.01, 0]}}", "com: expected y = 0 m: left and right are"),
+        (
+            BASE + "links: {base: {com: [0, 0.01, 0]}}",
+            "links.base: expected y, Ixy and Iyz of 0",
+        ),
     ],
 )
 def test_a_mistake_is_one_line(written, text, message):
@@ -108,7 +111,7 @@ def test_a_folder_stands_for_its_robot_yaml(written, tmp_path):
 def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():
     off = "robot.links.tube.com=[0.01,0.0,-0.2]"
     assert compose([off], CONF).robot.links.tube.com[0] == 0.01
-    with pytest.raises(UserError, match=r"expected x = y = 0 m with gait.dynamics=knee, found x"):
+    with pytest.raises(UserError, match=r"expected com x and y, .* with gait.dynamics=knee"):
         compose([off, "gait.dynamics=knee"], CONF)
 
 

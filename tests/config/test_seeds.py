@@ -78,7 +78,7 @@ def test_no_reported_seed_is_chosen_by(experiment):
             r"^seeds\.final: expected no seed of seeds\.development \(1000 to 1999\), "
             r"found 1500 to 2500$",
         ),
-        (["seeds.development.last=999"], r"seeds\.development: expected lower ≤ upper"),
+        (["seeds.development.last=999"], r"seeds\.development: expected first ≤ last"),
         (
             ["evaluation.seed=1995"],
             r"^evaluation\.seed: expected seeds within 20260 to 21259 or 1000 to 1999, "

@@ -24,6 +24,7 @@ from slider.config.types import (
     Share,
     Unit,
     Vector3,
+    ordered,
 )
 
 POLICY = "policy"  # the learned controller; every other one is named in ``Config.control``
@@ -212,8 +213,8 @@ class MpcConfig(ModelBasedConfig):
 
     family: Literal["mpc"]
     """how it walks: footsteps planned on a pendulum"""
-    step: PlannedStepConfig
-    planner: PlannerConfig
+    step: Annotated[PlannedStepConfig, ordered("time_min", "time", "time_max")]
+    planner: Annotated[PlannerConfig, ordered("width_min", "width_max")]
     swing: SwingConfig
     whole_body: SteppingBodyConfig
 

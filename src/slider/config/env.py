@@ -28,6 +28,7 @@ from slider.config.types import (
     Share,
     Some,
     Unit,
+    ordered,
 )
 
 
@@ -158,7 +159,7 @@ class OnboardConfig:
     """Sensors of the robot, and the estimator that reads them."""
 
     sensors: SensorsConfig
-    estimator: EstimatorConfig
+    estimator: Annotated[EstimatorConfig, ordered("lifted", "loaded", strict=True)]
 
 
 Sensing = Literal["true_state", "onboard"]
@@ -204,7 +205,7 @@ class PhaseConfig:
     """reflect observation and action in right stance: the network sees left stance only"""
     step_time: Seconds
     """fixed duration of a step; 0: that of the gait library at the reference velocity"""
-    halt: HaltConfig
+    halt: Annotated[HaltConfig, ordered("below", "above")]
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -328,5 +329,5 @@ class DisturbanceConfig:
     """of the feet on the ground; null: robot.contact.friction"""
     payload: Interval[Kilograms]
     """added to the base at its centre of mass"""
-    push: PushConfig
+    push: Annotated[PushConfig, ordered("duration", "interval", strict=True)]
     terrain: TerrainConfig

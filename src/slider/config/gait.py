@@ -1,4 +1,4 @@
-"""Typed settings of the gait optimisation and of the gait library."""
+"""Typed settings of the gait optimisation, the gait library and the checks of its gaits."""
 
 import math
 from dataclasses import field
@@ -15,17 +15,21 @@ from slider.config.types import (
     Interval,
     Metres,
     MetresPerSecond,
+    Newtons,
     NonNegative,
     Number,
     Odd,
     Positive,
     Radians,
     RadiansPerSecond,
+    Rising,
+    Rule,
     Seconds,
     Share,
     Some,
     Tolerance,
     Unit,
+    ordered,
 )
 
 
@@ -38,12 +42,13 @@ class Axis:
     step: Positive[MetresPerSecond]
 
 
+_Range = Annotated[Axis, ordered("start", "stop")]
+
+
 def axis_size(axis: Axis | list[float]) -> int:
     """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
     if isinstance(axis, list):
         return len(axis)
-    if axis.stop < axis.start:
-        return 0
     return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
@@ -51,9 +56,9 @@ def axis_size(axis: Axis | list[float]) -> int:
 class GridBlock:
     """A block of velocities; an axis may be a list of values."""
 
-    vx: Axis | Distinct[Some[MetresPerSecond]]
+    vx: _Range | Distinct[Some[MetresPerSecond]]
     """commanded forward velocities"""
-    vy: Axis | Distinct[Some[MetresPerSecond]]
+    vy: _Range | Distinct[Some[MetresPerSecond]]
     """commanded leftward velocities"""
     yaw_rate: Distinct[Some[RadiansPerSecond]] = field(default_factory=lambda: [0.0])
     """commanded yaw rates"""
@@ -195,8 +200,16 @@ class FormulationConfig:
     """paper: eq. 2 as printed; torque: (1/T) ∫ ‖τ‖² dt; transport: mean |power| / (m g)"""
     voltage: Positive[Share]
     """share of the bus that motors may use at the nodes; the rest is for between them"""
-    touchdown: Touchdown
-    posture: Posture
+    touchdown: Annotated[Touchdown, ordered("down_min", "down_max")]
+    posture: Annotated[
+        Posture,
+        ordered("knee_min", "knee_max"),
+        ordered("foot_separation_min", "foot_separation_max"),
+        Rule(
+            "clearance + clearance_margin < swing_height",
+            lambda posture: posture.clearance + posture.clearance_margin < posture.swing_height,
+        ),
+    ]
     contact: ContactLimits
     bounds: dict[str, Interval[Number]]
     """of further rows at every node, by their names in ``slider.gait.constraints``, SI units"""
@@ -210,7 +223,7 @@ class SolveConfig:
     """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
     decoupling_min: Annotated[float, Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
     """least singular value of the decoupling matrix, per share of the motors' torque limits"""
-    step_time: StepTime
+    step_time: Annotated[StepTime, ordered("lower", "value", "upper")]
     solver: SolverConfig
 
 
@@ -229,3 +242,79 @@ class LibraryConfig:
     """false: a gait that did not converge stops the library with a list of them"""
     max_violation: Annotated[Tolerance, Unit("SI")]
     """worst constraint violation of a gait that counts as converged"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class IntegratorConfig:
+    """Tolerances of DOP853."""
+
+    relative: Tolerance
+    absolute: Annotated[Tolerance, Unit("rad, rad/s")]
+
+
+@dataclass(frozen=True, config=STRICT)
+class RegulatorConfig:
+    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``."""
+
+    lateral: Factor
+    """share of the predicted error that a step takes away, sideways"""
+    forward: Some[Factor]
+    """the same forwards, at the velocities ``speeds``, linear between"""
+    speeds: Rising[Some[MetresPerSecond]]
+    """gait velocities of ``forward``"""
+    reach: NonNegative[Metres]
+    """greatest change of a foot's place"""
+    placement_end: Positive[Share]
+    """phase by which the swing foot is over its new place"""
+    fade: Positive[Share]
+    """phase by which errors left by the impact are gone"""
+    descent: NonNegative[MetresPerSecond]
+    """speed at which a late swing foot is lowered"""
+
+
+@dataclass(frozen=True, config=STRICT)
+class ReplayConfig:
+    """Replay in MuJoCo."""
+
+    steps: Annotated[Count, Field(le=100_000)]
+    """length of the walk"""
+    timestep: Positive[Seconds]
+    """of the physics"""
+    substeps: Annotated[Count, Field(le=1000)]
+    """of the physics per control step"""
+    points: Annotated[Count, Field(ge=2)]
+    """of the table of targets, per step"""
+    contact: NonNegative[Newtons]
+    """force that counts as a touchdown"""
+    height: NonNegative[Metres]
+    """a lower base has fallen"""
+    tilt: Positive[Radians]
+    """a base that leans further has fallen"""
+    patience: Annotated[Positive[Factor], Unit("step times")]
+    """a swing foot that has not landed by then has missed the ground"""
+    regulator: Annotated[
+        RegulatorConfig,
+        Rule("one `forward` for each of `speeds`", lambda r: len(r.forward) == len(r.speeds)),
+    ]
+
+
+@dataclass(frozen=True, config=STRICT)
+class CheckConfig:
+    """What the checks of a single gait need."""
+
+    integrator: IntegratorConfig
+    points: Annotated[Count, Field(ge=2)]
+    """per step, for the resampling between nodes"""
+    replay: ReplayConfig
+
+
+@dataclass(frozen=True, config=STRICT)
+class VerificationConfig(CheckConfig):
+    """All of the verification."""
+
+    chunk: Count
+    """gaits per job"""
+    on_failure: Literal["error", "report"]
+    """report: a bound that does not hold is written down; error: it ends the collecting job"""
+    bounds: dict[str, Annotated[NonNegative[Number], Unit("of the quantity")] | None]
+    """of the quantity, see docs/reference/verification.md; null: reported only"""

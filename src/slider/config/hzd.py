@@ -18,11 +18,11 @@ from slider.config.types import (
     Positive,
     Radians,
     RadiansPerSecond,
-    Rule,
     Share,
     Some,
     Tolerance,
     Unit,
+    ordered,
 )
 
 PerSecond = Annotated[float, Unit("1/s"), Field(ge=0, le=1e4)]
@@ -41,7 +41,7 @@ class VirtualConstraintsConfig:
     """gaits with less forward velocity have time for a phase"""
     correction_end: Positive[Share]
     """phase at which the re-anchoring after an impact is over"""
-    placement: Annotated[Interval[Share], Rule("lower < upper", lambda v: v.lower < v.upper)]
+    placement: Annotated[Interval[Share], ordered("lower", "upper", strict=True)]
     """phases between which the swing foot is displaced"""
     kp: Positive[PerSecond2]
     """of the outputs"""

@@ -1,12 +1,17 @@
-"""Typed robot parameters. Values and their provenance live in ``conf/robot``."""
+"""Typed robot parameters, and robots that differ in one of them.
 
+Values and their provenance live in ``conf/robot``.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from slider.config.convert import from_dict, to_dict
 from slider.config.types import (
     STRICT,
     Factor,
@@ -24,7 +29,9 @@ from slider.config.types import (
     Share,
     Unit,
     Vector3,
+    ordered,
 )
+from slider.core.files import flatten
 
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
@@ -45,10 +52,7 @@ class Link:
     """of the body; a leg's exists twice"""
     com: Vector3[Metres]
     """centre of mass, in the frame of the link's joint; a right leg's has the other sign of y"""
-    inertia: Annotated[
-        Vector3[Positive[KilogramMetres2]],
-        Rule("none above the sum of the others", lambda moments: 2 * max(moments) <= sum(moments)),
-    ]
+    inertia: Vector3[Positive[KilogramMetres2]]
     """Ixx, Iyy, Izz about the centre of mass, axes of the link's frame"""
     products: Vector3[Annotated[Number, Unit("kg m²")]] = (0.0, 0.0, 0.0)
     """Ixy, Ixz, Iyz likewise; a right leg's have the other sign of Ixy and Iyz"""
@@ -60,17 +64,34 @@ class Link:
         return np.diag(self.inertia) + np.array([[0.0, xy, xz], [xy, 0.0, yz], [xz, yz, 0.0]])
 
 
+def _is_rigid(link: Link) -> bool:
+    moments = np.linalg.eigvalsh(link.tensor)
+    return moments[0] > 0.0 and 2 * moments[-1] <= moments.sum() * (1 + 1e-9)
+
+
+_Body = Annotated[
+    Link, Rule("positive principal moments, none above the sum of the others", _is_rigid)
+]
+_Base = Annotated[
+    _Body,
+    Rule(
+        "y, Ixy and Iyz of 0: left and right are alike",
+        lambda link: link.com[1] == link.products[0] == link.products[2] == 0.0,
+    ),
+]
+
+
 @dataclass(frozen=True, config=STRICT)
 class Links:
     """The bodies of the prismatic model; all but the base exist once per leg."""
 
-    base: Link
-    yaw: Link
-    roll: Link
-    pitch: Link
-    tube: Link
-    foot: Link
-    upper_foot: Link
+    base: _Base
+    yaw: _Body
+    roll: _Body
+    pitch: _Body
+    tube: _Body
+    foot: _Body
+    upper_foot: _Body
 
 
 @dataclass(frozen=True, config=STRICT)
@@ -193,7 +214,7 @@ class Mechanism:
     geometry: Geometry
     links: Links
     virtual_knee: VirtualKnee
-    joints: dict[str, Joint]
+    joints: dict[str, Annotated[Joint, ordered("lower", "upper", strict=True)]]
     drives: dict[str, Drive]
     capstan: Capstan | None
     """null: slide and ankle have a motor each"""
@@ -213,3 +234,66 @@ class RobotConfig(Mechanism):
     contact: Contact
     provenance: dict[str, Provenance | None] = field(default_factory=dict)
     """where values come from, by dotted path; the longest matching path counts; null: no tag"""
+
+
+class Parameter(NamedTuple):
+    """A number of the robot, or a vector that varies as a whole.
+
+    Attributes:
+        path: dotted, below ``robot``.
+        value: the numbers, one for a scalar.
+        provenance: tag of the longest matching path; empty without one.
+    """
+
+    path: str
+    value: tuple[float, ...]
+    provenance: str
+
+
+def parameters(robot: RobotConfig) -> list[Parameter]:
+    """All numbers and vectors of a robot, in the order of its configuration."""
+    values = to_dict(robot)
+    tags = values.pop("provenance")
+    numbers = ((k, v) for k, v in flatten(values).items() if isinstance(v, float | tuple))
+    return [
+        Parameter(path, tuple(map(float, np.atleast_1d(value))), tag(tags, path))
+        for path, value in numbers
+    ]
+
+
+def choose(
+    items: Sequence[Parameter], tags: Sequence[str], paths: Sequence[str]
+) -> list[Parameter]:
+    """Parameters with one of the tags, at or below one of the paths if there are any."""
+    return [
+        item
+        for item in items
+        if item.provenance in tags and (not paths or any(_within(item.path, p) for p in paths))
+    ]
+
+
+def tag(tags: Mapping[str, str | None], path: str) -> str:
+    """Tag of the longest path that is ``path`` or a group around it; empty without one."""
+    matching = [name for name in tags if _within(path, name)]
+    return tags[max(matching, key=len)] or "" if matching else ""
+
+
+def _within(path: str, group: str) -> bool:
+    return f"{path}.".startswith(f"{group}.")
+
+
+def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:
+    """The robot with one parameter multiplied by ``factor``; it may be an impossible one.
+
+    Raises:
+        UserError: the parameter takes no such value.
+    """
+    values = to_dict(robot)
+    *groups, name = path.split(".")
+    node: Any = values
+    for group in groups:
+        node = node[group]
+    # Without the last digits, so that 60 · 1.2 is 72.
+    products = [float(f"{value * factor:.12g}") for value in np.atleast_1d(node[name]).tolist()]
+    node[name] = products if isinstance(node[name], tuple) else products[0]
+    return from_dict(RobotConfig, values, "robot")

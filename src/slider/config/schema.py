@@ -7,26 +7,30 @@ from pydantic.dataclasses import dataclass
 
 from slider.config.control import AnyControl
 from slider.config.env import EnvConfig
-from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
-from slider.config.gait import GaitConfig, LibraryConfig, StartSpread
-from slider.config.gauge import GaugeConfig
+from slider.config.evaluation import (
+    EvaluationConfig,
+    GaugeConfig,
+    SeedsConfig,
+    SpeedsConfig,
+    TuningConfig,
+)
+from slider.config.gait import GaitConfig, LibraryConfig, StartSpread, VerificationConfig
 from slider.config.hzd import HzdConfig
 from slider.config.report import ReportConfig
 from slider.config.robot import Provenance, RobotConfig
 from slider.config.train import TrainConfig, TrainingsConfig
-from slider.config.tuning import TuningConfig
 from slider.config.types import (
     STRICT,
     Count,
     Distinct,
     MetresPerSecond,
     Name,
+    Rule,
     Seed,
     Share,
     Some,
     Tolerance,
 )
-from slider.config.verification import VerificationConfig
 
 Samples = Annotated[int, Field(ge=1, le=1_000_000_000_000)]
 
@@ -115,6 +119,14 @@ class StudyConfig:
     """evaluate the policies; null: none"""
 
 
+_Study = Annotated[
+    StudyConfig,
+    Rule("gaits=true or an evaluation", lambda study: study.gaits or study.evaluation),
+    Rule("starts: null without gaits", lambda study: study.gaits or not study.starts),
+    Rule("training: null without an evaluation", lambda s: s.evaluation or not s.training),
+]
+
+
 @dataclass(frozen=True, config=STRICT)
 class TrackingConfig:
     """MLflow."""
@@ -165,7 +177,7 @@ class Config:
     tuning: TuningConfig
     verification: VerificationConfig
     report: ReportConfig
-    study: dict[str, StudyConfig]
+    study: dict[str, _Study]
     tracking: TrackingConfig
     store: StoreConfig
     resources: ResourcesConfig

@@ -18,10 +18,12 @@ from slider.config.types import (
     Number,
     Positive,
     RadiansPerSecond,
+    Rule,
     Seconds,
     Seed,
     Share,
     Some,
+    ordered,
 )
 
 WARP = "slider.env.warp"
@@ -208,9 +210,17 @@ class TrainConfig:
     guide: GuideConfig
     reward: RewardConfig
     reset: ResetConfig
-    network: NetworkConfig
+    network: Annotated[
+        NetworkConfig, ordered("std_min", "std_max"), ordered("std_min", "std_final")
+    ]
     ppo: PpoConfig
-    selection: SelectionConfig
+    selection: Annotated[
+        SelectionConfig,
+        Rule(
+            "flight_weight ≤ half of fall_weight: a robot that fell costs most",
+            lambda selection: selection.flight_weight <= selection.fall_weight / 2,
+        ),
+    ]
     disturbance: DisturbanceConfig
     sensing: Sensing
     """what agents receive: the true state, or its estimate from sensors on board"""

@@ -44,7 +44,7 @@ class Rule:
     """What else must hold of a value, in words and as a test."""
 
     text: str
-    holds: Callable[[Any], bool]
+    holds: Callable[[Any], object]
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -62,6 +62,16 @@ class Rule:
         return value
 
 
+def ordered(*names: str, strict: bool = False) -> Rule:
+    """Attributes of a group that do not fall, or that rise."""
+
+    def holds(group: Any) -> bool:
+        pairs = pairwise(getattr(group, name) for name in names)
+        return all(a < b or (a == b and not strict) for a, b in pairs)
+
+    return Rule((" < " if strict else " ≤ ").join(names), holds)
+
+
 def _distinct(values: list[Any]) -> bool:
     pairs = pairwise(sorted(values))
     return all(a != b if isinstance(a, str) else b - a > SAME for a, b in pairs)
@@ -73,6 +83,8 @@ Even = Annotated[T, Rule("an even number", lambda value: value % 2 == 0)]
 Odd = Annotated[T, Rule("an odd number", lambda value: value % 2 == 1)]
 Some = Annotated[list[T], Field(min_length=1)]
 Distinct = Annotated[T, Rule("each once", _distinct)]
+Rising = Annotated[T, Rule("rising values", lambda values: sorted({*values}) == values)]
+Falling = Annotated[T, Rule("falling values", lambda values: sorted({*values})[::-1] == values)]
 Vector3 = tuple[T, T, T]
 
 Name = Annotated[str, Field(min_length=1)]

@@ -6,8 +6,7 @@ import pytest
 
 from slider.config.compose import compose
 from slider.config.convert import to_dict
-from slider.config.parameters import choose, parameters, scaled, tag
-from slider.config.robot import RobotConfig
+from slider.config.robot import RobotConfig, choose, parameters, scaled, tag
 
 CONF = Path(__file__).parents[2] / "conf"
 

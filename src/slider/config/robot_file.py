@@ -48,13 +48,11 @@ def without_capstan(robot: Any) -> None:
     """
     if not isinstance(robot, dict) or robot.get("capstan", "") is not None:
         return
-    for name in ("drives", "gains"):
-        if isinstance(robot.get(name), dict):
-            robot[name].pop("capstan", None)
-    tags = robot.get("provenance")
-    if isinstance(tags, dict):
-        gone = ("capstan.", "drives.capstan.", "gains.capstan.")
-        robot["provenance"] = {k: v for k, v in tags.items() if not f"{k}.".startswith(gone)}
+    gone = ("capstan.", "drives.capstan.", "gains.capstan.")
+    for name, prefix in (("drives", "drives."), ("gains", "gains."), ("provenance", "")):
+        if isinstance(values := robot.get(name), dict):
+            kept = {k: v for k, v in values.items() if not f"{prefix}{k}.".startswith(gone)}
+            robot[name] = kept
 
 
 def model_of(option: str) -> "ModelFile | None":

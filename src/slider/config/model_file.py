@@ -211,7 +211,7 @@ class _Tree:
         """Joint with a role (nbody,) that moves each body, −1 for the base, −2 for others."""
         model, owners = self._model, np.full(self._model.nbody, -2)
         for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
-            own = [index for index in self._joints_of(body) if index in self._roles]
+            own = [index for index in self._joints_of(int(body)) if index in self._roles]
             parent = owners[model.body_parentid[body]]  # parents come first
             owners[body] = own[-1] if own else max(parent, -1)
         return owners

@@ -1,6 +1,6 @@
 """What values of the configuration may be: bounds, units, and their combinations.
 
-The schema combines them, ``Positive[Metres]``, with a text under each field. Upper bounds are
+The schema combines them, ``t.Positive[t.Metres]``, with a text under each field. Upper bounds are
 generous: they refuse what cannot be a length, time or count, such as 1e30.
 """
 

@@ -1,9 +1,12 @@
 """Between plain nested values and typed configuration objects."""
 
+import copy
 import json
 import re
+from collections.abc import Mapping
 from dataclasses import asdict
-from functools import cache
+from functools import cache, reduce
+from operator import getitem
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
@@ -31,6 +34,24 @@ def from_dict(cls: type[T], values: Any, key: str = "") -> T:
         return _adapter(cls).validate_json(json.dumps(values))
     except ValidationError as error:
         raise UserError(_mistake(error, values, key)) from None
+
+
+def setting(values: Mapping[str, Any], name: str) -> float | None:
+    """The number at a dotted name of nested values, None without one."""
+    value: Any = values
+    for part in name.split("."):
+        value = value.get(part) if isinstance(value, Mapping) else None
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return value if number else None
+
+
+def with_settings(values: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested values with others at dotted names that there are."""
+    changed = copy.deepcopy(dict(values))
+    for name, value in settings.items():
+        *groups, last = name.split(".")
+        reduce(getitem, groups, changed)[last] = value
+    return changed
 
 
 @cache

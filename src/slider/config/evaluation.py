@@ -3,11 +3,9 @@
 See ``docs/how-to/gauge.md`` and ``docs/explanation/baseline.md``.
 """
 
-import copy
-from collections.abc import Mapping
 from dataclasses import field, fields
 from itertools import pairwise
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
@@ -246,24 +244,3 @@ class TuningConfig:
     """of the starts"""
     spaces: dict[str, dict[str, _Range]]
     """controller of ``control``, or NAME_onboard → dotted name of a number of it → range"""
-
-
-def setting(control: Mapping[str, Any], name: str) -> float | None:
-    """The number at a dotted name of a controller's settings, None without one."""
-    value: Any = control
-    for part in name.split("."):
-        value = value.get(part) if isinstance(value, Mapping) else None
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return value if number else None
-
-
-def with_settings(control: Mapping[str, Any], settings: Mapping[str, float]) -> dict[str, Any]:
-    """A controller's settings with other numbers at dotted names that there are."""
-    changed = copy.deepcopy(dict(control))
-    for name, value in settings.items():
-        *groups, last = name.split(".")
-        place = changed
-        for group in groups:
-            place = place[group]
-        place[last] = value
-    return changed

@@ -5,14 +5,14 @@ Values and their provenance live in ``conf/robot``.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from slider.config import types as t
-from slider.config.convert import from_dict, to_dict
+from slider.config.convert import from_dict, to_dict, with_settings
 from slider.core.files import flatten
 
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
@@ -271,11 +271,8 @@ def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:
         UserError: the parameter takes no such value.
     """
     values = to_dict(robot)
-    *groups, name = path.split(".")
-    node: Any = values
-    for group in groups:
-        node = node[group]
+    value = flatten(values)[path]
     # Without the last digits, so that 60 · 1.2 is 72.
-    products = [float(f"{value * factor:.12g}") for value in np.atleast_1d(node[name]).tolist()]
-    node[name] = products if isinstance(node[name], tuple) else products[0]
-    return from_dict(RobotConfig, values, "robot")
+    products = [float(f"{number * factor:.12g}") for number in np.atleast_1d(value).tolist()]
+    product = products if isinstance(value, tuple) else products[0]
+    return from_dict(RobotConfig, with_settings(values, {path: product}), "robot")

@@ -27,16 +27,9 @@ SAME = 1e-6
 T = TypeVar("T")
 
 
-@plain_dataclass(frozen=True)
-class Unit:
+def Unit(text: str) -> Any:
     """Unit of a number; ``rad | m``: of a joint that turns, and of the slide."""
-
-    text: str
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        return handler(schema) | {"unit": self.text}
+    return Field(json_schema_extra={"unit": text})
 
 
 @plain_dataclass(frozen=True)

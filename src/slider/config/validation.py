@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from itertools import pairwise
 
 from slider.config.control import ONBOARD, PAPER_LABELS, POLICY, POLICY_LABEL, SMOKE_AGENTS
-from slider.config.convert import from_dict, to_dict
+from slider.config.convert import from_dict, setting, to_dict, with_settings
 from slider.config.env import DisturbanceConfig, EnvConfig
-from slider.config.evaluation import AXES, EvaluationConfig, SeedBlock, setting, with_settings
+from slider.config.evaluation import AXES, EvaluationConfig, SeedBlock
 from slider.config.gait import axis_size
 from slider.config.robot import LEG_JOINTS, RobotConfig, parameters
 from slider.config.schema import Config

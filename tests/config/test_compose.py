@@ -76,8 +76,7 @@ def test_every_option_composes(option):
         ("gait.grid.vx=0.33", "grid.vx: expected keys and values or a list, found 0.33"),
         (
             "train.walking.velocities.vx=[0.3]",
-            "train.walking.velocities.vx: expected values of train.walking.velocities.vx.lower, "
-            "train.walking.velocities.vx.upper, found [0.3]",
+            "train.walking.velocities.vx: expected keys and values, found [0.3]",
         ),
         (
             "train.walking.network.std_final=0.01",

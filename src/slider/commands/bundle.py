@@ -26,11 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write the archive in one step.
-
-    Raises:
-        UserError: a target is unknown or not computed, or the source changed since.
-    """
+    """Write the archive in one step."""
     store = Store(arguments.artefacts)
     plan = current_plan(store)
     for name in arguments.targets:

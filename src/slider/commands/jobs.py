@@ -107,11 +107,7 @@ def publish_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def publish(arguments: argparse.Namespace) -> None:
-    """Copy each file in one step, so that a target is the old file or the new one.
-
-    Raises:
-        UserError: the result lacks a file or is damaged.
-    """
+    """Copy each file in one step, so that a target is the old file or the new one."""
     manifest = parse_manifest(arguments.manifest)
     result = manifest.result
     folder = Store(arguments.artefacts).object_folder(result.object)

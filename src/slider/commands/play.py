@@ -110,11 +110,7 @@ def finite(text: str) -> float:
 
 
 def check(arguments: argparse.Namespace) -> None:
-    """Refuse impossible numbers.
-
-    Raises:
-        UserError: names the option.
-    """
+    """Refuse impossible numbers."""
     count, seconds = len(arguments.gait or (0, 0)), arguments.seconds
     require(count in (2, 3), "--gait", "VX VY [YAW_RATE]", f"{count} values")
     require(arguments.seed >= 0, "--seed", "no negative number", arguments.seed)

@@ -41,11 +41,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def check_port(port: int, host: str | None) -> None:
-    """Refuse a port that does not exist or, given a host, that something else listens at.
-
-    Raises:
-        UserError: names the port.
-    """
+    """Refuse a port that does not exist or, given a host, that something else listens at."""
     require(0 <= port < 1 << 16, "--port", "a number from 0 to 65535", port)
     if host is None or port == 0:
         return

@@ -16,17 +16,18 @@ from hydra import compose as hydra_compose
 from hydra import initialize_config_dir
 from hydra.core.config_store import ConfigStore
 from hydra.core.global_hydra import GlobalHydra
-from hydra.errors import HydraException
+from hydra.errors import HydraException, MissingConfigException
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
-from slider.config.convert import from_dict
+from slider.config.convert import from_dict, to_dict
 from slider.config.robot import leg_scale
 from slider.config.robot_file import store_robot, without_capstan
 from slider.config.schema import Config
 from slider.config.validation import NAME, validate
 from slider.core.errors import UserError
+from slider.core.files import flatten
 
 _MOST_STEPS = 1000  # of a list from start to stop
 _HALF_WIDTH, _MASS = 0.1, 12.5248  # between the pitch axes of SLIDER [m], and its mass [kg]
@@ -162,31 +163,27 @@ def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
 
 def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:
     """One line for a Hydra error, with the nearest known key."""
-    if match := re.search(r"Could not override '([^']+)'", str(error)):
-        return _unknown(match[1], getattr(error.__cause__, "full_key", ""), conf)
-    if match := re.search(r"Could not find '([^']+)'", str(error)):
-        group, _, name = match[1].rpartition("/")
-        options = ", ".join(_stems(conf / group)) or "none"
+    if isinstance(error, MissingConfigException) and error.missing_cfg_file:
+        group, _, name = error.missing_cfg_file.rpartition("/")
+        options = ", ".join(error.options or ()) or "none"
         return f"unknown option {group}={name}, expected one of: {options}"
+    if match := re.search(r"Could not override '([^']+)'", str(error)):
+        return _unknown(max(match[1], getattr(error.__cause__, "full_key", ""), key=len), conf)
     if match := re.search(r"Error merging override ([^=]+)=(.*)", str(error)):
-        keys = _keys(compose_untyped([], conf))
-        below = ", ".join(name for name in keys if name.rpartition(".")[0] == match[1])
-        return f"{match[1]}: expected values of {below}, found {match[2]}"
+        return f"{match[1]}: expected keys and values, found {match[2]}"
     broken = [text for text in overrides if text in str(error)]
     where = f" in override '{broken[0]}'" if broken else ""
     return f"{_first_line(error)}{where} (expected key=value, lists without spaces)"
 
 
-def _unknown(key: str, below: str, conf: Path) -> str:
-    """Line about a key that the configuration lacks, with the nearest one.
-
-    Where there is the key, as that of ``key={…}``, it lacks the one ``below``.
-    """
-    group, keys = key.partition(".")[0], _keys(compose_untyped([], conf))
-    if group in Config.__dataclass_fields__ and group not in keys:
+def _unknown(key: str, conf: Path) -> str:
+    """Line about a key that the configuration lacks, with the nearest one."""
+    group, leaf = key.partition(".")[0], key.rpartition(".")[2]
+    node: Any = compose([], conf)
+    keys, place = [*flatten(to_dict(node))], ""
+    if getattr(node, group, node) is None:
         choices = " or ".join(f"{group}={name}" for name in _stems(conf / group))
         return f"{key}: expected {choices} beside it, found none"
-    key, node, place = below if key in keys else key, compose([], conf), ""
     for part in key.split("."):
         items = node if isinstance(node, dict) else vars(node) if is_dataclass(node) else {}
         if part not in items:
@@ -194,7 +191,6 @@ def _unknown(key: str, below: str, conf: Path) -> str:
         node, place = items[part], f"{place}{part}."
     new = isinstance(node, dict)
     keys = [name for name in keys if name.startswith(place)] if new else keys
-    leaf = key.rpartition(".")[2]
     same_leaf = [name for name in keys if name.rpartition(".")[2] == leaf]
     nearest = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or same_leaf[:1]
     hint = f", did you mean '{nearest[0]}'?" if nearest else "." * new
@@ -203,13 +199,3 @@ def _unknown(key: str, below: str, conf: Path) -> str:
 
 def _stems(folder: Path) -> list[str]:
     return sorted(path.stem for path in folder.glob("*.yaml"))
-
-
-def _keys(node: Any, prefix: str = "") -> list[str]:
-    """Dotted names of all groups and values."""
-    keys = []
-    for name, value in node.items():
-        keys.append(f"{prefix}{name}")
-        if isinstance(value, dict):
-            keys += _keys(value, f"{prefix}{name}.")
-    return keys

@@ -16,7 +16,7 @@ from slider.core.errors import UserError
 T = TypeVar("T")
 _LONGEST = 100  # characters of a value in a message
 # Of pydantic's messages: "List should have at least 1 item after validation, not 0".
-_FRAME = re.compile(r"^\w+ should (be|have) |( after validation)?, not \d+$")
+_FRAME = re.compile(r"^\w+ should (be|have) |^Value error, |( after validation)?, not \d+$")
 
 
 def to_dict(config: Any) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from dataclasses import dataclass as plain_dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Generic, TypeVar
 
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.dataclasses import dataclass
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, core_schema
 
 STRICT = ConfigDict(
     extra="forbid",
@@ -51,7 +51,7 @@ class Rule:
 
     def _checked(self, value: Any) -> Any:
         if not self.holds(value):
-            raise PydanticCustomError("rule", self.text)  # pyright: ignore[reportArgumentType]
+            raise ValueError(self.text)
         return value
 
 
@@ -112,8 +112,6 @@ class Interval(Generic[T]):
     upper: T
     """greatest value"""
 
-    @model_validator(mode="after")
-    def _ordered(self) -> "Interval[T]":
+    def __post_init__(self) -> None:
         if self.lower > self.upper:  # pyright: ignore[reportOperatorIssue]
-            raise PydanticCustomError("rule", "lower ≤ upper")
-        return self
+            raise ValueError("lower ≤ upper")

@@ -83,10 +83,8 @@ def test_another_file_changes_no_other_recipe(conf):
         ("policy", HIGHER, "control.policy: expected another name than policy, zero, random, "),
         ("mpc_wbc", HIGHER, "control.mpc_wbc: expected another name than .*, found mpc_wbc"),
         labelled("MPC + WBC, tuned", "another label than that of higher .*, found MPC"),
-        labelled("policy (ours)", "another label than that of policy .*, found policy"),
         labelled("MPC + WBC (paper)", "another label than that of mpc_wbc .*, found MPC"),
         labelled('"two\\nlines"', r"higher.label: expected one line of text, found 'two\\nlines'"),
-        labelled('" tuned"', "higher.label: expected one line of text"),
         labelled('" "', "higher.label: expected one line of text"),
         (
             "bare",
@@ -102,13 +100,13 @@ def test_a_mistake_in_a_file_is_one_line(conf, name, text, message):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["all", "Mine", "1st", "a-b", "_mine"])
+@pytest.mark.parametrize("name", ["all", "Mine", "a-b"])
 def test_a_file_has_a_name_that_keys_may_have(conf, name):
     with pytest.raises(UserError, match=rf"control/{name}\.yaml: expected small .*, found {name}$"):
         compose([], add(conf, name))
 
 
-@pytest.mark.parametrize("chosen", ["mpc_wbc_tuned", "nope", "null", "[mpc_wbc_tuned]", ""])
+@pytest.mark.parametrize("chosen", ["mpc_wbc_tuned", "null", ""])
 def test_the_group_is_all_controllers(chosen):
     expected = "control: expected all; evaluation.controllers chooses controllers, found "
     with pytest.raises(UserError) as caught:

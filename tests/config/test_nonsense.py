@@ -207,14 +207,9 @@ def test_every_exception_has_a_leaf(plain):
 @pytest.mark.parametrize(
     ("name", "wrong"),
     [
-        ("env.observation.height_scan.points_x", 10**18),
         ("train.walking.network.hidden", [256, 10**9]),
-        ("train.walking.robots", 10**9),
         ("robot.links.base.mass", 1e7),
-        ("robot.geometry.leg_length", 1e5),
-        ("evaluation.duration", 1e9),
         ("evaluation.speeds", [0.2, 0.2000000001]),
-        ("study.ablation.training.seeds", [1, 1]),
     ],
 )
 def test_absurd_sizes_and_doubles_are_refused(name, wrong, config, plain):

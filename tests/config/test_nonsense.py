@@ -28,7 +28,8 @@ GROUPS = ([], 3, "nonsense", None)
 # Leaves, as patterns, that take a value which is nonsense elsewhere, and why.
 ALLOWED: dict[Any, tuple[str, ...]] = {
     -1: (
-        "*.vx* *.vy* *.yaw_rate *.yaw_rate.lower *.yaw_rate[[]* *speeds[[]* speeds.table1[[]*",  # to the other side
+        "*.vx* *.vy* *.yaw_rate *.yaw_rate.lower *.yaw_rate[[]*",  # backward, right
+        "*speeds[[]* speeds.table1[[]*",  # backward
         "*.com[[]* *.axes.* *.products[[]* *.lower *.joints.*.upper",  # of both signs
         "gait.step_time.slope",  # faster walks step faster
         "*.reward.terms.*.weight *.floor *.on_fall",  # penalties

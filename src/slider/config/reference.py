@@ -192,12 +192,7 @@ def _interval(node: dict[str, Any]) -> str:
         return ""
     (least, open_below), (most, closed) = max(lower), min(upper)
     left, right = "(" if open_below else "[", "]" if closed else ")"
-    return f"{left}{_digits(least)}, {_digits(most)}{right}"
-
-
-def _digits(value: float) -> str:
-    short = f"{value:g}".replace("e+0", "e").replace("e+", "e")
-    return short if float(short) == value else str(value)
+    return f"{left}{least:g}, {most:g}{right}"
 
 
 def _leaves(

@@ -7,14 +7,17 @@ above. Frames are those of ``conf/robot``: parallel to the base's where joints a
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
+from pydantic.dataclasses import dataclass as checked_dataclass
 
+from slider.config import types as t
+from slider.config.convert import from_dict
 from slider.core.errors import UserError, require
 
 LINKS = {
@@ -42,6 +45,23 @@ _MIRROR = np.array([1.0, -1.0, 1.0])
 _MAX_TILT = 1e-3  # of an axis against the frame's [rad]
 _MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis, of the base from its plane [m]
 _MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
+
+
+@checked_dataclass(frozen=True, config=t.STRICT)
+class Roles:
+    """What the parts of a model file are for.
+
+    Attributes:
+        base: name of a body.
+        joints: left and right joint of each role, null for a role that the machine lacks.
+        pose: positions of joints that count as zero or are held there.
+        side: leg to take where the two differ.
+    """
+
+    base: t.Name
+    joints: dict[str, tuple[t.Name, t.Name] | None]
+    pose: dict[str, t.Number] = field(default_factory=dict)
+    side: Literal["left", "right"] | None = None
 
 
 @dataclass(frozen=True)
@@ -84,21 +104,14 @@ class _Link:
         return {name: _rounded(value) for name, value in (values | {"products": products}).items()}
 
 
-def read_model(path: Path, roles: Mapping[str, Any]) -> ModelFile:
-    """Values of a robot from the model file ``path``.
-
-    ``roles`` has ``base``, the name of a body; ``joints``, for each role its left and its right
-    joint (null for a role that the machine lacks); optional ``pose``, positions of joints that
-    count as zero or are held there; optional ``side``, ``left`` or ``right``, the leg to take
-    where the two differ.
+def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
+    """Values of a robot from the model file ``path``, with the plain values of :class:`Roles`.
 
     Raises:
         UserError: MuJoCo cannot read the file, or the file does not have what the roles ask for.
     """
-    unknown = set(roles) - {"base", "joints", "pose", "side"}
-    require(not unknown, "robot.roles", "base, joints, pose, side", ", ".join(map(str, unknown)))
-    model = _compiled(path)
-    tree = _Tree(model, roles, _joints(model, roles))
+    roles, model = from_dict(Roles, values, "robot.roles"), _compiled(path)
+    tree = _Tree(model, roles)
     left, right = tree.leg(0), tree.leg(1).mirrored()
     length = float(np.linalg.norm(left.places["ankle"] - left.places["hip_pitch"]))
     differences = {}
@@ -110,18 +123,17 @@ def read_model(path: Path, roles: Mapping[str, Any]) -> ModelFile:
         size = np.maximum(*np.abs(joints)).clip(1e-9)
         differences[f"{name} joints"] = _relative((joints[1] - joints[0]) / size, 1.0)
     worst = max(differences, key=differences.__getitem__)
-    side, difference = roles.get("side"), differences[worst]
-    require(side in (None, "left", "right"), "robot.roles.side", "left or right", side)
+    difference = differences[worst]
     expected = "legs that are alike, or roles.side: left or right"
-    alike = side is not None or difference <= _MAX_DIFFERENCE
+    alike = roles.side is not None or difference <= _MAX_DIFFERENCE
     require(alike, "robot.model", expected, f"{worst} that differ by {difference:.1%}")
-    leg = right if side == "right" else left
+    leg = right if roles.side == "right" else left
     lateral = leg.places["ankle"][1]
     expected = "a left leg on the left, y > 0 (are left and right swapped?)"
     require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
     links = {"base": tree.base().values(np.zeros(3)), **leg.described()}
-    values = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
-    return ModelFile(values, tree.held(), (difference, worst))
+    robot = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
+    return ModelFile(robot, tree.held(), (difference, worst))
 
 
 @dataclass(frozen=True)
@@ -178,14 +190,12 @@ class _Leg:
 class _Tree:
     """A compiled model in its nominal pose, the base at the origin."""
 
-    def __init__(
-        self, model: mujoco.MjModel, roles: Mapping[str, Any], joints: dict[str, tuple[int, int]]
-    ) -> None:
-        self._model, self._data, self._joints = model, mujoco.MjData(model), joints
-        self._roles = {index for pair in joints.values() for index in pair}
-        self._base = _index(model, "body", roles.get("base"), "robot.roles.base")
+    def __init__(self, model: mujoco.MjModel, roles: Roles) -> None:
+        self._model, self._data, self._joints = model, mujoco.MjData(model), _joints(model, roles)
+        self._roles = {index for pair in self._joints.values() for index in pair}
+        self._base = _index(model, "body", roles.base, "robot.roles.base")
         require(self._base > 0, "robot.roles.base", "the body of the base", "world")
-        self._zero = self._pose(roles.get("pose") or {})
+        self._zero = self._pose(roles.pose)
         mujoco.mj_kinematics(model, self._data)
         mujoco.mj_comPos(model, self._data)
         self._origin = self._data.xpos[self._base]
@@ -197,10 +207,7 @@ class _Tree:
     def _pose(self, pose: Mapping[str, float]) -> np.ndarray:
         """Positions (njnt,) that count as zero."""
         model, zero = self._model, np.zeros(self._model.njnt)
-        require(isinstance(pose, Mapping), "robot.roles.pose", "a position per joint", pose)
         for name, value in pose.items():
-            possible = isinstance(value, int | float) and np.isfinite(value)
-            require(possible, f"robot.roles.pose.{name}", "a number in rad or m", value)
             zero[_index(model, "joint", name, "robot.roles.pose")] = value
         for index in range(model.njnt):
             if model.jnt_type[index] in _MOVES:
@@ -352,30 +359,26 @@ def _strip(spec: mujoco.MjSpec, urdf: bool) -> None:
     spec.compiler.fusestatic = False  # a URDF's root would be part of the world
 
 
-def _joints(model: mujoco.MjModel, roles: Mapping[str, Any]) -> dict[str, tuple[int, int]]:
+def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
     """Left and right joint of each role that the machine has."""
-    table, key = roles.get("joints"), "robot.roles.joints"
-    if not isinstance(table, Mapping):
-        raise UserError(f"{key}: expected {', '.join(LINKS)}, found {table}")
-    require(set(table) == set(LINKS), key, ", ".join(LINKS), ", ".join(map(str, table)))
+    table, key = roles.joints, "robot.roles.joints"
+    require(set(table) == set(LINKS), key, ", ".join(LINKS), ", ".join(table))
+    lacks = [name for name, pair in table.items() if pair is None and name not in ABSENT]
+    require(not lacks, key, f"null for no other than {' and '.join(ABSENT)}", ", ".join(lacks))
     pairs: dict[str, tuple[int, int]] = {}
     for name, pair in table.items():
-        if pair is None and name in ABSENT:
-            continue
-        if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
-            expected = "the names of a left and a right joint" + (", or null" * (name in ABSENT))
-            raise UserError(f"{key}.{name}: expected {expected}, found {pair}")
-        left, right = (_index(model, "joint", joint, key) for joint in pair)
-        pairs[name] = left, right
+        if pair is not None:
+            left, right = (_index(model, "joint", joint, key) for joint in pair)
+            pairs[name] = left, right
     used = [index for pair in pairs.values() for index in pair]
     require(len(set(used)) == len(used), key, "each joint once", "one for two roles")
     return pairs
 
 
-def _index(model: mujoco.MjModel, kind: str, name: Any, key: str) -> int:
+def _index(model: mujoco.MjModel, kind: str, name: str, key: str) -> int:
     """Number of the joint or body of a name."""
     try:
-        return getattr(model, kind)(str(name)).id
+        return getattr(model, kind)(name).id
     except KeyError as error:  # MuJoCo lists the names
         raise UserError(f"{key}: expected a {kind} of the model. {error.args[0]}") from None
 

@@ -99,8 +99,6 @@ def _model(node: dict[str, Any], path: Path) -> "ModelFile | None":
         return None
     if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
         raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
-    if not isinstance(roles, dict):
-        raise UserError(f"robot.roles: expected base and joints, found {roles}")
     from slider.config.model_file import read_model  # imports MuJoCo
 
     return read_model(path.parent / file, roles)

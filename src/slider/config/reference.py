@@ -37,17 +37,11 @@ Generated from the types of the schema. Defaults are those of `experiment=defaul
 
 
 class Kind(NamedTuple):
-    """What a value may be.
-
-    Attributes:
-        name: such as ``number`` or ``list of integers``.
-        unit: of its numbers; ``-`` for shares and factors, empty where there is none.
-        bound: of its numbers, and what else holds, such as ``each once``.
-    """
+    """What a value may be: a ``number``, ``rad`` or ``-``, ``(0, 1]`` and ``each once``."""
 
     name: str
-    unit: str = ""
-    bound: str = ""
+    unit: str
+    bound: str
 
 
 class Entry(NamedTuple):

@@ -11,13 +11,13 @@ from slider.config.env import EnvConfig
 from slider.config.evaluation import (
     EvaluationConfig,
     GaugeConfig,
+    ReportConfig,
     SeedsConfig,
     SpeedsConfig,
     TuningConfig,
 )
 from slider.config.gait import GaitConfig, LibraryConfig, StartSpread, VerificationConfig
 from slider.config.hzd import HzdConfig
-from slider.config.report import ReportConfig
 from slider.config.robot import Provenance, RobotConfig
 from slider.config.train import TrainConfig, TrainingsConfig
 

@@ -75,6 +75,7 @@ def test_every_option_composes(option):
             "++train.walking={simulator:mujoco_warp,disturbance:{terrain:{kinds:[tiles]}}}",
             "simulator: expected mujoco with disturbance.terrain or ",
         ),
+        ("evaluation.speeds=[0.2,0.2000000001]", "evaluation.speeds: expected each once, found"),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
         ("evaluation=joystick", "evaluation.profile: expected none (the velocities of Table 1"),
         ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),

@@ -13,10 +13,6 @@ from slider.core.errors import UserError
 from slider.reports.table1 import paper_rows
 
 CONF = Path(__file__).parents[2] / "conf"
-STEP = """
-step: {time: 0.3, time_min: 0.2, time_max: 0.5, time_change: 0.0, width: 0.2, apex: 0.07,
-  switching: time, early: 0.6, late: 0.08}
-"""
 HIGHER = "defaults:\n  - mpc_wbc_tuned\n  - _self_\n\nlabel: higher\nstep:\n  apex: 0.1\n"
 
 
@@ -86,11 +82,6 @@ def test_another_file_changes_no_other_recipe(conf):
         labelled("MPC + WBC (paper)", "another label than that of mpc_wbc .*, found MPC"),
         labelled('"two\\nlines"', r"higher.label: expected one line of text, found 'two\\nlines'"),
         labelled('" "', "higher.label: expected one line of text"),
-        (
-            "bare",
-            (CONF / "control/base.yaml").read_text() + STEP,
-            "bare.label: expected one line",
-        ),
         ("higher", HIGHER + "  apx: 0.1\n", "control.higher.step.apx"),
     ],
 )
@@ -113,10 +104,3 @@ def test_the_group_is_all_controllers(chosen):
         compose([f"control={chosen}"], CONF)
     assert str(caught.value).startswith(expected + chosen)
     assert compose(["control=all"], CONF).control == compose([], CONF).control
-
-
-def test_an_unknown_controller_is_answered_by_the_known_ones():
-    known = ", ".join(["policy", *controllers()])
-    expected = f"evaluation.controllers: expected one of {known}, found higher"
-    with pytest.raises(UserError, match=expected):
-        compose(["evaluation.controllers=[policy,higher]"], CONF)

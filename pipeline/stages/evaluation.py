@@ -10,8 +10,7 @@ from pipeline.stages.entries import job, only, robot, simulation, without
 from slider.artefacts.plan import JobSpec
 from slider.config.control import ONBOARD, POLICY, POLICY_LABEL, HzdControlConfig
 from slider.config.convert import to_dict
-from slider.config.evaluation import EvaluationConfig
-from slider.config.gauge import GaugeProtocol
+from slider.config.evaluation import EvaluationConfig, GaugeProtocol
 from slider.config.hzd import enforced_section
 from slider.config.schema import Config
 from slider.control import LAYOUT, ONNX, REFERENCE

@@ -58,32 +58,30 @@ class Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one subcommand; bad input is one line and status 1."""
     _open_streams()
-    arguments = list(sys.argv[1:] if argv is None else argv)
-    name = arguments[0] if arguments else ""
-    if name not in COMMANDS | INTERNAL:
-        return _no_command(arguments)
-    place, text = (COMMANDS | INTERNAL)[name]
-    place, _, function = place.partition(":")
-    module = importlib.import_module(place)
-    parser = Parser(f"slider {name}", description=text)
-    getattr(module, f"{function}_arguments" if function else "add_arguments")(parser)
+    name, *arguments = list(sys.argv[1:] if argv is None else argv) or ["--help"]
     try:
-        code = getattr(module, function or "run")(parser.parse_args(arguments[1:])) or 0
+        if name not in COMMANDS | INTERNAL:
+            return _no_command(name)
+        place, text = (COMMANDS | INTERNAL)[name]
+        place, _, function = place.partition(":")
+        module = importlib.import_module(place)
+        parser = Parser(f"slider {name}", description=text)
+        getattr(module, f"{function}_arguments" if function else "add_arguments")(parser)
+        code = getattr(module, function or "run")(parser.parse_args(arguments)) or 0
         sys.stdout.flush()
         return code
     except UserError as error:
-        print(f"slider: {error}", file=sys.stderr)
-        return 1
+        line = str(error)
     except BrokenPipeError:  # who reads has seen enough, such as `head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
-        line = not_written(error, Path(ARTEFACTS))
-        if line is None and not is_read_only(error):
+        unwritten = not_written(error, Path(ARTEFACTS))
+        if unwritten is None and not is_read_only(error):
             raise
-        line = line or f"{error.filename}: {error.strerror}"
-        print(f"slider: {line}", file=sys.stderr)
-        return 1
+        line = str(unwritten or f"{error.filename}: {error.strerror}")
+    print(f"slider: {line}", file=sys.stderr)
+    return 1
 
 
 def _open_streams() -> None:
@@ -100,8 +98,8 @@ def _open_streams() -> None:
         sys.stdout.reconfigure(errors="replace")
 
 
-def _no_command(arguments: list[str]) -> int:
-    """Show the commands, or that there is no such one; status 1."""
+def _no_command(name: str) -> int:
+    """Show the commands, or that there is no such one."""
     lines = [f"  {name:<20}{text}" for name, (_, text) in COMMANDS.items()]
     parser = Parser(
         "slider",
@@ -109,13 +107,8 @@ def _no_command(arguments: list[str]) -> int:
         epilog="\n".join(["commands:", *lines]),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("command", choices=COMMANDS, metavar="command", nargs="?")
-    try:
-        parser.parse_args(arguments)
-    except UserError as error:
-        print(f"slider: {error}", file=sys.stderr)
-    else:
-        parser.print_help()
+    parser.add_argument("command", choices=COMMANDS, metavar="command")
+    parser.parse_args([name])
     return 1
 
 

@@ -281,7 +281,7 @@ def test_the_command_says_what_travelled(place, full, bare, capsys):
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (["push", "REMOTE", "report"], "expected targets of the current plan (library, table1)"),
+        (["push", "REMOTE", "report"], "target: expected one of library, table1, found report"),
         (["pull", "REMOTE"], "expected results of slider, found none"),
         (["push", "REMOTE/deep/folder"], "No such file or directory"),
         (["push", "https://127.0.0.1:1/x"], "expected one to write to, found HTTP"),

@@ -1,6 +1,5 @@
 """``slider library`` and ``slider gait``: what people read, also of their mistakes."""
 
-import os
 import re
 import shutil
 from pathlib import Path
@@ -93,16 +92,6 @@ def test_without_a_store_or_a_library_it_says_what_makes_one(plan, library, caps
     publish(store, jobs["library"], library)
     assert main(["library", "show"]) == 0
     assert "3 of 4 gaits" in capsys.readouterr().out
-
-
-def test_the_latest_plan_counts(plan, library, capsys):
-    store, jobs = plan
-    publish(store, jobs["library"], library)
-    other = JobSpec("library", "library", CODE, {"other": 1})
-    path = write_plan(build_plan({"library": other}), store.root / "plans")
-    os.utime(path, (2e9, 2e9))
-    assert main(["gait", "show", "--vx", "0.5"]) == 1
-    assert "gait_library" in said(capsys)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from slider.core import files
 ROOT = Path(__file__).parents[2]
 DOCS = sorted((ROOT / "docs").rglob("*.md"))
 GUIDES = [ROOT / "README.md", *(page for page in DOCS if page.parent.name != "notebook")]
-NOTEBOOK = sorted((ROOT / "docs" / "notebook").glob("2*.md"))
 TABLE = """\
 controller,label,source,speed,success_rate,success_low,success_high,mse,mse_steady,tracking_rate
 policy,policy (ours),measured,0.2,0.996,0.99,0.998,0.0314,0.00271,0.9
@@ -128,23 +127,6 @@ def test_a_report_of_another_version_is_one_line(capsys):
     assert "expected the column 'success_rate' in reports/table1.csv" in error
 
 
-def name(page: Path) -> str:
-    return page.relative_to(ROOT).as_posix()
-
-
 def test_every_block_is_shown_somewhere():
     shown = {match[2] for page in GUIDES for match in MARKED.finditer(page.read_text())}
     assert set(BLOCKS) <= shown
-
-
-@pytest.mark.parametrize("page", GUIDES[1:], ids=name)
-def test_a_page_opens_with_what_its_reader_can_do(page):
-    title, empty, first = page.read_text().splitlines()[:3]
-    assert title.startswith("# ")
-    assert not empty
-    assert first.startswith(("After this page you ", "From here you "))
-
-
-@pytest.mark.parametrize("page", NOTEBOOK, ids=name)
-def test_a_page_of_the_notebook_says_of_which_commits_it_is(page):
-    assert "up to commit `" in "\n".join(page.read_text().splitlines()[:6])

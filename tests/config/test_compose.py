@@ -37,16 +37,8 @@ def test_every_option_composes(option):
             "++protocols={../../x:${protocols.sweep}}",
             'protocols: expected names of small letters, digits and _ after a letter, found "../',
         ),
-        (r"++protocols={$\(touch\ pwned\):${protocols.sweep}}", 'letter, found "$(touch pwned)"'),
-        ("+control.Mine=${control.hzd}", "control: expected names of small letters, digits and _"),
         ("+robot.provenance.zzz=paper", "robot.provenance: expected keys below robot that hold"),
-        (
-            "robot.links.base.inertia=[1,1,5]",
-            "robot.links.base.inertia: expected none above the sum of the others, found [1, 1, 5]",
-        ),
         ("gait.nods=3", "unknown configuration key 'gait.nods', did you mean 'gait.nodes'?"),
-        ("speeds.top=-3", "slider: speeds.top: expected a number in (0, 100] m/s, found -3"),
-        ("gait.solver.guesses=[cold,cold]", "gait.solver.guesses: expected each once, found"),
         (
             "train.walking.reward.terms.heding.weight=1",
             "did you mean 'train.walking.reward.terms.heading.weight'? A new name needs a + in",
@@ -54,96 +46,44 @@ def test_every_option_composes(option):
         ("train.walking.selection={spedds: 3}", "did you mean 'train.walking.selection.speeds'?"),
         ("gait.bounds={a: {lower: 0, upper: 1}}", "key 'gait.bounds.a'. A new name needs a + in"),
         ("nonsense=3", "unknown configuration key 'nonsense'"),
-        (
-            "finetuning.iterations=3",
-            "finetuning.iterations: expected finetuning=outdoor or finetuning=robust beside it",
-        ),
-        ("env.phase.halt.below=0.1", "env.phase.halt.above: expected a value ≥ 0.1, found 0.0"),
-        ("env.phase.halt=true", "phase.halt: expected values of below, above, found true"),
+        ("finetuning.iterations=3", "expected finetuning=outdoor or finetuning=robust beside it"),
         ("finetuning=nope", "unknown option finetuning=nope, expected one of: outdoor, robust"),
         ("env.action.clip=${nothing}", "Interpolation key 'nothing' not found"),
         ("experiment=nope", "unknown option experiment=nope, expected one of: default"),
-        ("+gait.extra=3", "gait.extra"),
-        ("gait.nodes=many", "gait.nodes: expected an integer in [5, 201], an odd number"),
-        ("tracking.enabled=3", "tracking.enabled: expected true or false, found 3"),
-        ("robot.joints.slide.upper=-0.5", "robot.joints.slide: expected lower < upper"),
         ("~robot.drives.capstan", "robot.drives: expected hip_yaw, hip_roll, hip_pitch, capstan"),
         ("+robot.gains.slide={kp: 1.0, kd: 0.1}", "robot.gains: expected hip_yaw, hip_roll,"),
-        ("robot.gains.slide.kp=9000", "unknown configuration key 'robot.gains.slide.kp'"),
-        ("robot.geometry.base_half_size=[0.07,0,0.06]", "geometry.base_half_size[1]: expected"),
-        ("gait.grid.vx.stop=-1.0", "gait.grid.vx: expected start ≤ stop"),
         ("gait.grid.vx.step=1e-9", "gait.grid: expected at most"),
-        ("gait.grid.vx=0.33", "grid.vx: expected a list of one or more numbers in [-100, 100]"),
-        (
-            "train.walking.velocities.vx=[0.3]",
-            "train.walking.velocities.vx: expected values of train.walking.velocities.vx.lower, "
-            "train.walking.velocities.vx.upper, found [0.3]",
-        ),
-        (
-            "train.walking.network.std_final=0.01",
-            "train.walking.network.std_final: expected at least 0.05 (std_min), found 0.01",
-        ),
+        ("gait.grid.vx=0.33", "grid.vx: expected keys and values or a list, found 0.33"),
+        ("train.walking.velocities.vx=[0.3]", "vx: expected keys and values, found [0.3]"),
         ("train.walking.selection.warm_up=6", "selection.warm_up: expected a time in [0, 5.98] s"),
-        ("train.walking.selection.flight_weight=6", "flight_weight: expected 0 to 5, half of"),
-        ("train.standing.network.hidden=[64]", "as train.walking.network has it, found [64]"),
-        (
-            "train.standing.network.activation=tanh",
-            "train.standing.network.activation: expected elu",
-        ),
+        ("train.walking.selection.flight_weight=6", "selection: expected flight_weight ≤ half of"),
+        ("train.standing.network.activation=tanh", "network.activation: expected elu"),
         ("protocols.joystick.profile.warm_up=2.995", "expected a control period longer than ramp"),
         ("train.walking.episode_length=0.001", "episode_length: expected a value ≥ 0.02"),
         ("train.standing.reset.reference_fraction=0.5", "expected 0 (pre-training has no guide"),
-        ("evaluation.warm_up=9.999", "evaluation.warm_up: expected a time in [0, 9.98] s"),
-        (
-            "control.mpc_wbc_tuned.substeps=2",
-            "control.mpc_wbc_tuned.substeps: expected a control rate of at least",
-        ),
-        (
-            "control.mpc_wbc_tuned.substeps=3",
-            "control.mpc_wbc_tuned.substeps: expected a divisor of",
-        ),
-        (
-            "control.mpc_wbc_observer.observer.delay=0.012",
-            "observer.delay: expected a multiple of 0.005",
-        ),
-        ("control.hzd.family=x", 'control.hzd.family: expected one of mpc, hzd, found "x"'),
-        ("~control.hzd.family", "control.hzd.family: expected one of mpc, hzd, found none"),
-        ("control.hzd=null", "control.hzd: expected the settings of a controller, found null"),
-        ("control.hzd.family=mpc", "control.hzd.step.time_min: expected a number"),
-        (
-            "evaluation.disturbance.delay.upper=0.012",
-            "evaluation.disturbance.delay.upper: expected a multiple of 0.005, found 0.012",
-        ),
-        ("evaluation.disturbance.mass={lower: 1.1, upper: 0.9}", "mass: expected lower ≤ upper"),
-        ("train.walking.disturbance.push.interval=0.03", "push.interval: expected a multiple of"),
-        ("evaluation.disturbance.push.duration=3.0", "push.duration: expected less than its"),
+        ("control.mpc_wbc_tuned.substeps=2", "(4) for a control rate of at least 200 Hz, found"),
+        ("control.mpc_wbc_observer.observer.delay=0.012", "delay: expected a multiple of 0.005"),
+        ("control.hzd.family=x", "control.hzd: expected 'family' of 'mpc', 'hzd', found {"),
+        ("~control.hzd.family", "control.hzd: expected 'family' of its settings, found {"),
+        ("control.hzd.family=mpc", "control.hzd.step.time_min: expected a value, found none"),
+        ("evaluation.disturbance.delay.upper=0.012", "upper: expected a multiple of 0.005"),
+        ("train.walking.disturbance.push.interval=0.13", "push.interval: expected a multiple of"),
         ("evaluation.disturbance.terrain.curriculum=true", "expected false outside trainings"),
         ("gauge.duration=3.0", "gauge.duration: expected at least 3.1 s, with a push, found 3.0"),
         ("gauge.duration=10.01", "gauge.duration: expected a multiple of 0.02, found 10.01"),
-        ("evaluation.disturbance.terrain.kinds=[moon]", "terrain.kinds[0]: expected one of flat,"),
-        ("evaluation.disturbance.terrain.level.upper=21", "terrain.level.upper: expected a number"),
         (
             "++train.walking={simulator:mujoco_warp,disturbance:{terrain:{kinds:[tiles]}}}",
-            "simulator: expected mujoco with disturbance.terrain, found mujoco_warp",
+            "simulator: expected mujoco with disturbance.terrain or ",
         ),
+        ("evaluation.speeds=[0.2,0.2000000001]", "evaluation.speeds: expected each once, found"),
         ("evaluation.controllers=[prayer]", "evaluation.controllers: expected one of policy,"),
         ("evaluation=joystick", "evaluation.profile: expected none (the velocities of Table 1"),
         ("protocols.sweep.speeds=[]", "protocols.sweep.speeds: expected at least one speed"),
         ("protocols.joystick.speeds=[1.0]", "protocols.joystick.speeds: expected none with a"),
         ("protocols.joystick.duration=44.0", "segments[11]: expected a control period longer"),
-        (
-            "protocols.joystick.profile.cases=[{name: a, segments: []}]",
-            "cases[0].segments: expected a list of one or more values of name, time, vx, vy, ",
-        ),
-        (
-            "protocols.heldout.profile.rows=segments",
-            "heldout.profile.cases: expected one case where rows are its segments",
-        ),
-        ("protocols.heldout.duration=9.0", "cases[12].segments[1]: expected a control period"),
-        ("gait.cost=cheap", 'gait.cost: expected one of paper, torque, transport, found "cheap"'),
-        ("gait.step_time.upper=nan", "step_time.upper: expected a number in (0, 100000] s, found"),
+        ("protocols.heldout.profile.rows=segments", "expected one case where rows are its"),
+        ("gait.cost=cheap", "gait.cost: expected 'paper', 'torque' or 'transport', found "),
         ("what", "what"),
-        ("gait=[1]", "gait"),
     ],
 )
 def test_every_mistake_is_one_line(override, message, capsys):
@@ -156,10 +96,6 @@ def test_every_mistake_is_one_line(override, message, capsys):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"hydar": "gait.nodes=5"}, "unknown --config name 'hydar'"),
-        ({"hydra": 3}, "expected text of the form key=value, found 3"),
-        ({"hydra": ["gait.nodes=5"]}, "expected text of the form key=value"),
-        ({"hydra": "gait.cost='paper"}, "No closing quotation in"),
         ({"hydra": "gait.cost='paper"}, "a space before or after them keeps them"),
         ({"hydra": "gait.nods=3"}, "did you mean 'gait.nodes'?"),
         ({"hydra": "env=paper"}, "walking: reward.terms: expected env.phase.enabled for "),
@@ -177,28 +113,16 @@ def test_snakemake_settings(settings, message, capsys, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_fine_tuning_wants_what_the_walking_training_wanted():
-    overrides = ["train.walking.seed=3", "train.walking.velocities.vx.upper=1.2"]
+def test_a_fine_tuning_has_the_values_of_the_walking_training():
+    overrides = ["train.walking.seed=3", "finetuning.reward.terms.heading.weight=0.7"]
     config = compose(["experiment=turning", "finetuning=robust", *overrides], CONF)
     walking, tuning = config.train.walking, config.finetuning
     assert tuning is not None
-    assert (tuning.seed, tuning.velocities, tuning.reward) == (
-        3,
-        walking.velocities,
-        walking.reward,
-    )
-    assert tuning.episode_length == walking.episode_length == 10.0
-    assert tuning.velocities.yaw_rate.upper > 0
+    assert (tuning.seed, tuning.velocities) == (3, walking.velocities)
     assert tuning.selection.speeds == walking.selection.speeds
-    assert 0.0 in tuning.selection.speeds
-    paper = compose(["experiment=paper", "finetuning=robust"], CONF)
-    assert paper.finetuning is not None
-    assert paper.finetuning.guide == paper.train.walking.guide
-    assert paper.finetuning.reset == paper.train.walking.reset
-    assert tuning.reward.terms["stand_still"].weight > 0
-    own = compose(["finetuning=robust", "finetuning.reward.terms.heading.weight=0.7"], CONF)
-    assert own.finetuning is not None
-    assert own.finetuning.reward.terms["heading"].weight == 0.7
+    assert tuning.reward.terms.pop("heading").weight == 0.7
+    walking.reward.terms.pop("heading")
+    assert tuning.reward == walking.reward
 
 
 def test_a_list_of_speeds_takes_the_place_of_an_axis():
@@ -214,7 +138,6 @@ def test_a_list_of_speeds_takes_the_place_of_an_axis():
 @pytest.mark.parametrize(
     ("path", "text", "line"),
     [
-        ("control/bad.yaml", "a: [\n", 2),
         ("config.yaml", "a: 1\n\tb: 2\n", 2),
         ("experiment/bad.yaml", "a: 1\nb: 'open\n", 3),
     ],
@@ -227,11 +150,6 @@ def test_malformed_yaml_is_one_line(path, text, line, tmp_path):
         compose(overrides, conf)
     assert str(caught.value).startswith(f"{conf / path}, line {line}: expected YAML, found ")
     assert "\n" not in str(caught.value)
-
-
-def test_config_prints_the_resolved_configuration(capsys):
-    assert main(["config", "gait.cost=torque", "--conf", str(CONF)]) == 0
-    assert "  cost: torque\n" in capsys.readouterr().out
 
 
 def test_one_override_of_the_network_is_for_all_trainings():

@@ -28,84 +28,56 @@ GROUPS = ([], 3, "nonsense", None)
 # Leaves, as patterns, that take a value which is nonsense elsewhere, and why.
 ALLOWED: dict[Any, tuple[str, ...]] = {
     -1: (
-        *("*.vx*", "*.vy*", "*.yaw_rate.lower", "*.yaw_rate"),  # backward, right
-        *("*.yaw_rate[[]*", "*speeds[[]*", "speeds.table1[[]*"),  # as above
-        *(
-            "*.com[[]*",
-            "*.axes.*",
-            "*.products[[]*",
-            "*.lower",
-            "*.joints.*.upper",
-        ),  # of both signs
+        "*.vx* *.vy* *.yaw_rate *.yaw_rate.lower *.yaw_rate[[]*",  # backward, right
+        "*speeds[[]* speeds.table1[[]*",  # backward
+        "*.com[[]* *.axes.* *.products[[]* *.lower *.joints.*.upper",  # of both signs
         "gait.step_time.slope",  # faster walks step faster
-        *("*.reward.terms.*.weight", "*.floor", "*.on_fall"),  # penalties
-        *("hzd.impacts.*", "hzd.basin.*"),  # perturbations to both sides
+        "*.reward.terms.*.weight *.floor *.on_fall",  # penalties
+        "hzd.impacts.* hzd.basin.*",  # perturbations to both sides
     ),
     0: (
-        *("*.vx*", "*.vy*", "*.yaw_rate*", "*speeds[[]*", "speeds.table1[[]*"),  # to stand still
-        *("*.com[[]*", "*.axes.*", "*.products[[]*", "gait.step_time.slope"),  # middle
-        *("*.joints.*.lower", "*.joints.*.upper"),  # as above
-        *(
-            "*.start.*",
-            "*.sensing.*",
-            "*.sensors.*",
-            "*.delay.*",
-            "*.centre_of_mass",
-            "*.push.*",
-            "*.payload.*",
-            "*.terrain.*",
-        ),  # nominal
-        *("*.damping", "*.armature", "*.drives.*.inertia"),  # none of its own
-        *("*.kp", "*.kd", "*.whole_body.*.weight[[]*", "*_weight", "*_coefficient"),  # switched off
-        *("*.reward.terms.*.weight", "*.reward.terms.*.params.*", "*.floor", "*.on_fall"),
-        *("*.action.scale.*", "*.termination.terms.*"),  # a passive joint; no contact at all
-        *("*.warm_up", "*.ramp", "*.segments[[]0].time", "*.tracking_*"),  # at once, exact
+        "*.vx* *.vy* *.yaw_rate* *speeds[[]* speeds.table1[[]*",  # to stand still
+        "*.com[[]* *.axes.* *.products[[]* gait.step_time.slope *.joints.*.lower *.joints.*.upper",
+        "*.start.* *.sensing.* *.sensors.* *.delay.* *.centre_of_mass",  # nominal
+        "*.push.* *.payload.* *.terrain.*",  # as above
+        "*.damping *.armature *.drives.*.inertia",  # none of its own
+        "*.kp *.kd *.whole_body.*.weight[[]* *_weight *_coefficient",  # switched off
+        "*.reward.terms.*.weight *.reward.terms.*.params.* *.floor *.on_fall",  # as above
+        "*.action.scale.* *.termination.terms.*",  # a passive joint; no contact at all
+        "*.warm_up *.ramp *.segments[[]0].time *.tracking_*",  # at once, exact
         "gauge.distance",  # survival alone
-        *("*.iterations", "*.period", "*fraction", "*.lam", "*.actor_ema"),  # never, none
-        *("*.estimator.lifted", "*.estimator.force_filter"),
-        *("*.velocity_filter", "*.step_time", "*.halt.*", "*.acceleration"),  # documented: off
-        *("gait.touchdown.*", "gait.posture.*", "gait.contact.min_vertical"),  # tight, or no limit
-        *("*.planner.width_min", "*.velocity.integral*", "*.swing.*", "*.entry.*"),
-        *(
-            "*.step.time_change",
-            "*.step.time_per_speed*",
-            "*.step.early",
-            "*.step.late",
-            "*.observer.delay",
-        ),
-        *("*.hzd.weights.*", "*.hzd.ahead", "*.hzd.ahead.lower", "*.hzd.lock"),  # switched off
-        *("*.hzd.hip_start.*", "*.hzd.descent"),  # as above
-        *("verification.bounds.*", "verification.replay.*"),  # exact; no limit
-        *("hzd.impacts.*", "hzd.basin.*", "hzd.placement.lower", "hzd.feedback.reach"),
+        "*.iterations *.period *fraction *.lam *.actor_ema",  # never, none
+        "*.estimator.lifted *.estimator.force_filter",  # as above
+        "*.velocity_filter *.step_time *.halt.* *.acceleration",  # documented: off
+        "gait.touchdown.* gait.posture.* gait.contact.min_vertical",  # tight, or no limit
+        "*.planner.width_min *.velocity.integral* *.swing.* *.entry.*",  # as above
+        "*.step.time_change *.step.time_per_speed* *.step.early *.step.late *.observer.delay",
+        "*.hzd.weights.* *.hzd.ahead* *.hzd.lock *.hzd.hip_start.* *.hzd.descent",  # switched off
+        "verification.bounds.* verification.replay.*",  # exact; no limit
+        "hzd.impacts.* hzd.basin.* hzd.placement.lower hzd.feedback.reach",  # as above
         "gait.decoupling_min",  # none is refused
-        *(
-            "*.seed",
-            "*.sampler_seed",
-            "*.seeds[[]*",
-            "*seeds.*.first",
-            "seeds.selection",
-        ),  # counted from
+        "*.seed *.sampler_seed *.seeds[[]* *seeds.*.first seeds.selection",  # counted from
         "*.quality",
     ),
     "": (),
     "nonsense": (
-        *("*.name", "*.label", "tracking.experiment", "store.remote"),  # names
+        "*.name *.label tracking.experiment store.remote",  # names
         "*.overrides[[]*",  # read when the variant is composed
-        *("report.sections[[]*", "study.*.metrics[[]*"),  # known to whoever lays out the jobs
+        "report.sections[[]* study.*.metrics[[]*",  # known to whoever lays out the jobs
     ),
     "[]": (
-        *("*.extra", "*.overrides", "study.*.parameters"),  # nothing beside the rest; all
-        *("report.*speeds", "protocols.*.speeds"),  # nothing drawn; a profile instead
+        "*.extra *.overrides study.*.parameters",  # nothing beside the rest; all
+        "report.*speeds protocols.*.speeds",  # nothing drawn; a profile instead
     ),
     None: (
-        *("finetuning", "control.*.observer", "*.friction"),  # none, or the robot's
-        "robot.capstan",  # other drives are asked for
-        "robot.provenance.*",  # no tag
-        *("protocols.*.profile", "verification.bounds.*"),  # constant commands; reported only
-        *("study.*.scaling", "study.*.starts"),  # no further variants; own guesses
-        *("study.*.training", "study.sensitivity.evaluation"),  # the pipeline's policy; gaits alone
+        "finetuning control.*.observer *.friction",  # none, or the robot's
+        "robot.capstan robot.provenance.*",  # other drives are asked for; no tag
+        "protocols.*.profile verification.bounds.*",  # constant velocities; reported only
+        "study.*.scaling study.*.starts",  # no further variants; own guesses
+        "study.*.training study.sensitivity.evaluation",  # the pipeline's policy; gaits alone
     ),
 }
+PATTERNS = {wrong: " ".join(lines).split() for wrong, lines in ALLOWED.items()}
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +119,7 @@ def allowed(place: Place, wrong: Any) -> bool:
     if isinstance(wrong, (bool, dict)):
         return False
     name = "[]" if isinstance(wrong, list) else wrong
-    return any(fnmatch(key(place), pattern) for pattern in ALLOWED.get(name, ()))
+    return any(fnmatch(key(place), pattern) for pattern in PATTERNS.get(name, ()))
 
 
 def replaced(node: Any, place: Place, value: Any) -> Any:
@@ -178,7 +150,8 @@ def complaint(config: Config, plain: dict[str, Any], place: Place, wrong: Any) -
 def is_clear(place: Place, text: str) -> bool:
     """One line about the key, or about the group around it that does not fit together."""
     found, separator, _ = text.partition(": expected ")
-    around = key(place) if len(place) < 2 else key(place[:-1])
+    names = [index for index, part in enumerate(place) if isinstance(part, str)]
+    around = key(place[: names[-2] + 1 if len(names) > 1 else 1])  # of an item, that of its list
     names = found == key(place) or (found.startswith(around) and key(place).startswith(found))
     return bool(separator) and "\n" not in text and names
 
@@ -198,26 +171,6 @@ def test_nonsense_is_refused_in_one_line(group, config, plain):
 
 def test_every_exception_has_a_leaf(plain):
     keys = [key(place) for place, _ in places(plain)]
-    for patterns in ALLOWED.values():
+    for patterns in PATTERNS.values():
         for pattern in patterns:
             assert any(fnmatch(name, pattern) for name in keys), pattern
-
-
-@pytest.mark.parametrize(
-    ("name", "wrong"),
-    [
-        ("env.observation.height_scan.points_x", 10**18),
-        ("train.walking.network.hidden", [256, 10**9]),
-        ("train.walking.robots", 10**9),
-        ("robot.links.base.mass", 1e7),
-        ("robot.geometry.leg_length", 1e5),
-        ("evaluation.duration", 1e9),
-        ("evaluation.speeds", [0.2, 0.2000000001]),
-        ("study.ablation.training.seeds", [1, 1]),
-    ],
-)
-def test_absurd_sizes_and_doubles_are_refused(name, wrong, config, plain):
-    text = complaint(config, plain, tuple(name.split(".")), wrong)
-    assert text.startswith(name)
-    assert ": expected " in text
-    assert "\n" not in text

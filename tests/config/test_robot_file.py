@@ -7,7 +7,7 @@ import pytest
 from pipeline.stages import table1_jobs
 from pipeline.stages.gaits import library_job
 from slider.config.compose import compose
-from slider.config.parameters import parameters
+from slider.config.robot import parameters
 from slider.core.errors import UserError
 
 CONF = Path(__file__).parents[2] / "conf"
@@ -75,16 +75,17 @@ BASE = "defaults: [slider, _self_]\nname: mine\n"
     [
         ("name: [\n", "line 2: expected YAML, found an error"),
         ("- a\n", "expected keys and values, found list"),
-        ("3\n", "expected a YAML file, found: Invalid loaded object type: int"),
         ("", "expected the robot's name as `name`, found none"),
-        ("name: mine\n", "robot.geometry: expected values of axes, leg_length"),
+        ("name: mine\n", "robot.geometry: expected a value, found none"),
         (BASE.replace("slider", "nope"), "expected [slider, _self_], found ['nope', '_self_']"),
-        (BASE.replace("[slider, _self_]", "slider"), "expected [slider, _self_], found slider"),
-        (BASE + "links: {base: {mass: .nan}}", "robot.links.base.mass: expected a number in (0,"),
+        (BASE + "links: {base: {mass: .nan}}", "robot.links.base.mass: expected a finite number"),
         (BASE + "links: {bass: 3}", "unknown configuration key 'robot.links.bass'"),
         (BASE + "provenance: hello", "robot.provenance: expected a tag per dotted key, found hel"),
-        (BASE + "provenance: {links: cad}", "expected one of measured, paper, earlier, assumed,"),
-        (BASE + "links: {base: {com: [0, 0.01, 0]}}", "com: expected y = 0 m: left and right are"),
+        (BASE + "provenance: {links: cad}", "expected 'measured', 'paper', 'earlier' or 'assumed'"),
+        (
+            BASE + "links: {base: {com: [0, 0.01, 0]}}",
+            "links.base: expected y, Ixy and Iyz of 0",
+        ),
     ],
 )
 def test_a_mistake_is_one_line(written, text, message):
@@ -108,7 +109,7 @@ def test_a_folder_stands_for_its_robot_yaml(written, tmp_path):
 def test_the_virtual_knee_s_tube_has_its_centre_on_its_axis():
     off = "robot.links.tube.com=[0.01,0.0,-0.2]"
     assert compose([off], CONF).robot.links.tube.com[0] == 0.01
-    with pytest.raises(UserError, match=r"expected x = y = 0 m with gait.dynamics=knee, found x"):
+    with pytest.raises(UserError, match=r"expected com x and y, .* with gait.dynamics=knee"):
         compose([off, "gait.dynamics=knee"], CONF)
 
 
@@ -132,5 +133,5 @@ def test_defaults_follow_the_robot_and_typed_numbers_stay(written):
     assert loaded == pytest.approx(40.0)
     with pytest.raises(UserError, match=r"less than 0.365 m, at which the robot stands, found 0.4"):
         compose([file, "env.termination.terms.base_height=0.4"], CONF)
-    with pytest.raises(UserError, match=r"^robot.geometry.leg_length: expected a number in"):
+    with pytest.raises(UserError, match=r"^robot.geometry.leg_length: expected a valid number, "):
         compose(["robot.geometry.leg_length=long"], CONF)

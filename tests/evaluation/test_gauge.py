@@ -12,7 +12,7 @@ import pytest
 
 from slider.config.compose import compose
 from slider.config.convert import to_dict
-from slider.config.gauge import AXES, FALLING, LEVELS, TERRAINS, GaugeProtocol
+from slider.config.evaluation import AXES, LEVELS, TERRAINS, GaugeProtocol
 from slider.control.export import write_files
 from slider.core.errors import UserError
 from slider.core.job import Job
@@ -30,11 +30,11 @@ ROOT = Path(__file__).parents[2]
 def test_levels_get_harder_and_each_has_its_own_words(axis):
     values = SETTINGS.values(axis)
     assert len(values) == LEVELS
-    assert values == sorted(values, reverse=axis in FALLING)
+    assert values == sorted(values, reverse=axis in ("friction", "motor_strength"))
     texts = [words(axis, value) for value in values]
     assert len(set(texts)) == LEVELS
     numbers = [float(re.sub(r"[^\d.]", "", text)) for text in texts]
-    assert numbers == sorted(numbers, reverse=axis in FALLING)
+    assert numbers == sorted(numbers, reverse=axis in ("friction", "motor_strength"))
 
 
 @pytest.mark.parametrize("axis", AXES)

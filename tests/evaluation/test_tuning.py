@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from slider.config.tuning import setting, with_settings
+from slider.config.convert import setting, with_settings
 from slider.core.job import Job
 from slider.env.metrics import Tracking
 from slider.evaluation import tuning

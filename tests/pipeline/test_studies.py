@@ -10,7 +10,7 @@ from pipeline.studies import GAITS_ONLY, study_job
 from slider.artefacts.plan import JobSpec, build_plan
 from slider.artefacts.recipe import Code
 from slider.config.compose import compose
-from slider.config.parameters import choose, parameters, scaled
+from slider.config.robot import choose, parameters, scaled
 from slider.core.errors import UserError
 from slider.core.files import flatten
 from slider.robot.mjcf import SimulationOptions, build_spec
@@ -168,6 +168,7 @@ def test_no_study_is_in_the_plan_until_it_is_asked_for(tmp_path, monkeypatch):
         ("ablation.metrics=[cost]", "study.ablation.metrics: expected one of success_rate, "),
         ("ablation.variants.default.overrides=['a=1']", "study.ablation.variants.default: unknown"),
         ("sensitivity.gaits=false", "study.sensitivity.metrics: expected one of success_rate, "),
+        ("sensitivity.scaling.change=1.0", "scaling.change: expected less than 1, found"),
         ("sensitivity.scaling.parameters=[legs]", "numbers of the robot tagged assumed, found leg"),
         (
             "sensitivity.scaling={change: 0.2, provenance: [measured], parameters: []}",

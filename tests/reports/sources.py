@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, TypeVar
 
-from slider.config.report import ReportConfig, VideoConfig
+from slider.config.evaluation import ReportConfig, VideoConfig
 from slider.reports.contents import Sources
 from slider.reports.page import Content, render
 

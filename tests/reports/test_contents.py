@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from slider.config.report import ReportConfig
+from slider.config.evaluation import ReportConfig
 from slider.core.job import Job
 from slider.evaluation.results import Evaluation, Robots
 from slider.reports import contents, page

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 from scipy.interpolate import BPoly
 
-from slider.config.verification import IntegratorConfig
+from slider.config.gait import IntegratorConfig
 from slider.verification.roll import RollDynamics
 from slider.verification.stored import StepMotion
 from tests.verification.sample import pinocchio

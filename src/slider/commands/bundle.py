@@ -9,7 +9,8 @@ from slider.artefacts.current import add_store_argument, current_plan, current_r
 from slider.artefacts.plan import Plan, build_plan
 from slider.artefacts.run_metadata import config_option, run_metadata
 from slider.artefacts.store import Store
-from slider.core.errors import UserError
+from slider.commands import make_folder
+from slider.core.errors import UserError, one_of, require
 
 _NO_LICENCE = "No licence has been chosen: all rights are reserved."
 
@@ -25,17 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Write the archive in one step.
-
-    Raises:
-        UserError: a target is unknown or not computed, or the source changed since.
-    """
+    """Write the archive in one step."""
     store = Store(arguments.artefacts)
     plan = current_plan(store)
-    known = sorted(plan.targets) if plan else []
     for name in arguments.targets:
-        if plan and name not in known:
-            raise UserError(f"expected a target of {', '.join(known)}, found '{name}'")
+        if plan:
+            one_of("target", name, sorted(plan.targets))
     targets = {
         name: current_result(store, name, f"snakemake -j2 {_file(plan, name)}")[0]
         for name in arguments.targets
@@ -51,12 +47,8 @@ def run(arguments: argparse.Namespace) -> None:
     command = " ".join(["snakemake -j2", *dict.fromkeys(_file(plan, name) for name in targets)])
     command += config_option(overrides)
     out = arguments.out or Path("reports") / f"{arguments.targets[0]}.crate.zip"
-    if out.is_dir():
-        raise UserError(f"--out: expected a file, found the folder {out}")
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"--out: {out.parent}: {error.strerror}") from None
+    require(not out.is_dir(), "--out", "a file", f"the folder {out}")
+    make_folder(out.parent)
     with tempfile.TemporaryDirectory(prefix=f".{out.name}.", dir=out.parent) as place:
         folder = Path(place) / "crate"
         folder.mkdir()

@@ -26,8 +26,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     from slider.config.compose import compose
     from slider.config.convert import to_dict
-    from slider.config.reference import HEADER, entries, matching
-    from slider.env.terms import checked, kinds
+    from slider.config.reference import Entry, entries, matching
+    from slider.env.terms import checked, parameter_types
     from slider.reports.sections import check_sections
 
     config = checked(compose(arguments.overrides, arguments.conf))
@@ -36,8 +36,8 @@ def run(arguments: argparse.Namespace) -> None:
         print(OmegaConf.to_yaml(OmegaConf.create(to_dict(config))), end="")
         return
     rows = [
-        HEADER,
-        *(entry.cells for entry in matching(entries(config, kinds(config)), arguments.keys)),
+        Entry._fields,
+        *matching(entries(config, parameter_types(config)), arguments.keys),
     ]
     widths = [min(max(map(len, column)), _WIDEST) for column in zip(*rows, strict=True)]
     for row in rows:

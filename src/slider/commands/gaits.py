@@ -1,19 +1,19 @@
 """``slider library`` and ``slider gait``: the gait library, and one gait of it."""
 
 import argparse
+from math import nan
 from pathlib import Path
 
 import numpy as np
 
 from slider.artefacts.current import add_store_argument, current_folder, current_result
 from slider.artefacts.store import Store
-from slider.core.errors import UserError
+from slider.commands import make_folder
+from slider.core.errors import UserError, require
 from slider.library.choose import MAKE_LIBRARY, add_library_arguments, library_path, read_library
 from slider.library.export import FORMATS
 from slider.library.overview import gait_lines, library_lines
 from slider.library.reader import STORE, GaitLibrary
-
-_PICTURES = (".svg", ".png")
 
 
 def library_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +41,7 @@ def library(arguments: argparse.Namespace) -> None:
     from slider.reports.figures.style import write_figure
 
     library, times = _solve_times(Store(arguments.artefacts))
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(arguments.out.parent)
     text = maps.times_caption(times)
     write_figure(arguments.out, "Solve times", lambda: maps.draw_times(library, times), text)
     print(f"{arguments.out}.svg is ready")
@@ -55,14 +55,14 @@ def _solve_times(store: Store) -> tuple[GaitLibrary, np.ndarray]:
     """
     job, _ = current_result(store, "library", MAKE_LIBRARY)
     library = GaitLibrary.load(current_folder(store, "library", MAKE_LIBRARY) / STORE)
-    known: dict[tuple[float, ...], float] = {}
-    for gait in job.inputs["gaits"]:
-        facts = store.facts(gait.stage, gait.recipe)
-        known[tuple(gait.section["velocity"])] = facts.get("solve_cpu", np.nan)
-    times = np.array([known[tuple(velocity)] for velocity in library.velocities.tolist()])
-    if not np.isfinite(times).any():
+    times = {
+        tuple(gait.section["velocity"]): store.facts(gait.stage, gait.recipe).get("solve_cpu", nan)
+        for gait in job.inputs["gaits"]
+    }
+    known = np.array([times[tuple(velocity)] for velocity in library.velocities.tolist()])
+    if not np.isfinite(known).any():
         raise UserError(f"expected solve times beside the gaits in {store.root}, found none")
-    return library, times
+    return library, known
 
 
 def gait_arguments(parser: argparse.ArgumentParser) -> None:
@@ -84,46 +84,27 @@ def gait_arguments(parser: argparse.ArgumentParser) -> None:
 
 def gait(arguments: argparse.Namespace) -> None:
     """Show or export one gait."""
-    _check(arguments)
+    show = arguments.action == "show"
+    out: Path | None = arguments.out
+    is_file = out is None or not out.is_dir()
+    require(is_file, "--out", "the name of a file", f"the folder {out}")
+    drawn = not show or out is None or out.suffix in (".svg", ".png")
+    require(drawn, "--out", "a name that ends in .svg or .png", out)
     library = read_library(arguments)
     gait = library.find(arguments.vx, arguments.vy, arguments.yaw_rate)
-    if arguments.action == "show":
+    if show:
         print("\n".join(gait_lines(library, gait)))
-        out = arguments.out or _default_picture(library, gait)
-        _draw(library, gait, out)
+    if out is None:
+        vx, vy, yaw_rate = library.velocities[gait]
+        turn = f"_{yaw_rate:+.2f}" if yaw_rate else ""
+        out = Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}{turn}.png"
+    make_folder(out.parent)
+    if show:
+        from slider.reports.figures import gaits
+        from slider.reports.figures.style import save, style
+
+        with style():
+            save(gaits.draw_sheet(library, gait), out)
     else:
-        out = arguments.out
-        _make_folder(out)
         FORMATS[arguments.format](library, gait, out)
     print(f"{out} is ready")
-
-
-def _check(arguments: argparse.Namespace) -> None:
-    """Refuse a name for the output before anything is read."""
-    out = arguments.out
-    if out is not None and out.is_dir():
-        raise UserError(f"--out: expected the name of a file, found the folder {out}")
-    if arguments.action == "show" and out is not None and out.suffix not in _PICTURES:
-        raise UserError(f"--out: expected a name that ends in .svg or .png, found {out}")
-
-
-def _default_picture(library: GaitLibrary, gait: int) -> Path:
-    vx, vy, yaw_rate = library.velocities[gait]
-    turn = f"_{yaw_rate:+.2f}" if yaw_rate else ""
-    return Path("reports") / "gaits" / f"{vx:.2f}_{vy:+.2f}{turn}.png"
-
-
-def _draw(library: GaitLibrary, gait: int, out: Path) -> None:
-    from slider.reports.figures import gaits
-    from slider.reports.figures.style import save, style
-
-    _make_folder(out)
-    with style():
-        save(gaits.draw_sheet(library, gait), out)
-
-
-def _make_folder(out: Path) -> None:
-    try:
-        out.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"--out: {out}: {error.strerror}") from None

@@ -16,7 +16,7 @@ from typing import TextIO
 
 from slider.artefacts.current import add_store_argument
 from slider.artefacts.manifest import damaged, parse_manifest
-from slider.artefacts.plan import Plan, read_plan
+from slider.artefacts.plan import read_plan
 from slider.artefacts.runner import Runner
 from slider.artefacts.store import Store
 from slider.core import files
@@ -43,22 +43,26 @@ def run(arguments: argparse.Namespace) -> int:
     log = store.log_path(spec.stage, spec.recipe)
     for number in (signal.SIGINT, signal.SIGTERM):  # end tidily and without a trace
         signal.signal(number, lambda number, _: sys.exit(128 + number))
+    peers = (job for job in plan.jobs.values() if job.stage == spec.stage)
+    waiting = sum(not store.manifest_path(spec.stage, job.recipe).is_file() for job in peers)
     with _output_to(log) as terminal:
         # The processes of a training get it, too.
         show = partial(_show, store.progress_path(spec.stage, spec.recipe).absolute())
-        waiting = _waiting(store, plan, spec.stage)
         try:
             outcome = Runner(store, arguments.threads, show, waiting).run(spec)
             print(f"{spec.label}: {outcome}")
         except Exception as error:
-            known = error if isinstance(error, UserError) else not_written(error, store.root)
-            if known is not None:
-                _say(f"slider: {spec.label}: {known}", terminal)
+            line = error if isinstance(error, UserError) else not_written(error, store.root)
+            if line is not None:
+                for stream in (terminal, sys.stdout):
+                    with suppress(OSError):  # no space for the end of the log
+                        print(f"slider: {spec.label}: {line}", file=stream, flush=True)
                 return 1
             traceback.print_exc()
             sys.stderr.flush()
             print(f"slider: {spec.label} failed; {log} ends with", file=terminal)
-            print(_tail(log), file=terminal)
+            with log.open(encoding="utf-8", errors="replace") as file:
+                print("".join(f"  {text}" for text in deque(file, _TAIL)).rstrip(), file=terminal)
             return 1
     return 0
 
@@ -78,13 +82,6 @@ def _output_to(log: Path) -> Iterator[TextIO]:
             _redirect((saved[0], saved[1]))
 
 
-def _say(line: str, terminal: TextIO) -> None:
-    """Write a line to the terminal and to the log, unless there is no space for it."""
-    print(line, file=terminal)
-    with suppress(OSError):
-        print(line, flush=True)
-
-
 def _redirect(targets: tuple[int, int]) -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError):  # no space for the end of the log
@@ -93,22 +90,11 @@ def _redirect(targets: tuple[int, int]) -> None:
         os.dup2(target, descriptor)
 
 
-def _waiting(store: Store, plan: Plan, stage: str) -> int:
-    """Number of a stage's results that are not there yet."""
-    jobs = (job for job in plan.jobs.values() if job.stage == stage)
-    return sum(not store.manifest_path(stage, job.recipe).is_file() for job in jobs)
-
-
 def _show(path: Path, message: str) -> None:
     """Progress goes to the log, its latest line to a file, for who shows the run."""
     print(message, flush=True)
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(message, encoding="utf-8")
-
-
-def _tail(log: Path) -> str:
-    with log.open(encoding="utf-8", errors="replace") as file:
-        return "".join(f"  {line}" for line in deque(file, _TAIL)).rstrip()
 
 
 def publish_arguments(parser: argparse.ArgumentParser) -> None:
@@ -121,36 +107,25 @@ def publish_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def publish(arguments: argparse.Namespace) -> None:
-    """Copy each file in one step, so that a target is the old file or the new one.
-
-    Raises:
-        UserError: the result lacks a file or is damaged.
-    """
+    """Copy each file in one step, so that a target is the old file or the new one."""
     manifest = parse_manifest(arguments.manifest)
     result = manifest.result
     folder = Store(arguments.artefacts).object_folder(result.object)
     for target in arguments.targets:
         if target.name not in result.files:
             raise UserError(f"expected {target.name} in {arguments.manifest}, found none")
-        if not _copy(folder / target.name, target, result.files[target.name].sha256):
-            raise damaged(manifest.stage, result.object)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        part = target.with_name(f".{target.name}.{os.getpid()}.part")
+        try:
+            with suppress(FileNotFoundError):
+                shutil.copyfile(folder / target.name, part)
+            expected = result.files[target.name].sha256
+            if not part.is_file() or files.digest_file(part) != expected:
+                raise damaged(manifest.stage, result.object)
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
         print(f"{target} is ready")
-
-
-def _copy(source: Path, target: Path, digest: str) -> bool:
-    """Copy a file; return whether its content has the digest, else leave the target alone."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        shutil.copyfile(source, part)
-        if files.digest_file(part) != digest:
-            return False
-        part.replace(target)
-        return True
-    except FileNotFoundError:
-        return False
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def tracking_arguments(parser: argparse.ArgumentParser) -> None:

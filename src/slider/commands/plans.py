@@ -20,11 +20,7 @@ def why_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def why(arguments: argparse.Namespace) -> None:
-    """Print the jobs of the latest plan that lead to a target and have no result, by reason.
-
-    Raises:
-        UserError: there is no plan, or no such target.
-    """
+    """Print the jobs of the latest plan that lead to a target and have no result, by reason."""
     store = Store(arguments.artefacts)
     plan = current_plan(store)
     if plan is None:
@@ -46,11 +42,7 @@ def diff_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def diff(arguments: argparse.Namespace) -> int:
-    """Print the causes of the difference of a target in two plans; status 1 where there is one.
-
-    Raises:
-        UserError: there is no such plan, or no such target.
-    """
+    """Print the causes of the difference of a target in two plans; status 1 where there is one."""
     sides = arguments.old, arguments.new
     old_store, new_store = (_store(side, arguments.artefacts) for side in sides)
     old, new = _plan(sides[0], old_store), _plan(sides[1], new_store)

@@ -4,7 +4,6 @@ import argparse
 import math
 import os
 import socket
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +12,7 @@ from slider.artefacts.current import add_store_argument, current_folder
 from slider.artefacts.store import Store
 from slider.commands.runs import check_port
 from slider.config.control import POLICY, SMOKE_AGENTS
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 
 if TYPE_CHECKING:
     from slider.play.scenes import Scene
@@ -34,14 +33,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--policy", type=Path, help="policy file (default: of the current plan)")
     parser.add_argument(
         "--gait",
-        type=float,
+        type=finite,
         nargs="+",
         metavar=("VX", "VY"),
         help="replay the nearest gait of the library, without physics: VX VY [YAW_RATE]",
     )
     parser.add_argument("--library", type=Path, help="gait library (default: of the current plan)")
     parser.add_argument(
-        "--velocity", type=float, nargs=3, default=(0.4, 0.0, 0.0), metavar=VELOCITY
+        "--velocity", type=finite, nargs=3, default=(0.4, 0.0, 0.0), metavar=VELOCITY
     )
     parser.add_argument("--web", action="store_true", help="show it in a browser")
     parser.add_argument("--port", type=int, default=0, help="of --web (default: from 8080 on)")
@@ -55,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--headless", action="store_true", help="without pictures: print the outcome"
     )
     parser.add_argument("--film", type=Path, help="write an animated picture (.webp) instead")
-    parser.add_argument("--seconds", type=float, help="stop after this time [s]")
+    parser.add_argument("--seconds", type=finite, help="stop after this time [s]")
     parser.add_argument("--seed", type=int, default=0, help="of the start and of the random agent")
     parser.add_argument(
         "--set",
@@ -78,8 +77,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     silence_mujoco()
     scene = choose(arguments)
-    _check_velocity(arguments.velocity, loop.velocity_limits(scene.top))
     control = loop.Control(arguments.velocity, scene.top)
+    for name, value, (low, high) in zip(VELOCITY, arguments.velocity, control.limits, strict=True):
+        expected = f"{name} between {low:g} and {high:g}"
+        require(low <= value <= high, "--velocity", expected, f"{value:g}")
     if arguments.headless:
         return loop.run_headless(scene, control, arguments.seconds)
     if arguments.film is not None:
@@ -97,25 +98,23 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def check(arguments: argparse.Namespace) -> None:
-    """Refuse impossible numbers.
+def finite(text: str) -> float:
+    """A number of an option.
 
     Raises:
-        UserError: names the option.
+        ArgumentTypeError: it is infinite or none.
     """
-    for name in ("gait", "velocity"):
-        values = getattr(arguments, name) or ()
-        if not all(map(math.isfinite, values)):
-            text = " ".join(f"{value:g}" for value in values)
-            raise UserError(f"--{name}: expected finite numbers, found {text}")
-    if arguments.gait is not None and len(arguments.gait) not in (2, 3):
-        count = len(arguments.gait)
-        raise UserError(f"--gait: expected VX VY [YAW_RATE], found {count} values")
-    if arguments.seed < 0:
-        raise UserError(f"--seed: expected no negative number, found {arguments.seed}")
-    seconds = arguments.seconds
-    if seconds is not None and not 0 < seconds < math.inf:
-        raise UserError(f"--seconds: expected a positive number, found {seconds:g}")
+    if not math.isfinite(value := float(text)):
+        raise argparse.ArgumentTypeError(f"expected a finite number, found {text}")
+    return value
+
+
+def check(arguments: argparse.Namespace) -> None:
+    """Refuse impossible numbers."""
+    count, seconds = len(arguments.gait or (0, 0)), arguments.seconds
+    require(count in (2, 3), "--gait", "VX VY [YAW_RATE]", f"{count} values")
+    require(arguments.seed >= 0, "--seed", "no negative number", arguments.seed)
+    require(seconds is None or seconds > 0, "--seconds", "a positive number", seconds)
     if arguments.web:
         try:
             socket.getaddrinfo(arguments.host, None, type=socket.SOCK_STREAM)
@@ -123,13 +122,6 @@ def check(arguments: argparse.Namespace) -> None:
             expected = f"expected an address of this machine, found {arguments.host}"
             raise UserError(f"--host: {expected}: {error.strerror}") from None
     check_port(arguments.port, arguments.host if arguments.web else None)
-
-
-def _check_velocity(velocity: Sequence[float], limits: Sequence[tuple[float, float]]) -> None:
-    for name, value, (low, high) in zip(VELOCITY, velocity, limits, strict=True):
-        if not low <= value <= high:
-            expected = f"{name} between {low:g} and {high:g}"
-            raise UserError(f"--velocity: expected {expected}, found {value:g}")
 
 
 def silence_mujoco() -> None:
@@ -157,8 +149,7 @@ def choose(arguments: argparse.Namespace) -> "Scene":
         return scenes.gait_scene(library_path(arguments), velocity, config)
     path = arguments.policy
     if arguments.agent != POLICY:
-        if path is not None:
-            raise UserError(f"expected --policy with the agent {POLICY}, found {arguments.agent}")
+        require(path is None, "--policy", f"the agent {POLICY}", arguments.agent)
         gaits = partial(current_gaits, arguments.artefacts)
         return scenes.agent_scene(arguments.agent, config, gaits, arguments.seed)
     if path is None:

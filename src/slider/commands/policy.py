@@ -9,7 +9,7 @@ import numpy as np
 
 from slider.artefacts.current import add_store_argument, current_folder, current_result
 from slider.artefacts.store import Store
-from slider.core.errors import UserError
+from slider.commands import make_folder
 
 _MAKE = "snakemake -j2 policy"
 
@@ -57,10 +57,7 @@ def _export(file: Path, origin: dict[str, Any], out: Path) -> None:
     from slider.control import EXPORT_FILES
     from slider.control.export import export
 
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UserError(f"--out: {out}: {error.strerror}") from None
+    make_folder(out)
     difference = export(file, origin, out)
     for name in EXPORT_FILES:
         print(out / name)
@@ -77,45 +74,32 @@ def summary(layout: dict[str, Any]) -> str:
     network, observation, action = layout["network"], layout["observation"], layout["action"]
     widths = [observation["size"], *network["hidden"], action["size"]]
     terms = [
-        [*(f"{term[name]}" for name in ("name", "start", "width")), f"{term['scale']:g}"]
-        + [term["frame"], ", ".join(dict.fromkeys(term["units"]))]
-        for term in observation["terms"]
+        term | {"unit": ", ".join(dict.fromkeys(term["units"]))} for term in observation["terms"]
     ]
-    joints = [_row(joint, "nominal", "scale", "lower", "upper") for joint in action["joints"]]
-    limits = "kp", "kd", "torque_limit", "no_load_speed"
     tables = [
-        pd.DataFrame(rows, columns=list(names)).to_string(index=False)
-        for names, rows in (
-            (("observation", "at", "width", "scale", "frame", "unit"), terms),
-            (("joint", "nominal", "scale", "lower", "upper"), joints),
-            (("motor", *limits), [_row(motor, *limits) for motor in action["motors"]]),
+        pd.DataFrame(
+            [{title: row["name"]} | {name: row[name] for name in columns} for row in rows]
+        ).to_string(index=False, float_format="{:g}".format)
+        for title, rows, columns in (
+            ("observation", terms, ("start", "width", "scale", "frame", "unit")),
+            ("joint", action["joints"], ("nominal", "scale", "lower", "upper")),
+            ("motor", action["motors"], ("kp", "kd", "torque_limit", "no_load_speed")),
         )
     ]
+    offset, clock = "the nominal pose", "none"
+    if action["offset"] != "nominal":
+        acceleration = layout["reference"]["acceleration"]
+        offset = f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"
+    if layout["clock"] is not None:
+        times = np.ravel(layout["clock"]["step_time"])
+        mirror = "mirrored in right stance" if layout["clock"]["mirror"] else "not mirrored"
+        clock = f"steps of {times.min():.2f} to {times.max():.2f} s, {mirror}"
     facts = [
         f"robot           {layout['robot']}",
         f"control period  {layout['control_period']:g} s",
         f"network         {' × '.join(map(str, widths))}, {network['activation']}",
         "training        " + ", ".join(f"{k} {v:g}" for k, v in layout["training"].items()),
-        f"clock           {_clock(layout['clock'])}",
-        f"actions about   {_offset(layout)}",
+        f"clock           {clock}",
+        f"actions about   {offset}",
     ]
     return "\n\n".join(["\n".join(facts), *tables])
-
-
-def _row(named: dict[str, Any], *names: str) -> list[str]:
-    return [named["name"], *(f"{named[name]:g}" for name in names)]
-
-
-def _offset(layout: dict[str, Any]) -> str:
-    if layout["action"]["offset"] == "nominal":
-        return "the nominal pose"
-    acceleration = layout["reference"]["acceleration"]
-    return f"the gait of the reference velocity, which changes by {acceleration:g} m/s²"
-
-
-def _clock(clock: dict[str, Any] | None) -> str:
-    if clock is None:
-        return "none"
-    times = np.ravel(clock["step_time"])
-    mirror = "mirrored in right stance" if clock["mirror"] else "not mirrored"
-    return f"steps of {times.min():.2f} to {times.max():.2f} s, {mirror}"

@@ -30,24 +30,10 @@ MARKED = re.compile(r"^(<!-- results: (\S+) -->\n).*?^<!-- /results[^\n]*-->", r
 _TABLE1 = ("success_rate", "mse_steady", "mse", "tracking_rate")
 _SUMMARY = ("success_rate", "tracking_rate", "mse_steady")
 _COMPARED = ("policy", "policy_onboard", "hzd", "mpc_wbc_tuned", "guided_drl")  # in README.md
-_WALKING = (
-    *("alternation", "touchdown_rate", "contact_rate", "asymmetry", "flight", "slip", "clearance"),
-    *(
-        "leg_distance",
-        "robots_touch",
-        "robots_cross",
-        "heading",
-        "heading_worst",
-        "velocity_variance",
-    ),
-    *(
-        "reference_velocity_variance",
-        "reference_touchdown_rate",
-        "peak_effort",
-        "peak_speed",
-        "cost_of_transport",
-    ),
-)
+_STEPS = ("alternation", "touchdown_rate", "contact_rate", "asymmetry", "flight", "slip")
+_LEGS = ("clearance", "leg_distance", "robots_touch", "robots_cross", "heading", "heading_worst")
+_VARIANCES = ("velocity_variance", "reference_velocity_variance", "reference_touchdown_rate")
+_WALKING = (*_STEPS, *_LEGS, *_VARIANCES, "peak_effort", "peak_speed", "cost_of_transport")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -108,24 +94,24 @@ def across(
 
     The paper's error is beside both of ours.
     """
+
+    def text(row: Row, name: str) -> str:
+        if intervals and name == "success_rate":
+            ends = (row.get("success_low", NAN), row.get("success_high", NAN))
+            return QUANTITIES[name].between(row[name], *ends)
+        printed = row.get("source") == PAPER
+        return QUANTITIES[name].text(row[(METRICS[name] or name) if printed else name])
+
     rows = [row for row in read(report) if not controllers or row["controller"] in controllers]
     speeds, body = distinct(rows, "speed"), []
     for name in names:
         for (_, label), mine in by(rows, "controller", "label").items():
-            cells = {row["speed"]: _text(row, name, intervals) for row in mine}
-            if any(text != NONE for text in cells.values()):
+            cells = {row["speed"]: text(row, name) for row in mine}
+            if any(cell != NONE for cell in cells.values()):
                 heading = QUANTITIES[name].heading
                 title = "" if body and heading in {line[0] for line in body} else heading
                 body.append([title, label, *(cells.get(value, "–") for value in speeds)])
     return grid(["command [m/s]", "", *map(speed_text, speeds)], body).markdown
-
-
-def _text(row: Row, name: str, intervals: bool) -> str:
-    if intervals and name == "success_rate":
-        ends = (row.get("success_low", NAN), row.get("success_high", NAN))
-        return QUANTITIES[name].between(row[name], *ends)
-    printed = row.get("source") == PAPER
-    return QUANTITIES[name].text(row[(METRICS[name] or name) if printed else name])
 
 
 def markdown_tables(report: Path, count: int | None = None) -> str:

@@ -6,10 +6,9 @@ import socket
 import sqlite3
 import sys
 from contextlib import closing
-from pathlib import Path
 
 from slider.artefacts.current import add_store_argument
-from slider.core.errors import UserError
+from slider.core.errors import UserError, require
 from slider.tracking.mlflow_writer import DATABASE, page
 
 HOST = "127.0.0.1"
@@ -28,7 +27,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Say which address shows the runs, and become MLflow's server."""
     database = (arguments.artefacts / DATABASE).resolve()
-    experiment = _experiment(database)
+    try:
+        with closing(sqlite3.connect(f"{database.as_uri()}?mode=ro", uri=True)) as connection:
+            experiment = str(connection.execute(_LATEST).fetchone()[0])
+    except (sqlite3.Error, TypeError):  # no database, or no row
+        expected = f"expected runs in {database}, found none"
+        raise UserError(f"{expected}: run a pipeline with tracking.enabled=true") from None
     check_port(arguments.port, HOST)
     print(f"open http://{HOST}:{arguments.port}/#{page(experiment)}", flush=True)
     command = [sys.executable, "-m", "mlflow", "ui", "--workers", "1", "--host", HOST]
@@ -37,13 +41,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def check_port(port: int, host: str | None) -> None:
-    """Refuse a port that does not exist or, given a host, that something else listens at.
-
-    Raises:
-        UserError: names the port.
-    """
-    if not 0 <= port < 1 << 16:
-        raise UserError(f"--port: expected a number from 0 to 65535, found {port}")
+    """Refuse a port that does not exist or, given a host, that something else listens at."""
+    require(0 <= port < 1 << 16, "--port", "a number from 0 to 65535", port)
     if host is None or port == 0:
         return
     try:
@@ -55,16 +54,3 @@ def check_port(port: int, host: str | None) -> None:
         raise UserError(
             f"--port: expected a free port at {host}, found {port}: {error.strerror}"
         ) from None
-
-
-def _experiment(database: Path) -> str:
-    try:
-        with closing(sqlite3.connect(f"{database.as_uri()}?mode=ro", uri=True)) as connection:
-            row = connection.execute(_LATEST).fetchone()
-    except sqlite3.Error:
-        row = None
-    if row is None:
-        raise UserError(
-            f"expected runs in {database}, found none: run a pipeline with tracking.enabled=true"
-        )
-    return str(row[0])

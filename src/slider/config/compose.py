@@ -1,9 +1,14 @@
-"""Compose ``conf/`` with Hydra overrides into a typed, checked :class:`Config`."""
+"""Compose ``conf/`` with Hydra overrides into a typed, checked :class:`Config`.
+
+Defaults may follow the robot: ``${by_leg:0.4}`` is 0.4 for SLIDER and in proportion for others.
+Times and speeds grow with the root of the leg's length: walks of the same Froude number v²/(g l)
+are alike. A number in the place of the expression stays as it is typed.
+"""
 
 import difflib
-import json
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,21 +16,21 @@ from hydra import compose as hydra_compose
 from hydra import initialize_config_dir
 from hydra.core.config_store import ConfigStore
 from hydra.core.global_hydra import GlobalHydra
-from hydra.errors import HydraException
-from omegaconf import ListConfig, OmegaConf
+from hydra.errors import HydraException, MissingConfigException
+from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import MarkedYAMLError, YAMLError
 
-from slider.config import scaling as scaling  # registers resolvers
-from slider.config.control import FAMILIES
-from slider.config.convert import from_dict
-from slider.config.reference import BY_NAME, kind_at
+from slider.config.convert import from_dict, to_dict
+from slider.config.robot import leg_scale
 from slider.config.robot_file import store_robot, without_capstan
 from slider.config.schema import Config
 from slider.config.validation import NAME, validate
-from slider.core.errors import UserError, require
+from slider.core.errors import UserError
+from slider.core.files import flatten
 
 _MOST_STEPS = 1000  # of a list from start to stop
+_HALF_WIDTH, _MASS = 0.1, 12.5248  # between the pitch axes of SLIDER [m], and its mass [kg]
 _ALL = re.compile(r"\W*(control|study)(=|$)(?!all$)")
 _HYDRA = re.compile(r"\W*hydra(\W|$)")
 _LIST_FOR_AXIS = re.compile(r"(gait\.grid\.v[xy])=\[")
@@ -37,23 +42,9 @@ def compose(overrides: Sequence[str], conf: Path) -> Config:
     Raises:
         UserError: an unknown key or group, a wrong type or an impossible value.
     """
-    values = compose_untyped(overrides, conf)
-    _check_families(values["control"])
-    config = from_dict(Config, values, describe=kind_at)
+    config = from_dict(Config, compose_untyped(overrides, conf))
     validate(config)
     return config
-
-
-def _check_families(controllers: Any) -> None:
-    """The family tells which settings a controller has, so that it comes first."""
-    for name, control in controllers.items() if isinstance(controllers, dict) else ():
-        settings = isinstance(control, dict)
-        require(settings, f"control.{name}", "the settings of a controller", json.dumps(control))
-        family = control.get("family")
-        value = "none" if family is None else json.dumps(family, ensure_ascii=False)
-        require(
-            family in (*FAMILIES,), f"control.{name}.family", f"one of {', '.join(FAMILIES)}", value
-        )
 
 
 def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
@@ -70,7 +61,11 @@ def compose_untyped(overrides: Sequence[str], conf: Path) -> dict[str, Any]:
     GlobalHydra.instance().clear()
     with initialize_config_dir(str(conf.resolve()), version_base="1.3"):
         try:
-            options = store_robot(_as_hydra_wants(overrides), conf)
+            options = []
+            for text in store_robot(overrides, conf):
+                # Hydra lets no list take the place of start, stop and step: delete them first.
+                axis = _LIST_FOR_AXIS.match(text)
+                options += [f"~{axis[1]}", f"+{text}"] if axis else [text]
             config = hydra_compose("config", overrides=options)
             values = cast(dict[str, Any], OmegaConf.to_container(config, resolve=True))
             without_capstan(values.get("robot"))
@@ -95,15 +90,38 @@ def _steps(start: float, stop: Any, step: float) -> list[Any]:
 
 
 def _joined(*lists: Any) -> list[Any]:
-    return [
-        v
-        for values in lists
-        for v in (values if isinstance(values, list | ListConfig) else [values])
-    ]
+    listed = [values if isinstance(values, list | ListConfig) else [values] for values in lists]
+    return [value for values in listed for value in values]
+
+
+def _register_scale(name: str, scale: Callable[[Any], float]) -> None:
+    """Resolve ``${name:value}`` to the value times a scale of the robot."""
+
+    def resolve(value: float, *, _root_: DictConfig) -> float:
+        try:
+            factor = round(scale(_root_.robot), 12)  # a sum of masses has wrong last digits
+            return value * factor if factor > 0.0 else value
+        except (OmegaConfBaseException, TypeError, AttributeError):
+            return value  # the schema has a line about the robot's value, which comes first
+
+    OmegaConf.register_new_resolver(name, resolve, replace=True)
+
+
+def _mass(robot: Any) -> float:
+    """Mass of the base and of two legs [kg]."""
+    return sum(link.mass * (1 if name == "base" else 2) for name, link in robot.links.items())
 
 
 OmegaConf.register_new_resolver("steps", _steps, replace=True)
 OmegaConf.register_new_resolver("joined", _joined, replace=True)
+_register_scale("by_leg", lambda robot: leg_scale(robot.geometry.leg_length))
+_register_scale("by_time", lambda robot: leg_scale(robot.geometry.leg_length) ** 0.5)
+_register_scale("by_speed", lambda robot: leg_scale(robot.geometry.leg_length) ** 0.5)
+_register_scale("by_rate", lambda robot: leg_scale(robot.geometry.leg_length) ** -0.5)
+_register_scale(
+    "by_hip", lambda robot: sum(place[1] for place in robot.geometry.axes.values()) / _HALF_WIDTH
+)
+_register_scale("by_weight", lambda robot: _mass(robot) / _MASS)
 
 
 def _check_groups(overrides: Sequence[str]) -> None:
@@ -115,29 +133,20 @@ def _check_groups(overrides: Sequence[str]) -> None:
         if _HYDRA.match(text):
             raise UserError(f"hydra: expected keys of conf/, found {text}, which has no effect")
         if group := _ALL.match(text):
-            choice, name = text.partition("=")[2] or text, group.group(1)
-            chooses = "; evaluation.controllers chooses controllers" if name == "control" else ""
-            raise UserError(f"{name}: expected all{chooses}, found {choice}")
+            chooses = "; evaluation.controllers chooses controllers" * (group[1] == "control")
+            choice = text.partition("=")[2] or text
+            raise UserError(f"{group[1]}: expected all{chooses}, found {choice}")
 
 
 def _store_all(conf: Path, group: str) -> None:
     """Write the option ``GROUP=all``: each file of ``conf/GROUP`` under its own name."""
-    names = sorted(path.stem for path in (conf / group).glob("*.yaml"))
+    names = _stems(conf / group)
     for name in names:
         if not NAME.fullmatch(name) or name == "all":
             expected = "small letters, digits and _ after a letter, and not all"
             raise UserError(f"{conf / group}/{name}.yaml: expected {expected}, found {name}")
     defaults = [f"{name}@{name}" for name in names if name != "base"]
     ConfigStore.instance().store("all", {"defaults": defaults}, group=group)
-
-
-def _as_hydra_wants(overrides: Sequence[str]) -> list[str]:
-    """Hydra lets no list take the place of start, stop and step: delete them first."""
-    result = []
-    for text in overrides:
-        axis = _LIST_FOR_AXIS.match(text)
-        result += [f"~{axis.group(1)}", f"+{text}"] if axis else [text]
-    return result
 
 
 def _first_line(error: BaseException) -> str:
@@ -154,53 +163,39 @@ def _malformed(error: YAMLError | UnicodeDecodeError) -> str:
 
 def _explain(error: HydraException, overrides: Sequence[str], conf: Path) -> str:
     """One line for a Hydra error, with the nearest known key."""
-    if unknown_key := re.search(r"Could not override '([^']+)'", str(error)):
-        return _unknown(unknown_key.group(1), getattr(error.__cause__, "full_key", ""), conf)
-    unknown_option = re.search(r"Could not find '([^']+)'", str(error))
-    if unknown_option:
-        group, _, name = unknown_option.group(1).rpartition("/")
-        options = sorted(path.stem for path in (conf / group).glob("*.yaml"))
-        return f"unknown option {group}={name}, expected one of: {', '.join(options) or 'none'}"
-    merged = re.search(r"Error merging override ([^=]+)=(.*)", str(error))
-    if merged:
-        key, found = merged.groups()
-        below = [
-            name for name in _keys(compose_untyped([], conf)) if name.rpartition(".")[0] == key
-        ]
-        return f"{key}: expected values of {', '.join(below)}, found {found}"
+    if isinstance(error, MissingConfigException) and error.missing_cfg_file:
+        group, _, name = error.missing_cfg_file.rpartition("/")
+        options = ", ".join(error.options or ()) or "none"
+        return f"unknown option {group}={name}, expected one of: {options}"
+    if match := re.search(r"Could not override '([^']+)'", str(error)):
+        return _unknown(max(match[1], getattr(error.__cause__, "full_key", ""), key=len), conf)
+    if match := re.search(r"Error merging override ([^=]+)=(.*)", str(error)):
+        return f"{match[1]}: expected keys and values, found {match[2]}"
     broken = [text for text in overrides if text in str(error)]
     where = f" in override '{broken[0]}'" if broken else ""
     return f"{_first_line(error)}{where} (expected key=value, lists without spaces)"
 
 
-def _unknown(key: str, below: str, conf: Path) -> str:
-    """Line about a key that the configuration lacks, with the nearest one.
-
-    Where there is the key, as that of ``key={…}``, it lacks the one ``below``.
-    """
-    group, keys = key.partition(".")[0], _keys(compose_untyped([], conf))
-    defaults = (conf / "config.yaml").read_text(encoding="utf-8")
-    if re.search(rf"^\s*- {re.escape(group)}: null\b", defaults, re.MULTILINE):
-        choices = [f"{group}={path.stem}" for path in sorted((conf / group).glob("*.yaml"))]
-        return f"{key}: expected {' or '.join(choices)} beside it, found none"
-    key = below if key in keys else key
-    parent, new = key, ""
-    while parent and parent not in keys:
-        parent = parent.rpartition(".")[0]
-    if parent and kind_at(Config, parent.split(".")).name.endswith(BY_NAME):
-        keys = [name for name in keys if name.startswith(f"{parent}.")]
-        new = " A new name needs a + in front."
-    same_leaf = [name for name in keys if name.rpartition(".")[2] == key.rpartition(".")[2]]
+def _unknown(key: str, conf: Path) -> str:
+    """Line about a key that the configuration lacks, with the nearest one."""
+    group, leaf = key.partition(".")[0], key.rpartition(".")[2]
+    node: Any = compose([], conf)
+    keys, place = [*flatten(to_dict(node))], ""
+    if getattr(node, group, node) is None:
+        choices = " or ".join(f"{group}={name}" for name in _stems(conf / group))
+        return f"{key}: expected {choices} beside it, found none"
+    for part in key.split("."):
+        items = node if isinstance(node, dict) else vars(node) if is_dataclass(node) else {}
+        if part not in items:
+            break
+        node, place = items[part], f"{place}{part}."
+    new = isinstance(node, dict)
+    keys = [name for name in keys if name.startswith(place)] if new else keys
+    same_leaf = [name for name in keys if name.rpartition(".")[2] == leaf]
     nearest = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or same_leaf[:1]
-    hint = f", did you mean '{nearest[0]}'?" if nearest else "." if new else ""
-    return f"unknown configuration key '{key}'{hint}{new}"
+    hint = f", did you mean '{nearest[0]}'?" if nearest else "." * new
+    return f"unknown configuration key '{key}'{hint}" + " A new name needs a + in front." * new
 
 
-def _keys(node: Any, prefix: str = "") -> list[str]:
-    """Dotted names of all groups and values."""
-    keys = []
-    for name, value in node.items():
-        keys.append(f"{prefix}{name}")
-        if isinstance(value, dict):
-            keys += _keys(value, f"{prefix}{name}.")
-    return keys
+def _stems(folder: Path) -> list[str]:
+    return sorted(path.stem for path in folder.glob("*.yaml"))

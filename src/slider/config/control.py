@@ -8,23 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.types import (
-    STRICT,
-    Count,
-    Factor,
-    Interval,
-    Metres,
-    MetresPerSecond,
-    MetresPerSecond2,
-    Newtons,
-    NonNegative,
-    Number,
-    Positive,
-    Seconds,
-    Share,
-    Unit,
-    Vector3,
-)
+from slider.config import types as t
 
 POLICY = "policy"  # the learned controller; every other one is named in ``Config.control``
 POLICY_LABEL = "policy (ours)"
@@ -35,115 +19,115 @@ PAPER_LABELS = {"guided_drl": "guided RL (paper)", "mpc_wbc": "MPC + WBC (paper)
 SMOKE_AGENTS = ("zero", "random")  # of ``slider play``, to check an environment; they see nothing
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
 class StepConfig:
     """Steps."""
 
-    time: Positive[Seconds]
+    time: t.Positive[t.Seconds]
     """nominal duration; of the entry's orbit where gaits have their own"""
-    width: Positive[Metres]
+    width: t.Positive[t.Metres]
     """lateral distance of the feet, likewise"""
-    early: Share
+    early: t.Share
     """share of the duration before which a contact does not end the step"""
-    late: Seconds
+    late: t.Seconds
     """a step without a contact ends this long after its duration"""
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
 class PlannedStepConfig(StepConfig):
     """Steps of the footstep planner."""
 
-    time_per_speed: Annotated[NonNegative[Number], Unit("s²/m")] = 0.0
+    time_per_speed: Annotated[t.NonNegative[t.Number], t.Unit("s²/m")] = 0.0
     """growth of the nominal duration with the forward reference speed"""
-    time_min: Positive[Seconds]
+    time_min: t.Positive[t.Seconds]
     """least duration that is adapted to"""
-    time_max: Positive[Seconds]
+    time_max: t.Positive[t.Seconds]
     """greatest duration that is adapted to"""
-    time_change: Seconds
+    time_change: t.Seconds
     """the planner may lengthen or shorten the current step by this; 0: never"""
-    apex: Positive[Metres]
+    apex: t.Positive[t.Metres]
     """height of the swing foot at half time"""
     switching: Literal["contact", "time"]
     """what ends a step"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class PlannerConfig:
     """Footstep planner on the linear inverted pendulum."""
 
-    steps: Annotated[Count, Field(le=100)]
+    steps: Annotated[t.Count, Field(le=100)]
     """horizon"""
-    period: Positive[Seconds]
+    period: t.Positive[t.Seconds]
     """time between plans"""
     speed: Literal["mean", "end"]
     """whether the commanded speed is the mean, or that at the end of a step"""
-    length_weight: Annotated[NonNegative[Number], Unit("1/s²")]
+    length_weight: Annotated[t.NonNegative[t.Number], t.Unit("1/s²")]
     """cost of (step − nominal step)² against (velocity error)²"""
-    time_weight: Annotated[NonNegative[Number], Unit("m²/s⁴")]
+    time_weight: Annotated[t.NonNegative[t.Number], t.Unit("m²/s⁴")]
     """cost of (duration − nominal duration)²"""
-    length_max: Positive[Metres]
+    length_max: t.Positive[t.Metres]
     """largest forward step"""
-    width_min: NonNegative[Metres]
+    width_min: t.NonNegative[t.Metres]
     """least lateral distance of successive feet: they do not cross"""
-    width_max: Positive[Metres]
+    width_max: t.Positive[t.Metres]
     """greatest lateral distance of successive feet"""
-    lock: Positive[Seconds]
+    lock: t.Positive[t.Seconds]
     """no new plan in the last moments of a step"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class VelocityConfig:
     """Reference velocity."""
 
-    acceleration: Positive[MetresPerSecond2]
+    acceleration: t.Positive[t.MetresPerSecond2]
     """with which the reference grows to the commanded velocity"""
-    integral: Share
+    integral: t.Share
     """share of the last stride's velocity error that is added to the reference"""
-    integral_limit: NonNegative[MetresPerSecond]
+    integral_limit: t.NonNegative[t.MetresPerSecond]
     """largest sum of these"""
-    integral_after: Seconds
+    integral_after: t.Seconds
     """no integral action before this time after a change of the commanded velocity"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SwingConfig:
     """End of the swing."""
 
-    compression: NonNegative[Metres]
+    compression: t.NonNegative[t.Metres]
     """how much lower a loaded sole is than one that just touches"""
-    touchdown_velocity: NonNegative[MetresPerSecond]
+    touchdown_velocity: t.NonNegative[t.MetresPerSecond]
     """downward, at the end of the step"""
-    search_velocity: NonNegative[MetresPerSecond]
+    search_velocity: t.NonNegative[t.MetresPerSecond]
     """downward, past the end, until there is contact"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class EntryConfig:
     """Sway in double support into the lateral orbit."""
 
-    duration: Positive[Seconds]
+    duration: t.Positive[t.Seconds]
     """of one sway"""
-    patience: Seconds
+    patience: t.Seconds
     """a sway that has not reached the orbit this long after its end is repeated"""
-    tolerance: NonNegative[Metres]
+    tolerance: t.NonNegative[t.Metres]
     """allowed lack of orbital energy, as a length"""
-    speed_tolerance: NonNegative[MetresPerSecond]
+    speed_tolerance: t.NonNegative[t.MetresPerSecond]
     """largest forward speed off the reference at the exit"""
-    push: NonNegative[Metres]
+    push: t.NonNegative[t.Metres]
     """largest distance of the centre of pressure from the middle of the feet, to gain speed"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class TaskConfig:
     """Gains of a task, and its weights."""
 
-    kp: Annotated[NonNegative[Number], Unit("1/s²")]
-    kd: Annotated[NonNegative[Number], Unit("1/s")]
-    weight: Vector3[NonNegative[Number]]
+    kp: Annotated[t.NonNegative[t.Number], t.Unit("1/s²")]
+    kd: Annotated[t.NonNegative[t.Number], t.Unit("1/s")]
+    weight: t.Vector3[t.NonNegative[t.Number]]
     """per axis; of stance: position, pitch and yaw"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class WholeBodyConfig:
     """Whole-body QP.
 
@@ -154,19 +138,20 @@ class WholeBodyConfig:
     com: TaskConfig
     base: TaskConfig
     stance: TaskConfig
-    friction: Positive[Factor]
+    friction: t.Positive[t.Factor]
     """coefficient that the controller counts on"""
-    force_max: Positive[Newtons]
+    force_max: t.Positive[t.Newtons]
     """of a contact point"""
-    effort_share: Positive[Share]
+    effort_share: t.Positive[t.Share]
     """share of the drives' torque limits that is used"""
     regularisation: tuple[
-        Annotated[Positive[Number], Unit("1/(rad/s²)²")], Annotated[Positive[Number], Unit("1/N²")]
+        Annotated[t.Positive[t.Number], t.Unit("1/(rad/s²)²")],
+        Annotated[t.Positive[t.Number], t.Unit("1/N²")],
     ]
     """of accelerations and of forces"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SteppingBodyConfig(WholeBodyConfig):
     """Whole-body QP with the swing foot's tasks.
 
@@ -178,23 +163,23 @@ class SteppingBodyConfig(WholeBodyConfig):
     swing_rotation: TaskConfig
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ObserverConfig:
     """State observer with the nominal robot."""
 
-    delay: Seconds
+    delay: t.Seconds
     """until the drives get the torques; it predicts over this time"""
-    position: Positive[Share]
+    position: t.Positive[t.Share]
     """share of the measured difference that the estimate takes over per tick"""
-    velocity: Positive[Share]
+    velocity: t.Positive[t.Share]
     """the same of velocities"""
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
 class ModelBasedConfig:
     """What controllers with a whole-body QP share."""
 
-    substeps: Annotated[Count, Field(le=1000)]
+    substeps: Annotated[t.Count, Field(le=1000)]
     """simulation steps per control tick"""
     step: StepConfig
     velocity: VelocityConfig
@@ -206,70 +191,70 @@ class ModelBasedConfig:
     """what tables and figures call it"""
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
 class MpcConfig(ModelBasedConfig):
     """A model-predictive controller: footstep planner, swing and whole-body control."""
 
     family: Literal["mpc"]
     """how it walks: footsteps planned on a pendulum"""
-    step: PlannedStepConfig
-    planner: PlannerConfig
+    step: Annotated[PlannedStepConfig, t.ordered("time_min", "time", "time_max")]
+    planner: Annotated[PlannerConfig, t.ordered("width_min", "width_max")]
     swing: SwingConfig
     whole_body: SteppingBodyConfig
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class OutputWeights:
     """Weights of the outputs' accelerations in the QP, against those of a stance foot's motion."""
 
-    torso: Vector3[NonNegative[Number]]
+    torso: t.Vector3[t.NonNegative[t.Number]]
     """yaw, roll, pitch"""
-    stance_slide: NonNegative[Number]
-    stance_ankle: NonNegative[Number]
+    stance_slide: t.NonNegative[t.Number]
+    stance_ankle: t.NonNegative[t.Number]
     """small: the foot's length bounds what it can do"""
-    swing_leg: Vector3[NonNegative[Number]]
+    swing_leg: t.Vector3[t.NonNegative[t.Number]]
     """yaw, roll, pitch"""
-    swing_slide: NonNegative[Number]
-    swing_foot: NonNegative[Number]
+    swing_slide: t.NonNegative[t.Number]
+    swing_foot: t.NonNegative[t.Number]
     """pitch"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ChangeConfig:
     """Largest difference of a step's gait from the mean velocity of the step before."""
 
-    faster: Positive[MetresPerSecond]
-    slower: Positive[MetresPerSecond]
+    faster: t.Positive[t.MetresPerSecond]
+    slower: t.Positive[t.MetresPerSecond]
 
 
-@dataclass(frozen=True, kw_only=True, config=STRICT)
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
 class HzdControlConfig(ModelBasedConfig):
     """Hybrid zero dynamics: the constraints of ``hzd``, enforced by a QP, with foot placement."""
 
     family: Literal["hzd"]
     """how it walks: virtual constraints of the gait library"""
     weights: OutputWeights
-    ahead: Seconds
+    ahead: t.Seconds
     """a step's gait is for the reference velocity this much later"""
     change: ChangeConfig
-    fastest: Positive[MetresPerSecond]
+    fastest: t.Positive[t.MetresPerSecond]
     """forward velocity of a gait: few faster ones walk (reports/gait_walks.csv)"""
-    hip_start: Interval[Number]
+    hip_start: t.Interval[t.Number]
     """phases at which a step can begin by the hip"""
-    hip_rate: Interval[Positive[Number]]
+    hip_rate: t.Interval[t.Positive[t.Number]]
     """of the phase by the hip, as a share of the gait's; a step beyond them begins by time"""
-    yaw_acceleration: Annotated[Positive[Number], Unit("rad/s²")]
+    yaw_acceleration: Annotated[t.Positive[t.Number], t.Unit("rad/s²")]
     """with which the yaw rate of a walk follows the commanded one"""
-    lock: Share
+    lock: t.Share
     """no change of the foothold from this phase on"""
-    settling: Positive[Seconds]
+    settling: t.Positive[t.Seconds]
     """time constant with which the foothold follows"""
-    descent: NonNegative[MetresPerSecond]
+    descent: t.NonNegative[t.MetresPerSecond]
     """of a foot without contact: past the end of its step, and while standing"""
 
 
-AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]
 FAMILIES: dict[str, type[MpcConfig] | type[HzdControlConfig]] = {
     "mpc": MpcConfig,
     "hzd": HzdControlConfig,
 }
+AnyControl = Annotated[MpcConfig | HzdControlConfig, Field(discriminator="family")]

@@ -1,20 +1,22 @@
 """Between plain nested values and typed configuration objects."""
 
+import copy
 import json
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Mapping
 from dataclasses import asdict
-from functools import cache
+from functools import cache, reduce
+from operator import getitem
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
-from pydantic_core import ErrorDetails
 
 from slider.core.errors import UserError
 
 T = TypeVar("T")
-Place = list[str | int]
-Describe = Callable[[Any, Place], Any]
-"""Words what a type accepts at a place below it."""
+_LONGEST = 100  # characters of a value in a message
+# Of pydantic's messages: "List should have at least 1 item after validation, not 0".
+_FRAME = re.compile(r"^\w+ should (be|have) |^Value error, |( after validation)?, not \d+$")
 
 
 def to_dict(config: Any) -> dict[str, Any]:
@@ -22,14 +24,8 @@ def to_dict(config: Any) -> dict[str, Any]:
     return asdict(config)
 
 
-def from_dict(cls: type[T], values: Any, key: str = "", describe: Describe | None = None) -> T:
-    """A configuration object from plain nested values.
-
-    Args:
-        cls: type of the object.
-        values: of its fields.
-        key: what people call the whole.
-        describe: words what was expected; else pydantic does.
+def from_dict(cls: type[T], values: Any, key: str = "") -> T:
+    """A configuration object from plain nested values; ``key`` is the dotted name of the whole.
 
     Raises:
         UserError: names the key, what was expected and what was found.
@@ -37,7 +33,25 @@ def from_dict(cls: type[T], values: Any, key: str = "", describe: Describe | Non
     try:
         return _adapter(cls).validate_json(json.dumps(values))
     except ValidationError as error:
-        raise UserError(_mistake(cls, error, values, key, describe)) from None
+        raise UserError(_mistake(error, values, key)) from None
+
+
+def setting(values: Mapping[str, Any], name: str) -> float | None:
+    """The number at a dotted name of nested values, None without one."""
+    value: Any = values
+    for part in name.split("."):
+        value = value.get(part) if isinstance(value, Mapping) else None
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return value if number else None
+
+
+def with_settings(values: Mapping[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Nested values with others at dotted names that there are."""
+    changed = copy.deepcopy(dict(values))
+    for name, value in settings.items():
+        *groups, last = name.split(".")
+        reduce(getitem, groups, changed)[last] = value
+    return changed
 
 
 @cache
@@ -46,46 +60,39 @@ def _adapter(cls: type[T]) -> TypeAdapter[T]:
     return TypeAdapter(cls)
 
 
-def _mistake(
-    cls: type,
-    error: ValidationError,
-    values: Any,
-    key: str,
-    describe: Describe | None,
-) -> str:
-    """One line about the first mistake: key, what was expected and what was found."""
-    place, first = _first([(_place(item["loc"], values), item) for item in error.errors()])
-    absent = first["type"] == "missing"
-    if absent and isinstance(first["loc"][-1], str):  # else a number of a vector
-        place = [*place, first["loc"][-1]]
+def _mistake(error: ValidationError, values: Any, key: str) -> str:
+    """One line about the first mistake: key, what was expected and what was found.
+
+    The types of a union each have an error: that of the nearest type is deepest.
+    """
+    items = [(_place(item["loc"], values), item) for item in error.errors()]
+    first, _ = items[0]
+    items = [item for item in items if item[0][: len(first)] == first]
+    place, chosen = max(items, key=lambda item: len(item[0]))
+    messages = [item["msg"] for other, item in items if other == place]
+    expected = " or ".join(dict.fromkeys(_FRAME.sub("", message) for message in messages))
+    expected = expected.replace("an object", "keys and values").replace("a valid array", "a list")
+    found = json.dumps(chosen["input"], ensure_ascii=False)
+    if chosen["type"] == "missing":
+        expected, found = "a value", "none"
+        place += [part for part in chosen["loc"][-1:] if isinstance(part, str)]
+    elif "discriminator" in (context := chosen.get("ctx", {})):
+        expected = f"{context['discriminator']} of {context.get('expected_tags', 'its settings')}"
     name = key + "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)
     name = name.lstrip(".") or "configuration"
-    if first["type"] == "unexpected_keyword_argument":
+    if chosen["type"] == "unexpected_keyword_argument":
         return f"unknown configuration key '{name}'"
-    if first["type"] == "rule" or describe is None:
-        expected = first["msg"].removeprefix("Input should be ")
-    else:
-        expected = describe(cls, place)
-    value = "none" if absent else json.dumps(first["input"], ensure_ascii=False)
-    return f"{name}: expected {expected}, found {value}"
+    found = found if len(found) <= _LONGEST else f"{found[: _LONGEST - 1]}…"
+    return f"{name}: expected {expected}, found {found}"
 
 
-def _first(mistakes: list[tuple[Place, ErrorDetails]]) -> tuple[Place, ErrorDetails]:
-    """The first mistake; of a union's types the nearest, whose mistake is deepest."""
-    place, _ = mistakes[0]
-    below = (item for item in mistakes if item[0][: len(place)] == place)
-    return max(below, key=lambda item: len(item[0]))
-
-
-def _place(location: Sequence[str | int], values: Any) -> Place:
+def _place(location: tuple[str | int, ...], values: Any) -> list[str | int]:
     """The parts of a location that lead somewhere; others are names of types."""
-    place: Place = []
+    place: list[str | int] = []
     for part in location:
-        if part in values if isinstance(values, dict) else _is_index(part, values):
-            place.append(part)
+        try:
             values = values[part]
+        except (KeyError, IndexError, TypeError):
+            continue
+        place.append(part)
     return place
-
-
-def _is_index(part: str | int, values: Any) -> bool:
-    return isinstance(part, int) and isinstance(values, list | tuple) and part < len(values)

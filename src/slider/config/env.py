@@ -9,73 +9,54 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.types import (
-    STRICT,
-    Count,
-    Factor,
-    Interval,
-    Kilograms,
-    Metres,
-    MetresPerSecond,
-    MetresPerSecond2,
-    NewtonSeconds,
-    NonNegative,
-    Number,
-    Positive,
-    Radians,
-    RadiansPerSecond,
-    Seconds,
-    Share,
-    Some,
-    Unit,
-)
+from slider.config import types as t
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class PhysicsConfig:
     """Simulation step, its repetitions per control step, and solver iterations."""
 
-    timestep: Positive[Seconds]
-    substeps: Annotated[Count, Field(le=1000)]
+    timestep: t.Positive[t.Seconds]
+    substeps: Annotated[t.Count, Field(le=1000)]
     """simulation steps per control step"""
-    solver_iterations: Annotated[Count, Field(le=10_000)]
+    solver_iterations: Annotated[t.Count, Field(le=10_000)]
     """greatest number of iterations of the contact solver"""
-    line_search_iterations: Annotated[Count, Field(le=10_000)]
+    line_search_iterations: Annotated[t.Count, Field(le=10_000)]
     """greatest number of iterations of its line search"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ActionConfig:
     """Desired joint position = origin + scale · clip(action)."""
 
     offset: Literal["nominal", "gait"]
     """origin: the nominal pose, or the gait of the reference velocity at the clock's phase"""
-    clip: Positive[Number]
+    clip: t.Positive[t.Number]
     """bound of |action|"""
-    scale: dict[str, Annotated[NonNegative[Number], Unit("rad | m")]]
+    scale: dict[str, Annotated[t.NonNegative[t.Number], t.Unit("rad | m")]]
     """per leg joint"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class HeightScan:
     """Grid of points around the base at which ground height is measured."""
 
-    points_x: Annotated[Count, Field(le=1000)]
-    points_y: Annotated[Count, Field(le=1000)]
-    spacing: Positive[Metres]
+    points_x: Annotated[t.Count, Field(le=1000)]
+    points_y: Annotated[t.Count, Field(le=1000)]
+    spacing: t.Positive[t.Metres]
     """distance of neighbouring points"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ObservationConfig:
     """Observation terms in order, each with its scale, and the clip after scaling."""
 
-    terms: Annotated[dict[str, Positive[Number]], Field(min_length=1)]
+    terms: Annotated[dict[str, t.Positive[t.Number]], Field(min_length=1)]
     """scale of the term"""
-    clip: Positive[Number]
+    clip: t.Positive[t.Number]
     """bound of |observation|, after scaling"""
     height_scan: HeightScan
-    velocity_filter: Seconds
+    velocity_filter: t.Seconds
     """time constant of filtered velocities and of their reference; 0: not filtered"""
 
     def filter_gain(self, period: float) -> float:
@@ -83,18 +64,18 @@ class ObservationConfig:
         return period / max(period, self.velocity_filter)
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ReferenceConfig:
     """The velocity that goes from one commanded velocity to the next.
 
     Clock, guide and the gait under the actions are those of the reference velocity.
     """
 
-    acceleration: MetresPerSecond2
+    acceleration: t.MetresPerSecond2
     """with which it goes to the commanded velocity, along x and y; 0: at once"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SensorsConfig:
     """Errors of encoders, inertial unit, motor currents and height scan.
 
@@ -102,69 +83,69 @@ class SensorsConfig:
     each reading, a bias once per episode.
     """
 
-    joint_position: NonNegative[Radians]
-    slide_position: NonNegative[Metres]
-    joint_velocity: NonNegative[RadiansPerSecond]
-    slide_velocity: NonNegative[MetresPerSecond]
-    joint_bias: NonNegative[Radians]
+    joint_position: t.NonNegative[t.Radians]
+    slide_position: t.NonNegative[t.Metres]
+    joint_velocity: t.NonNegative[t.RadiansPerSecond]
+    slide_velocity: t.NonNegative[t.MetresPerSecond]
+    joint_bias: t.NonNegative[t.Radians]
     """of encoder zeros; slides have none"""
-    angular_velocity: NonNegative[RadiansPerSecond]
-    angular_velocity_bias: NonNegative[RadiansPerSecond]
-    orientation: NonNegative[Radians]
+    angular_velocity: t.NonNegative[t.RadiansPerSecond]
+    angular_velocity_bias: t.NonNegative[t.RadiansPerSecond]
+    orientation: t.NonNegative[t.Radians]
     """of the inertial unit about each axis"""
-    tilt_bias: NonNegative[Radians]
+    tilt_bias: t.NonNegative[t.Radians]
     """of roll and pitch"""
-    heading_drift: NonNegative[RadiansPerSecond]
+    heading_drift: t.NonNegative[t.RadiansPerSecond]
     """rate at which the heading goes astray"""
-    velocity_increment: NonNegative[MetresPerSecond]
+    velocity_increment: t.NonNegative[t.MetresPerSecond]
     """of the inertial unit's velocity increments over a second"""
-    acceleration_bias: NonNegative[MetresPerSecond2]
-    torque: NonNegative[Factor]
+    acceleration_bias: t.NonNegative[t.MetresPerSecond2]
+    torque: t.NonNegative[t.Factor]
     """error of each motor's torque constant"""
-    scan: NonNegative[Metres]
+    scan: t.NonNegative[t.Metres]
     """of each point of the height scan"""
-    scan_bias: NonNegative[Metres]
+    scan_bias: t.NonNegative[t.Metres]
     """of the whole scan"""
-    scan_drop_out: Share
+    scan_drop_out: t.Share
     """of its points, which read the ground under the feet"""
-    scan_delay: Seconds
+    scan_delay: t.Seconds
     """by which the map under the scan is late: it is off by this times the velocity"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class EstimatorConfig:
     """Kalman filter of velocity and height; see ``slider.env.estimator``."""
 
-    acceleration: Positive[MetresPerSecond2]
+    acceleration: t.Positive[t.MetresPerSecond2]
     """standard deviation of the acceleration by the inertial unit, its tilt error included"""
-    vertical_velocity: Positive[MetresPerSecond]
+    vertical_velocity: t.Positive[t.MetresPerSecond]
     """standard deviation of the vertical velocity that the height is predicted with"""
-    leg_velocity: Positive[MetresPerSecond]
+    leg_velocity: t.Positive[t.MetresPerSecond]
     """standard deviation of the velocity by a leg that carries the robot"""
-    leg_height: Positive[Metres]
+    leg_height: t.Positive[t.Metres]
     """standard deviation of the height by a leg that carries the robot"""
-    slip: Positive[MetresPerSecond]
+    slip: t.Positive[t.MetresPerSecond]
     """a foot that appears to slip at this speed counts half"""
-    lifted: Share
+    lifted: t.Share
     """of the weight: a foot that carries less is in the air"""
-    loaded: Share
+    loaded: t.Share
     """of the weight: a foot that carries more stands"""
-    force_filter: Seconds
+    force_filter: t.Seconds
     """time constant of the feet's forces"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class OnboardConfig:
     """Sensors of the robot, and the estimator that reads them."""
 
     sensors: SensorsConfig
-    estimator: EstimatorConfig
+    estimator: Annotated[EstimatorConfig, t.ordered("lifted", "loaded", strict=True)]
 
 
 Sensing = Literal["true_state", "onboard"]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class TerminationConfig:
     """What ends an episode."""
 
@@ -172,29 +153,29 @@ class TerminationConfig:
     """parameter of the active termination term, which says its bounds"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class StartNoise:
     """Standard deviations of a robot's start about the nominal pose at rest."""
 
-    joint_position: NonNegative[Radians]
-    slide_position: NonNegative[Metres]
-    tilt: NonNegative[Radians]
-    linear_velocity: NonNegative[MetresPerSecond]
-    angular_velocity: NonNegative[RadiansPerSecond]
-    joint_velocity: NonNegative[RadiansPerSecond]
+    joint_position: t.NonNegative[t.Radians]
+    slide_position: t.NonNegative[t.Metres]
+    tilt: t.NonNegative[t.Radians]
+    linear_velocity: t.NonNegative[t.MetresPerSecond]
+    angular_velocity: t.NonNegative[t.RadiansPerSecond]
+    joint_velocity: t.NonNegative[t.RadiansPerSecond]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class HaltConfig:
     """At zero velocity the clock stays at the next change of feet, both of them on the ground."""
 
-    below: NonNegative[MetresPerSecond]
+    below: t.NonNegative[t.MetresPerSecond]
     """it stays once the low-passed velocity is less than this; 0: never, step in place"""
-    above: NonNegative[MetresPerSecond]
+    above: t.NonNegative[t.MetresPerSecond]
     """it runs on when the velocity is more than this: the robot tips over"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class PhaseConfig:
     """Clock that runs through the two steps of a walk."""
 
@@ -202,16 +183,16 @@ class PhaseConfig:
     """whether there is a clock"""
     mirror: bool
     """reflect observation and action in right stance: the network sees left stance only"""
-    step_time: Seconds
+    step_time: t.Seconds
     """fixed duration of a step; 0: that of the gait library at the reference velocity"""
-    halt: HaltConfig
+    halt: Annotated[HaltConfig, t.ordered("below", "above")]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class PlantConfig:
     """The part of an environment that does not depend on who controls the robot."""
 
-    control_period: Positive[Seconds]
+    control_period: t.Positive[t.Seconds]
     """time between two outputs of the policy"""
     physics: PhysicsConfig
     termination: TerminationConfig
@@ -224,11 +205,11 @@ class PlantConfig:
         return self.onboard
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class EnvConfig:
     """Observations and actions of a policy, and what ends an episode."""
 
-    control_period: Positive[Seconds]
+    control_period: t.Positive[t.Seconds]
     """time between two outputs of the policy; timestep × substeps"""
     physics: PhysicsConfig
     reference: ReferenceConfig
@@ -253,32 +234,32 @@ class EnvConfig:
         return PlantConfig(self.control_period, self.physics, self.termination, self.estimation)
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SensingConfig:
     """Standard deviations of white noise on what a controller receives about the robot."""
 
-    joint_position: NonNegative[Radians]
-    slide_position: NonNegative[Metres]
-    joint_velocity: NonNegative[RadiansPerSecond]
-    slide_velocity: NonNegative[MetresPerSecond]
-    angular_velocity: NonNegative[RadiansPerSecond]
-    orientation: NonNegative[Radians]
+    joint_position: t.NonNegative[t.Radians]
+    slide_position: t.NonNegative[t.Metres]
+    joint_velocity: t.NonNegative[t.RadiansPerSecond]
+    slide_velocity: t.NonNegative[t.MetresPerSecond]
+    angular_velocity: t.NonNegative[t.RadiansPerSecond]
+    orientation: t.NonNegative[t.Radians]
     """of the base about each axis, and with it the direction of gravity"""
-    linear_velocity: NonNegative[MetresPerSecond]
-    base_height: NonNegative[Metres]
+    linear_velocity: t.NonNegative[t.MetresPerSecond]
+    base_height: t.NonNegative[t.Metres]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class PushConfig:
     """A horizontal force on the base, at regular times."""
 
-    impulse: Interval[NonNegative[NewtonSeconds]]
+    impulse: t.Interval[t.NonNegative[t.NewtonSeconds]]
     """force times duration, drawn anew for each push; 0: no pushes"""
-    duration: Positive[Seconds]
+    duration: t.Positive[t.Seconds]
     """of a push, a multiple of env.control_period"""
-    interval: Positive[Seconds]
+    interval: t.Positive[t.Seconds]
     """time from the start and between pushes, a multiple of env.control_period"""
-    direction: Radians | None
+    direction: t.Radians | None
     """from the world's x axis, along which robots start, to y; null: drawn anew for each push"""
 
 
@@ -295,38 +276,38 @@ TerrainKind = Literal[
     "tiles",
     "field",
 ]
-Level = Annotated[float, Unit("-"), Field(ge=0, le=20)]
+Level = Annotated[float, t.Unit("-"), Field(ge=0, le=20)]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class TerrainConfig:
     """Ground under the robots; ``slider.env.terrain`` has what a level is of each kind."""
 
-    kinds: Some[TerrainKind]
+    kinds: t.Some[TerrainKind]
     """of the robots in turn"""
-    level: Interval[Level]
+    level: t.Interval[Level]
     """drawn per robot and episode"""
     curriculum: bool
     """in trainings, in place of that: from ``lower`` one up after an episode of 1 m without a fall,
     one down after a fall; beyond ``upper`` drawn"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class DisturbanceConfig:
     """What is drawn per robot and episode, uniformly in the intervals, and what happens in it."""
 
     sensing: SensingConfig
-    delay: Interval[Seconds]
+    delay: t.Interval[t.Seconds]
     """from the controller's output to the drives, multiples of env.physics.timestep"""
-    motor_gain: Interval[Positive[Factor]]
+    motor_gain: t.Interval[t.Positive[t.Factor]]
     """achieved over demanded torque, each drive its own"""
-    mass: Interval[Positive[Factor]]
+    mass: t.Interval[t.Positive[t.Factor]]
     """of all links over the nominal one, one value per robot"""
-    centre_of_mass: NonNegative[Metres]
+    centre_of_mass: t.NonNegative[t.Metres]
     """of the base: largest shift along each axis"""
-    friction: Interval[Positive[Factor]] | None
+    friction: t.Interval[t.Positive[t.Factor]] | None
     """of the feet on the ground; null: robot.contact.friction"""
-    payload: Interval[Kilograms]
+    payload: t.Interval[t.Kilograms]
     """added to the base at its centre of mass"""
-    push: PushConfig
+    push: Annotated[PushConfig, t.ordered("duration", "interval", strict=True)]
     terrain: TerrainConfig

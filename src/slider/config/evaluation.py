@@ -1,78 +1,80 @@
-"""Typed settings of evaluation protocols, and the seeds that they draw from."""
+"""Typed settings of evaluations: protocols, seeds, gauge, search for settings, report.
 
-from dataclasses import field
-from typing import Annotated, Literal
+See ``docs/how-to/gauge.md`` and ``docs/explanation/baseline.md``.
+"""
+
+from dataclasses import field, fields
+from itertools import pairwise
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.env import DisturbanceConfig, StartNoise
-from slider.config.types import (
-    STRICT,
-    Count,
-    Distinct,
-    Factor,
-    MetresPerSecond,
-    Name,
-    NonNegative,
-    Positive,
-    RadiansPerSecond,
-    Seconds,
-    Seed,
-    Some,
-)
+from slider.config import types as t
+from slider.config.env import DisturbanceConfig, Level, SensingConfig, StartNoise, TerrainKind
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SpeedsConfig:
     """Commanded forward velocities that several parts of the configuration share."""
 
-    table1: Distinct[Some[MetresPerSecond]]
+    table1: t.Distinct[t.Some[t.MetresPerSecond]]
     """of Table 1"""
-    top: Positive[MetresPerSecond]
+    top: t.Positive[t.MetresPerSecond]
     """the highest one, of gaits, trainings and the viewer"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Segment:
     """A constant velocity, until the next segment."""
 
-    name: Name
-    time: Seconds
+    name: t.Name
+    time: t.Seconds
     """from when on"""
-    vx: MetresPerSecond
-    vy: MetresPerSecond = 0.0
-    yaw_rate: RadiansPerSecond = 0.0
+    vx: t.MetresPerSecond
+    vy: t.MetresPerSecond = 0.0
+    yaw_rate: t.RadiansPerSecond = 0.0
 
 
-@dataclass(frozen=True, config=STRICT)
+_NAMED_ONCE = t.Rule("each name once", lambda items: len({i.name for i in items}) == len(items))
+_Segments = Annotated[
+    t.Some[Segment],
+    _NAMED_ONCE,
+    t.Rule(
+        "times that rise from 0 s",
+        lambda items: items[0].time == 0 and all(a.time < b.time for a, b in pairwise(items)),
+    ),
+]
+
+
+@dataclass(frozen=True, config=t.STRICT)
 class CaseConfig:
     """One rollout: its segments in the order of time, the first one from 0 s on."""
 
-    name: Name
-    segments: Some[Segment]
+    name: t.Name
+    segments: _Segments
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ProfileConfig:
     """Velocities that change during a rollout; see ``docs/how-to/evaluate.md``.
 
     ``rows`` and ``cases`` are not in the section of a single evaluation, which has its own case.
     """
 
-    ramp: Seconds
+    ramp: t.Seconds
     """duration of the change from a segment's velocity to the next one's; 0: a step"""
-    warm_up: Seconds
+    warm_up: t.Seconds
     """start of each segment that does not count for its errors"""
-    window: Positive[Seconds]
+    window: t.Positive[t.Seconds]
     """moving average over which velocities are drawn"""
     rows: Literal["segments", "cases"] = "segments"
     """of the report's table: segments of the only case, or cases, each by its last segment"""
-    cases: Some[CaseConfig] = field(default_factory=list)
+    cases: Annotated[t.Some[CaseConfig], _NAMED_ONCE] = field(default_factory=list)
     """rollouts: from a time on, vx, vy and yaw_rate, 0 if not said"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class EvaluationConfig:
     """A protocol: every controller, velocity, trial and robot; see ``docs/explanation/method.md``.
 
@@ -81,36 +83,36 @@ class EvaluationConfig:
     ``speeds``, constant forward velocities, or a ``profile``.
     """
 
-    trials: Annotated[Count, Field(le=100_000)]
+    trials: Annotated[t.Count, Field(le=100_000)]
     """trials, each with a seed of its own"""
-    robots: Count
+    robots: t.Count
     """per trial, each with its own start"""
-    duration: Positive[Seconds]
+    duration: t.Positive[t.Seconds]
     """of a rollout"""
-    warm_up: Seconds
+    warm_up: t.Seconds
     """start of mse_steady and of the tracked mean velocity"""
-    tracking_tolerance: NonNegative[MetresPerSecond]
+    tracking_tolerance: t.NonNegative[t.MetresPerSecond]
     """tracked: |mean v − speed| ≤ max(this, tracking_relative · speed)"""
-    tracking_relative: Factor
+    tracking_relative: t.Factor
     """the same relative to the commanded speed"""
-    seed: Seed
+    seed: t.Seed
     """of the first trial"""
     start: StartNoise
     disturbance: DisturbanceConfig
-    controllers: Distinct[Some[Name]] = field(default_factory=list)
+    controllers: t.Distinct[t.Some[t.Name]] = field(default_factory=list)
     """rows of the table"""
-    speeds: Distinct[list[MetresPerSecond]] = field(default_factory=list)
+    speeds: t.Distinct[list[t.MetresPerSecond]] = field(default_factory=list)
     """constant forward velocities; none with a profile"""
     profile: ProfileConfig | None = None
     """velocities that change; null: constant ones"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SeedBlock:
     """Consecutive seeds, ``first`` and ``last`` included."""
 
-    first: Seed
-    last: Seed
+    first: t.Seed
+    last: t.Seed
 
     def __contains__(self, seed: int) -> bool:
         return self.first <= seed <= self.last
@@ -119,14 +121,184 @@ class SeedBlock:
         return f"{self.first} to {self.last}"
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SeedsConfig:
     """Blocks of seeds that are held apart: nothing is chosen by results from ``final``.
 
     Trial k of an evaluation draws its starts from its seed + k.
     """
 
-    final: SeedBlock
-    development: SeedBlock
-    selection: Seed
+    final: Annotated[SeedBlock, t.ordered("first", "last")]
+    development: Annotated[SeedBlock, t.ordered("first", "last")]
+    selection: t.Seed
     """of development: the checks that pick a training's checkpoint"""
+
+
+LEVELS = 10
+"""of an axis"""
+Scale = Annotated[list[t.T], Field(min_length=LEVELS, max_length=LEVELS)]
+
+
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
+class ScalesConfig:
+    """Levels 1 to 10, from easy to hard, of the axes that are no terrain."""
+
+    friction: t.Falling[Scale[t.Positive[t.Factor]]]
+    """of the feet on the ground"""
+    payload: t.Rising[Scale[t.Positive[t.Kilograms]]]
+    """on the base"""
+    delay: t.Rising[Scale[t.Positive[t.Seconds]]]
+    """in place of that of ``disturbance``; multiples of env.physics.timestep"""
+    motor_strength: t.Falling[Scale[t.Positive[t.Factor]]]
+    """achieved over demanded torque of every motor"""
+    sensor_noise: t.Rising[Scale[t.Positive[t.Factor]]]
+    """on env.onboard.sensors, and for controllers with the true state on ``sensing``"""
+    push: t.Rising[Scale[t.Positive[t.NewtonSeconds]]]
+    """impulse of each push"""
+
+
+TERRAINS = tuple(kind for kind in get_args(TerrainKind) if kind != "flat")
+AXES = (*TERRAINS, *(item.name for item in fields(ScalesConfig)))
+
+
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
+class GaugeProtocol:
+    """What all axes share. The robots of a level: ``trials`` × ``speeds`` × ``robots``."""
+
+    speeds: t.Distinct[t.Some[t.Positive[t.MetresPerSecond]]]
+    """commanded forward velocities"""
+    trials: Annotated[t.Count, Field(le=100_000)]
+    """each with a seed of its own"""
+    robots: t.Count
+    """per trial and speed, each with its own start; the starts of all speeds are the same"""
+    seed: t.Seed
+    """of the first trial"""
+    duration: t.Positive[t.Seconds]
+    """of a rollout"""
+    distance: t.Share
+    """of speed × duration, which a robot must cover to pass; 0: it must not go back"""
+    start: StartNoise
+    disturbance: DisturbanceConfig
+    """of every robot, but for what its axis changes"""
+    sensing: SensingConfig
+    """white noise of level × 1 of ``sensor_noise``, for controllers with the true state"""
+
+
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
+class GaugeConfig(GaugeProtocol):
+    """Controllers, axes and levels."""
+
+    controllers: t.Distinct[t.Some[t.Name]]
+    """as in ``evaluation``, or NAME or NAME_onboard of ``policies``"""
+    policies: dict[str, t.Name] = field(default_factory=dict)
+    """folders of exported policies: policy.onnx, policy.json, reference.npy"""
+    axes: t.Distinct[t.Some[t.Name]]
+    """kinds of terrain, whose level is that of the terrain, and names of ``scales``"""
+    levels: Annotated[t.Count, Field(le=LEVELS)]
+    """how many of an axis are tested, from level 1 on"""
+    scales: ScalesConfig
+    directions: Annotated[t.Count, Field(le=360)]
+    """of pushes, evenly about the robot, from forward towards left"""
+    survival: Annotated[t.Share, Field(gt=0)]
+    """share of robots that must pass a level"""
+
+    def values(self, axis: str) -> list[float]:
+        """Values of the tested levels, in SI units; those of terrain are its levels."""
+        terrain = axis in TERRAINS
+        values = range(1, LEVELS + 1) if terrain else getattr(self.scales, axis)
+        return [float(value) for value in values][: self.levels]
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class RangeConfig:
+    """What a setting is drawn from; the present value belongs to it."""
+
+    lower: t.Number
+    """least value"""
+    upper: t.Number
+    """greatest value"""
+    log: bool = False
+    """uniform in the logarithm"""
+
+
+_Range = Annotated[
+    RangeConfig,
+    t.ordered("lower", "upper"),
+    t.Rule("lower > 0 with log", lambda bounds: bounds.lower > 0 or not bounds.log),
+]
+
+
+@dataclass(frozen=True, kw_only=True, config=t.STRICT)
+class TuningConfig:
+    """A search for each controller of ``spaces``."""
+
+    trials: t.Count
+    """sets of settings that are simulated; the first one is the present one"""
+    sampler_seed: t.Seed
+    """of the draws"""
+    speeds: t.Distinct[t.Some[t.Positive[t.MetresPerSecond]]]
+    """commanded forward velocities, of one score"""
+    robots: t.Count
+    """per speed, each with its own start; the same in all trials"""
+    seed: t.Seed
+    """of the starts"""
+    spaces: dict[str, dict[str, _Range]]
+    """controller of ``control``, or NAME_onboard → dotted name of a number of it → range"""
+
+
+Pixels = t.Even[Annotated[int, Field(ge=32, le=1920)]]
+"""H.264 stores colours at half the resolution."""
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class FilmedTerrain:
+    """Videos of the policy on terrain, with onboard state."""
+
+    kinds: t.Distinct[list[TerrainKind]]
+    """one video for each"""
+    level: Level
+    """of all of them"""
+    speed: t.MetresPerSecond
+    """commanded forward velocity"""
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class VideoConfig:
+    """Which videos are made, and how; the section of a single one has no lists of them."""
+
+    renderer: Literal["auto", "egl", "osmesa", "none"]
+    """none: a page without videos; auto: the first that works"""
+    camera: Literal["side", "front", "both"]
+    """where they are filmed from; both: two pictures next to each other"""
+    duration: t.Positive[t.Seconds]
+    """from rest"""
+    width: Pixels
+    """of a picture, in pixels"""
+    height: Pixels
+    """of a picture, in pixels"""
+    frame_rate: Annotated[t.Count, Field(le=1000)]
+    """frames per second; must divide the control rate"""
+    quality: Annotated[int, Field(ge=0, le=51)]
+    """constant rate factor of H.264, 0 (lossless, large) to 51"""
+    seed: t.Seed
+    """of the start's noise"""
+    speeds: t.Distinct[list[t.MetresPerSecond]] = field(default_factory=list)
+    """one video per controller and speed"""
+    terrain: FilmedTerrain | None = None
+    """videos on ground that is not flat; null: none"""
+
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """From left to right in a picture."""
+        return ("side", "front") if self.camera == "both" else (self.camera,)
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class ReportConfig:
+    """The page reports/index.html and the videos in it."""
+
+    sections: t.Distinct[t.Some[t.Name]]
+    """of the page, in order"""
+    tracking_speeds: t.Distinct[list[t.MetresPerSecond]]
+    """velocity tracking is drawn for these, where evaluated"""
+    video: VideoConfig

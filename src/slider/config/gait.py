@@ -1,4 +1,4 @@
-"""Typed settings of the gait optimisation and of the gait library."""
+"""Typed settings of the gait optimisation, the gait library and the checks of its gaits."""
 
 import math
 from dataclasses import field
@@ -7,55 +7,37 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.types import (
-    STRICT,
-    Count,
-    Distinct,
-    Factor,
-    Interval,
-    Metres,
-    MetresPerSecond,
-    NonNegative,
-    Number,
-    Odd,
-    Positive,
-    Radians,
-    RadiansPerSecond,
-    Seconds,
-    Share,
-    Some,
-    Tolerance,
-    Unit,
-)
+from slider.config import types as t
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Axis:
     """start, start + step, ... up to and including stop."""
 
-    start: MetresPerSecond
-    stop: MetresPerSecond
-    step: Positive[MetresPerSecond]
+    start: t.MetresPerSecond
+    stop: t.MetresPerSecond
+    step: t.Positive[t.MetresPerSecond]
+
+
+_Range = Annotated[Axis, t.ordered("start", "stop")]
 
 
 def axis_size(axis: Axis | list[float]) -> int:
     """Number of values of an axis; the stop counts when the steps reach it within 1e-6."""
     if isinstance(axis, list):
         return len(axis)
-    if axis.stop < axis.start:
-        return 0
     return math.floor((axis.stop - axis.start) / axis.step + 1e-6) + 1
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class GridBlock:
     """A block of velocities; an axis may be a list of values."""
 
-    vx: Axis | Distinct[Some[MetresPerSecond]]
+    vx: _Range | t.Distinct[t.Some[t.MetresPerSecond]]
     """commanded forward velocities"""
-    vy: Axis | Distinct[Some[MetresPerSecond]]
+    vy: _Range | t.Distinct[t.Some[t.MetresPerSecond]]
     """commanded leftward velocities"""
-    yaw_rate: Distinct[Some[RadiansPerSecond]] = field(default_factory=lambda: [0.0])
+    yaw_rate: t.Distinct[t.Some[t.RadiansPerSecond]] = field(default_factory=lambda: [0.0])
     """commanded yaw rates"""
 
     @property
@@ -64,7 +46,7 @@ class GridBlock:
         return self.vx, self.vy, self.yaw_rate
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class GridConfig(GridBlock):
     """The velocities of the library: one block, and further ones beside it."""
 
@@ -72,108 +54,108 @@ class GridConfig(GridBlock):
     """further blocks"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class StepTime:
     """Duration of a step."""
 
-    lower: Positive[Seconds]
-    upper: Positive[Seconds]
+    lower: t.Positive[t.Seconds]
+    upper: t.Positive[t.Seconds]
     law: Literal["free", "fixed", "speed"]
     """free within the bounds; fixed: value; speed: value + slope · speed, within the bounds"""
-    value: Positive[Seconds]
+    value: t.Positive[t.Seconds]
     """duration of the laws fixed and speed"""
-    slope: Annotated[float, Unit("s per m/s"), Field(ge=-1e3, le=1e3)]
+    slope: Annotated[float, t.Unit("s per m/s"), Field(ge=-1e3, le=1e3)]
     """change with the speed"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Touchdown:
     """Velocity of the swing foot just before impact."""
 
-    forward: NonNegative[MetresPerSecond]
+    forward: t.NonNegative[t.MetresPerSecond]
     """bound of |vx|"""
-    lateral: NonNegative[MetresPerSecond]
+    lateral: t.NonNegative[t.MetresPerSecond]
     """bound of |vy|"""
-    down_min: NonNegative[MetresPerSecond]
+    down_min: t.NonNegative[t.MetresPerSecond]
     """least downward speed"""
-    down_max: NonNegative[MetresPerSecond]
+    down_max: t.NonNegative[t.MetresPerSecond]
     """greatest downward speed"""
-    angular: NonNegative[RadiansPerSecond]
+    angular: t.NonNegative[t.RadiansPerSecond]
     """bound of each component of the angular velocity"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Posture:
     """Geometric limits of a gait."""
 
-    clearance: NonNegative[Metres]
+    clearance: t.NonNegative[t.Metres]
     """of the swing foot at mid-step, parabola over the step"""
-    clearance_margin: NonNegative[Metres]
+    clearance_margin: t.NonNegative[t.Metres]
     """added at the nodes, for what happens between them"""
-    clearance_from: Annotated[Share, Unit("fraction of step"), Field(lt=0.5)]
+    clearance_from: Annotated[t.Share, t.Unit("fraction of step"), Field(lt=0.5)]
     """from this phase to as long before touchdown; outside the foot has only not to scuff"""
-    swing_height: Positive[Metres]
+    swing_height: t.Positive[t.Metres]
     """greatest height of the swing foot"""
-    foot_separation_min: NonNegative[Metres]
+    foot_separation_min: t.NonNegative[t.Metres]
     """least lateral distance of the feet"""
-    foot_separation_max: Positive[Metres]
+    foot_separation_max: t.Positive[t.Metres]
     """greatest lateral distance of the feet"""
-    legs_apart: NonNegative[Metres]
+    legs_apart: t.NonNegative[t.Metres]
     """least lateral distance of feet, and of the tubes' upper ends, in the base's axes"""
-    torso_roll: NonNegative[Radians]
-    torso_pitch: NonNegative[Radians]
-    torso_yaw: NonNegative[Radians]
-    torso_rate: NonNegative[RadiansPerSecond]
+    torso_roll: t.NonNegative[t.Radians]
+    torso_pitch: t.NonNegative[t.Radians]
+    torso_yaw: t.NonNegative[t.Radians]
+    torso_rate: t.NonNegative[t.RadiansPerSecond]
     """bound of each component of the angular velocity"""
-    knee_min: NonNegative[Radians]
+    knee_min: t.NonNegative[t.Radians]
     """least virtual knee flexion; away from the straight leg"""
-    knee_max: Positive[Radians]
+    knee_max: t.Positive[t.Radians]
     """greatest virtual knee flexion"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ContactLimits:
     """What the ground may do to the stance foot."""
 
-    friction: Positive[Factor]
+    friction: t.Positive[t.Factor]
     """Coulomb coefficient that the gait may use"""
-    min_vertical: Annotated[Share, Unit("fraction of weight")]
+    min_vertical: Annotated[t.Share, t.Unit("fraction of weight")]
     """least vertical force at toe and heel"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SolverConfig:
     """IPOPT settings, what is tried in turn, and whether the first or the best result counts."""
 
-    max_iterations: Count
+    max_iterations: t.Count
     """greatest number of iterations of a start"""
-    tolerance: Tolerance
+    tolerance: t.Tolerance
     """IPOPT tol"""
-    constraint_tolerance: Tolerance
+    constraint_tolerance: t.Tolerance
     """IPOPT constr_viol_tol, in the scaled units of the problem"""
-    guesses: Distinct[Some[Literal["cold", "fast", "crouched", "ramp"]]]
+    guesses: t.Distinct[t.Some[Literal["cold", "fast", "crouched", "ramp"]]]
     """starts tried in turn: knees bent most, long steps (crouched); short quick steps (fast); less
     bent, long steps (cold); warm starts from walking in place (ramp)"""
     keep: Literal["first", "best"]
     """first: the first start that converges; best: try all, keep the cheapest gait"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class StartSpread:
     """Random initial guesses, uniform about the crouched walk and within ``gait.step_time``."""
 
-    joints: Positive[Radians]
+    joints: t.Positive[t.Radians]
     """greatest change of a Bézier coefficient, of each joint and step by itself"""
-    crouch: Interval[Positive[Radians]]
+    crouch: t.Interval[t.Positive[t.Radians]]
     """knee flexion"""
-    stride: Interval[Positive[Factor]]
+    stride: t.Interval[t.Positive[t.Factor]]
     """step length, as a share of that at the commanded velocity"""
 
 
-Nodes = Annotated[Odd[int], Field(ge=5, le=201)]
+Nodes = t.Odd[Annotated[int, Field(ge=5, le=201)]]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class FormulationConfig:
     """What a gait is, the same for all velocities; see ``docs/explanation/method.md``."""
 
@@ -187,45 +169,129 @@ class FormulationConfig:
     """whose bodies move: the real leg's and its rotors', or the virtual knee's"""
     phase: Literal["time", "hip"]
     """hip: a gait's hip moves forward at every node, so that its place can tell the phase"""
-    hip_share: Positive[Share]
+    hip_share: t.Positive[t.Share]
     """least forward velocity of the hip where it is the phase, as a share of the commanded one"""
-    slowest_hip: Positive[MetresPerSecond]
+    slowest_hip: t.Positive[t.MetresPerSecond]
     """gaits with less forward velocity have time for a phase"""
     cost: Literal["paper", "torque", "transport"]
     """paper: eq. 2 as printed; torque: (1/T) ∫ ‖τ‖² dt; transport: mean |power| / (m g)"""
-    voltage: Positive[Share]
+    voltage: t.Positive[t.Share]
     """share of the bus that motors may use at the nodes; the rest is for between them"""
-    touchdown: Touchdown
-    posture: Posture
+    touchdown: Annotated[Touchdown, t.ordered("down_min", "down_max")]
+    posture: Annotated[
+        Posture,
+        t.ordered("knee_min", "knee_max"),
+        t.ordered("foot_separation_min", "foot_separation_max"),
+        t.Rule(
+            "clearance + clearance_margin < swing_height",
+            lambda posture: posture.clearance + posture.clearance_margin < posture.swing_height,
+        ),
+    ]
     contact: ContactLimits
-    bounds: dict[str, Interval[Number]]
+    bounds: dict[str, t.Interval[t.Number]]
     """of further rows at every node, by their names in ``slider.gait.constraints``, SI units"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SolveConfig:
     """How a gait is found and converted."""
 
     kinematic_map: Literal["exact", "paper"]
     """eq. 1, knee to slide: exact geometry, or the matrix as printed"""
-    decoupling_min: Annotated[float, Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
+    decoupling_min: Annotated[float, t.Unit("rad/s² | m/s²"), Field(ge=0, le=1e4)]
     """least singular value of the decoupling matrix, per share of the motors' torque limits"""
-    step_time: StepTime
+    step_time: Annotated[StepTime, t.ordered("lower", "value", "upper")]
     solver: SolverConfig
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class GaitConfig(SolveConfig, FormulationConfig):
     """One gait per velocity of the grid."""
 
     grid: GridConfig
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class LibraryConfig:
     """How gaits are collected."""
 
     allow_holes: bool
     """false: a gait that did not converge stops the library with a list of them"""
-    max_violation: Annotated[Tolerance, Unit("SI")]
+    max_violation: Annotated[t.Tolerance, t.Unit("SI")]
     """worst constraint violation of a gait that counts as converged"""
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class IntegratorConfig:
+    """Tolerances of DOP853."""
+
+    relative: t.Tolerance
+    absolute: Annotated[t.Tolerance, t.Unit("rad, rad/s")]
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class RegulatorConfig:
+    """Step-to-step foot placement of the replay; see ``slider.verification.regulator``."""
+
+    lateral: t.Factor
+    """share of the predicted error that a step takes away, sideways"""
+    forward: t.Some[t.Factor]
+    """the same forwards, at the velocities ``speeds``, linear between"""
+    speeds: t.Rising[t.Some[t.MetresPerSecond]]
+    """gait velocities of ``forward``"""
+    reach: t.NonNegative[t.Metres]
+    """greatest change of a foot's place"""
+    placement_end: t.Positive[t.Share]
+    """phase by which the swing foot is over its new place"""
+    fade: t.Positive[t.Share]
+    """phase by which errors left by the impact are gone"""
+    descent: t.NonNegative[t.MetresPerSecond]
+    """speed at which a late swing foot is lowered"""
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class ReplayConfig:
+    """Replay in MuJoCo."""
+
+    steps: Annotated[t.Count, Field(le=100_000)]
+    """length of the walk"""
+    timestep: t.Positive[t.Seconds]
+    """of the physics"""
+    substeps: Annotated[t.Count, Field(le=1000)]
+    """of the physics per control step"""
+    points: Annotated[t.Count, Field(ge=2)]
+    """of the table of targets, per step"""
+    contact: t.NonNegative[t.Newtons]
+    """force that counts as a touchdown"""
+    height: t.NonNegative[t.Metres]
+    """a lower base has fallen"""
+    tilt: t.Positive[t.Radians]
+    """a base that leans further has fallen"""
+    patience: Annotated[t.Positive[t.Factor], t.Unit("step times")]
+    """a swing foot that has not landed by then has missed the ground"""
+    regulator: Annotated[
+        RegulatorConfig,
+        t.Rule("one `forward` for each of `speeds`", lambda r: len(r.forward) == len(r.speeds)),
+    ]
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class CheckConfig:
+    """What the checks of a single gait need."""
+
+    integrator: IntegratorConfig
+    points: Annotated[t.Count, Field(ge=2)]
+    """per step, for the resampling between nodes"""
+    replay: ReplayConfig
+
+
+@dataclass(frozen=True, config=t.STRICT)
+class VerificationConfig(CheckConfig):
+    """All of the verification."""
+
+    chunk: t.Count
+    """gaits per job"""
+    on_failure: Literal["error", "report"]
+    """report: a bound that does not hold is written down; error: it ends the collecting job"""
+    bounds: dict[str, Annotated[t.NonNegative[t.Number], t.Unit("of the quantity")] | None]
+    """of the quantity, see docs/reference/verification.md; null: reported only"""

@@ -6,30 +6,13 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.types import (
-    STRICT,
-    Count,
-    Distinct,
-    Interval,
-    Metres,
-    MetresPerSecond,
-    NonNegative,
-    Number,
-    Positive,
-    Radians,
-    RadiansPerSecond,
-    Rule,
-    Share,
-    Some,
-    Tolerance,
-    Unit,
-)
+from slider.config import types as t
 
-PerSecond = Annotated[float, Unit("1/s"), Field(ge=0, le=1e4)]
-PerSecond2 = Annotated[float, Unit("1/s²"), Field(ge=0, le=1e6)]
+PerSecond = Annotated[float, t.Unit("1/s"), Field(ge=0, le=1e4)]
+PerSecond2 = Annotated[float, t.Unit("1/s²"), Field(ge=0, le=1e6)]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class VirtualConstraintsConfig:
     """Outputs, their phase and what enforces them."""
 
@@ -37,69 +20,69 @@ class VirtualConstraintsConfig:
     """absolute: torso, swing leg and swing foot in the world; joints: the joints themselves"""
     phase: Literal["time", "hip"]
     """time: the clock; hip: how far the hip is ahead of the stance foot"""
-    slowest_hip: Positive[MetresPerSecond]
+    slowest_hip: t.Positive[t.MetresPerSecond]
     """gaits with less forward velocity have time for a phase"""
-    correction_end: Positive[Share]
+    correction_end: t.Positive[t.Share]
     """phase at which the re-anchoring after an impact is over"""
-    placement: Annotated[Interval[Share], Rule("lower < upper", lambda v: v.lower < v.upper)]
+    placement: Annotated[t.Interval[t.Share], t.ordered("lower", "upper", strict=True)]
     """phases between which the swing foot is displaced"""
-    kp: Positive[PerSecond2]
+    kp: t.Positive[PerSecond2]
     """of the outputs"""
-    kd: Positive[PerSecond]
+    kd: t.Positive[PerSecond]
     """of the outputs' rates"""
-    rate_gain: Positive[PerSecond]
+    rate_gain: t.Positive[PerSecond]
     """of the phase's rate, where the hip is the phase"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class FootPlacementConfig:
     """Event-based feedback: the linear-quadratic regulator of the step-to-step dynamics."""
 
-    position: Positive[Number]
+    position: t.Positive[t.Number]
     """weight of the position of the centre of mass [1/m²]"""
-    velocity: Positive[Number]
+    velocity: t.Positive[t.Number]
     """weight of its velocity [s²/m²]"""
-    displacement: Positive[Number]
+    displacement: t.Positive[t.Number]
     """weight of the foot's displacement [1/m²]"""
-    reach: NonNegative[Metres]
+    reach: t.NonNegative[t.Metres]
     """greatest displacement in each direction"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class LinearisationConfig:
     """Return map by central differences."""
 
-    difference: Annotated[Tolerance, Unit("rad, m, 1/s")]
+    difference: Annotated[t.Tolerance, t.Unit("rad, m, 1/s")]
     """perturbation of the state; twice it checks the differences"""
-    tolerance: Annotated[Tolerance, Unit("rad, m, 1/s")]
+    tolerance: Annotated[t.Tolerance, t.Unit("rad, m, 1/s")]
     """of the fixed point"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ImpactGrid:
     """Perturbed impacts: every roll with every roll rate."""
 
-    roll: Distinct[Some[Radians]]
-    roll_rate: Distinct[Some[RadiansPerSecond]]
+    roll: t.Distinct[t.Some[t.Radians]]
+    roll_rate: t.Distinct[t.Some[t.RadiansPerSecond]]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class BasinConfig:
     """Which perturbed starts return to the limit cycle, with and without foot placement."""
 
-    roll: Interval[Radians]
+    roll: t.Interval[t.Radians]
     """of the perturbation"""
-    roll_rate: Interval[RadiansPerSecond]
+    roll_rate: t.Interval[t.RadiansPerSecond]
     """of the perturbation"""
-    points: Annotated[Count, Field(ge=2, le=1000)]
+    points: Annotated[t.Count, Field(ge=2, le=1000)]
     """in each direction"""
-    steps: Count
+    steps: t.Count
     """after which a walk has returned or not"""
-    returned: tuple[Positive[Radians], Positive[RadiansPerSecond]]
+    returned: tuple[t.Positive[t.Radians], t.Positive[t.RadiansPerSecond]]
     """greatest deviation of roll and roll rate from the limit cycle's then"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class StabilityConfig(VirtualConstraintsConfig):
     """Virtual constraints, and what their stability is measured and made with."""
 
@@ -107,31 +90,31 @@ class StabilityConfig(VirtualConstraintsConfig):
     """free: the stance ankle gives what the gait asks for, however the robot moves, since the
     foot's length leaves it little more; driven: it holds its output or the phase's rate, which
     leaves a foothold nothing to correct forwards"""
-    fastest_clock: Positive[MetresPerSecond]
+    fastest_clock: t.Positive[t.MetresPerSecond]
     """gaits with more forward velocity are not linearised by time as well: no foot placement
     stabilises them there"""
     feedback: FootPlacementConfig
     linearisation: LinearisationConfig
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class BasinsConfig(BasinConfig):
     """Basins of attraction of a few gaits."""
 
-    gaits: Some[tuple[MetresPerSecond, MetresPerSecond]]
+    gaits: t.Some[tuple[t.MetresPerSecond, t.MetresPerSecond]]
     """vx, vy; those that the library does not ask for are left out"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class HzdConfig(StabilityConfig):
     """All of hybrid zero dynamics."""
 
     impacts: ImpactGrid
     """at which hybrid invariance is measured"""
     basin: BasinsConfig
-    steps: Count
+    steps: t.Count
     """that a gait is to walk in MuJoCo"""
-    chunk: Count
+    chunk: t.Count
     """gaits per job"""
 
 

@@ -7,14 +7,17 @@ above. Frames are those of ``conf/robot``: parallel to the base's where joints a
 # mujoco has no type stubs for its compiled part.
 # pyright: reportAttributeAccessIssue=false
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
+from pydantic.dataclasses import dataclass as checked_dataclass
 
+from slider.config import types as t
+from slider.config.convert import from_dict
 from slider.core.errors import UserError, require
 
 LINKS = {
@@ -38,11 +41,27 @@ _FREE = int(mujoco.mjtJoint.mjJNT_FREE)
 _LIGHT = {"mass": 0.01, "com": [0.0] * 3, "inertia": [1e-4] * 3, "products": [0.0] * 3}
 _NARROW = {"lower": -0.005, "upper": 0.005, "damping": 0.2}
 _ARMATURE = {"hip_yaw": 0.0, "upper_foot": 0.001}  # of a joint that the machine lacks [kg m²]
-_SIDES = ("left", "right")
 _MIRROR = np.array([1.0, -1.0, 1.0])
 _MAX_TILT = 1e-3  # of an axis against the frame's [rad]
 _MAX_OFFSET = 1e-3  # of ankle and upper foot from the leg's axis, of the base from its plane [m]
 _MAX_DIFFERENCE = 0.01  # of left and right: relative; of places, by the leg's length
+
+
+@checked_dataclass(frozen=True, config=t.STRICT)
+class Roles:
+    """What the parts of a model file are for.
+
+    Attributes:
+        base: name of a body.
+        joints: left and right joint of each role, null for a role that the machine lacks.
+        pose: positions of joints that count as zero or are held there.
+        side: leg to take where the two differ.
+    """
+
+    base: t.Name
+    joints: dict[str, tuple[t.Name, t.Name] | None]
+    pose: dict[str, t.Number] = field(default_factory=dict)
+    side: Literal["left", "right"] | None = None
 
 
 @dataclass(frozen=True)
@@ -80,57 +99,41 @@ class _Link:
         return max(_relative(part, size) for part, size in zip(parts, scale, strict=True))
 
     def values(self, origin: np.ndarray) -> dict[str, Any]:
-        moments = self.inertia
-        return {
-            "mass": _rounded(self.mass),
-            "com": _rounded(self.com - origin),
-            "inertia": _rounded(np.diag(moments)),
-            "products": _rounded(moments[[0, 0, 1], [1, 2, 2]]),
-        }
+        moments, products = np.diag(self.inertia), self.inertia[[0, 0, 1], [1, 2, 2]]
+        values = {"mass": self.mass, "com": self.com - origin, "inertia": moments}
+        return {name: _rounded(value) for name, value in (values | {"products": products}).items()}
 
 
-def read_model(path: Path, roles: Mapping[str, Any]) -> ModelFile:
-    """Values of a robot from the model file ``path``.
-
-    ``roles`` has ``base``, the name of a body; ``joints``, for each role its left and its right
-    joint (null for a role that the machine lacks); optional ``pose``, positions of joints that
-    count as zero or are held there; optional ``side``, ``left`` or ``right``, the leg to take
-    where the two differ.
+def read_model(path: Path, values: Mapping[str, Any]) -> ModelFile:
+    """Values of a robot from the model file ``path``, with the plain values of :class:`Roles`.
 
     Raises:
         UserError: MuJoCo cannot read the file, or the file does not have what the roles ask for.
     """
-    unknown = set(roles) - {"base", "joints", "pose", "side"}
-    require(not unknown, "robot.roles", "base, joints, pose, side", ", ".join(map(str, unknown)))
-    model = _compiled(path)
-    joints = _joints(model, roles)
-    tree = _Tree(model, roles, joints)
-    legs = [tree.leg(side) for side in range(2)]
-    length = float(np.linalg.norm(legs[0].places["ankle"] - legs[0].places["hip_pitch"]))
-    differences = {
-        f"{LINKS[name]} links": legs[1].links[name].mirrored().difference(link, length)
-        for name, link in legs[0].links.items()
-    }
-    for name, place in legs[0].places.items():
-        differences[f"{name} axes"] = _relative(legs[1].places[name] * _MIRROR - place, length)
-        joints = [np.array(list(leg.joints[name].values())) for leg in legs]
+    roles, model = from_dict(Roles, values, "robot.roles"), _compiled(path)
+    tree = _Tree(model, roles)
+    left, right = tree.leg(0), tree.leg(1).mirrored()
+    length = float(np.linalg.norm(left.places["ankle"] - left.places["hip_pitch"]))
+    differences = {}
+    for name, place in left.places.items():
+        links = right.links[name], left.links[name]
+        differences[f"{LINKS[name]} links"] = links[0].difference(links[1], length)
+        differences[f"{name} axes"] = _relative(right.places[name] - place, length)
+        joints = [np.array(list(leg.joints[name].values())) for leg in (left, right)]
         size = np.maximum(*np.abs(joints)).clip(1e-9)
         differences[f"{name} joints"] = _relative((joints[1] - joints[0]) / size, 1.0)
     worst = max(differences, key=differences.__getitem__)
-    side = roles.get("side")
-    require(side in (None, *_SIDES), "robot.roles.side", "left or right", side)
+    difference = differences[worst]
     expected = "legs that are alike, or roles.side: left or right"
-    found = f"{worst} that differ by {differences[worst]:.1%}"
-    require(
-        side is not None or differences[worst] <= _MAX_DIFFERENCE, "robot.model", expected, found
-    )
-    leg = legs[0] if side != "right" else legs[1].mirrored()
+    alike = roles.side is not None or difference <= _MAX_DIFFERENCE
+    require(alike, "robot.model", expected, f"{worst} that differ by {difference:.1%}")
+    leg = right if roles.side == "right" else left
     lateral = leg.places["ankle"][1]
     expected = "a left leg on the left, y > 0 (are left and right swapped?)"
     require(lateral > 0.0, "robot.roles.joints", expected, f"its ankle at y = {lateral:.3f} m")
     links = {"base": tree.base().values(np.zeros(3)), **leg.described()}
-    values = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
-    return ModelFile(values, tree.held(), (differences[worst], worst))
+    robot = {"geometry": leg.geometry(), "links": links, "joints": leg.joints}
+    return ModelFile(robot, tree.held(), (difference, worst))
 
 
 @dataclass(frozen=True)
@@ -187,15 +190,15 @@ class _Leg:
 class _Tree:
     """A compiled model in its nominal pose, the base at the origin."""
 
-    def __init__(
-        self, model: mujoco.MjModel, roles: Mapping[str, Any], joints: dict[str, tuple[int, int]]
-    ) -> None:
-        self._model, self._data, self._joints = model, mujoco.MjData(model), joints
-        self._base = _body(model, roles.get("base"))
+    def __init__(self, model: mujoco.MjModel, roles: Roles) -> None:
+        self._model, self._data, self._joints = model, mujoco.MjData(model), _joints(model, roles)
+        self._roles = {index for pair in self._joints.values() for index in pair}
+        self._base = _index(model, "body", roles.base, "robot.roles.base")
         require(self._base > 0, "robot.roles.base", "the body of the base", "world")
-        self._zero = self._pose(roles.get("pose") or {})
+        self._zero = self._pose(roles.pose)
         mujoco.mj_kinematics(model, self._data)
         mujoco.mj_comPos(model, self._data)
+        self._origin = self._data.xpos[self._base]
         self._turn = self._data.xmat[self._base].reshape(3, 3).T
         self._owners = self._find_owners()
         for side in range(2):
@@ -204,11 +207,8 @@ class _Tree:
     def _pose(self, pose: Mapping[str, float]) -> np.ndarray:
         """Positions (njnt,) that count as zero."""
         model, zero = self._model, np.zeros(self._model.njnt)
-        require(isinstance(pose, Mapping), "robot.roles.pose", "a position per joint", pose)
         for name, value in pose.items():
-            possible = isinstance(value, int | float) and np.isfinite(value)
-            require(possible, f"robot.roles.pose.{name}", "a number in rad or m", value)
-            zero[_joint(model, name)] = value
+            zero[_index(model, "joint", name, "robot.roles.pose")] = value
         for index in range(model.njnt):
             if model.jnt_type[index] in _MOVES:
                 self._data.qpos[model.jnt_qposadr[index]] = zero[index]
@@ -217,16 +217,15 @@ class _Tree:
     def _find_owners(self) -> np.ndarray:
         """Joint with a role (nbody,) that moves each body, −1 for the base, −2 for others."""
         model, owners = self._model, np.full(self._model.nbody, -2)
-        roles = {index for pair in self._joints.values() for index in pair}
-        root = model.body_rootid[self._base]
-        for body in range(1, model.nbody):  # parents come first
-            if model.body_rootid[body] != root:
-                continue
-            start, count = model.body_jntadr[body], model.body_jntnum[body]
-            own = [index for index in range(start, start + count) if index in roles]
-            parent = owners[model.body_parentid[body]]
+        for body in np.flatnonzero(model.body_rootid == model.body_rootid[self._base]):
+            own = [index for index in self._joints_of(int(body)) if index in self._roles]
+            parent = owners[model.body_parentid[body]]  # parents come first
             owners[body] = own[-1] if own else max(parent, -1)
         return owners
+
+    def _joints_of(self, body: int) -> range:
+        start = self._model.body_jntadr[body]
+        return range(start, start + self._model.body_jntnum[body])
 
     def _check_order(self, side: int) -> None:
         """Joints with a role follow one another from the base to the ankle."""
@@ -236,8 +235,7 @@ class _Tree:
                 continue
             chain, body = [], model.jnt_bodyid[self._joints[name][side]]
             while body > 0 and body != self._base:
-                start, count = model.body_jntadr[body], model.body_jntnum[body]
-                chain += reversed(range(start, start + count))
+                chain += reversed(self._joints_of(body))
                 body = model.body_parentid[body]
             key = f"robot.roles.joints.{name}"
             require(body == self._base, key, "a joint below the base", model.joint(chain[0]).name)
@@ -254,22 +252,16 @@ class _Tree:
             places[name] = self._turn @ (self._data.xanchor[pair[side]] - self._origin)
             links[name] = self._joined(np.flatnonzero(self._owners == pair[side]))
             joints[name] = self._joint(name, side)
-        return _Leg(
-            places,
-            links,
-            joints | {n: _NARROW | {"armature": _ARMATURE[n]} for n in LINKS if n not in joints},
-        )
-
-    @property
-    def _origin(self) -> np.ndarray:
-        return self._data.xpos[self._base]
+        absent = [name for name in ABSENT if name not in joints]
+        joints |= {name: _NARROW | {"armature": _ARMATURE[name]} for name in absent}
+        return _Leg(places, links, joints)
 
     def base(self) -> _Link:
         """The base and all that is welded to it, with the plane of symmetry at y = 0."""
         base = self._joined(np.flatnonzero(self._owners == -1))
-        plane = abs(base.com[1]) <= _MAX_OFFSET
         expected = f"a base whose centre has y = 0 within {_MAX_OFFSET} m"
-        require(plane, "robot.model", expected, f"{base.com[1]:.4f} m")
+        lateral = base.com[1]
+        require(abs(lateral) <= _MAX_OFFSET, "robot.model", expected, f"{lateral:.4f} m")
         skewed = _relative(base.inertia - base.mirrored().inertia, np.abs(base.inertia).max())
         expected = f"a base with Ixy = Iyz = 0 within {_MAX_DIFFERENCE:.0%} of its moments"
         found = f"{base.inertia[0, 1]:.4g} and {base.inertia[1, 2]:.4g} kg m²"
@@ -279,32 +271,25 @@ class _Tree:
 
     def held(self) -> dict[str, float]:
         """Joints without a role, and the mass below them [kg]."""
-        model, roles = self._model, {index for pair in self._joints.values() for index in pair}
-        root = model.body_rootid[self._base]
-        return {
-            model.joint(index).name
-            or f"a joint of {model.body(model.jnt_bodyid[index]).name}": float(
-                model.body_subtreemass[model.jnt_bodyid[index]]
-            )
-            for index in range(model.njnt)
-            if index not in roles
-            and model.jnt_type[index] != _FREE
-            and model.body_rootid[model.jnt_bodyid[index]] == root
-        }
+        model, result = self._model, {}
+        for index, body in enumerate(model.jnt_bodyid):
+            is_held = index not in self._roles and model.jnt_type[index] != _FREE
+            if is_held and model.body_rootid[body] == model.body_rootid[self._base]:
+                name = model.joint(index).name or f"a joint of {model.body(body).name}"
+                result[name] = float(model.body_subtreemass[body])
+        return result
 
     def _joint(self, name: str, side: int) -> dict[str, float]:
         """Range and passive properties, of a left leg."""
         model, index = self._model, self._joints[name][side]
         key = f"robot.roles.joints.{name}"
-        slides, found = name == "slide", model.jnt_type[index]
-        kind = _MOVES[slides]
-        text = model.joint(index).name
-        require(found == kind, key, "a slide" if slides else "a hinge", text)
+        slides, text = name == "slide", model.joint(index).name
+        possible = model.jnt_type[index] == _MOVES[slides]
+        require(possible, key, "a slide" if slides else "a hinge", text)
         axis = self._turn @ self._data.xaxis[index]
         sign = float(np.sign(axis @ _AXES[name]))
-        turned = np.abs(sign * axis - _AXES[name]).max()
+        possible = np.abs(sign * axis - _AXES[name]).max() <= _MAX_TILT
         expected = f"an axis along {'xyz'[int(np.abs(_AXES[name]).argmax())]}"
-        possible = turned <= _MAX_TILT
         require(possible, key, expected, f"{text} along {np.round(axis, 3).tolist()}")
         require(bool(model.jnt_limited[index]), key, "a joint with a range", f"{text} without")
         if side == 1 and name in ("hip_yaw", "hip_roll"):
@@ -316,12 +301,9 @@ class _Tree:
         possible = ends.min() <= 0.0 <= ends.max() and np.abs(ends).max() <= most
         require(bool(possible), key, expected, found)
         dof = model.jnt_dofadr[index]
-        return {
-            "lower": _rounded(ends.min()),
-            "upper": _rounded(ends.max()),
-            "damping": _rounded(model.dof_damping[dof]),
-            "armature": _rounded(model.dof_armature[dof]),
-        }
+        values = {"lower": ends.min(), "upper": ends.max(), "damping": model.dof_damping[dof]}
+        values["armature"] = model.dof_armature[dof]
+        return {name: _rounded(value) for name, value in values.items()}
 
     def _joined(self, bodies: np.ndarray) -> _Link:
         """Bodies as one, in the base's frame."""
@@ -360,60 +342,45 @@ def _compiled(path: Path) -> mujoco.MjModel:
 
 def _strip(spec: mujoco.MjSpec, urdf: bool) -> None:
     """Delete what needs further files, or names what is deleted."""
+    geoms, expected = mujoco.mjtGeom, "masses of inertial elements"
     from_geoms = spec.compiler.inertiafromgeom == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
-    expected = "masses of inertial elements"
     require(not from_geoms, "robot.model", expected, 'inertiafromgeom="true"')
     for geom in list(spec.geoms):
         geom.material, body = "", geom.parent
-        shaped = geom.type in (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD)
-        weighs = body.explicitinertial or body == spec.worldbody
-        text = f"{body.name} without"
-        require(weighs or not (shaped or urdf), "robot.model", f"{expected} in bodies", text)
+        shaped = geom.type in (geoms.mjGEOM_MESH, geoms.mjGEOM_HFIELD)
+        weighs = body.explicitinertial or body == spec.worldbody or not (shaped or urdf)
+        require(weighs, "robot.model", f"{expected} in bodies", f"{body.name} without")
         if shaped:
             spec.delete(geom)
-    for part in [*spec.sensors, *spec.actuators, *spec.tendons, *spec.keys, *spec.pairs]:
-        spec.delete(part)
-    for part in [*spec.skins, *spec.meshes, *spec.excludes, *spec.equalities]:
-        spec.delete(part)
-    for part in [*spec.hfields, *spec.materials, *spec.textures]:
+    drives = [*spec.sensors, *spec.actuators, *spec.tendons, *spec.keys, *spec.pairs]
+    links = [*spec.excludes, *spec.equalities, *spec.skins, *spec.meshes, *spec.hfields]
+    for part in [*drives, *links, *spec.materials, *spec.textures]:
         spec.delete(part)
     spec.compiler.fusestatic = False  # a URDF's root would be part of the world
 
 
-def _joints(model: mujoco.MjModel, roles: Mapping[str, Any]) -> dict[str, tuple[int, int]]:
+def _joints(model: mujoco.MjModel, roles: Roles) -> dict[str, tuple[int, int]]:
     """Left and right joint of each role that the machine has."""
-    table, key = roles.get("joints"), "robot.roles.joints"
-    if not isinstance(table, Mapping):
-        raise UserError(f"{key}: expected {', '.join(LINKS)}, found {table}")
-    require(set(table) == set(LINKS), key, ", ".join(LINKS), ", ".join(map(str, table)))
+    table, key = roles.joints, "robot.roles.joints"
+    require(set(table) == set(LINKS), key, ", ".join(LINKS), ", ".join(table))
+    lacks = [name for name, pair in table.items() if pair is None and name not in ABSENT]
+    require(not lacks, key, f"null for no other than {' and '.join(ABSENT)}", ", ".join(lacks))
     pairs: dict[str, tuple[int, int]] = {}
     for name, pair in table.items():
-        if pair is None and name in ABSENT:
-            continue
-        if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
-            expected = "the names of a left and a right joint" + (", or null" * (name in ABSENT))
-            raise UserError(f"{key}.{name}: expected {expected}, found {pair}")
-        pairs[name] = _joint(model, pair[0]), _joint(model, pair[1])
+        if pair is not None:
+            left, right = (_index(model, "joint", joint, key) for joint in pair)
+            pairs[name] = left, right
     used = [index for pair in pairs.values() for index in pair]
     require(len(set(used)) == len(used), key, "each joint once", "one for two roles")
     return pairs
 
 
-def _joint(model: mujoco.MjModel, name: Any) -> int:
-    return _index(model, mujoco.mjtObj.mjOBJ_JOINT, name, "robot.roles.joints", "joint")
-
-
-def _body(model: mujoco.MjModel, name: Any) -> int:
-    return _index(model, mujoco.mjtObj.mjOBJ_BODY, name, "robot.roles.base", "body")
-
-
-def _index(model: mujoco.MjModel, kind: mujoco.mjtObj, name: Any, key: str, what: str) -> int:
-    index = mujoco.mj_name2id(model, kind, name) if isinstance(name, str) else -1
-    count = {"joint": model.njnt, "body": model.nbody}[what]
-    names = [mujoco.mj_id2name(model, kind, i) or "" for i in range(count)]
-    known = ", ".join(n for n in names if n and n != "world")
-    require(index >= 0, key, f"a {what} of the model: {known}", name)
-    return index
+def _index(model: mujoco.MjModel, kind: str, name: str, key: str) -> int:
+    """Number of the joint or body of a name."""
+    try:
+        return getattr(model, kind)(name).id
+    except KeyError as error:  # MuJoCo lists the names
+        raise UserError(f"{key}: expected a {kind} of the model. {error.args[0]}") from None
 
 
 def _relative(difference: Any, size: float) -> float:

@@ -1,30 +1,19 @@
-"""Typed robot parameters. Values and their provenance live in ``conf/robot``."""
+"""Typed robot parameters, and robots that differ in one of them.
 
+Values and their provenance live in ``conf/robot``.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import field
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from slider.config.types import (
-    STRICT,
-    Factor,
-    JointPosition,
-    KilogramMetres2,
-    Kilograms,
-    Metres,
-    Name,
-    NewtonMetres,
-    NonNegative,
-    Number,
-    Positive,
-    RadiansPerSecond,
-    Rule,
-    Share,
-    Unit,
-    Vector3,
-)
+from slider.config import types as t
+from slider.config.convert import from_dict, to_dict, with_settings
+from slider.core.files import flatten
 
 Provenance = Literal["measured", "paper", "earlier", "assumed"]
 
@@ -37,20 +26,17 @@ def leg_scale(leg_length: float) -> float:
     return leg_length / 0.64
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Link:
     """A rigid body."""
 
-    mass: Positive[Kilograms]
+    mass: t.Positive[t.Kilograms]
     """of the body; a leg's exists twice"""
-    com: Vector3[Metres]
+    com: t.Vector3[t.Metres]
     """centre of mass, in the frame of the link's joint; a right leg's has the other sign of y"""
-    inertia: Annotated[
-        Vector3[Positive[KilogramMetres2]],
-        Rule("none above the sum of the others", lambda moments: 2 * max(moments) <= sum(moments)),
-    ]
+    inertia: t.Vector3[t.Positive[t.KilogramMetres2]]
     """Ixx, Iyy, Izz about the centre of mass, axes of the link's frame"""
-    products: Vector3[Annotated[Number, Unit("kg m²")]] = (0.0, 0.0, 0.0)
+    products: t.Vector3[Annotated[t.Number, t.Unit("kg m²")]] = (0.0, 0.0, 0.0)
     """Ixy, Ixz, Iyz likewise; a right leg's have the other sign of Ixy and Iyz"""
 
     @property
@@ -60,53 +46,70 @@ class Link:
         return np.diag(self.inertia) + np.array([[0.0, xy, xz], [xy, 0.0, yz], [xz, yz, 0.0]])
 
 
-@dataclass(frozen=True, config=STRICT)
+def _is_rigid(link: Link) -> bool:
+    moments = np.linalg.eigvalsh(link.tensor)
+    return moments[0] > 0.0 and 2 * moments[-1] <= moments.sum() * (1 + 1e-9)
+
+
+_Body = Annotated[
+    Link, t.Rule("positive principal moments, none above the sum of the others", _is_rigid)
+]
+_Base = Annotated[
+    _Body,
+    t.Rule(
+        "y, Ixy and Iyz of 0: left and right are alike",
+        lambda link: link.com[1] == link.products[0] == link.products[2] == 0.0,
+    ),
+]
+
+
+@dataclass(frozen=True, config=t.STRICT)
 class Links:
     """The bodies of the prismatic model; all but the base exist once per leg."""
 
-    base: Link
-    yaw: Link
-    roll: Link
-    pitch: Link
-    tube: Link
-    foot: Link
-    upper_foot: Link
+    base: _Base
+    yaw: _Body
+    roll: _Body
+    pitch: _Body
+    tube: _Body
+    foot: _Body
+    upper_foot: _Body
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class HipAxes:
     """Places of a left hip's axes in the frame of the link above; y is reflected on the right."""
 
-    hip_yaw: Vector3[Metres]
+    hip_yaw: t.Vector3[t.Metres]
     """in the base"""
-    hip_roll: Vector3[Metres]
+    hip_roll: t.Vector3[t.Metres]
     """in the yaw link"""
-    hip_pitch: Vector3[Metres]
+    hip_pitch: t.Vector3[t.Metres]
     """in the roll link; the slide goes through it"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Geometry:
     """Lengths."""
 
     axes: HipAxes
-    leg_length: Positive[Metres]
+    leg_length: t.Positive[t.Metres]
     """hip pitch axis to ankle at slide = 0"""
-    ankle_height: Positive[Metres]
+    ankle_height: t.Positive[t.Metres]
     """ankle axis to sole"""
-    toe: Positive[Metres]
+    toe: t.Positive[t.Metres]
     """ankle axis to the front end of the foot line"""
-    heel: Positive[Metres]
+    heel: t.Positive[t.Metres]
     """ankle axis to the rear end of the foot line"""
-    foot_radius: Positive[Metres]
+    foot_radius: t.Positive[t.Metres]
     """half of the foot's width"""
-    upper_foot_height: Positive[Metres]
+    upper_foot_height: t.Positive[t.Metres]
     """upper foot axis above the hip pitch axis at slide = 0"""
-    tube_radius: Positive[Metres]
+    tube_radius: t.Positive[t.Metres]
     """of the leg"""
-    hip_radius: Positive[Metres]
+    hip_radius: t.Positive[t.Metres]
     """of the drives about the hip"""
-    base_half_size: Vector3[Positive[Metres]]
+    base_half_size: t.Vector3[t.Positive[t.Metres]]
     """box between the hips"""
 
     @property
@@ -122,78 +125,78 @@ class Geometry:
         return self.leg_length + self.ankle_height - self.hip[2]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class VirtualKnee:
     """The revolute leg that stands for the slide in the gait solver."""
 
-    thigh_length: Positive[Metres]
+    thigh_length: t.Positive[t.Metres]
     """l₁"""
-    shank_length: Positive[Metres]
+    shank_length: t.Positive[t.Metres]
     """l₂"""
-    shank_mass_fraction: Share
+    shank_mass_fraction: t.Share
     """share of the tube's mass that moves with the virtual shank"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Joint:
     """Range and passive properties of a joint."""
 
-    lower: JointPosition
-    upper: JointPosition
-    damping: Annotated[NonNegative[Number], Unit("N m s/rad | N s/m")]
+    lower: t.JointPosition
+    upper: t.JointPosition
+    damping: Annotated[t.NonNegative[t.Number], t.Unit("N m s/rad | N s/m")]
     """viscous damping"""
-    armature: Annotated[NonNegative[Number], Unit("kg m² | kg")]
+    armature: Annotated[t.NonNegative[t.Number], t.Unit("kg m² | kg")]
     """inertia of its own, beside that of the drives"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Drive:
     """A motor with its gear; of a slide without a capstan in N, m/s and kg."""
 
-    torque: Positive[NewtonMetres]
+    torque: t.Positive[t.NewtonMetres]
     """limit"""
-    speed: Positive[RadiansPerSecond]
+    speed: t.Positive[t.RadiansPerSecond]
     """where the torque-speed line ends: no load"""
-    stall_ratio: Annotated[Factor, Field(ge=1)]
+    stall_ratio: Annotated[t.Factor, Field(ge=1)]
     """torque of that line at rest, as a multiple of the limit"""
-    inertia: NonNegative[KilogramMetres2]
+    inertia: t.NonNegative[t.KilogramMetres2]
     """of the rotor, reflected to the output; in addition to the joint's ``armature``"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Gains:
     """Position loop on board of a motor."""
 
-    kp: Annotated[NonNegative[Number], Unit("N m/rad")]
-    kd: Annotated[NonNegative[Number], Unit("N m s/rad")]
+    kp: Annotated[t.NonNegative[t.Number], t.Unit("N m/rad")]
+    kd: Annotated[t.NonNegative[t.Number], t.Unit("N m s/rad")]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Capstan:
     """Differential of slide and ankle, moved by two equal motors (``drives.capstan``)."""
 
-    drum_radius: Annotated[Positive[Factor], Unit("m/rad")]
+    drum_radius: Annotated[t.Positive[t.Factor], t.Unit("m/rad")]
     """way of the slide per angle of both motors in the same sense"""
-    foot_ratio: Positive[Factor]
+    foot_ratio: t.Positive[t.Factor]
     """angle of the foot per angle of both motors in opposite senses"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Contact:
     """Foot-ground contact."""
 
-    friction: Positive[Factor]
+    friction: t.Positive[t.Factor]
     """coefficient of the foot on the ground"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Mechanism:
     """What gaits depend on: joints and drives by their names."""
 
     geometry: Geometry
     links: Links
     virtual_knee: VirtualKnee
-    joints: dict[str, Joint]
+    joints: dict[str, Annotated[Joint, t.ordered("lower", "upper", strict=True)]]
     drives: dict[str, Drive]
     capstan: Capstan | None
     """null: slide and ankle have a motor each"""
@@ -204,12 +207,72 @@ class Mechanism:
         return HIP_JOINTS + (("slide", "ankle") if self.capstan is None else ("capstan",) * 2)
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class RobotConfig(Mechanism):
     """Everything that defines the machine; gains by leg drive."""
 
-    name: Name
+    name: t.Name
     gains: dict[str, Gains]
     contact: Contact
     provenance: dict[str, Provenance | None] = field(default_factory=dict)
     """where values come from, by dotted path; the longest matching path counts; null: no tag"""
+
+
+class Parameter(NamedTuple):
+    """A number of the robot, or a vector that varies as a whole.
+
+    Attributes:
+        path: dotted, below ``robot``.
+        value: the numbers, one for a scalar.
+        provenance: tag of the longest matching path; empty without one.
+    """
+
+    path: str
+    value: tuple[float, ...]
+    provenance: str
+
+
+def parameters(robot: RobotConfig) -> list[Parameter]:
+    """All numbers and vectors of a robot, in the order of its configuration."""
+    values = to_dict(robot)
+    tags = values.pop("provenance")
+    numbers = ((k, v) for k, v in flatten(values).items() if isinstance(v, float | tuple))
+    return [
+        Parameter(path, tuple(map(float, np.atleast_1d(value))), tag(tags, path))
+        for path, value in numbers
+    ]
+
+
+def choose(
+    items: Sequence[Parameter], tags: Sequence[str], paths: Sequence[str]
+) -> list[Parameter]:
+    """Parameters with one of the tags, at or below one of the paths if there are any."""
+    return [
+        item
+        for item in items
+        if item.provenance in tags and (not paths or any(_within(item.path, p) for p in paths))
+    ]
+
+
+def tag(tags: Mapping[str, str | None], path: str) -> str:
+    """Tag of the longest path that is ``path`` or a group around it; empty without one."""
+    matching = [name for name in tags if _within(path, name)]
+    return tags[max(matching, key=len)] or "" if matching else ""
+
+
+def _within(path: str, group: str) -> bool:
+    return f"{path}.".startswith(f"{group}.")
+
+
+def scaled(robot: RobotConfig, path: str, factor: float) -> RobotConfig:
+    """The robot with one parameter multiplied by ``factor``; it may be an impossible one.
+
+    Raises:
+        UserError: the parameter takes no such value.
+    """
+    values = to_dict(robot)
+    value = flatten(values)[path]
+    # Without the last digits, so that 60 · 1.2 is 72.
+    products = [float(f"{number * factor:.12g}") for number in np.atleast_1d(value).tolist()]
+    product = products if isinstance(value, tuple) else products[0]
+    return from_dict(RobotConfig, with_settings(values, {path: product}), "robot")

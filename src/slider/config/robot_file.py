@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 from hydra.core.config_store import ConfigStore
 from omegaconf import OmegaConf
 
-from slider.config.parameters import tag
+from slider.config.robot import tag
 from slider.core.errors import UserError, require
 from slider.core.files import flatten
 
@@ -27,18 +27,30 @@ _OPTION = "outside"
 def store_robot(overrides: Sequence[str], conf: Path) -> list[str]:
     """The overrides with an option in the place of a path; its values are those of the file.
 
+    Each value has the file's tag, null where it gives none. The file may change robots of
+    ``conf/robot``, and they not the file.
+
     Raises:
         UserError: there is no such file, it cannot be read or it is no robot's.
     """
-    result = []
-    for text in overrides:
-        if path := _path(text):
-            node = _read(path)
-            _check_defaults(text, node.get("defaults", []), conf)
-            ConfigStore.instance().store(_OPTION, node, group="robot")
-            text = f"robot={_OPTION}"
-        result.append(text)
-    return result
+    paths = {text: path for text in overrides if (path := _path(text))}
+    for text, path in paths.items():
+        node = _content(path)
+        require("name" in node, text, "the robot's name as `name`", "none")
+        names = sorted(file.stem for file in (conf / "robot").glob("*.yaml"))
+        defaults = node.get("defaults", [])
+        possible = isinstance(defaults, list) and all(name in names for name in defaults[:-1])
+        possible = possible and all(name in (*names, "_self_") for name in defaults[-1:])
+        require(possible, f"{text}: defaults", f"[{', '.join(names)}, _self_]", defaults)
+        if model := _model(node, path):
+            node = cast(dict[str, Any], OmegaConf.to_container(OmegaConf.merge(model.values, node)))
+        tags = node.get("provenance") or {}
+        require(isinstance(tags, dict), "robot.provenance", "a tag per dotted key", tags)
+        apart = ("defaults", "name", "provenance")
+        typed = flatten({k: v for k, v in node.items() if k not in apart})
+        tags |= {key: tag(tags, key) or None for key, value in typed.items() if value is not None}
+        ConfigStore.instance().store(_OPTION, node | {"provenance": tags}, group="robot")
+    return [f"robot={_OPTION}" if text in paths else text for text in overrides]
 
 
 def without_capstan(robot: Any) -> None:
@@ -48,13 +60,11 @@ def without_capstan(robot: Any) -> None:
     """
     if not isinstance(robot, dict) or robot.get("capstan", "") is not None:
         return
-    for name in ("drives", "gains"):
-        if isinstance(robot.get(name), dict):
-            robot[name].pop("capstan", None)
-    tags = robot.get("provenance")
-    if isinstance(tags, dict):
-        gone = ("capstan.", "drives.capstan.", "gains.capstan.")
-        robot["provenance"] = {k: v for k, v in tags.items() if not f"{k}.".startswith(gone)}
+    gone = ("capstan.", "drives.capstan.", "gains.capstan.")
+    for name, prefix in (("drives", "drives."), ("gains", "gains."), ("provenance", "")):
+        if isinstance(values := robot.get(name), dict):
+            kept = {k: v for k, v in values.items() if not f"{prefix}{k}.".startswith(gone)}
+            robot[name] = kept
 
 
 def model_of(option: str) -> "ModelFile | None":
@@ -70,22 +80,6 @@ def _path(text: str) -> Path | None:
         return None
     path = Path(match.group(1)).expanduser()
     return path / "robot.yaml" if path.is_dir() else path
-
-
-def _read(path: Path) -> dict[str, Any]:
-    """Content of the file, with a tag for each of its values; null where the file gives none.
-
-    ``model`` and ``roles`` are replaced by the values that they give.
-    """
-    node = _content(path)
-    require("name" in node, f"robot={path}", "the robot's name as `name`", "none")
-    if model := _model(node, path):
-        node = cast(dict[str, Any], OmegaConf.to_container(OmegaConf.merge(model.values, node)))
-    tags = node.get("provenance") or {}
-    require(isinstance(tags, dict), "robot.provenance", "a tag per dotted key", tags)
-    typed = flatten({k: v for k, v in node.items() if k not in ("defaults", "name", "provenance")})
-    numbers = [key for key, value in typed.items() if value is not None]
-    return node | {"provenance": tags | {key: tag(tags, key) or None for key in numbers}}
 
 
 def _content(path: Path) -> dict[str, Any]:
@@ -105,18 +99,6 @@ def _model(node: dict[str, Any], path: Path) -> "ModelFile | None":
         return None
     if not isinstance(file, str) or {"..", "/"} & set(Path(file).parts):
         raise UserError(f"robot.model: expected a file beside this one, or below, found {file}")
-    if not isinstance(roles, dict):
-        raise UserError(f"robot.roles: expected base and joints, found {roles}")
     from slider.config.model_file import read_model  # imports MuJoCo
 
     return read_model(path.parent / file, roles)
-
-
-def _check_defaults(option: str, defaults: Any, conf: Path) -> None:
-    """The file may change robots of ``conf/robot``, and they not the file."""
-    names = sorted(path.stem for path in (conf / "robot").glob("*.yaml"))
-    possible = isinstance(defaults, list) and all(
-        name in names or (name == "_self_" and place == len(defaults) - 1)
-        for place, name in enumerate(defaults)
-    )
-    require(possible, f"{option}: defaults", f"[{', '.join(names)}, _self_]", defaults)

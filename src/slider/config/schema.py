@@ -5,72 +5,65 @@ from typing import Annotated
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from slider.config import types as t
 from slider.config.control import AnyControl
 from slider.config.env import EnvConfig
-from slider.config.evaluation import EvaluationConfig, SeedsConfig, SpeedsConfig
-from slider.config.gait import GaitConfig, LibraryConfig, StartSpread
-from slider.config.gauge import GaugeConfig
+from slider.config.evaluation import (
+    EvaluationConfig,
+    GaugeConfig,
+    ReportConfig,
+    SeedsConfig,
+    SpeedsConfig,
+    TuningConfig,
+)
+from slider.config.gait import GaitConfig, LibraryConfig, StartSpread, VerificationConfig
 from slider.config.hzd import HzdConfig
-from slider.config.report import ReportConfig
 from slider.config.robot import Provenance, RobotConfig
 from slider.config.train import TrainConfig, TrainingsConfig
-from slider.config.tuning import TuningConfig
-from slider.config.types import (
-    STRICT,
-    Count,
-    Distinct,
-    MetresPerSecond,
-    Name,
-    Seed,
-    Share,
-    Some,
-    Tolerance,
-)
-from slider.config.verification import VerificationConfig
 
 Samples = Annotated[int, Field(ge=1, le=1_000_000_000_000)]
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class VariantConfig:
     """One row of a study: its name for people, and Hydra overrides of the configuration."""
 
-    label: Name
+    label: t.Name
     """name in table and figure"""
-    overrides: list[Name]
+    overrides: list[t.Name]
     """of the configuration that the pipeline was given"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ScalingConfig:
     """Further variants: numbers of the robot, each multiplied by two factors, one at a time."""
 
-    change: Annotated[Share, Field(gt=0, lt=1)]
+    change: Annotated[t.Share, Field(gt=0, lt=1)]
     """the factors are 1 − this and 1 + this"""
-    provenance: Distinct[Some[Provenance]]
+    provenance: t.Distinct[t.Some[Provenance]]
     """tags of the numbers that vary"""
-    parameters: list[Name]
+    parameters: list[t.Name]
     """dotted names below robot, or groups of them; empty: all with these tags"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class StartsConfig:
     """Random initial guesses of each gait, each solved by itself."""
 
-    count: Count
+    count: t.Count
     """per variant and speed"""
-    seed: Seed
+    seed: t.Seed
     """start k is the same at every speed, however many there are"""
-    same_cost: Tolerance
+    same_cost: t.Tolerance
     """relative difference of cost up to which two solutions count as one optimum"""
     spread: StartSpread
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class BudgetConfig:
     """Trainings of each variant, the same length for all."""
 
-    seeds: Distinct[Some[Seed]]
+    seeds: t.Distinct[t.Some[t.Seed]]
     """of standing and walking; one training each"""
     samples: Samples
     """control steps of a robot, of a walking training"""
@@ -80,28 +73,28 @@ class BudgetConfig:
     """samples between checks: the points of the learning curves"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class RolloutsConfig:
     """Evaluations of each policy; all else is as in ``evaluation``."""
 
-    trials: Annotated[Count, Field(le=100_000)]
+    trials: Annotated[t.Count, Field(le=100_000)]
     """each with a seed of its own"""
-    robots: Count
+    robots: t.Count
     """per trial"""
-    seed: Seed
+    seed: t.Seed
     """of the first trial"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class StudyConfig:
     """Variants and the metrics that are compared; ``conf/study/NAME.yaml`` is the target NAME."""
 
-    run: Distinct[Some[Name]]
+    run: t.Distinct[t.Some[t.Name]]
     """variants that are compared, in this order; the first one is the reference"""
     variants: dict[str, VariantConfig]
-    speeds: Distinct[Some[MetresPerSecond]]
+    speeds: t.Distinct[t.Some[t.MetresPerSecond]]
     """forward velocities of gaits and evaluations"""
-    metrics: Distinct[Some[Name]]
+    metrics: t.Distinct[t.Some[t.Name]]
     """columns of NAME_runs.csv that are compared; the figure has the first five"""
     scaling: ScalingConfig | None = None
     """further variants; null: none"""
@@ -115,33 +108,41 @@ class StudyConfig:
     """evaluate the policies; null: none"""
 
 
-@dataclass(frozen=True, config=STRICT)
+_Study = Annotated[
+    StudyConfig,
+    t.Rule("gaits=true or an evaluation", lambda study: study.gaits or study.evaluation),
+    t.Rule("starts: null without gaits", lambda study: study.gaits or not study.starts),
+    t.Rule("training: null without an evaluation", lambda s: s.evaluation or not s.training),
+]
+
+
+@dataclass(frozen=True, config=t.STRICT)
 class TrackingConfig:
     """MLflow."""
 
     enabled: bool
     """false: no MLflow run is written"""
-    experiment: Name
+    experiment: t.Name
     """name of the MLflow experiment"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class StoreConfig:
     """The store of results. Never part of a recipe."""
 
-    remote: Name | None
+    remote: t.Name | None
     """where missing results are taken from: a folder, ``s3://…``, ``sftp://…``, ``https://…``"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ResourcesConfig:
     """Of the machine that computes. Never part of a recipe."""
 
-    threads: Annotated[Count, Field(le=1024)] | None
+    threads: Annotated[t.Count, Field(le=1024)] | None
     """cores of a training (other jobs have one); null: one, and idle ones beside it"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class Config:
     """Root of the configuration; one field per group of ``conf/``.
 
@@ -165,7 +166,7 @@ class Config:
     tuning: TuningConfig
     verification: VerificationConfig
     report: ReportConfig
-    study: dict[str, StudyConfig]
+    study: dict[str, _Study]
     tracking: TrackingConfig
     store: StoreConfig
     resources: ResourcesConfig

@@ -6,57 +6,42 @@ from typing import Annotated, Literal
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from slider.config import types as t
 from slider.config.env import DisturbanceConfig, Sensing
-from slider.config.types import (
-    STRICT,
-    Count,
-    Distinct,
-    Factor,
-    Interval,
-    MetresPerSecond,
-    NonNegative,
-    Number,
-    Positive,
-    RadiansPerSecond,
-    Seconds,
-    Seed,
-    Share,
-    Some,
-)
 
 WARP = "slider.env.warp"
 """Module of MuJoCo Warp's physics; its code is in the section of the trainings that use it."""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class CurriculumConfig:
     """Velocities grow with success: their ranges are a share of the configured ones."""
 
-    start: Positive[Share]
+    start: t.Positive[t.Share]
     """share at the start; 1: no curriculum"""
-    growth: Positive[Factor]
+    growth: t.Positive[t.Factor]
     """added to the share"""
-    success: Positive[Share]
+    success: t.Positive[t.Share]
     """share of as many episodes as there are robots that must end without a fall"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class VelocitiesConfig:
     """Ranges of the commanded velocities, drawn uniformly, and how often they change."""
 
-    vx: Interval[MetresPerSecond]
-    vy: Interval[MetresPerSecond]
-    yaw_rate: Interval[RadiansPerSecond]
-    period: Seconds
+    vx: t.Interval[t.MetresPerSecond]
+    vy: t.Interval[t.MetresPerSecond]
+    yaw_rate: t.Interval[t.RadiansPerSecond]
+    period: t.Seconds
     """mean time between changes; 0: never within an episode"""
-    standing_fraction: Share
+    standing_fraction: t.Share
     """share of zero velocities"""
     curriculum: CurriculumConfig
-    uneven: Annotated[Share, Field(gt=0)]
+    uneven: Annotated[t.Share, Field(gt=0)]
     """on ground that is not flat velocities are this share of those drawn"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class GuideConfig:
     """Which gait guides a velocity between those of the library."""
 
@@ -64,26 +49,26 @@ class GuideConfig:
     """between the gaits of the library; interpolated: at the reference velocity"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class RewardTerm:
     """Weight of a reward term and its parameters."""
 
-    weight: Number
+    weight: t.Number
     """factor on the term; 0 switches it off"""
     params: dict[str, float] = field(default_factory=dict)
     """parameter of the term, which says its bounds"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class RewardConfig:
     """max(weighted sum of terms, ``floor``) · ``scale`` + ``on_fall``."""
 
     terms: Annotated[dict[str, RewardTerm], Field(min_length=1)]
-    scale: Positive[Number]
+    scale: t.Positive[t.Number]
     """factor on the sum of the terms"""
-    floor: Number
+    floor: t.Number
     """least value of the sum, before ``scale``"""
-    on_fall: Number
+    on_fall: t.Number
     """added when the episode ends in a fall"""
 
     @property
@@ -92,15 +77,15 @@ class RewardConfig:
         return {name: term for name, term in self.terms.items() if term.weight != 0}
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class ResetConfig:
     """How episodes start."""
 
-    reference_fraction: Share
+    reference_fraction: t.Share
     """share of episodes that start on the gait; the others start at rest"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class NetworkConfig:
     """Actor and critic: multilayer perceptrons of the same shape.
 
@@ -109,82 +94,82 @@ class NetworkConfig:
     ``std_final``.
     """
 
-    hidden: Some[Annotated[Count, Field(le=65536)]]
+    hidden: t.Some[Annotated[t.Count, Field(le=65536)]]
     """widths of the hidden layers, actor and critic alike"""
     activation: Literal["elu", "relu", "tanh"]
     """of the hidden layers"""
-    initial_std: Positive[Factor]
+    initial_std: t.Positive[t.Factor]
     """of the action noise at the start"""
-    std_min: Positive[Factor]
+    std_min: t.Positive[t.Factor]
     """least action noise"""
-    std_max: Positive[Factor]
+    std_max: t.Positive[t.Factor]
     """greatest action noise"""
-    std_final: Positive[Factor]
+    std_final: t.Positive[t.Factor]
     """greatest action noise at the end"""
-    anneal_from: Positive[Share]
+    anneal_from: t.Positive[t.Share]
     """share of the iterations from which the greatest action noise falls, geometrically"""
-    output_scale: Positive[Factor]
+    output_scale: t.Positive[t.Factor]
     """factor on the last layer's initial weights: small first actions"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class PpoConfig:
     """Proximal policy optimisation with generalised advantage estimation."""
 
-    learning_rate: Positive[Factor]
+    learning_rate: t.Positive[t.Factor]
     """at the start, where the schedule adapts it"""
     schedule: Literal["adaptive", "fixed"]
     """adaptive: follow desired_kl"""
-    desired_kl: Positive[Factor]
+    desired_kl: t.Positive[t.Factor]
     """divergence per update that the adaptive schedule aims at"""
-    epochs: Annotated[Count, Field(le=1000)]
+    epochs: Annotated[t.Count, Field(le=1000)]
     """passes over the samples of an update"""
-    mini_batches: Count
+    mini_batches: t.Count
     """per pass"""
-    clip: Positive[Factor]
+    clip: t.Positive[t.Factor]
     """of the probability ratio and of the value"""
-    gamma: Positive[Share]
+    gamma: t.Positive[t.Share]
     """discount per control step"""
-    lam: Share
+    lam: t.Share
     """λ of the generalised advantage estimate"""
-    value_coefficient: Factor
+    value_coefficient: t.Factor
     """weight of the value loss"""
-    entropy_coefficient: Factor
+    entropy_coefficient: t.Factor
     """weight of the entropy bonus"""
-    max_grad_norm: Positive[Number]
+    max_grad_norm: t.Positive[t.Number]
     """gradients are cut to this norm"""
     precision: Literal["auto", "float32", "bfloat16"]
     """of the update; auto: bfloat16 on a processor that has it, found when jobs are laid out"""
     symmetry: Literal["none", "augmentation", "loss"]
     """left and right: reflected samples too, or a mirror loss; with env.phase.mirror=false"""
-    symmetry_weight: Factor
+    symmetry_weight: t.Factor
     """of the mirror loss"""
-    actor_ema: Annotated[Share, Field(lt=1)]
+    actor_ema: Annotated[t.Share, Field(lt=1)]
     """share of the actor's old average that an update leaves; the average is judged and exported"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class SelectionConfig:
     """Periodic small evaluation that picks the checkpoint to keep."""
 
-    interval: Count
+    interval: t.Count
     """iterations between checks; a checkpoint is written at the same time"""
-    speeds: Distinct[Some[MetresPerSecond]]
+    speeds: t.Distinct[t.Some[t.MetresPerSecond]]
     """forward velocities of the checks"""
-    robots: Count
+    robots: t.Count
     """per speed"""
-    seed: Seed
+    seed: t.Seed
     """of the starts, the same ones in every check"""
-    duration: Positive[Seconds]
-    warm_up: Seconds
+    duration: t.Positive[t.Seconds]
+    warm_up: t.Seconds
     """start that does not count for the error"""
-    fall_weight: Positive[Number]
+    fall_weight: t.Positive[t.Number]
     """score of a robot that fell; one that tracks badly has less than half of it"""
-    flight_weight: NonNegative[Number]
+    flight_weight: t.NonNegative[t.Number]
     """score of the share of time without contact"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class TrainConfig:
     """One training run."""
 
@@ -194,29 +179,37 @@ class TrainConfig:
     """mujoco: on the processor; mujoco_warp: all robots at once on the device, extra gpu"""
     device: Literal["cpu", "cuda", "auto"]
     """of physics and networks; auto: cuda where there is one, found when jobs are laid out"""
-    gpus: Annotated[Count, Field(le=64)]
+    gpus: Annotated[t.Count, Field(le=64)]
     """of one machine, each with a process and ``robots`` of its own; gradients are averaged"""
-    robots: Count
+    robots: t.Count
     """robots simulated at once"""
-    steps_per_iteration: Annotated[Count, Field(le=100_000)]
+    steps_per_iteration: Annotated[t.Count, Field(le=100_000)]
     """control steps of each robot between updates"""
-    episode_length: Positive[Seconds]
+    episode_length: t.Positive[t.Seconds]
     """after which a robot starts anew"""
-    seed: Seed
+    seed: t.Seed
     """of networks, environments and noise"""
     velocities: VelocitiesConfig
     guide: GuideConfig
     reward: RewardConfig
     reset: ResetConfig
-    network: NetworkConfig
+    network: Annotated[
+        NetworkConfig, t.ordered("std_min", "std_max"), t.ordered("std_min", "std_final")
+    ]
     ppo: PpoConfig
-    selection: SelectionConfig
+    selection: Annotated[
+        SelectionConfig,
+        t.Rule(
+            "flight_weight ≤ half of fall_weight: a robot that fell costs most",
+            lambda selection: selection.flight_weight <= selection.fall_weight / 2,
+        ),
+    ]
     disturbance: DisturbanceConfig
     sensing: Sensing
     """what agents receive: the true state, or its estimate from sensors on board"""
 
 
-@dataclass(frozen=True, config=STRICT)
+@dataclass(frozen=True, config=t.STRICT)
 class TrainingsConfig:
     """Standing pre-training, then walking."""
 

@@ -1,6 +1,6 @@
 """What values of the configuration may be: bounds, units, and their combinations.
 
-The schema combines them, ``Positive[Metres]``, with a text under each field. Upper bounds are
+The schema combines them, ``t.Positive[t.Metres]``, with a text under each field. Upper bounds are
 generous: they refuse what cannot be a length, time or count, such as 1e30.
 """
 
@@ -9,9 +9,9 @@ from dataclasses import dataclass as plain_dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Generic, TypeVar
 
-from pydantic import ConfigDict, Field, GetCoreSchemaHandler, model_validator
+from pydantic import ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.dataclasses import dataclass
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, core_schema
 
 STRICT = ConfigDict(
     extra="forbid",
@@ -27,8 +27,9 @@ SAME = 1e-6
 T = TypeVar("T")
 
 
-class Unit(str):
+def Unit(text: str) -> Any:
     """Unit of a number; ``rad | m``: of a joint that turns, and of the slide."""
+    return Field(json_schema_extra={"unit": text})
 
 
 @plain_dataclass(frozen=True)
@@ -36,17 +37,32 @@ class Rule:
     """What else must hold of a value, in words and as a test."""
 
     text: str
-    holds: Callable[[Any], bool]
+    holds: Callable[[Any], object]
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> CoreSchema:
         return core_schema.no_info_after_validator_function(self._checked, handler(source))
 
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return handler(schema) | {"rule": self.text}
+
     def _checked(self, value: Any) -> Any:
         if not self.holds(value):
-            raise PydanticCustomError("rule", self.text)  # pyright: ignore[reportArgumentType]
+            raise ValueError(self.text)
         return value
+
+
+def ordered(*names: str, strict: bool = False) -> Rule:
+    """Attributes of a group that do not fall, or that rise."""
+
+    def holds(group: Any) -> bool:
+        pairs = pairwise(getattr(group, name) for name in names)
+        return all(a < b or (a == b and not strict) for a, b in pairs)
+
+    return Rule((" < " if strict else " ≤ ").join(names), holds)
 
 
 def _distinct(values: list[Any]) -> bool:
@@ -60,6 +76,8 @@ Even = Annotated[T, Rule("an even number", lambda value: value % 2 == 0)]
 Odd = Annotated[T, Rule("an odd number", lambda value: value % 2 == 1)]
 Some = Annotated[list[T], Field(min_length=1)]
 Distinct = Annotated[T, Rule("each once", _distinct)]
+Rising = Annotated[T, Rule("rising values", lambda values: sorted({*values}) == values)]
+Falling = Annotated[T, Rule("falling values", lambda values: sorted({*values})[::-1] == values)]
 Vector3 = tuple[T, T, T]
 
 Name = Annotated[str, Field(min_length=1)]
@@ -94,8 +112,6 @@ class Interval(Generic[T]):
     upper: T
     """greatest value"""
 
-    @model_validator(mode="after")
-    def _ordered(self) -> "Interval[T]":
+    def __post_init__(self) -> None:
         if self.lower > self.upper:  # pyright: ignore[reportOperatorIssue]
-            raise PydanticCustomError("rule", "lower ≤ upper")
-        return self
+            raise ValueError("lower ≤ upper")

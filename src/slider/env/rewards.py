@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from slider.config.convert import Describe, from_dict
+from slider.config.convert import from_dict
 from slider.config.train import RewardConfig, RewardTerm
 from slider.config.types import (
     Metres,
@@ -378,9 +378,7 @@ class Reward:
         return total + config.on_fall * fell, parts
 
 
-def check(
-    terms: Mapping[str, RewardTerm], key: str = "reward.terms", describe: Describe | None = None
-) -> None:
+def check(terms: Mapping[str, RewardTerm], key: str = "reward.terms") -> None:
     """Refuse unknown names, and parameters that are not those of the term or out of their bounds.
 
     Raises:
@@ -393,4 +391,4 @@ def check(
             texts = [", ".join(sorted(names)) or "none" for names in (expected, term.params)]
             raise UserError(f"{key}.{name}.params: expected {texts[0]}, found {texts[1]}")
         for parameter, value in term.params.items():
-            from_dict(expected[parameter], value, f"{key}.{name}.params.{parameter}", describe)
+            from_dict(expected[parameter], value, f"{key}.{name}.params.{parameter}")

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from slider.config.convert import Describe, from_dict
+from slider.config.convert import from_dict
 from slider.config.types import Metres, NonNegative, Number, Positive, Radians
 from slider.core.arrays import Array
 from slider.env.declaration import Function, Needs, Term, check_names, register
@@ -39,7 +39,7 @@ def body_contact(state: RobotState, maximum: NonNegative[Number]) -> Array:
     return state.body_contacts > maximum
 
 
-def check(terms: Mapping[str, float], describe: Describe | None = None) -> None:
+def check(terms: Mapping[str, float]) -> None:
     """Refuse unknown names and impossible parameters.
 
     Raises:
@@ -49,7 +49,7 @@ def check(terms: Mapping[str, float], describe: Describe | None = None) -> None:
     check_names(TERMS, terms, key)
     for name, value in terms.items():
         (parameter,) = TERMS[name].parameters.values()
-        from_dict(parameter, value, f"{key}.{name}", describe)
+        from_dict(parameter, value, f"{key}.{name}")
 
 
 def failed(state: RobotState, terms: Mapping[str, float]) -> Array:

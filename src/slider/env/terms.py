@@ -1,7 +1,8 @@
 """Checks of all terms of a configuration, and what a training needs because of them."""
 
+from typing import Any
+
 from slider.config.env import EnvConfig
-from slider.config.reference import Kind, kind, kind_at
 from slider.config.schema import Config
 from slider.config.train import TrainConfig
 from slider.core.errors import UserError
@@ -15,24 +16,24 @@ def checked(config: Config) -> Config:
     Raises:
         UserError: names the key, what was expected and what was found.
     """
-    terminations.check(config.env.termination.terms, kind_at)
+    terminations.check(config.env.termination.terms)
     observations.Observer(config.env.observation)
     for key, train in config.trainings.items():
-        rewards.check(train.reward.terms, f"{key}.reward.terms", kind_at)
+        rewards.check(train.reward.terms, f"{key}.reward.terms")
     return config
 
 
-def kinds(config: Config) -> dict[str, Kind]:
-    """Types, units and bounds of the terms' parameters by their keys in the configuration."""
+def parameter_types(config: Config) -> dict[str, Any]:
+    """Types of the terms' parameters by their keys in the configuration."""
     result = {
-        f"env.termination.terms.{name}": kind(hint)
+        f"env.termination.terms.{name}": hint
         for name in config.env.termination.terms
         for hint in terminations.TERMS[name].parameters.values()
     }
     for key, train in config.trainings.items():
         for name in train.reward.terms:
             for parameter, hint in rewards.TERMS[name].parameters.items():
-                result[f"{key}.reward.terms.{name}.params.{parameter}"] = kind(hint)
+                result[f"{key}.reward.terms.{name}.params.{parameter}"] = hint
     return result
 
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from slider.config.env import DisturbanceConfig, SensingConfig, TerrainConfig
-from slider.config.gauge import TERRAINS
+from slider.config.evaluation import TERRAINS
 from slider.config.types import Interval
 from slider.env.terrain import magnitude
 

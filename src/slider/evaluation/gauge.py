@@ -16,7 +16,7 @@ import torch
 
 from slider.config.convert import from_dict
 from slider.config.env import EnvConfig
-from slider.config.gauge import GaugeProtocol
+from slider.config.evaluation import GaugeProtocol
 from slider.config.robot import RobotConfig
 from slider.control.exported import load_exported
 from slider.control.policy import PolicyController

@@ -17,7 +17,7 @@ from optuna.storages import JournalStorage
 from optuna.storages.journal import JournalFileBackend
 from optuna.trial import FrozenTrial, TrialState
 
-from slider.config.tuning import setting, with_settings
+from slider.config.convert import setting, with_settings
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.env.disturbance import Disturbance
 from slider.env.metrics import Tracking, tracking

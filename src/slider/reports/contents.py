@@ -12,8 +12,7 @@ from typing import Any, ClassVar
 from matplotlib.figure import Figure
 
 from slider.config.convert import from_dict
-from slider.config.evaluation import EvaluationConfig
-from slider.config.report import ReportConfig
+from slider.config.evaluation import EvaluationConfig, ReportConfig
 from slider.core.job import Inputs
 from slider.evaluation.results import Evaluation
 from slider.library.reader import STORE, GaitLibrary

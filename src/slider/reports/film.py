@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from slider.config.report import VideoConfig
+from slider.config.evaluation import VideoConfig
 from slider.env.ground import Ground
 from slider.env.rollout import Frame
 from slider.robot.scene import Relief, aim

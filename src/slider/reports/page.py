@@ -10,7 +10,7 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from slider.config.convert import from_dict
-from slider.config.report import ReportConfig
+from slider.config.evaluation import ReportConfig
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.reports import contents
 from slider.reports.contents import Sources

@@ -8,7 +8,7 @@ import numpy as np
 
 from slider.config.convert import from_dict
 from slider.config.env import DisturbanceConfig, StartNoise
-from slider.config.report import VideoConfig
+from slider.config.evaluation import VideoConfig
 from slider.config.robot import RobotConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary

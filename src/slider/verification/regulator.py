@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from slider.config.gait import RegulatorConfig
 from slider.config.robot import Geometry
-from slider.config.verification import RegulatorConfig
 from slider.robot import names
 from slider.robot.kinematics import about_x, about_z
 

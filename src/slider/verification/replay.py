@@ -9,8 +9,8 @@ from itertools import pairwise
 import mujoco
 import numpy as np
 
+from slider.config.gait import ReplayConfig
 from slider.config.robot import RobotConfig
-from slider.config.verification import ReplayConfig
 from slider.robot import names
 from slider.robot.kinematics import about_z
 from slider.robot.mjcf import SimulationOptions, build_model

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from slider.config.verification import IntegratorConfig
+from slider.config.gait import IntegratorConfig
 from slider.verification.pin_robot import PinRobot
 from slider.verification.stored import StepMotion, StoredGait
 

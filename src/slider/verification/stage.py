@@ -13,9 +13,8 @@ import numpy as np
 import pandas as pd
 
 from slider.config.convert import from_dict
-from slider.config.gait import Posture
+from slider.config.gait import CheckConfig, Posture
 from slider.config.robot import RobotConfig
-from slider.config.verification import CheckConfig
 from slider.core.errors import UserError
 from slider.core.job import Inputs, Job, Section, Summary
 from slider.library.reader import STORE, GaitLibrary

@@ -6,8 +6,7 @@ import pytest
 
 from slider.config.compose import compose
 from slider.config.convert import to_dict
-from slider.config.parameters import choose, parameters, scaled, tag
-from slider.config.robot import RobotConfig
+from slider.config.robot import RobotConfig, choose, parameters, scaled, tag
 
 CONF = Path(__file__).parents[2] / "conf"
 
@@ -65,11 +64,3 @@ def test_one_parameter_changes_and_nothing_else(robot, factor):
 def test_a_vector_varies_as_a_whole_and_digits_stay_short(robot):
     changed = scaled(robot, "links.base.inertia", 1.2)
     assert changed.links.base.inertia == (0.036, 0.0216, 0.0336)
-
-
-def test_zeros_are_known_as_such(robot):
-    zero = {item.path for item in parameters(robot) if not any(item.value)}
-    assert "links.roll.com" in zero
-    assert "links.base.com" not in zero  # one of its numbers is not
-    for path in zero:
-        assert scaled(robot, path, 1.2) == robot

@@ -9,7 +9,7 @@ import pytest
 
 from slider.config.gait import StepTime
 from slider.gait import bezier
-from slider.gait.formulation import Formulation, formulate
+from slider.gait.formulation import Formulation
 from slider.gait.problem import build
 from slider.gait.solution import DENSE, coefficients, dense_nodes, dense_violations, knee_trajectory
 from slider.gait.solve import Attempt, GaitSolver, Solve, duration_bounds
@@ -22,7 +22,7 @@ VELOCITY = (0.4, 0.0)
 
 @cache
 def formulated(**changes: Any) -> Formulation:
-    return formulate(config().robot, replace(config().gait, **changes))
+    return Formulation(config().robot, replace(config().gait, **changes))
 
 
 def solve_with(form: Formulation, guesses=("cold",), step_time: StepTime | None = None):
@@ -141,7 +141,7 @@ def test_weaker_motors_and_a_lower_voltage_reach_their_bounds():
     """Torques of the capstan's motors follow from slide force and ankle torque."""
     robot, limit, share = config().robot, 2.7, 0.25
     drive = replace(robot.drives["capstan"], torque=limit)
-    weak = formulate(replace(robot, drives=robot.drives | {"capstan": drive}), config().gait)
+    weak = Formulation(replace(robot, drives=robot.drives | {"capstan": drive}), config().gait)
     transmission = Transmission.of(robot)
 
     def torque(solve: Solve) -> float:

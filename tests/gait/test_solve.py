@@ -5,7 +5,7 @@ from functools import cache
 
 import pytest
 
-from slider.gait.formulation import formulate, least_hip_rate
+from slider.gait.formulation import Formulation, least_hip_rate
 from slider.gait.problem import build
 from slider.gait.solution import dense_violations, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
@@ -24,7 +24,7 @@ def test_cold_starts_converge(velocity):
 
 @pytest.mark.parametrize("velocity", VELOCITIES)
 def test_the_swing_foot_clears_the_ground_and_stays_low(velocity):
-    posture, half = config().gait.posture, problem().nodes
+    posture, half = config().gait.posture, problem().layout.nodes
     height = trajectory(*velocity).swing_foot[:, 2].reshape(2, half)
     assert (height.max(axis=1) >= posture.clearance - 1e-6).all()
     assert (height <= posture.swing_height + 1e-6).all()
@@ -37,7 +37,7 @@ SHARE = 0.97
 @cache
 def solver(share: float, vx: float) -> GaitSolver:
     gait = replace(config().gait, phase="hip", hip_share=share)
-    bounded = formulate(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
+    bounded = Formulation(config().robot, gait, hip_rate=least_hip_rate(gait, vx))
     return GaitSolver(build(bounded), gait.solver, gait.step_time)
 
 
@@ -70,7 +70,7 @@ def test_slow_gaits_have_no_bound():
 
 def test_functions_depend_on_the_formulation_but_not_on_how_great_the_bound_is():
     hip, robot = replace(config().gait, phase="hip"), config().robot
-    forms = [formulate(robot, hip, hip_rate=rate) for rate in (1.0, 2.0, 0.0)]
+    forms = [Formulation(robot, hip, hip_rate=rate) for rate in (1.0, 2.0, 0.0)]
     forms += [form(), form(turning=True), form("knee")]
     facts = [each.facts for each in forms]
     assert facts[0] == facts[1]

@@ -6,7 +6,7 @@ import pytest
 
 from slider.config.convert import from_dict
 from slider.config.gait import FormulationConfig
-from slider.gait.formulation import formulate
+from slider.gait.formulation import Formulation
 from slider.gait.problem import build
 from slider.gait.solve import Nlp
 from slider.gait.stage import gait_arrays
@@ -30,7 +30,7 @@ def test_the_torque_cost_of_a_linear_torque(nodes):
 def test_the_torque_cost_is_the_optimisation_s_own(tmp_path):
     """The cost ``torque`` of the nonlinear programme, at a solution for another cost."""
     given = section(0.4, 0.0)["formulation"] | {"cost": "torque"}
-    other = build(formulate(config().robot, from_dict(FormulationConfig, given)))
+    other = build(Formulation(config().robot, from_dict(FormulationConfig, given)))
     variables = solved(0.4, 0.0).variables
     for name, array in gait_arrays(problem(), solved(0.4, 0.0), "exact").items():
         np.save(tmp_path / f"{name}.npy", array)

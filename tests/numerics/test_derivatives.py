@@ -7,7 +7,7 @@ import pytest
 from slider.gait.guess import STARTS, cold_start
 from slider.gait.solve import Nlp
 from slider.gait.transcription import NODE, STEP
-from tests.gait.gaits import problem, solver
+from tests.gait.gaits import config, problem, solver
 
 STEP_SIZE = 1e-6
 TURN = np.array([0.3, 0.2])  # yaw rate [rad/s] and phase of a node
@@ -18,7 +18,7 @@ both = pytest.mark.parametrize("turning", [False, True])
 def near_a_gait() -> np.ndarray:
     """A point with no symmetry, so that no derivative vanishes by accident."""
     rng = np.random.default_rng(3)
-    x = cold_start(problem().layout, 0.5, problem().config.degree, (0.25, 0.42), STARTS["cold"])
+    x = cold_start(problem().layout, 0.5, config().gait.degree, (0.25, 0.42), STARTS["cold"])
     return x + 0.05 * rng.normal(size=x.size)
 
 

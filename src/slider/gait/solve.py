@@ -88,7 +88,7 @@ class Nlp:
     """
 
     def __init__(self, problem: GaitProblem) -> None:
-        layout, self._problem, self._count = problem.layout, problem, 2 * problem.nodes
+        layout, self._problem, self._count = problem.layout, problem, 2 * problem.layout.nodes
         self.x, self.p = ca.MX.sym("x", layout.size), ca.MX.sym("p", len(VELOCITY))
         self._select, self._select_ends = layout.select_nodes, layout.select_ends
         self._nodes = ca.reshape(self._select @ self.x, NODE, self._count)
@@ -101,10 +101,8 @@ class Nlp:
         """(x, p) → cost, rows."""
         problem, nodes = self._problem, (self._nodes, self._weights, self._turns)
         costs, node_rows = problem.node.value.map(self._count)(*nodes)
-        defects, end_rows = (
-            problem.collocation.value(self.x),
-            problem.ends.value(self._ends, self.p),
-        )
+        defects = problem.collocation.value(self.x)
+        end_rows = problem.ends.value(self._ends, self.p)
         results = [ca.sum2(costs), ca.vertcat(ca.vec(node_rows), defects, end_rows)]
         return ca.Function("nlp", [self.x, self.p], results, ["x", "p"], ["f", "g"])
 
@@ -217,7 +215,7 @@ class GaitSolver:
         """
         if yaw_rate and not self.problem.form.turning:
             raise ValueError(f"expected a turning formulation for {yaw_rate} rad/s, found another")
-        solves: list[Solve] = []
+        solves = list[Solve]()
         for guess in self._config.guesses if start is None else [start]:
             solves.append(self.attempt(guess, vx, vy, yaw_rate))
             if solves[-1].success and self._config.keep == "first":
@@ -237,11 +235,11 @@ class GaitSolver:
         wall, cpu = time.perf_counter(), time.process_time()
         function, result = self._solve_from(guess, np.array([vx, vy, yaw_rate]))
         stats = function.stats()
-        cost = float(result["f"]) / COSTS[self.problem.config.cost].scale
+        cost = float(result["f"]) / COSTS[self.problem.form.config.cost].scale
         status, iterations = str(stats["return_status"]), int(stats["iter_count"])
         variables, rows = (np.array(result[name]).ravel() for name in ("x", "g"))
         name = guess if isinstance(guess, str) else GIVEN
-        worst = self.residuals(rows, variables, duration_bounds(self._step_time, vx, vy))
+        worst = self._residuals(rows, variables, (vx, vy))
         return Solve(
             variables=variables,
             status=status,
@@ -259,24 +257,19 @@ class GaitSolver:
     def _solve_from(
         self, guess: str | np.ndarray, velocity: np.ndarray
     ) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """Solve from one guess: a cold start, or a ``ramp`` of warm starts."""
-        if isinstance(guess, np.ndarray):
-            return self._cold, self._call(self._cold, velocity, x0=guess)
-        if guess == "ramp":
-            return self._ramp(velocity)
-        duration = duration_bounds(self._step_time, *velocity[:2])
-        degree = self.problem.config.degree
-        vx = velocity[0] / self.problem.form.leg_scale
-        start = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
-        return self._cold, self._call(self._cold, velocity, x0=start)
-
-    def _ramp(self, velocity: np.ndarray) -> tuple[ca.Function, dict[str, ca.DM]]:
-        """Walk in place first, then ever faster, each start with primal and dual values."""
-        _, result = self._solve_from("cold", np.zeros(len(VELOCITY)))
-        for share in RAMP:
-            start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
-            result = self._call(self._warm, share * velocity, **start)
-        return self._warm, result
+        """Solve from given variables, a cold start, or a ``ramp`` of warm starts."""
+        if isinstance(guess, str) and guess == "ramp":
+            # Walk in place first, then ever faster, each start with primal and dual values.
+            _, result = self._solve_from("cold", np.zeros(len(VELOCITY)))
+            for share in RAMP:
+                start = {f"{n}0": np.array(result[n]).ravel() for n in ("x", "lam_x", "lam_g")}
+                result = self._call(self._warm, share * velocity, **start)
+            return self._warm, result
+        if isinstance(guess, str):
+            form, duration = self.problem.form, duration_bounds(self._step_time, *velocity[:2])
+            vx, degree = velocity[0] / form.leg_scale, form.config.degree
+            guess = cold_start(self.problem.layout, vx, degree, duration, STARTS[guess])
+        return self._cold, self._call(self._cold, velocity, x0=guess)
 
     def _call(
         self, function: ca.Function, velocity: np.ndarray, **start: np.ndarray
@@ -286,14 +279,16 @@ class GaitSolver:
         row_lower, row_upper = self.problem.row_bounds
         return function(p=velocity, lbx=lower, ubx=upper, lbg=row_lower, ubg=row_upper, **start)
 
-    def residuals(
-        self, rows: np.ndarray, variables: np.ndarray, duration: tuple[float, float]
+    def _residuals(
+        self, rows: np.ndarray, variables: np.ndarray, velocity: tuple[float, float]
     ) -> dict[str, tuple[float, str]]:
         """Worst violation by constraint name; constraints of both steps count together."""
         lower, upper = self.problem.row_bounds
         worst: dict[str, tuple[float, str]] = {}
         for block in self.problem.blocks:
-            found = worst_of(rows[block.rows], lower[block.rows], upper[block.rows], block.scale)
-            worst[block.name] = max(worst.setdefault(block.name, found), found)
-        worst["variables"] = worst_of(variables, *self.problem.variable_bounds(duration))
+            at = block.rows
+            violation = worst_of(rows[at], lower[at], upper[at], block.scale)
+            worst[block.name] = max(worst.setdefault(block.name, violation), violation)
+        bounds = self.problem.variable_bounds(duration_bounds(self._step_time, *velocity))
+        worst["variables"] = worst_of(variables, *bounds)
         return worst

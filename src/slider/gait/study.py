@@ -94,7 +94,7 @@ def random_start(
     crouch = generator.uniform(spread.crouch.lower, spread.crouch.upper)
     stride = vx * step_time * generator.uniform(spread.stride.lower, spread.stride.upper)
     leg = LEG * problem.form.leg_scale
-    walk = crouched_walk(stride / 2 / leg, problem.config.degree + 1, crouch)
+    walk = crouched_walk(stride / 2 / leg, problem.form.config.degree + 1, crouch)
     noise = generator.uniform(-spread.joints, spread.joints, (2, *walk.shape))
     start = variables_of(problem.layout, walk + noise, step_time)
     return np.clip(start, *problem.variable_bounds(duration))

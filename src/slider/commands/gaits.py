@@ -8,9 +8,8 @@ import numpy as np
 from slider.artefacts.current import add_store_argument, current_folder, current_result
 from slider.artefacts.store import Store
 from slider.core.errors import UserError
-from slider.library.choose import MAKE_LIBRARY, add_library_arguments, library_path, read_library
-from slider.library.export import FORMATS
-from slider.library.overview import gait_lines, library_lines
+from slider.library.choose import MAKE_LIBRARY, add_library_arguments, library_path
+from slider.library.export import FORMATS, gait_lines, library_lines
 from slider.library.reader import STORE, GaitLibrary
 
 _PICTURES = (".svg", ".png")
@@ -85,7 +84,7 @@ def gait_arguments(parser: argparse.ArgumentParser) -> None:
 def gait(arguments: argparse.Namespace) -> None:
     """Show or export one gait."""
     _check(arguments)
-    library = read_library(arguments)
+    library = GaitLibrary.load(library_path(arguments))
     gait = library.find(arguments.vx, arguments.vy, arguments.yaw_rate)
     if arguments.action == "show":
         print("\n".join(gait_lines(library, gait)))

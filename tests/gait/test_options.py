@@ -120,20 +120,14 @@ def test_the_next_guess_is_tried_after_a_failure():
     assert all(attempt.iterations == 2 for attempt in solve.attempts)
 
 
-@pytest.mark.parametrize(
-    ("law", "expected"), [("free", (0.25, 0.42)), ("fixed", (0.4, 0.4)), ("speed", (0.35, 0.35))]
-)
-def test_step_time_laws(law, expected):
-    bounds = duration_bounds(StepTime(0.25, 0.42, law, 0.4, -0.05), 1.0, 0.0)
-    assert bounds == pytest.approx(expected)
-
-
-def test_a_fixed_step_time_is_kept():
-    law = StepTime(0.25, 0.42, "fixed", 0.36, 0.0)
-    solver = solve_with(formulated(), step_time=law)
-    solve = solver.solve(*VELOCITY)
+def test_step_time_laws():
+    laws = {"free": (0.25, 0.42), "fixed": (0.4, 0.4), "speed": (0.35, 0.35)}
+    for law, expected in laws.items():
+        bounds = duration_bounds(StepTime(0.25, 0.42, law, 0.4, -0.05), 1.0, 0.0)
+        assert bounds == pytest.approx(expected)
+    solver = solve_with(formulated(), step_time=StepTime(0.25, 0.42, "fixed", 0.36, 0.0))
+    solve, layout = solver.solve(*VELOCITY), solver.problem.layout
     assert solve.success
-    layout = solver.problem.layout
     assert [solve.variables[layout.time_index(step)] for step in range(2)] == [0.36, 0.36]
 
 

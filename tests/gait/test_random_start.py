@@ -10,7 +10,6 @@ from slider.config.gait import StartSpread
 from slider.config.types import Interval
 from slider.core.job import Job
 from slider.gait import REPORT
-from slider.gait.guess import Start, cold_start
 from slider.gait.solve import GIVEN
 from slider.gait.study import random_start, run
 from tests.gait.gaits import problem, section, solved
@@ -42,13 +41,6 @@ def test_starts_fill_their_spread():
     assert DURATION[0] <= times.min() < 0.26
     assert 0.41 < times.max() <= DURATION[1]
     np.testing.assert_array_equal(times, walks[:, layout.time_index(1)])
-
-
-def test_without_spread_it_is_the_crouched_walk():
-    tight = StartSpread(1e-13, Interval(0.9, 0.9), Interval(1.0, 1.0))
-    found = random_start(problem(), 1.2, (0.4, 0.4), tight, np.random.default_rng(0))
-    expected = cold_start(problem().layout, 1.2, 8, (0.4, 0.4), Start(crouch=0.9, stride=0.6))
-    np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
 def test_the_stage_solves_from_the_random_start_alone(tmp_path):

@@ -9,7 +9,7 @@ from slider.gait.formulation import Formulation, least_hip_rate
 from slider.gait.problem import build
 from slider.gait.solution import dense_violations, knee_trajectory
 from slider.gait.solve import GaitSolver, Solve
-from tests.gait.gaits import config, form, problem, solved, trajectory
+from tests.gait.gaits import config, form, problem, solved
 
 VELOCITIES = [(0.0, 0.0), (0.4, -0.1), (1.2, 0.0), (2.2, 0.1)]
 
@@ -20,14 +20,6 @@ def test_cold_starts_converge(velocity):
     assert solve.success, solve.status
     assert solve.max_violation <= 1e-6
     assert solve.iterations < 60
-
-
-@pytest.mark.parametrize("velocity", VELOCITIES)
-def test_the_swing_foot_clears_the_ground_and_stays_low(velocity):
-    posture, half = config().gait.posture, problem().layout.nodes
-    height = trajectory(*velocity).swing_foot[:, 2].reshape(2, half)
-    assert (height.max(axis=1) >= posture.clearance - 1e-6).all()
-    assert (height <= posture.swing_height + 1e-6).all()
 
 
 VELOCITY = (0.6, 0.0)

@@ -40,17 +40,13 @@ def library(tmp_path_factory) -> GaitLibrary:
     return GaitLibrary(arrays, {**made.attributes, "robot": to_dict(robot)})
 
 
-def test_shares_of_the_limits(library):
-    torque, voltage = (shares.max(axis=1) for shares in measures.motor_shares(library))
-    assert torque == pytest.approx([0.0, 0.953125], abs=1e-12)
-    assert voltage == pytest.approx([0.0, 0.8765625], abs=1e-12)
+def test_torques_and_shares_of_the_limits_by_hand(library):
+    assert measures.motor_torques(library, GAIT)[7, 3:5] == pytest.approx([2.375, 7.625])
     assert measures.slide_speed(library).tolist() == [0.0, 1.5]
-
-
-def test_shares_of_each_motor(library):
-    torque, voltage = (
-        dict(zip(MOTORS, s[GAIT], strict=True)) for s in measures.motor_shares(library)
-    )
+    shares = measures.motor_shares(library)
+    assert shares[0].max(axis=1) == pytest.approx([0.0, 0.953125], abs=1e-12)
+    assert shares[1].max(axis=1) == pytest.approx([0.0, 0.8765625], abs=1e-12)
+    torque, voltage = (dict(zip(MOTORS, share[GAIT], strict=True)) for share in shares)
     assert torque["left_leg_1"] == pytest.approx(2.375 / 8)
     assert torque["left_leg_2"] == pytest.approx(7.625 / 8)
     assert torque["right_hip_roll"] == 0.5
@@ -59,12 +55,6 @@ def test_shares_of_each_motor(library):
     assert voltage["right_leg_1"] == voltage["right_leg_2"] == pytest.approx(0.5)
     idle = set(MOTORS) - {"left_leg_1", "left_leg_2", "right_hip_roll"}
     assert not any(torque[name] for name in idle)
-
-
-def test_torques_of_the_two_capstan_motors_by_hand(library):
-    torques = measures.motor_torques(library, GAIT)
-    assert torques.shape == (42, 10)
-    assert torques[7, 3:5] == pytest.approx([2.375, 7.625])
 
 
 def test_clearance_is_the_lower_end_of_the_swing_foot_at_mid_step(library):

@@ -31,15 +31,6 @@ Bounds = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
-class Piece:
-    """A symbolic function with first and second derivatives."""
-
-    value: ca.Function
-    jacobian: ca.Function
-    hessian: ca.Function
-
-
-@dataclass(frozen=True)
 class Block:
     """Rows of one named constraint in the stacked vector."""
 
@@ -55,19 +46,13 @@ class GaitProblem:
     Attributes:
         form: the formulation of the gait.
         layout: of the variables.
-        node, ends, collocation: functions with derivatives, rows scaled.
-        gradient: of a node's cost.
-        quantities: of a node, for the stored gait.
+        functions: with derivatives, rows scaled, by the names of ``build``.
         node_constraints, end_constraints: of the rows of a node and of the step ends.
     """
 
     form: Formulation
     layout: Layout
-    node: Piece
-    ends: Piece
-    collocation: Piece
-    gradient: ca.Function
-    quantities: ca.Function
+    functions: Functions
     node_constraints: list[Constraint]
     end_constraints: list[Constraint]
 
@@ -76,7 +61,7 @@ class GaitProblem:
         """Rows of one node, of the collocation and of the step ends."""
         node = sum(c.size for c in self.node_constraints)
         ends = sum(c.size for c in self.end_constraints)
-        return node, self.collocation.value.size1_out(0), ends
+        return node, self.functions["collocation"].size1_out(0), ends
 
     @cached_property
     def row_bounds(self) -> Bounds:
@@ -174,19 +159,7 @@ def build(form: Formulation, functions: Source = interpreted) -> GaitProblem:
         return {function.name(): function for function in parts}
 
     derived = functions(form.facts, derive)
-    pieces = {
-        name: Piece(derived[name], derived[f"{name}_jacobian"], derived[f"{name}_hessian"])
-        for name in ("node", "ends", "collocation")
-    }
-    return GaitProblem(
-        form=form,
-        layout=layout,
-        **pieces,
-        gradient=derived["cost"],
-        quantities=derived["quantities"],
-        node_constraints=node_constraints,
-        end_constraints=end_constraints,
-    )
+    return GaitProblem(form, layout, derived, node_constraints, end_constraints)
 
 
 def _step_end(state: ca.SX, step_time: ca.SX) -> StepEnd:

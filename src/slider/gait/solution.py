@@ -48,7 +48,7 @@ class KneeTrajectory:
 def knee_trajectory(problem: GaitProblem, variables: np.ndarray) -> KneeTrajectory:
     """Evaluate all nodes of both steps and undo the second step's reflection."""
     nodes = problem.layout.node_vectors(variables).reshape(-1, NODE)
-    values = [np.array(v).T for v in problem.quantities.map(len(nodes))(nodes.T)]
+    values = [np.array(v).T for v in problem.functions["quantities"].map(len(nodes))(nodes.T)]
     q, v, torques, efforts, rotation, position, velocity, angular, force, moment, swing = values
     rotation = rotation.reshape(-1, 3, 3).transpose(0, 2, 1)  # CasADi stacks columns
     second = slice(problem.layout.nodes, None)
@@ -100,7 +100,7 @@ def coefficients(problem: GaitProblem, variables: np.ndarray) -> tuple[np.ndarra
     if problem.form.config.transcription == "bezier":
         steps = [variables[layout.joint_slice(step)] for step in range(2)]
         return np.stack(steps).reshape(2, NUM_JOINTS, -1), 0.0
-    basis = bezier.basis(problem.form.config.degree, layout.phase)
+    (basis,) = bezier.basis_orders(problem.form.config.degree, layout.phase, 1)
     fitted = np.stack([np.linalg.lstsq(basis, step)[0].T for step in positions])
     missed = np.abs(np.einsum("kw,sjw->skj", basis, fitted) - positions).max()
     return fitted, float(missed)
@@ -118,7 +118,7 @@ def dense_violations(
     lower, upper = scaled_bounds(problem.node_constraints, phase, at_nodes=False)
     x = dense_nodes(problem, variables)
     turns = np.stack([yaw_rate * np.repeat([1.0, -1.0], len(phase)), np.tile(phase - 0.5, 2)])
-    evaluate = problem.node.value.map(len(x))
+    evaluate = problem.functions["node"].map(len(x))
     rows = np.array(evaluate(x.T, np.ones((1, len(x))), turns)[1]).T
     beyond = excess(rows, np.tile(lower, (2, 1)), np.tile(upper, (2, 1))).ravel()
     blocks = blocks_of(problem.node_constraints, len(x))

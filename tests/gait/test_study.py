@@ -13,10 +13,11 @@ from slider.config.types import Interval
 from slider.core.job import Job
 from slider.gait import REPORT
 from slider.gait.formulation import Formulation
+from slider.gait.guess import random_start
 from slider.gait.problem import build
 from slider.gait.solve import GIVEN, Nlp
 from slider.gait.stage import gait_arrays
-from slider.gait.study import MeshGait, random_start, run
+from slider.gait.study import MeshGait, run
 from tests.gait.gaits import config, problem, section, solved
 
 DURATION = (0.25, 0.42)
